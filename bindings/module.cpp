@@ -21,6 +21,7 @@ void bind_one_step(nb::module_& m);
 void bind_explicit_plane(nb::module_& m);
 void bind_heat(nb::module_& m);
 void bind_heat_equation(nb::module_& m);
+void bind_heat_surface(nb::module_& m);
 void bind_damage(nb::module_& m);
 void bind_transfer(nb::module_& m);
 }  // namespace presswork::bindings
@@ -47,6 +48,7 @@ NB_MODULE(_core, m) {
   bind_explicit_plane(m);
   bind_heat(m);
   bind_heat_equation(m);
+  bind_heat_surface(m);
   bind_damage(m);
   bind_transfer(m);
 }

@@ -2293,6 +2293,28 @@ class HeatEquation:
         direct: called with whether the matrix is new, its values and the right-hand side where iterations do not find a correction; None for a singular matrix.
         """
 
+def find_touch(edges: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], areas: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, holds: Annotated[NDArray[numpy.bool_], dict(order='C', device='cpu', writable=False)], push: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], gap: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], conductance: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], width: float, seen: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> tuple[NDArray[numpy.bool_], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    Where a tool touches edges (n, nodes) or is near them.
+
+    holds, push [N], gap [mm]: at nodes (n_points,); conductance: rows of pressure [MPa] and value (n, 2); width [mm]: across which heat passes; seen (n, nodes) loses what touches and what passes. Returns edges that touch (n,), the pressure at their nodes (n_points,), and the nodes that touch or are near with their areas and conductances.
+    """
+
+def sum_pairs(own_edge: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other_edge: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], own_shape: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], other_shape: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], own: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], amounts: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> tuple[NDArray[numpy.int32], list[NDArray[numpy.float64]]]:
+    """
+    Pairs of nodes (n, 2), each once, and sums over them of amounts at points of edges own that face edges other, as find_facing returns them.
+    """
+
+class HeatColumn:
+    """A row of finite volumes behind a surface."""
+
+    def __init__(self, capacity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], between: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
+
+    def step(self, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Temperatures (n, cells) after dt [s] without a flux, and what a flux of 1 adds (cells,).
+        """
+
 class DamageCriterion(enum.Enum):
     """Criterion of ductile fracture."""
 

@@ -31,20 +31,15 @@ class Column:
         """Take conductivity [N/(s K)], heat capacity of a volume [N/(mm2 K)] and a usual time step [s]."""
         width = FIRST * np.sqrt(conductivity / capacity * dt) * GROWTH ** np.arange(CELLS)
         between = 2 * conductivity / (width[1:] + width[:-1])
-        difference = np.diff(np.eye(CELLS), axis=0)
-        self._conduction = difference.T @ (between[:, None] * difference)
         self._capacity = capacity * width
-        self._answers: tuple[float, FloatArray] | None = None  # of the last time step, to which they belong
+        self._column = _core.HeatColumn(self._capacity, between)
         self.surface = float(width[0] / (2 * conductivity))
         """Resistance from the surface to the first temperature [mm s K/N]."""
 
     def step(self, temperature: FloatArray, dt: float) -> tuple[FloatArray, FloatArray]:
         """Return the temperatures after dt [s] without a flux (n, CELLS), and what a flux of 1 adds (CELLS,)."""
-        storage = self._capacity / dt
-        if self._answers is None or self._answers[0] != dt:
-            self._answers = dt, np.linalg.inv(np.diag(storage) + self._conduction)  # of each cell to a flux into each
-        answers = self._answers[1]
-        return np.einsum("ij,nj->ni", answers, storage * temperature), answers[:, 0]
+        still, answer = self._column.step(temperature, dt)
+        return np.asarray(still), np.asarray(answer)
 
     def content(self, temperature: FloatArray) -> FloatArray:
         """Return the heat of columns (n, CELLS) over an area of 1 mm2 (n,) [N/mm]."""

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork import _core
 from presswork.body.heat import sum_at_nodes
 from presswork.interaction.forming_instant import FormingInstant
 from presswork.interaction.heat_films import Film, PairFilm, interpolate, make_surroundings, measure_sides
 from presswork.interaction.meshed_dies import MeshedDies
-from presswork.mesh.edges import GAUSS_3
 from presswork.mesh.facing import find_facing, split_edges, sum_pairs
 from presswork.model import BodyContact, BoolArray, FloatArray, Heat, HeatContact, IntArray, Model, ToolHeat
 
@@ -71,7 +71,8 @@ class HeatSurface:
 
     def __init__(self, model: Model, heat: Heat, dies: MeshedDies) -> None:
         self._model, self._heat, self._dies = model, heat, dies
-        self._edges = find_open_sides(model)
+        self._edges = np.ascontiguousarray(find_open_sides(model), dtype=np.int32)
+        self._tools = [heat.tools.get(tool.name) for tool in model.plane_tools]
         self._pieces = self._edges if model.analysis == "solid" else split_edges(self._edges)
         self._contacts = {contact.name: contact for contact in model.contacts}
         self._thickness = None if model.analysis == "axisymmetric" else model.depth
@@ -83,20 +84,24 @@ class HeatSurface:
         seen = areas.copy()
         touches = []
         links: dict[int, tuple[PairFilm, FloatArray]] = {}
-        for t, tool in enumerate(self._model.plane_tools):
-            touching: BoolArray = np.asarray(now.holds[t][self._edges[:, 0]] & now.holds[t][self._edges[:, 1]])
-            seen[touching] = 0.0
-            heat = self._heat.tools.get(tool.name)
+        for t, heat in enumerate(self._tools):
             if heat is None:
+                seen[now.holds[t][self._edges[:, 0]] & now.holds[t][self._edges[:, 1]]] = 0.0
                 continue
-            pressure = self._find_pressure(areas[touching], self._edges[touching], now.push[t])
-            near = self._near(now.gap[t], heat.gap, areas, touching)
-            if heat.gap > 0.0:
-                seen -= near
-            touch = self._touch(t, heat, areas, near, touching, pressure)
-            touches += [touch] if len(touch.nodes) else []
+            touching, pressure, nodes, area, conductance = _core.find_touch(
+                self._edges,
+                areas,
+                holds=now.holds[t],
+                push=now.push[t],
+                gap=now.gap[t],
+                conductance=heat.conductance,
+                width=heat.gap,
+                seen=seen,
+            )
+            if len(nodes):
+                touches.append(Touch(t, heat, nodes, area, conductance))
             if heat.die is not None:
-                links[t] = self._link(t, heat, now.gap[t], points, touching, pressure)
+                links[t] = self._link(t, heat, now.gap[t], points, np.asarray(touching), np.asarray(pressure))
         area = sum_at_nodes(self._edges, seen, len(points))
         for die in self._dies.dies:
             area += sum_at_nodes(die.profile, measure_sides(self._model, die.profile, points), len(points))
@@ -117,28 +122,6 @@ class HeatSurface:
             area += sum_at_nodes(die.profile, measure_sides(self._model, die.profile, points), len(points))
         around = self._heat.surroundings
         return make_surroundings(around, area) if around else []
-
-    def _find_pressure(self, areas: FloatArray, edges: IntArray, push: FloatArray) -> FloatArray:
-        """Return the pressure of a tool at the nodes of the edges that it touches (n_points,) [MPa]."""
-        n = len(self._model.mesh.points)
-        area = sum_at_nodes(edges, areas, n)
-        return np.asarray(np.divide(push, area, out=np.zeros(n), where=area > 0.0))
-
-    def _touch(
-        self, t: int, heat: ToolHeat, areas: FloatArray, near: FloatArray, touching: BoolArray, pressure: FloatArray
-    ) -> Touch:
-        """Return where a tool touches or is near: areas, and those of what is near, at the edges' nodes."""
-        n = len(pressure)
-        area = sum_at_nodes(self._edges[touching], areas[touching], n)
-        conductance, _ = interpolate(heat.conductance, pressure)
-        if heat.gap > 0.0:
-            beside = sum_at_nodes(self._edges, near, n)
-            loose = float(interpolate(heat.conductance, np.zeros(1))[0][0])
-            whole = area + beside
-            conductance = (area * conductance + beside * loose) / np.where(whole > 0.0, whole, 1.0)
-            area = whole
-        nodes = np.flatnonzero(area).astype(np.int32)
-        return Touch(t, heat, nodes, area[nodes], conductance[nodes])
 
     def _link(
         self,
@@ -166,18 +149,6 @@ class HeatSurface:
         conductance, _ = interpolate(heat.conductance, pushed)
         pairs, (conducted, shared) = sum_pairs(found, own, die.profile, conductance * area, area)
         return PairFilm("dies", pairs, conducted), shared
-
-    def _near(self, gaps: FloatArray, width: float, areas: FloatArray, touching: BoolArray) -> FloatArray:
-        """Return the area at the nodes of each edge (n_edges, n_nodes) by the part of heat that passes a gap."""
-        if width == 0.0:
-            return np.zeros_like(areas)
-        ends = _cut_off(gaps, width)[self._edges[:, :2]]
-        part = np.zeros(len(areas))
-        for s, weight in GAUSS_3:
-            between = 0.5 * (1 - s) * ends[:, 0] + 0.5 * (1 + s) * ends[:, 1]
-            part += 0.5 * weight * np.clip(1.0 - np.maximum(between, 0.0) / width, 0.0, 1.0)
-        part[touching] = 0.0
-        return np.asarray(areas * part[:, None])
 
     def _meet(self, now: FormingInstant, entry: HeatContact) -> Meeting:
         """Return how two bodies touch or are near."""

@@ -70,10 +70,7 @@ def sum_pairs(
 
     Each point shares its amounts among the ends of both edges by their shape functions.
     """
-    first, second = own[facing.own][:, :, None], other[facing.other][:, None, :]
-    n = np.int64(second.max(initial=0) + 1)
-    keys, place = np.unique((first * n + second).ravel(), return_inverse=True)
-    shapes = facing.own_shape[:, :, None], facing.other_shape[:, None, :]
-    parts = [(amount[:, None, None] * shapes[0] * shapes[1]).ravel() for amount in amounts]
-    sums = tuple(np.bincount(place, part, minlength=len(keys)).astype(np.float64, copy=False) for part in parts)
-    return np.column_stack(np.divmod(keys, n)).astype(np.int32), sums
+    pairs, sums = _core.sum_pairs(
+        facing.own, facing.other, facing.own_shape, facing.other_shape, own, other, list(amounts)
+    )
+    return np.asarray(pairs), tuple(np.asarray(each) for each in sums)

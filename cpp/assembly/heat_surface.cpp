@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "assembly/heat_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace presswork {
+
+namespace {
+
+constexpr double far = 1e3;  // gaps, in widths across which heat passes, beyond which all are one
+const double root = std::sqrt(0.6);
+const double gauss[3][2] = {{-root, 5.0 / 9.0}, {0.0, 8.0 / 9.0}, {root, 5.0 / 9.0}};
+
+// Part of heat that passes an edge across the gaps at its ends.
+double find_part(double first, double last, double width) {
+  first = std::min(first, far * width + 1.0), last = std::min(last, far * width + 1.0);
+  double part = 0.0;
+  for (const auto& [s, weight] : gauss) {
+    const double between = 0.5 * (1 - s) * first + 0.5 * (1 + s) * last;
+    part += 0.5 * weight * std::clamp(1.0 - std::max(between, 0.0) / width, 0.0, 1.0);
+  }
+  return part;
+}
+
+}  // namespace
+
+Touch find_touch(const SurfaceEdges& surface, const HeatingTool& tool, double* seen) {
+  Touch touch;
+  std::vector<double> area(surface.n_points, 0.0), beside(surface.n_points, 0.0);
+  touch.touching.resize(surface.n), touch.pressure.assign(surface.n_points, 0.0);
+  for (int e = 0; e < surface.n; ++e) {
+    const std::size_t first = std::size_t(e) * surface.nodes;
+    const int* nodes = surface.edges + first;
+    touch.touching[e] = tool.holds[nodes[0]] && tool.holds[nodes[1]];
+    const double part =
+        touch.touching[e] || tool.width == 0.0 ? 0.0 : find_part(tool.gap[nodes[0]], tool.gap[nodes[1]], tool.width);
+    for (int k = 0; k < surface.nodes; ++k) {
+      const double own = surface.areas[first + k];
+      if (touch.touching[e]) area[nodes[k]] += own, seen[first + k] = 0.0;
+      if (part > 0.0) beside[nodes[k]] += own * part, seen[first + k] -= own * part;
+    }
+  }
+  double loose, at_pressure, slope;
+  tool.conductance.find(0.0, loose, slope);
+  for (int a = 0; a < surface.n_points; ++a) {
+    if (area[a] > 0.0) touch.pressure[a] = tool.push[a] / area[a];
+    const double whole = area[a] + beside[a];
+    if (whole == 0.0) continue;
+    tool.conductance.find(touch.pressure[a], at_pressure, slope);
+    touch.nodes.push_back(a);
+    touch.area.push_back(whole);
+    touch.conductance.push_back(beside[a] > 0.0 ? (area[a] * at_pressure + beside[a] * loose) / whole : at_pressure);
+  }
+  return touch;
+}
+
+PairSums sum_pairs(const FacingPoints& found, const int* own, const int* other,
+                   const std::vector<const double*>& amounts) {
+  std::vector<std::pair<std::pair<int, int>, int>> places;  // nodes, and four places of each point
+  places.reserve(4 * std::size_t(found.n));
+  for (int i = 0; i < found.n; ++i)
+    for (int k = 0; k < 4; ++k)
+      places.push_back({{own[2 * found.own[i] + k / 2], other[2 * found.other[i] + k % 2]}, 4 * i + k});
+  std::sort(places.begin(), places.end());
+  PairSums result;
+  result.sums.resize(amounts.size());
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    const auto& [pair, place] = places[p];
+    if (p == 0 || pair != places[p - 1].first) {
+      result.pairs.insert(result.pairs.end(), {pair.first, pair.second});
+      for (auto& sums : result.sums) sums.push_back(0.0);
+    }
+    const int i = place / 4, k = place % 4;
+    const double shape = found.own_shape[2 * i + k / 2], across = found.other_shape[2 * i + k % 2];
+    for (std::size_t m = 0; m < amounts.size(); ++m) result.sums[m].back() += amounts[m][i] * shape * across;
+  }
+  return result;
+}
+
+}  // namespace presswork
