@@ -58,10 +58,7 @@ void bind_films(nb::module_& m) {
           nb::arg("area"), nb::arg("coefficient"), nb::arg("ambient"),
           "Newton's law of cooling: areas of the nodes (n_points,) [mm2], rows of temperature and coefficient (n, 2).")
       .def_static(
-          "radiation",
-          [](Doubles factor, double ambient) {
-            return HeatFilm{RadiationFilm{copy(factor), ambient}};
-          },
+          "radiation", [](Doubles factor, double ambient) { return HeatFilm{RadiationFilm{copy(factor), ambient}}; },
           nb::arg("factor"), nb::arg("ambient"),
           "To large surroundings: area, emissivity and Stefan and Boltzmann's constant (n_points,) [N mm/(s K4)].")
       .def_static(

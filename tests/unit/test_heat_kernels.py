@@ -109,3 +109,69 @@ def test_heat_content_is_the_integral_of_the_specific_heat() -> None:
     assert found - found[0] == pytest.approx(between, rel=2e-4, abs=1e6)
     assert content.find(np.array([20.0]))[0][0] == 0.0
     assert np.diff(found).min() > 0
+
+
+FILMS = {
+    "tools": _core.HeatFilm.at_nodes(np.array([1, 3], dtype=np.int32), np.array([2.0, 3.0]), np.array([20.0, 300.0])),
+    "convection": _core.HeatFilm.convection(np.array([1.0, 0.0, 2.0, 0.5]), TABLE, 20.0),
+    "radiation": _core.HeatFilm.radiation(np.array([1.0, 0.0, 2.0, 0.5]) * 5.67e-11, 20.0),
+    "flux": _core.HeatFilm.flux(np.array([1.0, 0.0, 2.0, 0.5])),
+    "between": _core.HeatFilm.between(np.array([[0, 3], [1, 3]], dtype=np.int32), np.array([2.0, 3.0])),
+}
+
+
+@pytest.mark.parametrize("kind", FILMS)
+def test_a_film_has_its_derivative(kind: str) -> None:
+    temperature, step = np.array([150.0, 330.0, 480.0, 260.0]), 1e-4
+    _, slope = FILMS[kind].evaluate(temperature)
+    for a in range(4):
+        ends = [FILMS[kind].evaluate(temperature + s * step * np.eye(4)[a])[0][a] for s in (-1, 1)]
+        assert slope[a] == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-6, abs=1e-9)
+
+
+def test_heat_between_nodes_is_neither_made_nor_lost() -> None:
+    power, _ = FILMS["between"].evaluate(np.array([150.0, 330.0, 480.0, 260.0]))
+    assert power == pytest.approx([220.0, -210.0, 0.0, -10.0])
+
+
+def test_a_column_takes_the_step_of_backward_euler() -> None:
+    rng, dt = np.random.default_rng(1), 0.3
+    capacity, between, before = rng.uniform(1, 2, 6), rng.uniform(1, 2, 5), rng.uniform(20, 300, (4, 6))
+    still, answer = _core.HeatColumn(capacity, between).step(before, dt)
+    difference = np.diff(np.eye(6), axis=0)
+    matrix = np.diag(capacity / dt) + difference.T @ (between[:, None] * difference)
+    assert still == pytest.approx(np.linalg.solve(matrix, (capacity / dt * before).T).T, rel=1e-13)
+    assert answer == pytest.approx(np.linalg.inv(matrix)[0], rel=1e-12)
+
+
+def test_a_tool_takes_what_it_touches_and_passes_from_what_the_surroundings_see() -> None:
+    edges = np.array([[0, 1], [1, 2], [2, 3]], dtype=np.int32)
+    areas = np.full((3, 2), 0.5)
+    seen = areas.copy()
+    touching, pressure, nodes, area, conductance = _core.find_touch(
+        edges,
+        areas,
+        holds=np.array([True, True, False, False]),
+        push=np.array([10.0, 10.0, 0.0, 0.0]),
+        gap=np.array([0.0, 0.0, 0.5, 2.0]),
+        conductance=np.array([[0.0, 1.0], [40.0, 5.0]]),
+        width=1.0,
+        seen=seen,
+    )
+    assert list(touching) == [True, False, False]
+    assert pressure == pytest.approx([20.0, 20.0, 0.0, 0.0])
+    passes = 0.75  # mean of 1 and 0.5
+    part = sum(w / 2 * max(1 - (0.5 + 1.5 * (1 + s) / 2), 0) for s, w in ((-np.sqrt(0.6), 5 / 9), (0, 8 / 9)))
+    assert list(nodes) == [0, 1, 2, 3]
+    assert area == pytest.approx([0.5, 0.5 + 0.5 * passes, 0.5 * (passes + part), 0.5 * part])
+    assert conductance == pytest.approx([3.0, (0.5 * 3.0 + 0.5 * passes) / (0.5 + 0.5 * passes), 1.0, 1.0])
+    assert seen == pytest.approx(np.array([[0, 0], [0.125, 0.125], [0.5 * (1 - part)] * 2]))
+
+
+def test_points_share_their_amounts_among_pairs_of_nodes() -> None:
+    edges = np.array([[4, 5]], dtype=np.int32), np.array([[1, 2], [2, 3]], dtype=np.int32)
+    shapes = np.array([[0.25, 0.75], [0.5, 0.5]]), np.array([[1.0, 0.0], [0.0, 1.0]])
+    at = np.array([0, 0], dtype=np.int32), np.array([0, 1], dtype=np.int32)
+    pairs, (sums,) = _core.sum_pairs(*at, *shapes, *edges, [np.array([8.0, 2.0])])
+    found = {tuple(pair): amount for pair, amount in zip(pairs.tolist(), sums, strict=True) if amount}
+    assert found == {(4, 1): 2.0, (5, 1): 6.0, (4, 3): 1.0, (5, 3): 1.0}

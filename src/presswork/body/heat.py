@@ -25,7 +25,7 @@ class Enthalpy:
         self.pieces: FloatArray = np.column_stack(
             [*(np.insert(v, 0, v[0]) for v in (rows, values)), slope, np.insert(content, 0, 0)]
         )
-        """Rows of temperature, specific heat, its slope and heat content (n, 4), as cpp/element/heat_storage.hpp has."""
+        """Temperature, specific heat, its slope and heat content (n, 4), as cpp/element/heat_storage.hpp has them."""
         self.latent: tuple[float, float, float] = (thermal.latent_heat, *thermal.transformation)
         """Latent heat [mm2/s2], and from where to where it is taken up [degrees C]."""
 
