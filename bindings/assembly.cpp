@@ -90,6 +90,7 @@ void bind_assembly(nb::module_& m) {
   bind_assembler<1>(m, "ScalarAssembler", "Sparsity pattern and scatter of element arrays, one freedom a node.");
   bind_assembler<2>(m, "Assembler", "Sparsity pattern and scatter of element arrays, two freedoms a node.");
   bind_assembler<3>(m, "SpaceAssembler", "The same with three freedoms a node.");
+  bind_assembler<4>(m, "MixedAssembler", "The same with four freedoms a node, displacement and pressure.");
   bind_assembler<6>(m, "ShellAssembler", "The same with six freedoms a node, rotations in the nodes' frames.");
   m.def(
       "solve_iteratively",

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/variant.h>
 
 #include "arrays.hpp"
@@ -12,6 +13,16 @@ ElementType element_named(const std::string& name) {
   auto element = find_element(name);
   if (!element) throw std::invalid_argument("unknown element " + name);
   return *element;
+}
+
+// Of solids with a pressure at the nodes: bulk and shear modulus [MPa], and the pressure that counts as a length.
+using PressureFreedom = std::tuple<double, double, double>;
+
+SolidSection make_section(bool axisymmetric, double depth, double hourglass_fraction,
+                          const std::optional<PressureFreedom>& pressure) {
+  SolidSection section{axisymmetric, depth, hourglass_fraction};
+  if (pressure) std::tie(section.bulk_modulus, section.shear_modulus, section.pressure_scale) = *pressure;
+  return section;
 }
 
 }  // namespace
@@ -45,7 +56,8 @@ void bind_element(nb::module_& m) {
       .def_ro("family", &ElementRow::family)
       .def_prop_ro("description", [](const ElementRow& e) { return std::string(e.description); })
       .def_ro("in_implicit", &ElementRow::in_implicit, "Whether the implicit procedure has it.")
-      .def_ro("in_explicit", &ElementRow::in_explicit, "Whether the explicit procedure has it.");
+      .def_ro("in_explicit", &ElementRow::in_explicit, "Whether the explicit procedure has it.")
+      .def_prop_ro("freedoms", &ElementRow::freedoms, "Of a node: displacements, then a pressure or rotations.");
   m.def(
       "element_sizes",
       [](const std::string& name) {
@@ -68,20 +80,21 @@ void bind_element(nb::module_& m) {
       "evaluate_block",
       [](const std::string& name, Ints connectivity, Doubles points, Doubles increment,
          std::variant<const Owned<VonMises>*, const Owned<PlaneLaw>*, const Owned<SolidLaw>*, const Umat*> law,
-         const PointSettings& settings, bool axisymmetric, double depth, double hourglass_fraction, Doubles stress_n,
-         Doubles eqps_n, Doubles hourglass_n, MutableDoubles stress, MutableDoubles eqps, MutableDoubles hourglass,
-         MutableDoubles volume, MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric,
+         const PointSettings& settings, bool axisymmetric, double depth, double hourglass_fraction,
+         const std::optional<PressureFreedom>& pressure, Doubles stress_n, Doubles eqps_n, Doubles hourglass_n,
+         MutableDoubles stress, MutableDoubles eqps, MutableDoubles hourglass, MutableDoubles volume,
+         MutableDoubles force, std::optional<MutableDoubles> stiffness, bool symmetric,
          std::optional<Doubles> history_n, std::optional<MutableDoubles> history, double dt, int first_cell,
          std::optional<Doubles> temperature, std::optional<Doubles> temperature_n, std::optional<UmatPlace> when,
          LawFault* fault) {
         const auto element = element_named(name);
         const std::size_t n = connectivity.shape(0), packs = (n + pack_width - 1) / pack_width;
-        const std::size_t freedoms = element.dim() * element.nodes, q = n * element.points;
+        const std::size_t freedoms = element.freedoms() * element.nodes, q = n * element.points;
         const std::size_t components = element.components();
         require(connectivity.ndim() == 2 && connectivity.shape(1) == std::size_t(element.nodes),
                 "connectivity must have shape (n_cells, nodes)");
-        require(points.size() == increment.size() && points.shape(1) == std::size_t(element.dim()),
-                "points and increment must have shape (n, 2), of a solid in space (n, 3)");
+        require(points.size() == increment.size() && points.shape(1) == std::size_t(element.freedoms()),
+                "points and increment must have shape (n, freedoms)");
         require(stress_n.size() == components * q && stress.size() == components * q,
                 "stress must have shape (n_cells, points, 4), of a solid in space 6");
         require(eqps_n.size() == q && eqps.size() == q && volume.size() == q, "eqps, volume: shape (n_cells, points)");
@@ -95,7 +108,7 @@ void bind_element(nb::module_& m) {
                         connectivity.data(),
                         points.data(),
                         increment.data(),
-                        {axisymmetric, depth, hourglass_fraction},
+                        make_section(axisymmetric, depth, hourglass_fraction, pressure),
                         stress_n.data(),
                         eqps_n.data(),
                         hourglass_n.data(),
@@ -145,11 +158,12 @@ void bind_element(nb::module_& m) {
       },
       nb::arg("element"), nb::arg("connectivity"), nb::arg("points"), nb::arg("increment"), nb::arg("law"),
       nb::arg("settings"), nb::kw_only(), nb::arg("axisymmetric"), nb::arg("depth"), nb::arg("hourglass_fraction"),
-      nb::arg("stress_n"), nb::arg("eqps_n"), nb::arg("hourglass_n"), nb::arg("stress"), nb::arg("eqps"),
-      nb::arg("hourglass"), nb::arg("volume"), nb::arg("force"), nb::arg("stiffness").none(),
-      nb::arg("symmetric") = false, nb::arg("history_n") = nb::none(), nb::arg("history") = nb::none(),
-      nb::arg("dt") = 0.0, nb::arg("first_cell") = 0, nb::arg("temperature") = nb::none(),
-      nb::arg("temperature_n") = nb::none(), nb::arg("when") = nb::none(), nb::arg("fault") = nb::none(),
+      nb::arg("pressure") = nb::none(), nb::arg("stress_n"), nb::arg("eqps_n"), nb::arg("hourglass_n"),
+      nb::arg("stress"), nb::arg("eqps"), nb::arg("hourglass"), nb::arg("volume"), nb::arg("force"),
+      nb::arg("stiffness").none(), nb::arg("symmetric") = false, nb::arg("history_n") = nb::none(),
+      nb::arg("history") = nb::none(), nb::arg("dt") = 0.0, nb::arg("first_cell") = 0,
+      nb::arg("temperature") = nb::none(), nb::arg("temperature_n") = nb::none(), nb::arg("when") = nb::none(),
+      nb::arg("fault") = nb::none(),
       "Evaluate a block of cells over one increment; fills stress, eqps, hourglass, volume, force and stiffness. "
       "history (n_cells, points, n_history) is what the law keeps besides stress and eqps; temperature (n_cells, "
       "points) [degrees C] is given at the end of the increment, without it that of the law's start. Returns the index "
@@ -159,10 +173,10 @@ void bind_element(nb::module_& m) {
   m.def(
       "differentiate_cell",
       [](const std::string& name, Doubles points, Doubles increment, Doubles along, const Owned<VonMises>& law,
-         const PointSettings& settings, bool axisymmetric, double depth, double hourglass_fraction, Doubles stress_n,
-         Doubles eqps_n, Doubles hourglass_n) {
+         const PointSettings& settings, bool axisymmetric, double depth, double hourglass_fraction,
+         const std::optional<PressureFreedom>& pressure, Doubles stress_n, Doubles eqps_n, Doubles hourglass_n) {
         const auto element = element_named(name);
-        const std::size_t nodes = element.nodes, d = element.dim(), q = element.points;
+        const std::size_t nodes = element.nodes, d = element.freedoms(), q = element.points;
         require(points.size() == nodes * d && increment.size() == nodes * d && along.size() == nodes * d,
                 "points, increment and along must have shape (nodes, d)");
         require(stress_n.size() == q * element.components() && eqps_n.size() == q && hourglass_n.size() == 2,
@@ -171,14 +185,15 @@ void bind_element(nb::module_& m) {
         auto forces = new_array({nodes, d}, &force);
         auto derivatives = new_array({nodes, d}, &derivative);
         const CellState state{stress_n.data(), eqps_n.data(), hourglass_n.data()};
-        require(element.differentiate({axisymmetric, depth, hourglass_fraction}, settings, law.view, state,
-                                      points.data(), increment.data(), along.data(), force, derivative),
-                "the cell is turned inside out");
+        require(
+            element.differentiate(make_section(axisymmetric, depth, hourglass_fraction, pressure), settings, law.view,
+                                  state, points.data(), increment.data(), along.data(), force, derivative),
+            "the cell is turned inside out");
         return std::make_tuple(forces, derivatives);
       },
       nb::arg("element"), nb::arg("points"), nb::arg("increment"), nb::arg("along"), nb::arg("law"),
       nb::arg("settings"), nb::kw_only(), nb::arg("axisymmetric"), nb::arg("depth"), nb::arg("hourglass_fraction"),
-      nb::arg("stress_n"), nb::arg("eqps_n"), nb::arg("hourglass_n"),
+      nb::arg("pressure") = nb::none(), nb::arg("stress_n"), nb::arg("eqps_n"), nb::arg("hourglass_n"),
       "Forces (nodes, d) of one solid cell and their exact derivative along a move of its nodes, by dual numbers.");
 }
 

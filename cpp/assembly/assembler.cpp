@@ -52,6 +52,20 @@ void turn_block(const double* row_frame, const double* column_frame, double (&k)
   }
 }
 
+// The same of a 4x4 block whose first three rows and columns are taken in the frames.
+void turn_block(const double* row_frame, const double* column_frame, double (&k)[16]) {
+  for (int c = 0; row_frame && c < 4; ++c) {
+    const double old[3] = {k[c], k[4 + c], k[8 + c]};
+    for (int i = 0; i < 3; ++i)
+      k[4 * i + c] = row_frame[3 * i] * old[0] + row_frame[3 * i + 1] * old[1] + row_frame[3 * i + 2] * old[2];
+  }
+  for (int r = 0; column_frame && r < 4; ++r) {
+    const double old[3] = {k[4 * r], k[4 * r + 1], k[4 * r + 2]};
+    for (int i = 0; i < 3; ++i)
+      k[4 * r + i] = column_frame[3 * i] * old[0] + column_frame[3 * i + 1] * old[1] + column_frame[3 * i + 2] * old[2];
+  }
+}
+
 // The same of a 6x6 block whose last three rows and columns are taken in the frames.
 void turn_block(const double* row_frame, const double* column_frame, double (&k)[36]) {
   for (int c = 0; row_frame && c < 6; ++c) {
@@ -317,6 +331,7 @@ void Assembler<D>::constrain(const std::uint8_t* mask, const double* value, doub
 template class Assembler<1>;
 template class Assembler<2>;
 template class Assembler<3>;
+template class Assembler<4>;
 template class Assembler<6>;
 
 }  // namespace presswork

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sparsity pattern and scatter, D freedoms a node: 1 for heat, 2 for solids in the plane, 3 for solids in space, 6 for
-// shells.
+// Sparsity pattern and scatter, D freedoms a node: 1 for heat, 2 for solids in the plane, 3 in space, 4 with a
+// pressure, 6 for shells.
 //
 // Rows are filled in chunks. A chunk knows the element entries that add up to its DxD node pairs, cell by cell, so that
 // the element arrays are read in order. Every pair is summed in the order of its cells by one thread: the bits do not
@@ -18,12 +18,12 @@ struct BlockConnectivity {
   const int* connectivity;  // (n_cells, nodes)
 };
 
-// A node may take its last F = min(D, 3) freedoms in a frame of its own: the displacement of a solid, the rotation of a
-// shell.
+// A node may take F = min(D, 3) freedoms in a frame of its own: the displacement of a solid, which comes first, or the
+// rotation of a shell, which comes last.
 template <int D>
 class Assembler {
  public:
-  static constexpr int freedoms = D, frame_size = D == 6 ? 3 : D;
+  static constexpr int freedoms = D, frame_size = D > 3 ? 3 : D;
 
   // couplings: further node pairs (n_couplings, 2) that the pattern must hold, in either order.
   Assembler(int n_nodes, const std::vector<BlockConnectivity>& blocks, bool symmetric, int n_couplings = 0,
@@ -84,6 +84,7 @@ class Assembler {
 extern template class Assembler<1>;
 extern template class Assembler<2>;
 extern template class Assembler<3>;
+extern template class Assembler<4>;
 extern template class Assembler<6>;
 
 }  // namespace presswork

@@ -12,18 +12,18 @@ namespace presswork {
 struct BlockView {
   int n_cells;
   const int* connectivity;  // (n_cells, nodes)
-  const double* points;     // (n_points, d) at t [mm]
-  const double* increment;  // (n_points, d) displacement since t [mm]
+  const double* points;     // (n_points, f) at t [mm]; f is d, and one more for a pressure over its scale
+  const double* increment;  // (n_points, f) change since t [mm]
   SolidSection section;
   const double* stress_n;     // (n_cells, q, c) [MPa]
   const double* eqps_n;       // (n_cells, q)
-  const double* hourglass_n;  // (n_cells, 2) [N], one_point only
+  const double* hourglass_n;  // (n_cells, 2) one_point: forces [N]; mixed: how far flow relaxes the bubble, 0
   double* stress;
   double* eqps;
   double* hourglass;
   double* volume;     // (n_cells, q) [mm3] at t+dt
-  double* force;      // (n_packs, d nodes, pack_width) [N]
-  double* stiffness;  // (n_packs, d nodes, d nodes, pack_width) [N/mm], or null
+  double* force;      // (n_packs, f nodes, pack_width) [N]
+  double* stiffness;  // (n_packs, f nodes, f nodes, pack_width) [N/mm], or null
   bool symmetric;     // keep the symmetric part of the stiffness
   // what a law keeps besides: kept_values, or, of one from a shared library, n_state + UmatHistory<c>::size
   const double* history_n = nullptr;  // (n_cells, q, n_history)

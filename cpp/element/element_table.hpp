@@ -18,8 +18,10 @@ struct ElementRow {
   Family family;
   std::string_view description;
   bool in_implicit = true, in_explicit = false;
+  bool has_pressure = false;  // as a freedom of its nodes
 
   constexpr int dim() const { return family == Family::plane ? 2 : 3; }
+  constexpr int freedoms() const { return family == Family::shell ? 6 : dim() + has_pressure; }  // of a node
 };
 
 // Every row, solids first.

@@ -12,7 +12,8 @@ namespace {
 template <int dim, class Cell, int n_points, Treatment treatment = Treatment::standard>
 constexpr ElementType element(std::string_view name, std::string_view description, bool in_explicit = false) {
   const Family family = dim == 2 ? Family::plane : Family::space;
-  const ElementRow row{name, Cell::name, Cell::nodes, n_points, family, description, true, in_explicit};
+  const ElementRow row{
+      name, Cell::name, Cell::nodes, n_points, family, description, true, in_explicit, treatment == Treatment::mixed};
   ElementType type{row, &evaluate_pack<dim, Cell, n_points, treatment, VonMises>};
   type.differentiate = &differentiate_cell<dim, Cell, n_points, treatment>;
   if constexpr (dim == 3)
@@ -38,6 +39,7 @@ constexpr ElementType elements[] = {
     element<2, Quad9, 4>("quad9_2x2", "9-node quadrilaterals, 2 x 2 points"),
     element<3, Hex8, 8>("hex8", "8-node hexahedra, full integration"),
     element<3, Hex8, 8, Treatment::fbar>("hex8_fbar", "8-node hexahedra, F-bar"),
+    element<3, Tet4, 1, Treatment::mixed>("tet4_mini", "4-node tetrahedra, pressure at the nodes and a bubble"),
 };
 
 }  // namespace

@@ -18,12 +18,13 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "element/solid_mixed.hpp"
 #include "element/solid_plane.hpp"
 #include "element/solid_space.hpp"
 
 namespace presswork {
 
-enum class Treatment { standard, fbar, one_point };
+enum class Treatment { standard, fbar, one_point, mixed };
 
 template <int dim, class Cell, int n_points, class T>
 using SolidBody = std::conditional_t<dim == 2, SolidPlane<Cell, n_points, T>, SolidSpace<Cell, n_points, T>>;
@@ -32,7 +33,7 @@ template <int dim, class Cell, int n_points, Treatment treatment, class T>
 struct Solid : SolidBody<dim, Cell, n_points, T> {
   using Body = SolidBody<dim, Cell, n_points, T>;
   using Point = typename Body::Point;
-  static constexpr int nodes = Cell::nodes, freedoms = dim * nodes;
+  static constexpr int nodes = Cell::nodes, node_freedoms = dim, freedoms = dim * nodes;
   static_assert(Cell::dim == dim && !(treatment == Treatment::one_point && dim == 3));
 
   // One cell, or a pack of them, with its nodes at x, moved by du: nodal forces and, if K is given, the tangent. True
@@ -93,5 +94,16 @@ struct Solid : SolidBody<dim, Cell, n_points, T> {
     return bad;
   }
 };
+
+template <int dim, class Cell, int n_points, Treatment treatment, class T>
+struct KernelOf {
+  using Type = Solid<dim, Cell, n_points, treatment, T>;
+};
+template <class T>
+struct KernelOf<3, Tet4, 1, Treatment::mixed, T> {
+  using Type = MixedTetrahedron<T>;
+};
+template <int dim, class Cell, int n_points, Treatment treatment, class T>
+using SolidKernel = typename KernelOf<dim, Cell, n_points, treatment, T>::Type;
 
 }  // namespace presswork

@@ -15,6 +15,8 @@ struct SolidSection {
   bool axisymmetric = false;
   double depth = 1.0;  // of plane strain [mm]
   double hourglass_fraction = 0.05;
+  // of solids with a pressure at the nodes: elastic moduli [MPa], and the pressure that counts as a length [MPa/mm]
+  double bulk_modulus = 1.0, shear_modulus = 1.0, pressure_scale = 1.0;
 };
 
 // To the last bit, which material/yield_terms.hpp's faster one is not.

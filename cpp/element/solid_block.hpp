@@ -33,13 +33,14 @@ struct BlockPoints {
     for (int lane = 0; lane < pack_width; ++lane) cells[lane] = std::min(first + lane, b.n_cells - 1);
   }
 
-  void gather(T x[][dim], T du[][dim]) const {
+  template <int width>
+  void gather(T x[][width], T du[][width]) const {
     for (int lane = 0; lane < pack_width; ++lane)
       for (int a = 0; a < nodes; ++a) {
         const int node = b.connectivity[cells[lane] * nodes + a];
-        for (int i = 0; i < dim; ++i) {
-          x[a][i].set(lane, b.points[dim * node + i]);
-          du[a][i].set(lane, b.increment[dim * node + i]);
+        for (int i = 0; i < width; ++i) {
+          x[a][i].set(lane, b.points[width * node + i]);
+          du[a][i].set(lane, b.increment[width * node + i]);
         }
       }
   }
@@ -76,6 +77,25 @@ struct BlockPoints {
   void keep_hourglass(const T Q[2]) {
     for (int lane = 0; lane < count; ++lane)
       for (int i = 0; i < 2; ++i) b.hourglass[2 * cells[lane] + i] = Q[i][lane];
+  }
+
+  // Of the law without stress, in this increment.
+  T dilatation() const {
+    if constexpr (std::is_same_v<Law, SolidLaw>)
+      if (law.thermoelastic.active()) {
+        T kept[most_point_values<components>];
+        load_point<components>(b, law, cells, n_points, 0, kept);
+        const T now = law.temperature_now(temperature_at(0), kept);
+        return T(3.0) * law.thermoelastic.strain(law.temperature_before(kept), now);
+      }
+    return T(0.0);
+  }
+  void begin_bubble(T& relaxed) const {
+    for (int lane = 0; lane < pack_width; ++lane) relaxed.set(lane, 1.0 + b.hourglass_n[2 * cells[lane]]);
+  }
+  void keep_bubble(double shear_modulus) {
+    const T relaxed = relaxed_by_flow(shear_modulus, s1, s1[components] - s0[components]);
+    for (int lane = 0; lane < count; ++lane) b.hourglass[2 * cells[lane]] = relaxed[lane];
   }
 
   // Where the lanes of point q are, for a law from a shared library.
@@ -118,11 +138,11 @@ struct BlockPoints {
 // Evaluate a pack of a block. Returns the index of a cell turned inside out, or -1.
 template <int dim, class Cell, int n_points, Treatment treatment, class Law>
 int evaluate_pack(const BlockView& b, const PointSettings& settings, const Law& law, int pack) {
-  using Kernel = Solid<dim, Cell, n_points, treatment, Pack>;
+  using Kernel = SolidKernel<dim, Cell, n_points, treatment, Pack>;
   using Points = BlockPoints<typename Kernel::Body, n_points, Law>;
   constexpr int nodes = Cell::nodes, freedoms = Kernel::freedoms;
   Points points(b, settings, law, pack);
-  Pack x[nodes][dim], du[nodes][dim], force[freedoms];
+  Pack x[nodes][Kernel::node_freedoms], du[nodes][Kernel::node_freedoms], force[freedoms];
   alignas(64) Pack K[freedoms * freedoms];
   points.gather(x, du);
   const Pack::Mask bad = Kernel::evaluate(b.section, settings, x, du, points, force, b.stiffness ? K : nullptr);

@@ -11,7 +11,7 @@ namespace presswork {
 struct CellState {
   const double* stress;     // (q, c) [MPa]
   const double* eqps;       // (q)
-  const double* hourglass;  // (2) [N], one_point only
+  const double* hourglass;  // (2), as BlockView::hourglass_n
 };
 
 template <class Body, class T>
@@ -39,27 +39,30 @@ struct CellPoints {
     modulus = T(SolidForces<4, double>::hourglass_modulus(law.shear_modulus(), state.eqps[0], flow, slope));
   }
   void keep_hourglass(const T*) {}
+  T dilatation() const { return T(0.0); }
+  void begin_bubble(T& relaxed) const { relaxed = T(1.0 + state.hourglass[0]); }
+  void keep_bubble(double) {}
 };
 
-// x, du, along (nodes, dim); force and derivative (nodes, dim). False if the cell is turned inside out.
+// x, du, along, force and derivative (nodes, d), d freedoms a node. False if the cell is turned inside out.
 template <int dim, class Cell, int n_points, Treatment treatment>
 bool differentiate_cell(const SolidSection& section, PointSettings settings, const VonMises& law,
                         const CellState& state, const double* x, const double* du, const double* along, double* force,
                         double* derivative) {
   using T = Dual<double, 1>;
-  using Kernel = Solid<dim, Cell, n_points, treatment, T>;
-  constexpr int nodes = Cell::nodes;
+  using Kernel = SolidKernel<dim, Cell, n_points, treatment, T>;
+  constexpr int nodes = Cell::nodes, width = Kernel::node_freedoms;
   settings.tangent = TangentKind::none;
-  T place[nodes][dim], moved[nodes][dim], found[nodes * dim];
+  T place[nodes][width], moved[nodes][width], found[nodes * width];
   for (int a = 0; a < nodes; ++a)
-    for (int i = 0; i < dim; ++i) {
-      place[a][i] = T(x[dim * a + i]);
-      moved[a][i] = T(du[dim * a + i]);
-      moved[a][i].slope[0] = along[dim * a + i];
+    for (int i = 0; i < width; ++i) {
+      place[a][i] = T(x[width * a + i]);
+      moved[a][i] = T(du[width * a + i]);
+      moved[a][i].slope[0] = along[width * a + i];
     }
   CellPoints<typename Kernel::Body, T> points(settings, law, state);
   if (any(Kernel::evaluate(section, settings, place, moved, points, found, nullptr))) return false;
-  for (int i = 0; i < nodes * dim; ++i) force[i] = found[i].value, derivative[i] = found[i].slope[0];
+  for (int i = 0; i < nodes * width; ++i) force[i] = found[i].value, derivative[i] = found[i].slope[0];
   return true;
 }
 

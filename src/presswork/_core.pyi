@@ -628,6 +628,10 @@ class Element:
     def in_explicit(self) -> bool:
         """Whether the explicit procedure has it."""
 
+    @property
+    def freedoms(self) -> int:
+        """Of a node: displacements, then a pressure or rotations."""
+
 def element_sizes(element: str) -> tuple[int, int]:
     """Number of nodes and of integration points of a solid."""
 
@@ -650,6 +654,7 @@ def evaluate_block(
     axisymmetric: bool,
     depth: float,
     hourglass_fraction: float,
+    pressure: tuple[float, float, float] | None = None,
     stress_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
     eqps_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
     hourglass_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
@@ -684,6 +689,7 @@ def differentiate_cell(
     axisymmetric: bool,
     depth: float,
     hourglass_fraction: float,
+    pressure: tuple[float, float, float] | None = None,
     stress_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
     eqps_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
     hourglass_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
@@ -1068,6 +1074,56 @@ class Assembler:
 
 class SpaceAssembler:
     """The same with three freedoms a node."""
+
+    def __init__(
+        self,
+        n_nodes: int,
+        connectivity: Sequence[Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)]],
+        symmetric: bool,
+        couplings: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)] | None = None,
+    ) -> None: ...
+    @property
+    def indptr(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+    @property
+    def indices(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]: ...
+    def assemble_matrix(
+        self,
+        stiffness: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]],
+        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
+        """
+        Fill data from element stiffnesses; marked nodes take their freedoms in their own frame.
+        """
+
+    def add_blocks(
+        self,
+        pairs: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        blocks: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        turned: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        frames: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
+        """Add blocks (n, D, D) at node pairs (n, 2)."""
+
+    def assemble_vector(
+        self, element_force: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]]
+    ) -> NDArray[numpy.float64]:
+        """Nodal force (n_nodes, D) of packed element forces."""
+
+    def constrain(
+        self,
+        mask: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        value: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        scale: float,
+        data: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+        rhs: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    ) -> None:
+        """Prescribe the masked freedoms in the matrix and the right-hand side."""
+
+class MixedAssembler:
+    """The same with four freedoms a node, displacement and pressure."""
 
     def __init__(
         self,

@@ -17,7 +17,7 @@ _BYTES_PER_LAYER = 3 * 8 * 8
 """Three copies of about 8 numbers at a point of a layer of a shell."""
 _BYTES_PER_ENTRY = 8 + 0.6 * 12
 """Of an element's matrix: the value, and 12 bytes an entry once merged."""
-_FACTOR_BYTES_PER_FREEDOM = {1: 2500.0, 2: 2500.0, 3: 12000.0, 6: 3500.0}
+_FACTOR_BYTES_PER_FREEDOM = {1: 2500.0, 2: 2500.0, 3: 12000.0, 4: 12000.0, 6: 3500.0}
 """Of a sparse factorisation at 100,000 freedoms, by freedoms of a node; grows with the logarithm of their number."""
 _ENTRIES_OF_ROW = 81
 """In the matrix of hexahedra."""
@@ -71,8 +71,11 @@ def estimate_rectangle(cells: int, element: str, layers: int, *, explicit: bool)
 
 
 def estimate_box(cells: int, element: str) -> float:
-    """Estimate the bytes for a box of so many hexahedra, before it is meshed."""
-    return _estimate_block(cells, element, 0, float(cells), 3, with_matrix=True, iterates=3 * cells >= model.LARGE)
+    """Estimate the bytes for a box of so many hexahedra, or of six tetrahedra in each, before it is meshed."""
+    row = model.ELEMENTS[element]
+    iterates = row.freedoms == 3 and 3 * cells >= model.LARGE
+    count = 6 * cells if row.cell == "tet4" else cells
+    return _estimate_block(count, element, 0, float(cells), row.freedoms, with_matrix=True, iterates=iterates)
 
 
 def check_memory(problem: model.Model) -> None:

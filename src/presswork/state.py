@@ -96,7 +96,11 @@ def _copy(value: _Value) -> object:
 
 @dataclass
 class NodeArrays(Arrays):
-    """Displacements of the nodes and forces on them, f freedoms a node: 2 in the plane, 3 in space, 6 in shells."""
+    """Displacements of the nodes and forces on them, f freedoms a node: 2 in the plane, 3 in space, 6 in shells.
+
+    Solids in space whose nodes have a pressure have 4: what belongs to the pressure comes last, as a length [mm]
+    (Mechanics.pressure_scale), and its equation as a force.
+    """
 
     owner = "nodes"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
@@ -114,6 +118,11 @@ class NodeArrays(Arrays):
     """Force that tools and supports exert on the nodes (n_points, f) [N]; of a shell with moments [N mm]."""
     external_force: FloatArray
     """Applied loads, in the same form."""
+
+    @property
+    def moved(self) -> FloatArray:
+        """How far the nodes have moved (n_points, 2 | 3) [mm], without rotations and pressures."""
+        return self.displacement[:, :3]
 
     @classmethod
     def at_rest(cls, n_points: int, freedoms: int) -> NodeArrays:

@@ -117,6 +117,7 @@ class ShellMechanics:
         area = sum(float(measure_shells(model.mesh.points, b)[1].sum()) for b in blocks)
         size = float(np.sqrt(area / sum(len(c) for c in self._connectivity)))
         self.length = np.array([1.0, 1.0, 1.0, size, size, size])
+        self.sense = np.ones(6)
 
     def at_rest(self) -> State:
         """Return nodes and cells before the first increment."""

@@ -13,6 +13,7 @@ from presswork import _core
 from presswork.body.heat_of_umat import find_heat
 from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.law_window import LawWindow, note_rates
+from presswork.body.nodal_pressure import describe_freedom, find_scale
 from presswork.body.shells import ShellMechanics
 from presswork.body.solid_energy import elastic_energy, stress_in_axes
 from presswork.evolution.points import find_evolved
@@ -122,8 +123,18 @@ class Mechanics:
         self._first_cell = np.cumsum([0, *(len(b.connectivity) for b in model.mesh.blocks)])
         self._when = _core.UmatPlace()
         self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in model.mesh.blocks]
+        self._has_pressure = self.freedoms > model.dimension
+        self.pressure_scale = find_scale(model)
+        """What the last freedom of a node, a length, is multiplied by to make it a pressure [MPa/mm], if it has one."""
+        materials = [model.materials[block.material] for block in model.mesh.blocks]
+        self._pressure = [describe_freedom(m, self.pressure_scale) if self._has_pressure else None for m in materials]
+        self._start = model.mesh.points
+        if self._has_pressure:
+            self._start = np.column_stack([self._start, np.zeros(len(self._start))])
         self.assembler = self._make_assembler(None)
         self._couplings: IntArray | None = None
+        self.sense = np.where(np.arange(self.freedoms) < model.dimension, 1.0, -1.0)
+        """-1 where the residual of a freedom falls as it grows: of a pressure."""
         self.length = np.ones(self.freedoms)
         """What each freedom is multiplied by to make it a length [mm]."""
         self._force: list[FloatArray] = []
@@ -134,10 +145,14 @@ class Mechanics:
             self._force.append(np.zeros((packs, self.freedoms * nodes, _core.pack_width)))
             self._stiffness.append(np.zeros((packs, self.freedoms * nodes, self.freedoms * nodes, _core.pack_width)))
 
-    def _make_assembler(self, couplings: IntArray | None) -> _core.Assembler | _core.SpaceAssembler:
-        n_points = len(self._model.mesh.points)
+    def _make_assembler(
+        self, couplings: IntArray | None
+    ) -> _core.Assembler | _core.SpaceAssembler | _core.MixedAssembler:
+        n_points, symmetric = len(self._model.mesh.points), self._model.solver.symmetric
+        if self.freedoms == 4:
+            return _core.MixedAssembler(n_points, self._connectivity, symmetric, couplings)
         assembler = _core.SpaceAssembler if self.freedoms == 3 else _core.Assembler
-        return assembler(n_points, self._connectivity, self._model.solver.symmetric, couplings)
+        return assembler(n_points, self._connectivity, symmetric, couplings)
 
     def couple(self, couplings: IntArray) -> None:
         """Let the matrix hold these node pairs (n, 2) beside those of the cells; a change makes a new assembler."""
@@ -201,9 +216,11 @@ class Mechanics:
         """
         started = perf_counter()
         model = self._model
-        points = model.mesh.points
+        points = self._start
         if not model.solver.is_small:
             points = points + state_n.nodes.displacement
+        elif self._has_pressure:
+            points = np.column_stack([model.mesh.points, state_n.nodes.displacement[:, 3]])
         for i, block in enumerate(model.mesh.blocks):
             fault = _core.LawFault()
             failed = _core.evaluate_block(
@@ -216,6 +233,7 @@ class Mechanics:
                 axisymmetric=model.analysis == "axisymmetric",
                 depth=model.depth,
                 hourglass_fraction=model.solver.hourglass_stiffness,
+                pressure=self._pressure[i],
                 stress_n=state_n.cells.stress[i],
                 eqps_n=state_n.cells.eqps[i],
                 hourglass_n=state_n.cells.hourglass[i],
@@ -292,7 +310,7 @@ class Mechanics:
         """Return what the fields are computed from. contact: forces of the tools; in space no tool touches a body."""
         model, cells = self._model, state.cells
         points = SolidPoints(cells.stress, cells.eqps, cells.volume, cells.history, self._temperature(state))
-        found = Instant(model, state.nodes.displacement, state, points=points, evolved=find_evolved(state))
+        found = Instant(model, state.nodes.moved, state, points=points, evolved=find_evolved(state))
         if contact is not None and model.analysis != "solid":
             found.find_contact = lambda: find_contact(
                 model, state.nodes.displacement, contact, self.nodal_flow_stress(state), between_bodies
@@ -322,7 +340,7 @@ class Mechanics:
             "equivalent_plastic_strain": np.concatenate([e.ravel() for e in state.cells.eqps]),
             "effective_stress": effective_stress(stress),
             "hydrostatic_stress": stress[:, :3].mean(axis=1),
-            "displacement": np.linalg.norm(state.nodes.displacement, axis=1),
+            "displacement": np.linalg.norm(state.nodes.moved, axis=1),
         }
 
     def elastic_dilatation(self, state: State) -> float:

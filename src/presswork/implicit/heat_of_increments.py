@@ -98,7 +98,7 @@ class HeatOfIncrements:
         return max(0.9 / change, 0.2)
 
     def _points(self, state: State) -> FloatArray:
-        return self._model.mesh.points + state.nodes.displacement
+        return self._model.mesh.points + state.nodes.moved
 
     def _poses(self, state: State) -> Poses:
         if not self._model.plane_tools:

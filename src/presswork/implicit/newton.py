@@ -318,13 +318,22 @@ class Equilibrium:
         largest = self._largest(correction)
         if not self._model.solver.line_search or part < 1.0 or missing > 1e-3 * largest:
             return found
-        before = float(((drag - point.reaction) * correction).sum())
-        after = float(((drag - found.reaction) * correction).sum())
-        if abs(after) <= OVERSHOOT * abs(before):
+        weighed = correction * self._mechanics.sense
+        before = float(((drag - point.reaction) * weighed).sum())
+        after = float(((drag - found.reaction) * weighed).sum())
+        if abs(after) <= OVERSHOOT * abs(before) or self._comes_nearer(balance, found):
             return found
         part = float(np.clip(before / (before - after), 0.1, 0.9)) if before != after else 0.5
         self._move(trial, point, balance, part * correction, (part - gone) * travel)
         return self.evaluate(state_n, trial, step, increment + part * correction, with_stiffness=full)
+
+    def _comes_nearer(self, balance: Balance, found: Point) -> bool:
+        """Say whether a correction of pressures alone, which do no work, has brought equilibrium nearer."""
+        if self._mechanics.sense[-1] > 0.0:
+            return False
+        lacking = turn(balance.constraints, balance.drag - found.reaction)
+        lacking[balance.constraints.mask == 1] = 0.0
+        return float(np.abs(lacking / balance.length).max()) <= OVERSHOOT * balance.largest_lacking
 
     def _move(self, trial: State, point: Point, balance: Balance, change: FloatArray, travel: FloatArray) -> None:
         """Tell interactions of a change of the nodes, and move what has freedoms of its own."""

@@ -59,7 +59,7 @@ class Forces:
     pairs: IntArray
     """Node pairs (n, 2) of the derivative."""
     blocks: FloatArray
-    """d(-force)/d(displacement) of each pair (n, freedoms, freedoms)."""
+    """d(-force)/d(displacement) of each pair (n, d, d), d as in `force` or more."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Constraints:
     mask: MaskArray  # (n_points, freedoms): prescribed
     value: FloatArray  # (n_points, freedoms): the correction still to be made [mm, rad]
     turned: MaskArray  # (n_points,): has a frame of its own
-    frames: FloatArray  # (n_points, d, d): rows are the local axes of a node's last d freedoms
+    frames: FloatArray  # (n_points, d, d): rows are the local axes of a node's displacement, of a shell's rotation
 
 
 class Resistance(Protocol):
@@ -93,7 +93,7 @@ class Resistance(Protocol):
 
     def add_stiffness(
         self,
-        assembler: _core.Assembler | _core.SpaceAssembler | _core.ShellAssembler,
+        assembler: _core.Assembler | _core.SpaceAssembler | _core.MixedAssembler | _core.ShellAssembler,
         constraints: Constraints,
         data: FloatArray,
         *,
@@ -254,14 +254,20 @@ def turn(constraints: Constraints, vector: FloatArray) -> FloatArray:
     """Take a nodal vector into the nodes' own frames."""
     result = vector.copy()
     nodes = np.nonzero(constraints.turned)[0]
-    own = constraints.frames.shape[-1]  # the last freedoms of a node are those taken in its frame
-    result[nodes, -own:] = np.einsum("nij,nj->ni", constraints.frames[nodes], vector[nodes, -own:])
+    own = _in_frame(constraints, vector)
+    result[nodes, own] = np.einsum("nij,nj->ni", constraints.frames[nodes], vector[nodes, own])
     return result
 
 
 def turn_back(constraints: Constraints, vector: FloatArray) -> FloatArray:
     """Take a nodal vector from the nodes' own frames into the global one, in place."""
     nodes = np.nonzero(constraints.turned)[0]
-    own = constraints.frames.shape[-1]
-    vector[nodes, -own:] = np.einsum("nji,nj->ni", constraints.frames[nodes], vector[nodes, -own:])
+    own = _in_frame(constraints, vector)
+    vector[nodes, own] = np.einsum("nji,nj->ni", constraints.frames[nodes], vector[nodes, own])
     return vector
+
+
+def _in_frame(constraints: Constraints, vector: FloatArray) -> slice:
+    """Return which freedoms of a nodal vector are taken in the nodes' frames."""
+    first = 3 if vector.shape[1] == 6 else 0
+    return slice(first, first + constraints.frames.shape[-1])

@@ -67,7 +67,7 @@ class FrictionForces:
 
     def add_stiffness(
         self,
-        assembler: _core.Assembler | _core.SpaceAssembler | _core.ShellAssembler,
+        assembler: _core.Assembler | _core.SpaceAssembler | _core.MixedAssembler | _core.ShellAssembler,
         constraints: Constraints,
         data: FloatArray,
         *,

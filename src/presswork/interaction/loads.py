@@ -24,7 +24,7 @@ class FadingLoads(Arrays):
 
     owner = "fading_loads"
     force: FloatArray
-    """Forces left from the previous stage; they fade to zero over this stage (n_points, freedoms) [N, N mm]."""
+    """Forces left from the previous stage; they fade to zero over this stage (n_points, 3) [N]."""
 
 
 class Loads(Interaction):
@@ -48,10 +48,10 @@ class Loads(Interaction):
         """Keep what holds a converged state in balance where the next stage holds nothing."""
         if not self._fades:
             return
-        force = internal()
+        force = internal()[:, :3]
         if SpaceToolArrays in state:  # tools stay where they are
             force = force - state[SpaceToolArrays].force.sum(axis=0)
-        state[FadingLoads].force = np.where(self._supports.fixed(next_stage), 0.0, force)
+        state[FadingLoads].force = np.where(self._supports.fixed(next_stage)[:, :3], 0.0, force)
 
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> Forces:
         """Return the loads at a guess."""
@@ -59,13 +59,14 @@ class Loads(Interaction):
 
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep the loads of a converged state."""
-        trial.nodes.external_force = own.force
+        trial.nodes.external_force = np.zeros_like(trial.nodes.displacement)
+        trial.nodes.external_force[:, : own.force.shape[1]] = own.force
 
     def at(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> Forces:
         """Return the loads at a fraction of a stage, `increment` (n_points, 2) after state_n."""
         points, settings = self._model.mesh.points, self._model.solver
         if not settings.is_small:
-            points = points + (state_n.nodes.displacement + increment)
+            points = points + (state_n.nodes.moved + increment[:, :3])
         found = evaluate_loads(self._model, points, stage, fraction)
         force = found.force
         if self._fades:

@@ -52,7 +52,7 @@ class SolidContact(SpaceContact):
 
     def begin_increment(self, state_n: State) -> None:
         """Take surface, shear flow stress and multipliers as they are when the increment begins."""
-        places = self._model.mesh.points + state_n.nodes.displacement
+        places = self._model.mesh.points + state_n.nodes.moved
         normals = nodal_normals(places, self._model.mesh.boundary_faces)
         self._length = np.where(self._inside, 1.0, np.sqrt(np.linalg.norm(normals, axis=1)))
         placed = state_n[SpaceToolArrays]
@@ -78,7 +78,7 @@ class SolidContact(SpaceContact):
         """Return the contact of a converged state: forces over the part of each node's surface that faces the tool."""
         self.begin_increment(state)
         placed = state[SpaceToolArrays]
-        places = self._model.mesh.points + state.nodes.displacement
+        places = self._model.mesh.points + state.nodes.moved
         push = np.linalg.norm(placed.force - placed.friction, axis=2)
         drag = np.linalg.norm(placed.friction, axis=2)
         area = np.where(self._area > 0.0, self._area, np.inf)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """What supports and prescribed displacements make of an increment: prescribed freedoms, and frames for rotations.
 
-Solids have two or three freedoms a node, taken along x, y and z. Shells have six; their rotations are taken in a frame
-of the node's own, so that any set of them can be prescribed: those about x, y, z that supports hold, and, where the
-sheet is smooth, the drilling about the director, which means nothing there.
+Solids have two or three displacements a node, taken along x, y and z; pressures are never prescribed. Shells have six
+freedoms; their rotations are taken in a frame of the node's own, so that any set of them can be prescribed: those about
+x, y, z that supports hold, and, where the sheet is smooth, the drilling about the director, which means nothing there.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class Supports(Interaction):
         self._frames, self._held = np.zeros((0, 3, 3)), np.zeros((0, 3), dtype=bool)
         self._supported = np.zeros((n, self.freedoms), dtype=bool)
         for support in model.supports:
-            self._supported[model.mesh.node_sets[support.node_set]] |= np.asarray(support.fix)
+            self._supported[model.mesh.node_sets[support.node_set], : len(support.fix)] |= np.asarray(support.fix)
         self._identity = np.tile(np.eye(model.dimension), (n, 1, 1))
 
     def fixed(self, stage: int) -> BoolArray:

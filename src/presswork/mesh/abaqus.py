@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Abaqus/CalculiX .inp: *NODE, *ELEMENT, *NSET, *ELSET of a flat mesh, or of hexahedra.
+"""Abaqus/CalculiX .inp: *NODE, *ELEMENT, *NSET, *ELSET of a flat mesh, of hexahedra or of tetrahedra.
 
 Read here and not through meshio, which (5.3) knows neither the axisymmetric nor most plane-strain elements, and mixes
 up element sets when there are several *ELEMENT blocks.
@@ -17,7 +17,7 @@ from presswork.mesh.raw import RawMesh
 from presswork.model import IntArray
 
 _FLAT = re.compile(r"^(?:CAX|CGAX|CPE|CPS|CPEG|M3D|S|STRI|R3D|RAX|MAX|SAX)(\d+)")
-_SOLID = re.compile(r"^C3D8[RIHT]*$")
+_SOLIDS = {"hex8": re.compile(r"^C3D8[RIHT]*$"), "tet4": re.compile(r"^C3D4[HT]*$")}
 _LINE = re.compile(r"^(?:T2D|T3D|B2|B3|SAX|RAX|MAX)(\d)")
 _KINDS = {3: "tri3", 6: "tri6", 4: "quad4", 8: "quad8", 9: "quad9"}
 
@@ -82,7 +82,7 @@ def _read_elements(
 
 
 def _kind_of(element_type: str) -> str | None:
-    """Return tri3 ... quad9, hex8, line2 or line3 for an Abaqus element type, None for any other."""
+    """Return tri3 ... quad9, hex8, tet4, line2 or line3 for an Abaqus element type, None for any other."""
     line = _LINE.match(element_type)
     if line:
         digit = int(line.group(1))
@@ -91,8 +91,9 @@ def _kind_of(element_type: str) -> str | None:
         if element_type.startswith(("SAX", "RAX", "MAX")):
             return {1: "line2", 2: "line2"}.get(digit)
         return {2: "line2", 3: "line3"}.get(digit)
-    if _SOLID.match(element_type):
-        return "hex8"
+    for kind, pattern in _SOLIDS.items():
+        if pattern.match(element_type):
+            return kind
     flat = _FLAT.match(element_type)
     if flat is None:
         return None
@@ -146,9 +147,9 @@ def _to_raw(
 
     kinds = {kind for kind, _ in elements.values()}
     for kind in sorted(kinds):
-        if kind == "hex8":
-            raw.hexahedra.append(connect(list(elements), kind))
-            raw.other_kinds.add("C3D8")
+        if kind in _SOLIDS:
+            raw.add_volumes(kind, connect(list(elements), kind))
+            raw.other_kinds.add("C3D8" if kind == "hex8" else "C3D4")
         elif not kind.startswith("line"):
             raw.add_cells(kind, connect(list(elements), kind))
     for name, labels in element_sets.items():

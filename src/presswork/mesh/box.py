@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes of solids in space: a box of hexahedra, and hexahedra from a file."""
+"""Meshes of solids in space: a box of hexahedra, and hexahedra or tetrahedra from a file."""
 
 from __future__ import annotations
 
@@ -7,21 +7,24 @@ from pathlib import Path
 
 import numpy as np
 
+from presswork import _core
 from presswork.mesh.checks import MeshError, check_coordinates
-from presswork.mesh.faces import find_boundary_faces, select_faces
+from presswork.mesh.faces import find_boundary_faces, list_cell_faces, select_faces
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
 from presswork.mesh.topology import drop_unused_points, find_parts
-from presswork.model import CellBlock, FloatArray, IntArray, Mesh, SpaceElement
+from presswork.model import ELEMENTS, CellBlock, FloatArray, IntArray, Mesh, SpaceElement, list_names
 
 SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))
 """Names of the lower and upper sides normal to x, y and z."""
+_KINDS = {"hex8": "hexahedra of 8 nodes", "tet4": "tetrahedra of 4 nodes"}
+_NAMES_IN_FILES = {"hex8": {"hexahedron", "C3D8"}, "tet4": {"tetra", "C3D4"}}
 
 
 def mesh_box(
     x_lines: FloatArray, y_lines: FloatArray, z_lines: FloatArray, *, element: SpaceElement, material: int = 0
 ) -> Mesh:
-    """Mesh the box between grid lines (increasing coordinates [mm]) by hexahedra.
+    """Mesh the box between grid lines (increasing coordinates [mm]) by hexahedra, or by six tetrahedra in each.
 
     material: index into Model.materials. Node and face sets: left, right, bottom, top, back, front; all nodes are
     `all`, all faces `boundary`. Nodes are numbered fastest along the direction with the fewest cells.
@@ -45,18 +48,15 @@ def mesh_box(
 def read_solid_mesh(
     path: Path, *, element: SpaceElement, scale: float = 1.0, material: int = 0
 ) -> tuple[Mesh, tuple[str, ...]]:
-    """Read a mesh of hexahedra; return it and notes on what was changed.
+    """Read a mesh of hexahedra or tetrahedra; return it and notes on what was changed.
 
     scale: factor of the file's coordinates to mm. material: index into Model.materials. Node sets come from the file's
-    groups of nodes, faces and cells, face sets from its groups of quadrilaterals and from node sets that hold whole
+    groups of nodes, faces and cells, face sets from its groups of such faces and from node sets that hold whole
     faces; the sides of the box that holds the body are added where the file has none of that name. Raises MeshError.
     """
     raw = read_raw(path)
-    if not raw.hexahedra:
-        there = ", ".join(sorted({*raw.cells, *raw.other_kinds})) or "nothing"
-        raise MeshError(f"the file has no hexahedra of 8 nodes (it has {there})", "mesh the body with such cells")
+    cells = _take_volumes(raw, element)
     check_coordinates(raw.points * scale)
-    cells = np.concatenate(raw.hexahedra)
     if cells.min() < 0 or cells.max() >= len(raw.points):
         raise MeshError("cells use nodes that the file does not have", "the file is cut short; write it again")
     points, number = drop_unused_points(raw.points * scale, [cells])
@@ -64,9 +64,6 @@ def read_solid_mesh(
     notes = []
     if len(points) < len(raw.points):
         notes.append(f"{len(raw.points) - len(points)} nodes belong to no cell: they were left out")
-    volumes = ("tetra", "wedge", "pyramid", "hexahedron", "C3D")
-    if others := [kind for kind in sorted(raw.other_kinds - {"hexahedron", "C3D8"}) if kind.startswith(volumes)]:
-        raise MeshError(f"the file has cells of other kinds too ({', '.join(others)})", "mesh with hexahedra only")
     cells, turned = _wind_outwards(points, cells)
     if turned:
         notes.append("all cells are numbered inside out: they were turned over")
@@ -76,10 +73,31 @@ def read_solid_mesh(
     return finish_mesh(points, cells, _number_sets(raw, number), element, material), tuple(notes)
 
 
+def _take_volumes(raw: RawMesh, element: SpaceElement) -> IntArray:
+    """Return the cells that fit the element (n_cells, n_nodes). Raises MeshError where there are none, or others."""
+    wanted = ELEMENTS[element].cell
+    there = ", ".join(sorted({*raw.cells, *raw.other_kinds})) or "nothing"
+    if wanted not in raw.volumes:
+        fits = [name for kind in raw.volumes for name in list_names(_core.Family.space, in_implicit=True, cell=kind)]
+        remedy = f"take element = {' or '.join(fits)}" if fits else "mesh the body with such cells"
+        raise MeshError(f"the file has no {_KINDS[wanted]} (it has {there})", remedy)
+    volumes = ("tetra", "wedge", "pyramid", "hexahedron", "C3D")
+    others = [kind for kind in sorted(raw.other_kinds - _NAMES_IN_FILES[wanted]) if kind.startswith(volumes)]
+    if others:
+        one = "hexahedra" if wanted == "hex8" else "tetrahedra"
+        raise MeshError(f"the file has cells of other kinds too ({', '.join(others)})", f"mesh with {one} only")
+    return np.concatenate(raw.volumes[wanted])
+
+
 def finish_mesh(
     points: FloatArray, cells: IntArray, node_sets: dict[str, IntArray], element: SpaceElement, material: int
 ) -> Mesh:
-    """Return the mesh of hexahedra with its boundary faces and sets; to `node_sets` the sides of the box are added."""
+    """Return the mesh with its boundary faces and sets; to `node_sets` the sides of the box are added.
+
+    Hexahedra are split where the element is a tetrahedron.
+    """
+    if ELEMENTS[element].cell == "tet4" and cells.shape[1] == 8:
+        cells = split_hexahedra(cells)
     faces, _ = find_boundary_faces([cells])
     sets = dict(node_sets)
     tolerance = 1e-9 * float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -100,6 +118,21 @@ def finish_mesh(
     )
 
 
+def split_hexahedra(cells: IntArray) -> IntArray:
+    """Return six tetrahedra of each hexahedron (6 n_cells, 4): faces that two cells share are cut alike in both.
+
+    Each face is cut from its node of the smallest number, and each cell is filled from its own (Dompierre et al. 1999).
+    """
+    faces = list_cell_faces(cells).reshape(len(cells), 6, 4)
+    first = cells.min(axis=1)
+    lowest = np.argmin(faces, axis=2)
+    turned = np.take_along_axis(faces, (lowest[:, :, None] + np.arange(4)) % 4, axis=2)
+    triangles = turned[:, :, [[0, 1, 2], [0, 2, 3]]].reshape(len(cells), 12, 3)
+    far = np.repeat((faces != first[:, None, None]).all(axis=2), 2, axis=1)
+    own = np.repeat(first, 6)[:, None]
+    return np.concatenate([own, triangles[far]], axis=1).astype(np.int32)
+
+
 def _number_sets(raw: RawMesh, number: IntArray) -> dict[str, IntArray]:
     """Return the node sets of a file in the new numbers of its points."""
     found = {}
@@ -111,15 +144,22 @@ def _number_sets(raw: RawMesh, number: IntArray) -> dict[str, IntArray]:
 
 
 def corner_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
-    """Return the triple product of the three edges at each corner (n_cells, 8) [mm3]: the Jacobian's sign there."""
-    next_ones = np.array([[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]])
+    """Return the triple product of the three edges at each corner (n_cells, 8) [mm3]: the Jacobian's sign there.
+
+    A tetrahedron has one (n_cells, 1), six times its volume.
+    """
     x = points[cells]
+    if cells.shape[1] == 4:
+        return np.asarray(np.linalg.det(x[:, 1:] - x[:, :1]))[:, None]
+    next_ones = np.array([[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]])
     edges = x[:, next_ones] - x[:, :, None]
     return np.asarray(np.linalg.det(edges))
 
 
 def node_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
-    """Return the volume that each node of each hexahedron stands for, int N dV (n_cells, 8) [mm3]."""
+    """Return the volume that each node of each cell stands for, int N dV (n_cells, 8 | 4) [mm3]."""
+    if cells.shape[1] == 4:
+        return np.tile(corner_volumes(points, cells) / 24.0, (1, 4))
     lower = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     corner = np.column_stack([np.tile(lower, (2, 1)), np.repeat([-1.0, 1.0], 4)])
     volumes = np.zeros(cells.shape)
@@ -137,7 +177,7 @@ def _wind_outwards(points: FloatArray, cells: IntArray) -> tuple[IntArray, bool]
     if (volumes > 0.0).all():
         return cells, False
     if (volumes < 0.0).all():
-        return np.ascontiguousarray(cells[:, [4, 5, 6, 7, 0, 1, 2, 3]]), True
+        return np.ascontiguousarray(cells[:, [0, 2, 1, 3] if cells.shape[1] == 4 else [4, 5, 6, 7, 0, 1, 2, 3]]), True
     wrong = np.flatnonzero(~(volumes > 0.0).all(axis=1))
     centre = ", ".join(f"{c:.6g}" for c in points[cells[wrong[0]]].mean(axis=0))
     raise MeshError(

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Boundary faces of solids in space: four nodes each, counter-clockwise seen from outside."""
+"""Boundary faces of solids in space: quadrilaterals of hexahedra, triangles of tetrahedra, wound outwards."""
 
 from __future__ import annotations
 
@@ -10,21 +10,28 @@ import numpy as np
 from presswork.model import FloatArray, IntArray
 
 FACES_OF_HEX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-"""Corners of the faces of a hexahedron, counter-clockwise seen from outside."""
+FACES_OF_TET = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
+"""Corners of the faces of a hexahedron and of a tetrahedron, counter-clockwise seen from outside."""
 _GAUSS_2 = (-np.sqrt(1 / 3), np.sqrt(1 / 3))
 
 
 def list_cell_faces(connectivity: IntArray) -> IntArray:
-    """Return the six faces of every hexahedron, shape (6 n_cells, 4), those of a cell one after the other."""
-    return connectivity[:, FACES_OF_HEX].reshape(-1, 4)
+    """Return the faces of every cell one after the other: six of a hexahedron (6 n_cells, 4), four of a tetrahedron
+    (4 n_cells, 3).
+    """
+    faces = np.array(FACES_OF_TET if connectivity.shape[1] == 4 else FACES_OF_HEX)
+    return connectivity[:, faces].reshape(-1, faces.shape[1])
 
 
 def find_boundary_faces(connectivities: Sequence[IntArray]) -> tuple[IntArray, IntArray]:
-    """Return the faces that one cell only has (n, 4), and the number of that cell, counted through the blocks (n,)."""
+    """Return the faces that one cell only has (n, 3 | 4), and the number of that cell, counted through the blocks (n,).
+
+    All blocks are of one kind of cell.
+    """
     faces = np.concatenate([list_cell_faces(connectivity) for connectivity in connectivities])
     _, index, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     own = np.sort(index[count == 1])
-    return np.ascontiguousarray(faces[own], dtype=np.int32), (own // len(FACES_OF_HEX)).astype(np.int32)
+    return np.ascontiguousarray(faces[own], dtype=np.int32), (own // (4 if faces.shape[1] == 3 else 6)).astype(np.int32)
 
 
 def select_faces(faces: IntArray, nodes: IntArray) -> IntArray:
@@ -33,9 +40,9 @@ def select_faces(faces: IntArray, nodes: IntArray) -> IntArray:
 
 
 def face_areas(points: FloatArray, faces: IntArray) -> FloatArray:
-    """Return the area that each node of each face stands for, int N dA (n_faces, 4) [mm2]."""
+    """Return the area that each node of each face stands for, int N dA (n_faces, 3 | 4) [mm2]."""
     areas = np.zeros(faces.shape)
-    for N, dN in _rule():
+    for N, dN in _rule(faces):
         first, second = np.einsum("ja,fai->jfi", dN, points[faces])
         areas += np.linalg.norm(np.cross(first, second), axis=1)[:, None] * N
     return areas
@@ -44,21 +51,21 @@ def face_areas(points: FloatArray, faces: IntArray) -> FloatArray:
 def nodal_normals(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return the outward area vector of each node, int N n dA over the faces (n_points, 3) [mm2]."""
     normals = np.zeros_like(points)
-    for N, dN in _rule():
+    for N, dN in _rule(faces):
         first, second = np.einsum("ja,fai->jfi", dN, points[faces])
         np.add.at(normals, faces, N[None, :, None] * np.cross(first, second)[:, None])
     return normals
 
 
 def press_faces(points: FloatArray, faces: IntArray, pressure: float) -> tuple[FloatArray, FloatArray]:
-    """Return the nodal forces (n_faces, 4, 3) [N] of a pressure [MPa] against faces, and its stiffness.
+    """Return the nodal forces (n_faces, k, 3) [N] of a pressure [MPa] against faces, and its stiffness.
 
-    The stiffness is d(-force)/d(position), (n_faces, 4, 4, 3, 3) by nodes and components. points (n_points, 3): where
+    The stiffness is d(-force)/d(position), (n_faces, k, k, 3, 3) by nodes and components. points (n_points, 3): where
     the nodes are. With the tangents t of the face the force is -p int N t_1 x t_2.
     """
     x = points[faces]
-    force, stiffness = np.zeros(x.shape), np.zeros((len(faces), 4, 4, 3, 3))
-    for N, dN in _rule():
+    force, stiffness = np.zeros(x.shape), np.zeros((*faces.shape, faces.shape[1], 3, 3))
+    for N, dN in _rule(faces):
         first, second = np.einsum("ja,fai->jfi", dN, x)
         force -= pressure * np.einsum("a,fi->fai", N, np.cross(first, second))
         # d(t_1 x t_2) = dN_1 (dx x t_2) - dN_2 (dx x t_1)
@@ -67,8 +74,10 @@ def press_faces(points: FloatArray, faces: IntArray, pressure: float) -> tuple[F
     return force, stiffness
 
 
-def _rule() -> list[tuple[FloatArray, FloatArray]]:
-    """Return shape functions (4,) and their derivatives (2, 4) at the four points of weight 1."""
+def _rule(faces: IntArray) -> list[tuple[FloatArray, FloatArray]]:
+    """Return shape functions (k,) times the weight and their derivatives (2, k) at the points of the faces' rule."""
+    if faces.shape[1] == 3:
+        return [(np.full(3, 1.0 / 6.0), np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]]))]
     corner = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     found = []
     for r in _GAUSS_2:

@@ -24,6 +24,7 @@ _LINEAR_QUADS = (44, 54, 64, 74, 84, 94)
 _PARABOLIC_QUADS = (45, 55, 65, 75, 85, 95)
 _LINES = (11, 21, 22, 23, 24)
 _SOLIDS = {111: "tetra", 112: "wedge", 115: "hexahedron", 116: "hexahedron20", 118: "tetra10"}
+_FILLING = {"tet4": "tetra", "hex8": "hexahedron"}
 _GROUPS = (2435, 2452, 2467, 2477)
 _NODE_CODE, _ELEMENT_CODE = 7, 8
 
@@ -45,11 +46,13 @@ def read_ideas(path: Path) -> RawMesh:
     for position in (place for place, number in enumerate(types) if number == 2412):
         _read_elements(file.read_sets(position), index, elements, raw)
     kinds = {kind for kind, _ in elements.values() if not kind.startswith("line")}
-    if "hexahedron" in kinds:
-        raw.hexahedra.append(np.array([cell for kind, cell in elements.values() if kind == "hexahedron"]))
-        raw.other_kinds.add("hexahedron")
-    for kind in sorted(kinds - {"hexahedron"}):
-        raw.add_cells(kind, np.array([cell for other, cell in elements.values() if other == kind]))
+    for kind in sorted(kinds):
+        cells = np.array([cell for other, cell in elements.values() if other == kind])
+        if kind in _FILLING:
+            raw.add_volumes(kind, cells)
+            raw.other_kinds.add(_FILLING[kind])
+        else:
+            raw.add_cells(kind, cells)
     for number, lines in datasets:
         if number in _GROUPS:
             _read_groups(lines, index, elements, raw)
@@ -91,7 +94,7 @@ def _read_elements(
 
 
 def _kind_of(descriptor: int, n_nodes: int) -> str | None:
-    """Return tri3, tri6, quad4, quad8, line2, line3 or hexahedron for an element type, None for any other."""
+    """Return tri3, tri6, quad4, quad8, line2, line3, tet4 or hex8 for an element type, None for any other."""
     kinds = {
         3: ("tri3", _LINEAR_TRIANGLES),
         6: ("tri6", _PARABOLIC_TRIANGLES),
@@ -100,8 +103,9 @@ def _kind_of(descriptor: int, n_nodes: int) -> str | None:
     }
     if descriptor in _LINES and n_nodes in (2, 3):
         return f"line{n_nodes}"
-    if _SOLIDS.get(descriptor) == "hexahedron" and n_nodes == 8:
-        return "hexahedron"
+    for kind, solid in _FILLING.items():
+        if _SOLIDS.get(descriptor) == solid and n_nodes == int(kind[-1]):
+            return kind
     kind, descriptors = kinds.get(n_nodes, ("", ()))
     return kind if descriptor in descriptors else None
 

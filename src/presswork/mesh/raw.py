@@ -20,8 +20,9 @@ class RawMesh:
     """Connectivity by kind: tri3, tri6, quad4, quad8, quad9."""
     other_kinds: set[str] = field(default_factory=set)
     """Names of kinds in the file that are no 2D cells, lines or points."""
-    hexahedra: list[IntArray] = field(default_factory=list)
-    """Connectivity of hexahedra of 8 nodes, whose name is among other_kinds too."""
+    volumes: dict[str, list[IntArray]] = field(default_factory=dict)
+    """Connectivity of hexahedra of 8 nodes and tetrahedra of 4 by kind: hex8, tet4; their names are among other_kinds,
+    too."""
     node_sets: dict[str, list[IntArray]] = field(default_factory=dict)
     """Node indices by name, from groups of nodes, points and cells."""
     line_sets: dict[str, list[IntArray]] = field(default_factory=dict)
@@ -31,6 +32,11 @@ class RawMesh:
         """Add 2D cells."""
         if len(connectivity):
             self.cells.setdefault(kind, []).append(connectivity.astype(np.int32))
+
+    def add_volumes(self, kind: str, connectivity: IntArray) -> None:
+        """Add cells that fill space."""
+        if len(connectivity):
+            self.volumes.setdefault(kind, []).append(connectivity.astype(np.int32))
 
     def add_to_set(self, name: str, kind: str, connectivity: IntArray) -> None:
         """Add cells of any kind, points included, to a named set."""

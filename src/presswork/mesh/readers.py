@@ -26,6 +26,7 @@ _MESHIO_KINDS = {
     "triangle": "tri3", "triangle6": "tri6", "quad": "quad4", "quad8": "quad8", "quad9": "quad9",
     "line": "line2", "line3": "line3", "vertex": "point",
 }  # fmt: skip
+_VOLUMES = {"hexahedron": "hex8", "tetra": "tet4"}
 
 
 def read_mesh(
@@ -141,8 +142,8 @@ def _from_meshio(mesh: Any) -> RawMesh:
             raw.add_cells(kind, np.asarray(block.data))
         elif kind is None:
             raw.other_kinds.add(block.type)
-            if block.type == "hexahedron":
-                raw.hexahedra.append(np.asarray(block.data, dtype=np.int32))
+            if block.type in _VOLUMES:
+                raw.add_volumes(_VOLUMES[block.type], np.asarray(block.data))
     return raw
 
 

@@ -34,7 +34,8 @@ class CellBlock:
     element: ElementName
     connectivity: IntArray
     """Node indices, shape (n_cells, n_nodes), counter-clockwise: corners first, then mid-sides, then the centre; of a
-    hexahedron the lower face, then the upper one, each counter-clockwise seen from above."""
+    hexahedron the lower face, then the upper one, each counter-clockwise seen from above; of a tetrahedron the face
+    that is counter-clockwise seen from the last corner, then that."""
     material: int
     """Index into Model.materials."""
     section: Section | None = None
@@ -58,6 +59,7 @@ class Mesh:
     """Unit normals at the nodes of a shell whose exact surface is known (n_points, 3); None: means of the cells'
     normals are used."""
     face_sets: Mapping[str, IntArray] = field(default_factory=dict)
-    """Boundary faces of a solid in space by name, shape (n_faces, 4), counter-clockwise seen from outside."""
+    """Boundary faces of a solid in space by name, shape (n_faces, 4), of tetrahedra (n_faces, 3),
+    counter-clockwise seen from outside."""
     boundary_faces: IntArray = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))
     """Every boundary face of the mesh, in the same form."""

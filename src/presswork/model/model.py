@@ -10,6 +10,7 @@ import numpy as np
 
 from presswork.model.arrays import IntArray
 from presswork.model.contact import Body, BodyContact
+from presswork.model.elements import ELEMENTS
 from presswork.model.heat import Heat, Series
 from presswork.model.limits import Limits
 from presswork.model.marked_point import MarkedPoint
@@ -79,16 +80,22 @@ class Model:
 
     @property
     def freedoms(self) -> int:
-        """How many freedoms a node has: displacements, in shells also rotations; one in heat alone."""
+        """How many freedoms a node has: displacements, then rotations in shells, or a pressure; one in heat alone."""
         if self.heat is not None and self.heat.alone:
             return 1
-        return 6 if self.analysis in ("shell", "stamping") else self.dimension
+        if self.analysis in ("shell", "stamping"):
+            return 6
+        return max((ELEMENTS[block.element].freedoms for block in self.mesh.blocks), default=self.dimension)
 
     @property
     def takes_multigrid(self) -> bool:
         """Whether linear systems are solved by iteration, not by factors."""
         choice, n = self.solver.linear_solver, self.freedoms * len(self.mesh.points)
-        return self.analysis == "solid" and (choice == "multigrid" or (choice == "auto" and n >= LARGE))
+        return (
+            self.analysis == "solid"
+            and self.freedoms == 3
+            and (choice == "multigrid" or (choice == "auto" and n >= LARGE))
+        )
 
     @property
     def plane_tools(self) -> tuple[Tool, ...]:

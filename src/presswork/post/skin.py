@@ -17,9 +17,10 @@ from presswork.results.vtkhdf import VTK_TYPES
 def find_skin(mesh: ResultMesh) -> tuple[ResultMesh, NDArray[np.int32] | None]:
     """Return what is seen of a mesh in space, and the cell that each of its faces belongs to.
 
-    Of a solid it is the boundary faces, as quadrilaterals; a sheet is seen itself, and comes without numbers.
+    Of a solid it is the boundary faces, quadrilaterals or triangles; a sheet is seen itself, and comes without numbers.
     """
-    if not any(block.vtk_type == VTK_TYPES["hex8"] for block in mesh.blocks):
+    if not any(block.vtk_type in (VTK_TYPES["hex8"], VTK_TYPES["tet4"]) for block in mesh.blocks):
         return mesh, None
     faces, owner = find_boundary_faces([block.connectivity.astype(np.int32) for block in mesh.blocks])
-    return replace(mesh, blocks=(ResultBlock("quad4", VTK_TYPES["quad4"], faces.astype(np.int64)),)), owner
+    kind = "quad4" if faces.shape[1] == 4 else "tri3"
+    return replace(mesh, blocks=(ResultBlock(kind, VTK_TYPES[kind], faces.astype(np.int64)),)), owner

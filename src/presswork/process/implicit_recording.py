@@ -64,7 +64,7 @@ class ImplicitRecording(IncrementRecording):
         self.turning = find_turning(model.tools, model.stages)
         self.penetration = Penetration()
         taken = [t.name for t in model.tools] + [c.name for c in model.contacts]
-        self.reactions = Reactions(model, self.procedure.mechanics.freedoms, taken)
+        self.reactions = Reactions(model, 6 if model.analysis == "shell" else model.dimension, taken)
         self.fill = DieFill(model)
         self._tools: dict[str, ToolQuantities] = {}
 
@@ -137,7 +137,7 @@ class ImplicitRecording(IncrementRecording):
         procedure, model, state = self.procedure, self.model, self.procedure.state
         mechanics = procedure.mechanics
         assert isinstance(mechanics, Mechanics)
-        points = model.mesh.points + state.nodes.displacement
+        points = model.mesh.points + state.nodes.moved
         placed = self._placed_profiles()
         deepest = self.penetration.note(
             model.mesh, points, placed, lambda places: procedure.interactions.tools.contact.find_gaps(state, places)
@@ -228,7 +228,7 @@ class ImplicitRecording(IncrementRecording):
         if not self.model.plane_tools:
             return []
         held = np.asarray(self.procedure.interactions.supports.fixed(self._stage()))[:, :2].any(axis=1)
-        points = mesh.points + state.nodes.displacement
+        points = mesh.points + state.nodes.moved
         return explain_passed_ends(self._placed_profiles(), points, mesh.boundary_edges, np.asarray(held))
 
     def _stage(self) -> int:
@@ -247,7 +247,7 @@ class ImplicitRecording(IncrementRecording):
         if interactions.space_tools is not None and isinstance(interactions.space_tools.contact, SolidContact):
             now.find_contact = functools.partial(interactions.space_tools.contact.show, state)
         if self.model.analysis != "shell":
-            now.reaction = state.nodes.reaction * self.reactions.mask(self.mesh, self._stage())
+            now.reaction = state.nodes.reaction[:, :3] * self.reactions.mask(self.mesh, self._stage())
         return now
 
     def snapshot(self) -> Snapshot:

@@ -96,7 +96,7 @@ class Penetration:
             return None
         along = np.concatenate([points[faces], points[faces].mean(axis=1, keepdims=True)], axis=1)
         depth = np.maximum(-find_gaps(along.reshape(-1, 3)).reshape(len(tools), *along.shape[:2]), 0.0)
-        self.node = max(self.node, float(depth[:, :, :4].max()))
+        self.node = max(self.node, float(depth[:, :, :-1].max()))
         self.edge = max(self.edge, float(depth.max()))
         sides = mesh.points[faces] - mesh.points[np.roll(faces, -1, axis=1)]
         length = np.linalg.norm(sides, axis=2).min(axis=1)

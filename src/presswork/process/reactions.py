@@ -85,8 +85,8 @@ class Reactions:
         row: Row = {}
         for holder in self.holders:
             nodes = mesh.node_sets[holder.node_set]
-            own = reaction[nodes] * holder.held[stage]
-            total, mean = own.sum(axis=0), displacement[nodes].mean(axis=0)
+            own = reaction[nodes, : self._freedoms] * holder.held[stage]
+            total, mean = own.sum(axis=0), displacement[nodes, : self._freedoms].mean(axis=0)
             if self._freedoms == 6:
                 place = mesh.points[nodes] + displacement[nodes, :3]
                 total[3:] += np.cross(place - place.mean(axis=0), own[:, :3]).sum(axis=0)
@@ -151,7 +151,7 @@ def _gauge_faces(mesh: Mesh, holder: Holder, axis: int) -> FloatArray | None:
     if not len(faces):
         return None
     x = mesh.points[faces]
-    normal = 0.5 * np.cross(x[:, 2] - x[:, 0], x[:, 3] - x[:, 1])
+    normal = 0.5 * np.cross(x[:, 2] - x[:, 0], x[:, -1] - x[:, 1])
     along = mesh.points[:, axis]
     side = 1.0 if 2.0 * x[..., axis].mean() > along.min() + along.max() else -1.0
     area = float(np.abs(normal[:, axis]).sum())

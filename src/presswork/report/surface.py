@@ -33,7 +33,8 @@ class Surface:
     boundary: Indices
     """Ends of the lines around a section or a sheet (n, 2), mid-side nodes between; the body on the left."""
     hexahedra: Indices
-    """Nodes of the cells of a solid in space (n_cells, 8), as numbered here; none without the inside."""
+    """Nodes of the cells of a solid in space (n_cells, 8), as numbered here; of a tetrahedron 0 1 2 2 3 3 3 3. None
+    without the inside."""
     owners: Indices
     """The face or cell in `cells` that is each hexahedron, or one of its faces (n_cells,)."""
 
@@ -58,7 +59,7 @@ def find_surface(mesh: ResultMesh, *, has_inside: bool = False) -> Surface:
     cells = np.arange(sum(counts)) if owner is None else owner.astype(np.int64)
     hexahedra, owners = np.zeros((0, 8), dtype=np.int64), np.zeros(0, dtype=np.int64)
     if has_inside and owner is not None:
-        hexahedra = np.concatenate([block.connectivity for block in mesh.blocks]).astype(np.int64)
+        hexahedra = np.concatenate([_as_hexahedra(block.connectivity) for block in mesh.blocks]).astype(np.int64)
         nodes = np.concatenate([nodes, np.setdiff1d(hexahedra, nodes)])
         cells = np.concatenate([cells, np.setdiff1d(np.arange(len(hexahedra)), cells)])
         owners = np.zeros(len(hexahedra), dtype=np.int64)
@@ -78,6 +79,11 @@ def find_surface(mesh: ResultMesh, *, has_inside: bool = False) -> Surface:
         hexahedra=renumbered[hexahedra],
         owners=owners,
     )
+
+
+def _as_hexahedra(cells: Indices) -> Indices:
+    """Return tetrahedra as hexahedra whose corners coincide; hexahedra as they are."""
+    return cells[:, [0, 1, 2, 2, 3, 3, 3, 3]] if cells.shape[1] == 4 else cells
 
 
 def _find_lines(blocks: list[Indices], n_nodes: int) -> Indices:

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from presswork.mesh import MeshError
-from presswork.mesh.box import mesh_box, node_volumes, read_solid_mesh
-from presswork.mesh.faces import press_faces
+from presswork.mesh.box import corner_volumes, mesh_box, node_volumes, read_solid_mesh
+from presswork.mesh.faces import nodal_normals, press_faces
+from presswork.mesh.space.drawn_up import mesh_turned
 
 
 def two_cells() -> tuple[np.ndarray, np.ndarray]:
@@ -94,3 +95,20 @@ def test_node_volumes_add_up_to_the_body() -> None:
     np.testing.assert_allclose(volumes, np.array([[0.25] * 8, [0.5] * 8]))
     skewed = points @ np.array([[1.0, 0.0, 0.0], [0.3, 1.0, 0.0], [0.2, 0.1, 1.0]]).T
     assert node_volumes(skewed, cells).sum() == pytest.approx(6.0)
+
+
+def test_tetrahedra_of_a_cylinder_fill_it_and_fit_each_other() -> None:
+    z_lines = np.linspace(0.0, 6.0, 4)
+    meshes = {
+        element: mesh_turned(np.full(4, 5.0), None, z_lines, angle=90.0, cells=(4, 4), element=element)
+        for element in ("hex8", "tet4_mini")
+    }
+    hexahedra, tetrahedra = (mesh.blocks[0].connectivity for mesh in meshes.values())
+    assert len(tetrahedra) == 6 * len(hexahedra)
+    points = meshes["tet4_mini"].points
+    volumes = corner_volumes(points, tetrahedra) / 6.0
+    assert volumes.min() > 0.0
+    assert volumes.sum() == pytest.approx(node_volumes(points, hexahedra).sum(), rel=1e-2)
+    sides = meshes["hex8"].boundary_faces
+    assert len(meshes["tet4_mini"].boundary_faces) == 2 * len(sides)
+    assert nodal_normals(points, meshes["tet4_mini"].boundary_faces).sum(axis=0) == pytest.approx(0.0, abs=1e-12)

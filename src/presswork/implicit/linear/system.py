@@ -184,7 +184,8 @@ class LinearSystem:
         self._mechanics.assemble_stiffness(constraints.turned, constraints.frames, self.data)
         for forces in point.forces:
             if forces and len(forces.pairs):
-                assembler.add_blocks(forces.pairs, forces.blocks, constraints.turned, constraints.frames, self.data)
+                blocks = _widen(forces.blocks, self._mechanics.freedoms)
+                assembler.add_blocks(forces.pairs, blocks, constraints.turned, constraints.frames, self.data)
         for resistance in resistances:
             if resistance:
                 symmetric = self._model.solver.symmetric
@@ -193,3 +194,9 @@ class LinearSystem:
     def _prescribe(self, mask: MaskArray, value: FloatArray, data: FloatArray, rhs: FloatArray) -> None:
         """Prescribe values (n_points, freedoms) in a matrix and its right-hand side, in place."""
         self._mechanics.assembler.constrain(mask.reshape(-1), value.reshape(-1), self._diagonal, data, rhs)
+
+
+def _widen(blocks: FloatArray, freedoms: int) -> FloatArray:
+    """Return blocks (n, d, d) of the first d freedoms of nodes as those of all (n, freedoms, freedoms)."""
+    more = freedoms - blocks.shape[1]
+    return np.pad(blocks, ((0, 0), (0, more), (0, more))) if more else blocks

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import _core
+from presswork.model import ELEMENTS as ELEMENTS_BY_NAME
 from presswork.model import list_names
 
 ELEMENTS = list_names(_core.Family.space)
@@ -13,27 +14,34 @@ CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1
 
 
 class OneCell:
-    """One distorted, prestressed cell."""
+    """One distorted, prestressed cell: f freedoms a node, q points."""
 
     def __init__(self, element: str, *, seed: int = 1, **settings: object) -> None:
         rng = np.random.default_rng(seed)
         self.element = element
+        row = ELEMENTS_BY_NAME[element]
+        self.nodes, self.f, self.q = row.nodes, row.freedoms, row.points
         self.settings = _core.PointSettings(**settings)
         self.law = _core.VonMises(200e3, 0.3, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])
-        self.points = CUBE + 0.05 * rng.standard_normal((8, 3))
-        self.stress = 100 * rng.standard_normal((1, 8, 6))
-        self.eqps = 0.02 * rng.random((1, 8))
-        self.shape = rng.standard_normal((8, 3))
+        self.points = rng.standard_normal((self.nodes, self.f))
+        corners = CUBE if self.nodes == 8 else CUBE[[0, 1, 3, 4]]
+        self.points[:, :3] = corners + 0.05 * self.points[:, :3]
+        self.stress = 100 * rng.standard_normal((1, self.q, 6))
+        self.eqps = 0.02 * rng.random((1, self.q))
+        self.shape = rng.standard_normal((self.nodes, self.f))
+        self.shape[:, 3:] *= 1e-2
+        self.pressure = (200e3 / (3 * 0.4), 200e3 / 2.6, 180e3) if self.f == 4 else None
+        self.hourglass = np.array([[0.7, 0.0]])
 
     def evaluate(self, increment: np.ndarray, *, with_stiffness: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        """Return the nodal forces (8, 3) and the stiffness (24, 24); the stresses are kept."""
-        width = _core.pack_width
-        force = np.zeros((1, 24, width))
-        stiffness = np.zeros((1, 24, 24, width)) if with_stiffness else None
-        self.new_stress, self.new_eqps = np.zeros((1, 8, 6)), np.zeros((1, 8))
+        """Return the nodal forces (nodes, f) and the stiffness (nodes f, nodes f); the stresses are kept."""
+        width, n = _core.pack_width, self.nodes * self.f
+        force = np.zeros((1, n, width))
+        stiffness = np.zeros((1, n, n, width)) if with_stiffness else None
+        self.new_stress, self.new_eqps = np.zeros((1, self.q, 6)), np.zeros((1, self.q))
         failed = _core.evaluate_block(
             self.element,
-            np.arange(8, dtype=np.int32)[None],
+            np.arange(self.nodes, dtype=np.int32)[None],
             self.points,
             increment,
             self.law,
@@ -41,28 +49,45 @@ class OneCell:
             axisymmetric=False,
             depth=1.0,
             hourglass_fraction=0.0,
+            pressure=self.pressure,
             stress_n=self.stress,
             eqps_n=self.eqps,
-            hourglass_n=np.zeros((1, 2)),
+            hourglass_n=self.hourglass,
             stress=self.new_stress,
             eqps=self.new_eqps,
             hourglass=np.zeros((1, 2)),
-            volume=np.zeros((1, 8)),
+            volume=np.zeros((1, self.q)),
             force=force,
             stiffness=stiffness,
         )
         assert failed == -1
-        return force[0, :, 0].reshape(8, 3), stiffness[0, :, :, 0] if with_stiffness else np.zeros(0)
+        return force[0, :, 0].reshape(self.nodes, self.f), stiffness[0, :, :, 0] if with_stiffness else np.zeros(0)
+
+    def nothing(self) -> np.ndarray:
+        return np.zeros((self.nodes, self.f))
 
     def error_of_stiffness(self, increment: np.ndarray) -> float:
         _, stiffness = self.evaluate(increment, with_stiffness=True)
         numerical, step = np.zeros_like(stiffness), 1e-6
-        for j in range(24):
-            move = np.zeros(24)
+        for j in range(len(stiffness)):
+            move = np.zeros(len(stiffness))
             move[j] = step
-            ahead, behind = (self.evaluate(increment + sign * move.reshape(8, 3))[0] for sign in (1, -1))
+            move = move.reshape(increment.shape)
+            ahead, behind = (self.evaluate(increment + sign * move)[0] for sign in (1, -1))
             numerical[:, j] = (ahead - behind).ravel() / (2 * step)
         return float(np.abs(stiffness - numerical).max() / np.abs(stiffness).max())
+
+    def move(self, R: np.ndarray, by: np.ndarray, increment: np.ndarray) -> np.ndarray:
+        """Return an increment with a turn and a shift on top of it."""
+        moved = increment.copy()
+        moved[:, :3] = (self.points + increment)[:, :3] @ R.T + by - self.points[:, :3]
+        return moved
+
+    def turn(self, R: np.ndarray, vector: np.ndarray) -> np.ndarray:
+        """Return a nodal vector turned."""
+        turned = vector.copy()
+        turned[:, :3] = vector[:, :3] @ R.T
+        return turned
 
 
 @pytest.mark.parametrize("measure", MEASURES)
@@ -77,7 +102,7 @@ def test_stiffness_is_the_derivative_of_the_force(element, measure, size) -> Non
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_stiffness_is_the_derivative_by_dual_numbers(element, measure) -> None:
     one = OneCell(element, measure=_core.StrainMeasure[measure])
-    increment, along = 0.05 * one.shape, np.random.default_rng(5).standard_normal((8, 3))
+    increment, along = 0.05 * one.shape, np.random.default_rng(5).standard_normal(one.shape.shape)
     force, stiffness = one.evaluate(increment, with_stiffness=True)
     found, derivative = _core.differentiate_cell(
         element,
@@ -89,9 +114,10 @@ def test_stiffness_is_the_derivative_by_dual_numbers(element, measure) -> None:
         axisymmetric=False,
         depth=1.0,
         hourglass_fraction=0.0,
+        pressure=one.pressure,
         stress_n=one.stress[0],
         eqps_n=one.eqps[0],
-        hourglass_n=np.zeros(2),
+        hourglass_n=one.hourglass[0],
     )
     np.testing.assert_allclose(found, force, atol=1e-12 * np.abs(force).max())
     product = stiffness @ along.ravel()
@@ -107,9 +133,9 @@ def test_stiffness_with_small_displacements_is_the_derivative_of_the_force(eleme
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_thesis_tangent_with_all_terms_is_the_consistent_one_of_no_increment(element) -> None:
     one = OneCell(element, tangent=_core.TangentKind.thesis, k_v=True)
-    _, thesis = one.evaluate(np.zeros((8, 3)), with_stiffness=True)
+    _, thesis = one.evaluate(one.nothing(), with_stiffness=True)
     one.settings = _core.PointSettings()
-    _, consistent = one.evaluate(np.zeros((8, 3)), with_stiffness=True)
+    _, consistent = one.evaluate(one.nothing(), with_stiffness=True)
     np.testing.assert_allclose(thesis, consistent, rtol=0, atol=1e-9 * np.abs(consistent).max())
 
 
@@ -144,11 +170,10 @@ def test_rigid_motion_turns_the_stress_and_strains_nothing(element, turn) -> Non
     one = OneCell(element)
     one.stress *= 0.1  # below yield
     R = rotation(turn)
-    force, _ = one.evaluate(np.zeros((8, 3)))
-    moved = one.points @ R.T + [3.0, -1.0, 2.0] - one.points
-    turned, _ = one.evaluate(moved)
+    force, _ = one.evaluate(one.nothing())
+    turned, _ = one.evaluate(one.move(R, np.array([3.0, -1.0, 2.0]), one.nothing()))
     np.testing.assert_allclose(as_tensors(one.new_stress), R @ as_tensors(one.stress) @ R.T, atol=1e-8)
-    np.testing.assert_allclose(turned, force @ R.T, atol=1e-8)
+    np.testing.assert_allclose(turned, one.turn(R, force), atol=1e-8)
     np.testing.assert_array_equal(one.new_eqps, one.eqps)
 
 
@@ -160,8 +185,8 @@ def test_a_rotation_on_top_of_an_increment_turns_forces_and_stresses(element, me
     force, _ = one.evaluate(increment)
     stress, eqps = one.new_stress, one.new_eqps
     assert (eqps > one.eqps).any()
-    turned, _ = one.evaluate((one.points + increment) @ R.T - one.points)
-    np.testing.assert_allclose(turned, force @ R.T, atol=1e-9 * np.abs(force).max())
+    turned, _ = one.evaluate(one.move(R, np.zeros(3), increment))
+    np.testing.assert_allclose(turned, one.turn(R, force), atol=1e-9 * np.abs(force).max())
     np.testing.assert_allclose(as_tensors(one.new_stress), R @ as_tensors(stress) @ R.T, atol=1e-7)
     np.testing.assert_allclose(one.new_eqps, eqps, rtol=1e-10)
 
