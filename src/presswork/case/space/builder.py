@@ -11,7 +11,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.heat.forming import start_hot
+from presswork.case.heat.forming import start_hot, warn_of_temperatures
 from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.umat import UmatMaterial
@@ -46,6 +46,8 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     _stop_at(problems, case)
     materials, problems = build_materials(case.materials, case.source, 6, run_user_code)
     materials = tuple(start_hot(material, case.heat) for material in materials)
+    for warning in warn_of_temperatures(case, materials):
+        logger.warning("%s", warning)
     mirrors, wrong = _find_symmetry_planes(case, mesh)
     folder = case.source.parent if case.source is not None else Path()
     built = [build_tool(name, tool, mesh, mirrors, folder, find_way(case, name)) for name, tool in case.tools.items()]
