@@ -21,7 +21,7 @@ _FACTOR_BYTES_PER_FREEDOM = {1: 2500.0, 2: 2500.0, 3: 12000.0, 4: 12000.0, 6: 35
 """Of a sparse factorisation at 100,000 freedoms, by freedoms of a node; grows with the logarithm of their number."""
 _ENTRIES_OF_ROW = 81
 """In the matrix of hexahedra."""
-_MULTIGRID_BYTES_PER_ENTRY = 30.0
+_MULTIGRID_BYTES_PER_ENTRY = 45.0
 """Of the whole matrix: its values twice, where they come from, and the levels above."""
 _EXPLICIT_BYTES_PER_CELL = 2000.0
 """Of an explicit cell beside its layers: mesh, forces, work arrays and what is written."""

@@ -23,7 +23,7 @@ MOST = 200
 """Iterations after which the matrix is factorised instead."""
 COARSEST = 500
 """Freedoms of the level on which sweeps alone solve."""
-SWEEPS = 20
+SWEEPS = 5
 
 
 class Multigrid:
@@ -125,7 +125,7 @@ def _make_levels(matrix: scipy.sparse.bsr_matrix, modes: FloatArray) -> Any:
             improve_candidates=None,
             presmoother=("block_gauss_seidel", {"sweep": "forward"}),
             postsmoother=("block_gauss_seidel", {"sweep": "backward"}),
-            coarse_solver=("gauss_seidel", {"iterations": SWEEPS, "sweep": "symmetric"}),
+            coarse_solver=("block_gauss_seidel", {"iterations": SWEEPS, "sweep": "symmetric"}),
             max_coarse=COARSEST,
         )
 
