@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The upsetting of a block in space on equal meshes in CalculiX and in presswork: force, iterations, processor time.
 
-An eighth of a block of 20 x 20 x 20 mm (E 200 GPa, nu 0.3, flow stress 400 MPa rising by 300 MPa per unit of log strain) is pressed
-by a flat die with Coulomb friction of 0.1. CalculiX gets presswork's mesh; its die is one brick whose nodes are moved, and
-the block's faces touch it by CalculiX's own penalty contact, node to surface. Both take full Newton, increments of at most 2 % of
-the stroke, and one thread. C3D8 has the mean dilatation of presswork's hex8_fbar; C3D8I has incompatible modes.
+An eighth of a block of 20 x 20 x 20 mm (E 200 GPa, nu 0.3, flow stress 400 MPa rising by 300 MPa per unit of log
+strain) is pressed by a flat die with Coulomb friction of 0.1. CalculiX gets presswork's mesh; its die is one brick
+whose nodes are moved, and the block's faces touch it by CalculiX's own penalty contact, node to surface. Both take
+full Newton, increments of at most 2 % of the stroke, and one thread. C3D8 has the mean dilatation of presswork's
+hex8_fbar; C3D8I has incompatible modes.
 """
 
 from __future__ import annotations
@@ -152,9 +153,7 @@ def main() -> int:
         return 0
     strokes = arguments.stroke * np.array([0.25, 0.5, 0.75, 1.0])
     for n in arguments.cells:
-        print(
-            f"\n{n} x {n} x {n} cells, {3 * (n + 1) ** 3} freedoms; force on a quarter of the die [kN] at the stroke [mm]"
-        )
+        print(f"\n{n} x {n} x {n} cells, {3 * (n + 1) ** 3} freedoms; force on a quarter [kN] at the stroke [mm]")
         print(f"{'':12s}{'':10s}{'user s':>9s}{'incr.':>7s}{'solves':>7s}" + "".join(f"{s:9.2f}" for s in strokes))
         runs = {"presswork": run_presswork(n, arguments.stroke, arguments.limit)}
         runs |= {card: run_calculix(ccx, n, card, arguments) for card in arguments.cards}

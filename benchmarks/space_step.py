@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """An implicit iteration of a body in space: seconds and memory against freedoms, by factors and by multigrid.
 
-The first increments of the upsetting of a block under shear friction, which flows everywhere. Each row is a process of its own, so
-that its peak of memory is its own; both solvers of a size run one after the other.
+The first increments of the upsetting of a block under shear friction, which flows everywhere. Each row is a process of
+its own, so that its peak of memory is its own; both solvers of a size run one after the other.
 """
 
 from __future__ import annotations
