@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""tet4_mini against closed forms, published values, and the axisymmetric solids of the program."""
+
+import numpy as np
+import pytest
+
+from presswork import build_model, read_case, run_model
+from tests.consistency.test_solid_in_space import OneCell
+from tests.problems.space_solids import compute, cook_in_space, mean_rise
+from tests.problems.tetrahedra import (
+    BORE,
+    OUTSIDE,
+    YIELD,
+    inf_sup,
+    mean_pressure_of_punch,
+    prandtl_slice,
+    thick_ball,
+)
+
+
+def test_a_cell_has_the_six_rigid_motions_and_no_other_mode_without_energy() -> None:
+    one = OneCell("tet4_mini")
+    one.stress[:], one.eqps[:], one.points[:, 3] = 0.0, 0.0, 0.0
+    _, stiffness = one.evaluate(one.nothing(), with_stiffness=True)
+    number = np.arange(16).reshape(4, 4)
+    u, p = number[:, :3].ravel(), number[:, 3]
+    with_pressure = stiffness[np.ix_(u, p)] @ np.linalg.solve(stiffness[np.ix_(p, p)], stiffness[np.ix_(p, u)])
+    values = np.linalg.eigvalsh(stiffness[np.ix_(u, u)] - with_pressure)
+    assert (values[:6] < 1e-10 * values[-1]).all()
+    assert (values[6:] > 1e-3 * values[-1]).all()
+    assert (np.linalg.eigvalsh(stiffness[np.ix_(p, p)]) < 0.0).all()
+
+
+def test_the_inf_sup_value_does_not_fall_with_the_size_of_cells() -> None:
+    """Chapelle & Bathe 1993: 0.141, 0.154, 0.156, 0.159 at 2, 3, 4, 6 cells a side; without the bubble it is zero."""
+    values = [inf_sup("tet4_mini", n) for n in (2, 4, 6)]
+    assert values == pytest.approx([0.1405, 0.1558, 0.1589], rel=1e-2)
+    assert inf_sup("tet4_mini", 4, with_bubble=False) < 1e-3
+
+
+def test_cooks_membrane_in_space_does_not_lock() -> None:
+    """8.477 to 8.500 by converged quadratic tetrahedra; 8 x 8 x 2 and 12 x 12 x 3 hexahedra, each cut into six."""
+    rises = [mean_rise(compute(cook_in_space("tet4_mini", n, n // 4))) for n in (8, 12)]
+    assert rises == pytest.approx([6.770, 7.570], rel=1e-3)
+    errors = 1.0 - np.array(rises) / 8.489
+    assert np.log(errors[0] / errors[1]) / np.log(1.5) > 1.4  # their order
+
+
+def test_thick_ball_yields_as_hill_says() -> None:
+    """Outer displacement sigma_0 c^3 (1 - nu)/(E b^2) with the plastic front at c = 1.5 a."""
+    procedure = compute(thick_ball("tet4_mini", 8, 4, front=1.5 * BORE))
+    nodes = procedure.model.mesh.node_sets["outside"]
+    along = procedure.model.mesh.points[nodes] / OUTSIDE
+    moved = (procedure.state.nodes.moved[nodes] * along).sum(axis=1).mean()
+    closed = YIELD * (1.5 * BORE) ** 3 * (1.0 - 0.4999) / (200e3 * OUTSIDE**2)
+    assert moved / closed == pytest.approx(0.908, abs=5e-3)
+
+
+@pytest.mark.parametrize(("element", "pressure"), [("tet4_mini", 5.401), ("hex8_fbar", 5.123)])
+def test_a_slice_under_a_punch_has_prandtls_limit_load(element, pressure) -> None:
+    """(2 + pi) k = 5.142 k; 4 cells under half the punch, 8 give 5.159 and 5.080, and hex8 6.489 and 5.916."""
+    found = mean_pressure_of_punch(compute(prandtl_slice(element, 4)), 4)
+    assert found == pytest.approx(pressure, rel=1e-3)
+    assert found == pytest.approx(2.0 + np.pi, rel=0.06)
