@@ -49,7 +49,7 @@ def compute(**changes: object) -> ImplicitProcedure:
     return procedure
 
 
-@pytest.mark.parametrize("element", ["hex8", "hex8_fbar"])
+@pytest.mark.parametrize("element", ["hex8", "hex8_fbar", "tet4_mini"])
 def test_adiabatic_compression(element: str) -> None:
     """700 + 300 e to 60 %, nine tenths of the work, density 7833, specific heat 586: 150.45 K."""
     strain = np.log(1 / 0.4)
@@ -84,12 +84,14 @@ def cool(half: float, h: float, time: float, at: float) -> float:
     return float(np.sum(terms))
 
 
-def test_a_block_cools_on_all_sides() -> None:
+@pytest.mark.parametrize("element", ["hex8_fbar", "tet4_mini"])
+def test_a_block_cools_on_all_sides(element: str) -> None:
     """A block of 20 x 30 x 16 mm at 1000 degrees C, 5 kW/m2K to 20, after 2 s: middle, and middles of its faces."""
     size, time = (10.0, 15.0, 8.0), 2.0
     done = compute(
         workpiece={
             "material": "steel",
+            "element": element,
             "mesh": {"size": size, "cells": [12, 14, 10], "grading": [0.4, 0.4, 0.4]},
         },
         heat={
