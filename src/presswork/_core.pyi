@@ -2349,9 +2349,9 @@ class HeatEquation:
         direct: called with whether the matrix is new, its values and the right-hand side where iterations do not find a correction; None for a singular matrix.
         """
 
-def find_touch(edges: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], areas: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, holds: Annotated[NDArray[numpy.bool_], dict(order='C', device='cpu', writable=False)], push: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], gap: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], conductance: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], width: float, seen: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], corners: int = 2) -> tuple[NDArray[numpy.bool_], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]:
+def find_touch(edges: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], areas: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, holds: Annotated[NDArray[numpy.bool_], dict(order='C', device='cpu', writable=False)], push: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], gap: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], conductance: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], width: float, seen: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> tuple[NDArray[numpy.bool_], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]:
     """
-    Where a tool touches edges (n, nodes), in space faces, or is near them; corners: of each, its first nodes.
+    Where a tool touches edges (n, nodes) or is near them.
 
     holds, push [N], gap [mm]: at nodes (n_points,); conductance: rows of pressure [MPa] and value (n, 2); width [mm]: across which heat passes; seen (n, nodes) loses what touches and what passes. Returns edges that touch (n,), the pressure at their nodes (n_points,), and the nodes that touch or are near with their areas and conductances.
     """

@@ -68,7 +68,7 @@ def list_laps(state: State, mesh: Mesh) -> list[FloatArray]:
     if LapArrays not in state:
         return []
     marked = state[LapArrays].mark > MARKED
-    points = mesh.points + state.nodes.displacement[:, :2]
+    points = mesh.points + state.nodes.moved
     edges = mesh.boundary_edges[marked[mesh.boundary_edges[:, :2]].all(axis=1)]
     alone = np.repeat(np.flatnonzero(marked)[:, None], 2, axis=1)
     _, part = find_parts([np.concatenate([edges[:, :2], alone])], len(points))

@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.edges import GAUSS_3, edge_areas, edge_shape_functions
 from presswork.mesh.faces import face_areas, press_faces
 from presswork.model import FloatArray, IntArray, Model
-from presswork.state import Arrays, State
+from presswork.state import SURFACE_FORCE, Arrays, OnNewMesh, State
 
 
 @dataclass
@@ -23,6 +23,7 @@ class FadingLoads(Arrays):
     """What is left of the stage before, of a model in space."""
 
     owner = "fading_loads"
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {"force": SURFACE_FORCE}
     force: FloatArray
     """Forces left from the previous stage; they fade to zero over this stage (n_points, 3) [N]."""
 

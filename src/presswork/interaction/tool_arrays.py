@@ -96,20 +96,23 @@ class SpaceToolArrays(Arrays):
     """Where the tools in space are, and their force on the nodes."""
 
     owner = "space_tools"
-    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(
-        (
-            "displacement",
-            "angle",
-            "restart",
-            "placed",
-            "travel",
-            "travel_increment",
-            "gives",
-            "force_start",
-            "energy",
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
+        **dict.fromkeys(
+            (
+                "displacement",
+                "angle",
+                "restart",
+                "placed",
+                "travel",
+                "travel_increment",
+                "gives",
+                "force_start",
+                "energy",
+            ),
+            RUN,
         ),
-        RUN,
-    )
+        **dict.fromkeys(("force", "friction"), OnNewMesh("surface_force", axis=1)),
+    }
     displacement: FloatArray
     """Since the start (n_space_tools, 3) [mm]."""
     angle: FloatArray

@@ -53,7 +53,7 @@ from presswork.model.material import (
     YieldFunction,
 )
 from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
-from presswork.model.mesh_change import change_mesh, choose_slave, mean_edge
+from presswork.model.mesh_change import change_mesh, choose_slave, list_sets, mean_edge
 from presswork.model.model import Analysis, Model
 from presswork.model.onestep import OneStepModel, PartBead
 from presswork.model.press import Blow, Crank, Drive, SpeedTable
@@ -214,5 +214,6 @@ __all__ = [
     "choose_slave",
     "find_direction",
     "list_names",
+    "list_sets",
     "mean_edge",
 ]

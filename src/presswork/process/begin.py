@@ -54,6 +54,10 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.series import SeriesForming
 
         return SeriesForming(model, threads=threads)
+    if model.remeshing is not None and model.analysis == "solid":
+        from presswork.process.remeshing_in_space import RemeshedSpaceForming
+
+        return RemeshedSpaceForming(model, threads=threads)
     if model.remeshing is not None:
         from presswork.process.remeshing import RemeshedForming
 

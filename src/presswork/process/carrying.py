@@ -15,6 +15,7 @@ from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.mesh.edges import edge_areas
+from presswork.mesh.faces import face_areas
 from presswork.model import FloatArray, IntArray
 from presswork.remesh.carrier import Carrier
 from presswork.state import Arrays, State
@@ -81,8 +82,9 @@ def carry_surface(before: ImplicitProcedure, after: ImplicitProcedure, carrier: 
                 if becomes.kind == "surface":
                     found[own] = carrier.surface(everywhere, at_rest)[nodes]
                     continue
-                per_area = carrier.surface(everywhere / np.maximum(areas_n, 1e-300), at_rest)
-                found[own] = per_area[nodes] * areas[nodes]
+                many = (-1, *(1,) * (given.ndim - 1))  # an area for all that stands at a node
+                per_area = carrier.surface(everywhere / np.maximum(areas_n, 1e-300).reshape(many), at_rest)
+                found[own] = per_area[nodes] * areas[nodes].reshape(many)
             setattr(arrays, name, np.ascontiguousarray(np.moveaxis(found, 0, becomes.axis)))
     if ContactArrays in after.state:
         contact = after.state[ContactArrays]
@@ -154,7 +156,7 @@ def _return_to_law(after: Epoch, blocks: set[int]) -> None:
         mean = stress[..., :3].mean(axis=-1)
         deviator = stress.copy()
         deviator[..., :3] -= mean[..., None]
-        effective = np.sqrt(1.5 * ((deviator[..., :3] ** 2).sum(axis=-1) + 2.0 * deviator[..., 3] ** 2))
+        effective = np.sqrt(1.5 * ((deviator[..., :3] ** 2).sum(axis=-1) + 2.0 * (deviator[..., 3:] ** 2).sum(axis=-1)))
         factor = np.minimum(1.0, flow / np.maximum(effective, 1e-300))
         stress[...] = deviator * factor[..., None]
         stress[..., :3] += mean[..., None]
@@ -163,6 +165,10 @@ def _return_to_law(after: Epoch, blocks: set[int]) -> None:
 def _boundary_areas(run: ImplicitProcedure) -> FloatArray:
     """Return the area of the boundary round each node (n_points,) [mm2]."""
     model = run.model
+    faces = model.mesh.boundary_faces
+    if len(faces):
+        areas = face_areas(model.mesh.points + run.state.nodes.displacement[:, :3], faces)
+        return np.asarray(np.bincount(faces.ravel(), areas.ravel(), minlength=len(model.mesh.points)), dtype=float)
     thickness = None if model.analysis == "axisymmetric" else model.depth
     edges = model.mesh.boundary_edges
     areas = edge_areas(model.mesh.points + run.state.nodes.displacement, edges, thickness)

@@ -21,36 +21,21 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.body_interface import InterfaceArrays
 from presswork.interaction.laps import LapArrays, list_laps, mark_lap
-from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
+from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, ToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.mesh.joined import join_parts, split_mesh
 from presswork.mesh.topology import count_corners
-from presswork.model import Body, FloatArray, IntArray, Mesh, Model, Remeshing
+from presswork.model import Body, FloatArray, Mesh, Model, Remeshing
 from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_peaks, carry_state, carry_surface, find_undeclared
-from presswork.process.epochs import EPOCH, NamedArrays
+from presswork.process.epochs import NamedArrays
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.new_balance import balance_new_mesh
 from presswork.process.recording import Row
-from presswork.process.self_contact import switch_on, touches_itself
 from presswork.remesh.carrier import Carrier, Part
-from presswork.remesh.section import (
-    NewSection,
-    OldSection,
-    check_budget,
-    halve_edges,
-    measure_sizes,
-    remesh_section,
-)
+from presswork.remesh.section import NewSection, OldSection, check_budget, measure_sizes, remesh_section
 from presswork.remesh.size_field import measure_power
-from presswork.remesh.triggers import (
-    TOO_DEEP,
-    TOO_LONG,
-    find_closing_gap,
-    find_cut_edge,
-    find_flat_cell,
-    find_long_edge,
-)
+from presswork.remesh.triggers import TOO_DEEP, TOO_LONG, find_cut_edge, find_flat_cell, find_long_edge
 from presswork.state import State
 
 MOST_JUMP = 0.02
@@ -59,7 +44,7 @@ WAIT = 1.5
 """Factor on all triggers, up to which the present mesh goes on rather than one that changes the force too much."""
 MOST_WAITS = 3
 """Times that a mesh is put off because it changes the force: what waits longer only gets worse."""
-WAITED, ON_FIRST, FOLDED = "waited", "on_first", "folded"
+WAITED, ON_FIRST = "waited", "on_first"
 """Names in a checkpoint."""
 PARTS = (1.0, 0.7, 0.85)
 """Of the size that is asked for, in meshes tried one after the other."""
@@ -115,8 +100,6 @@ class RemeshedForming(ImplicitRecording):
 
     def _may_change_mesh(self, failure: str = "") -> bool:
         """Make another mesh if the present one should not go on, and go on with it; return whether there is one."""
-        if not failure:
-            self._watch_folds()
         if self._obstacle:
             return False
         if failure:
@@ -125,47 +108,23 @@ class RemeshedForming(ImplicitRecording):
         found = self._reason()
         return found is not None and self._remesh(*found)
 
-    def _watch_folds(self) -> None:
-        """Switch on contact of bodies with themselves where their outlines are about to fold onto themselves."""
-        points, found = self.model.mesh.points, {}
-        for number, (own, edges) in enumerate(self._outlines()):
-            if not touches_itself(self.model, number):
-                state = self.procedure.state.nodes
-                place = find_closing_gap((points + state.displacement)[edges], state.increment[edges])
-                if place is not None:
-                    found[number] = own.name, place
-        if found:
-            self._go_on_with(switch_on(self.procedure, list(found)))
-            self._notes += [
-                f"{name} is about to fold onto itself near ({x:.4g}, {y:.4g}): contact with itself is switched on"
-                for name, (x, y) in found.values()
-            ]
-
-    def _outlines(self) -> list[tuple[Body, IntArray]]:
-        """Return each body and the edges of its boundary, halved where they have a node in their middle (k, 2)."""
-        edges = self.model.mesh.boundary_edges
-        return [(body, halve_edges(edges[body.owns(edges)])) for body in self._bodies()]
-
-    def _go_on_with(self, procedure: ImplicitProcedure) -> None:
-        """Go on with another procedure on the same mesh."""
-        self.procedure, self.model = procedure, procedure.model
-        procedure.evolution.place(self._origin)
-
     def _reason(self, wait: float = 1.0) -> tuple[str, set[int]] | None:
         """Return why the present mesh should not go on, and of which bodies; wait: factor on the triggers."""
         if wait == 1.0 and self.number > 0 and self._passed_fraction():
             return "due", set(range(self._n_bodies))
         found: dict[int, str] = {}
-        increment = self.procedure.state.nodes.increment
         for number, old in enumerate(self._sections()):
-            if number in self._on_first:
-                reason = find_reason_to_leave_first(old)
-            else:
-                own = increment[old.points.start : old.points.stop]
-                reason = find_reason(old, own, self._settings_of(number), wait)
+            reason = self._reason_of(number, old, wait)
             if reason is not None:
                 found[number] = reason
         return ("; ".join(dict.fromkeys(found.values())), set(found)) if found else None
+
+    def _reason_of(self, number: int, old: Any, wait: float) -> str | None:
+        """Return why the mesh of a body, as _sections has it, should not go on; wait: factor on the triggers."""
+        if number in self._on_first:
+            return find_reason_to_leave_first(old)
+        own = self.procedure.state.nodes.increment[old.points.start : old.points.stop]
+        return find_reason(old, own, self._settings_of(number), wait)
 
     def begin_log(self) -> str:
         """Name the linear solver, and what prevents new meshes."""
@@ -192,7 +151,7 @@ class RemeshedForming(ImplicitRecording):
         every = self.settings.every * (1 - 1e-9)
         return bool(np.floor(before / every) > np.floor(last / every))
 
-    def _sections(self) -> list[OldSection]:
+    def _sections(self) -> Sequence[Any]:
         """Return the bodies where they are now."""
         procedure, model, state = self.procedure, self.model, self.procedure.state
         n_points = len(model.mesh.points)
@@ -207,15 +166,11 @@ class RemeshedForming(ImplicitRecording):
                 for t, moved, angle in zip(model.plane_tools, placed.displacement, placed.angle, strict=True)
             ]
         if InterfaceArrays in state:
-            on_others = (state[InterfaceArrays].force != 0.0).any(axis=1)
-            for number, body in enumerate(self._bodies()):  # where it touches itself it has folded: a lap may be closed
-                if all(number not in c.between or c.slave == c.master for c in model.contacts):
-                    on_others[body.points.start : body.points.stop] = False
-            on_tool = np.concatenate([on_tool, on_others[None]])
+            on_tool = np.concatenate([on_tool, (state[InterfaceArrays].force != 0.0).any(axis=1, keepdims=True).T])
         fixed = np.asarray(procedure.interactions.supports.fixed(procedure.present_step().stage))
         position = model.mesh.points + state.nodes.displacement
         bodies = self._bodies()
-        sections = []
+        sections: list[OldSection] = []
         for number, (body, mesh) in enumerate(zip(bodies, split_mesh(model.mesh, bodies), strict=True)):
             own = slice(body.points.start, body.points.stop)
             ring, lost = model.analysis == "axisymmetric", self._lost_volume(body, number)
@@ -263,7 +218,7 @@ class RemeshedForming(ImplicitRecording):
         the force, or if there must be one. again: the last one has failed at once; now the metal may yield while the
         tools are at rest. Quadratic cells all give way at once: bodies have as many nodes on an edge.
         """
-        old: list[OldSection] = self._sections()
+        old = self._sections()
         own = bodies if bodies and self.model.mesh.boundary_edges.shape[1] == 2 else set(range(len(old)))
         found: list[_NewEpoch] = []
         faults: list[str] = []
@@ -294,8 +249,23 @@ class RemeshedForming(ImplicitRecording):
         )
         return True
 
-    def _try_mesh(self, old: list[OldSection], own: set[int], part: float, *, may_yield: bool) -> _NewEpoch:
+    def _try_mesh(self, old: Sequence[Any], own: set[int], part: float, *, may_yield: bool) -> _NewEpoch:
         """Return equilibrium on new meshes of bodies, of a part of the size. Raises MeshError or GaveUpError."""
+        before = self.procedure
+        after, carrier = self._make_epoch(old, own, part)
+        carry_peaks(before, after, carrier)
+        outcome = balance_new_mesh(after, may_yield=may_yield)
+        if isinstance(outcome, Failed):
+            raise GaveUpError(f"no equilibrium on the new mesh, {outcome.reason}")
+        origin = carrier.material(self.mesh.points)
+        keep_held(origin, after.model)
+        return _NewEpoch(after, origin, _measure_jump(before.state, after.state), len(outcome.log))
+
+    def _make_epoch(self, old: Sequence[Any], own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
+        """Return the procedure on new meshes of bodies, of a part of the size, with the state carried to them.
+
+        Raises MeshError or GaveUpError.
+        """
         before = self.procedure
         new = [
             remesh_section(section, self._settings_of(i), part=part) if i in own else None
@@ -306,29 +276,14 @@ class RemeshedForming(ImplicitRecording):
         carrier = Carrier(before.model.mesh, position, mesh, parts)
         after = new_epoch(before, mesh, lambda old, new: carry_state(old, new, carrier))
         carry_surface(before, after, carrier)
-        carry_peaks(before, after, carrier)
         for part_of, made in zip(parts, new, strict=True):
             if made is not None:
                 mark_lap(after.state, part_of.new_points.start + made.line.laps, after.state[Progress].time)
-        outcome = balance_new_mesh(after, may_yield=may_yield)
-        if isinstance(outcome, Failed):
-            raise GaveUpError(f"no equilibrium on the new mesh, {outcome.reason}")
-        origin = carrier.material(self.mesh.points)
-        keep_held(origin, after.model)
-        return _NewEpoch(after, origin, _measure_jump(before.state, after.state), len(outcome.log))
+        return after, carrier
 
     def _epoch_arrays(self) -> NamedArrays:
         on_first = np.isin(np.arange(self._n_bodies), list(self._on_first))
-        folded = np.array([touches_itself(self.model, i) for i in range(self._n_bodies)])
-        return super()._epoch_arrays() | {WAITED: np.array([self._waited]), ON_FIRST: on_first, FOLDED: folded}
-
-    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Go back to the epoch and the state of these arrays. Raises ValueError if they belong to another model."""
-        folded = np.flatnonzero(arrays.get(f"{EPOCH}{FOLDED}", np.zeros(0)))
-        added = [int(i) for i in folded if not touches_itself(self.model, int(i))]
-        if added:
-            self._go_on_with(switch_on(self.procedure, added))
-        super().load_arrays(arrays)
+        return super()._epoch_arrays() | {WAITED: np.array([self._waited]), ON_FIRST: on_first}
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         super()._load_epoch(epoch)
@@ -410,21 +365,24 @@ def find_reason_to_leave_first(old: OldSection) -> str | None:
 def keep_held(origin: FloatArray, model: Model) -> None:
     """Give material that supports have held ever since the run began its first coordinate back, in place.
 
-    model: on the new mesh; origin: first places of the material at its nodes (n_points, 2) [mm].
+    model: on the new mesh; origin: first places of the material at its nodes (n_points, 2 | 3) [mm].
     """
     mesh = model.mesh
     driven = {(p.node_set, p.component) for stage in model.stages for p in stage.prescribed}
     for support in model.supports:
         nodes = mesh.node_sets[support.node_set]
-        for axis in (0, 1):
+        for axis in range(mesh.points.shape[1]):
             if support.fix[axis] and (support.node_set, axis) not in driven:
                 origin[nodes, axis] = mesh.points[nodes, axis]
 
 
 def _measure_jump(before: State, after: State) -> float:
     """Return the largest change of a tool's force over the largest force."""
-    if ToolArrays not in before:
+    if SpaceToolArrays in before:
+        force, force_n = (state[SpaceToolArrays].force.sum(axis=1) for state in (after, before))
+    elif ToolArrays in before:
+        force, force_n = (state[ToolArrays].force[:, :2] for state in (after, before))
+    else:
         return 0.0
-    force, force_n = (state[ToolArrays].force[:, :2] for state in (after, before))
     largest = float(np.abs(force_n).max(initial=0.0))
     return float(np.abs(force - force_n).max(initial=0.0)) / largest if largest > 0.0 else 0.0

@@ -7,7 +7,7 @@ import numpy as np
 
 from presswork.geometry.swept_tool import triangulate
 from presswork.geometry.tool_surface import cut_plane
-from presswork.model import FloatArray, IntArray, Model, Plane, SweptProfile
+from presswork.model import FloatArray, IntArray, Model, Plane, SweptProfile, Tool
 
 SHEET_CHORD = 0.02
 """Of the thickness of a sheet: how far the triangles of a drawn tool lie off its surface."""
@@ -19,19 +19,25 @@ AROUND = 1.5
 
 def cut_tools(model: Model) -> dict[str, tuple[FloatArray, IntArray]]:
     """Return points and triangles of every tool in space where it starts, by its name."""
-    points = model.mesh.points
+    points, chord = model.mesh.points, _chord(model)
     found = {}
     for tool in model.space_tools:
-        position = np.asarray(tool.position)
-        shape = tool.surface
-        if isinstance(shape, Plane):
-            shape = cut_plane(shape, AROUND * float(np.linalg.norm(points - position, axis=1).max()))
-        if isinstance(shape, SweptProfile):
-            corners, triangles = triangulate(shape, _chord(model), length=2.5 * float(np.abs(points[:, 1]).max()))
-        else:
-            corners, triangles = shape.points, shape.triangles
-        found[tool.name] = (corners + position, triangles)
+        corners, triangles = draw_tool(tool, points, chord)
+        found[tool.name] = (corners + np.asarray(tool.position), triangles)
     return found
+
+
+def draw_tool(tool: Tool, points: FloatArray, chord: float) -> tuple[FloatArray, IntArray]:
+    """Return points and triangles of a tool in its own frame; points (n, 3): of the body that it meets [mm].
+
+    chord: how far the triangles may lie off its surface [mm].
+    """
+    shape = tool.surface
+    if isinstance(shape, Plane):
+        shape = cut_plane(shape, AROUND * float(np.linalg.norm(points - np.asarray(tool.position), axis=1).max()))
+    if isinstance(shape, SweptProfile):
+        return triangulate(shape, chord, length=2.5 * float(np.abs(points[:, 1]).max()))
+    return shape.points, shape.triangles
 
 
 def _chord(model: Model) -> float:

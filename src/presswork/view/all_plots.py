@@ -146,7 +146,7 @@ def _plot_all(
             figure = plot_forming_limit(result, step, figure=bare_figure())
             figure.set_size_inches(7.0, 5.2)
             paths.append(save_picture(figure, folder / f"forming_limit_{step:03d}.png"))
-        if has_remeshed(result) if flow_lines is None else flow_lines:
+        if is_section(result) and has_remeshed(result) if flow_lines is None else flow_lines:
             paths.append(save_picture(_draw_flow_lines(result, step, mirror), folder / f"flow_lines_{step:03d}.png"))
         for field in fields:
             if result.is_shell or result.is_space_solid:

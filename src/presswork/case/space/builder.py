@@ -11,7 +11,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.heat.forming import start_hot, warn_of_temperatures
+from presswork.case.heat.forming import start_hot
 from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.umat import UmatMaterial
@@ -23,6 +23,7 @@ from presswork.case.solid.reach import check_reach
 from presswork.case.solid.references import check_set_names
 from presswork.case.space.heat import build_space_heat, check_space_heat
 from presswork.case.space.mesh_builder import check_space_mesh, mesh_space_body
+from presswork.case.space.remesh import build_space_remeshing, check_space_remesh
 from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
 from presswork.case.space.tool_builder import build_tool, check_motions, find_way
 from presswork.mesh.faces import face_areas
@@ -39,15 +40,13 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     piece = case.workpiece
     material = list(case.materials).index(piece.material)
     mesh = mesh_space_body("workpiece", piece.mesh, piece.element, material, case.source)
-    _stop_at(_check_sets(case, mesh), case)
+    _stop_at([*_check_sets(case, mesh), *check_space_remesh(case, mesh)], case)
     points, problems = build_points(
         case.points, mesh, {*case.boundary, *(entry.set for stage in case.stages for entry in stage.displacement)}
     )
     _stop_at(problems, case)
     materials, problems = build_materials(case.materials, case.source, 6, run_user_code)
     materials = tuple(start_hot(material, case.heat) for material in materials)
-    for warning in warn_of_temperatures(case, materials):
-        logger.warning("%s", warning)
     mirrors, wrong = _find_symmetry_planes(case, mesh)
     folder = case.source.parent if case.source is not None else Path()
     built = [build_tool(name, tool, mesh, mirrors, folder, find_way(case, name)) for name, tool in case.tools.items()]
@@ -75,6 +74,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         limits=case.limits.build(),
         points=points,
         heat=build_space_heat(case),
+        remeshing=build_space_remeshing(case, mesh),
         case_text=case.text,
     )
 

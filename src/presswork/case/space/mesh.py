@@ -144,6 +144,15 @@ class Extruded(Part):
         return self
 
 
-MadeMesh = Box | Cylinder | Ring | Turned | Extruded
+class ClosedSurface(Part):
+    """The inside of a closed surface, filled with tetrahedra; its sets are those of a box round it."""
+
+    kind: Literal["surface"] = Field(description="the inside of a closed surface, filled with tetrahedra")
+    path: str = Field(description="file of the surface: .stl, .step or .stp")
+    unit: str = Field(default="mm", description="unit of the file's coordinates; STEP says its own")
+    size: Length = Field(gt=0, description="mean edge of cells [mm]; they are smaller at small features")
+
+
+MadeMesh = Box | Cylinder | Ring | Turned | Extruded | ClosedSurface
 SpaceMesh = Annotated[MadeMesh | MeshFile, Field(discriminator="kind"), BeforeValidator(assume_box)]
 """The mesh of a solid in space."""

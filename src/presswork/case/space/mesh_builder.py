@@ -12,7 +12,7 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.solid.workpiece import MeshFile
-from presswork.case.space.mesh import Box, Cylinder, Extruded, MadeMesh, Ring, Turned
+from presswork.case.space.mesh import Box, ClosedSurface, Cylinder, Extruded, MadeMesh, Ring, Turned
 from presswork.case.stamping.plan_line import LineFile, PolygonLine, draw_line
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.polygon import polygon_area
@@ -21,6 +21,7 @@ from presswork.mesh import MeshError, grade_line
 from presswork.mesh.box import mesh_box, read_solid_mesh
 from presswork.mesh.outlined_blank import mesh_outlined_blank
 from presswork.mesh.readers import read_mesh
+from presswork.mesh.space.closed_surface import mesh_closed_surface
 from presswork.mesh.space.disc import count_kites
 from presswork.mesh.space.drawn_up import mesh_extruded, mesh_turned
 from presswork.model import FloatArray, IntArray
@@ -39,6 +40,9 @@ def check_space_mesh(key: str, mesh: MadeMesh | MeshFile, element: model.SpaceEl
             problems.append(Problem(f"{key}.unit", fault, "e.g. mm, m, inch", mesh_unit))
     if isinstance(mesh, Cylinder | Turned) and (isinstance(mesh, Cylinder) or mesh.hole == 0.0):
         problems += _check_disc(key, mesh)
+    if isinstance(mesh, ClosedSurface) and model.ELEMENTS[element].cell != "tet4":
+        fault = f"a surface is filled with tetrahedra, not with cells of {element}"
+        problems.append(Problem(f"{key}.kind", fault, 'take element = "tet4_mini"', "surface"))
     if isinstance(mesh, Box | Cylinder | Ring | Turned):
         one, two, three = mesh.cells
         problems += _check_memory(f"{key}.cells", one * two * three, element, list(mesh.cells))
@@ -92,7 +96,11 @@ def mesh_space_body(
         return mesh_extruded(plan, quads, z_lines, element=element, material=material)
     scale = unit_factor(mesh.unit, LENGTH)
     try:
-        found, notes = read_solid_mesh(folder / mesh.path, element=element, scale=scale, material=material)
+        if isinstance(mesh, ClosedSurface):
+            path, size = folder / mesh.path, mesh.size
+            found, notes = mesh_closed_surface(path, size, element=element, scale=scale, material=material)
+        else:
+            found, notes = read_solid_mesh(folder / mesh.path, element=element, scale=scale, material=material)
     except MeshError as error:
         raise CaseError([Problem(f"{key}.mesh.path", error.fault, error.remedy, mesh.path)], source) from error
     for note in notes:

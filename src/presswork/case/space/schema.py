@@ -20,6 +20,7 @@ from presswork.case.press.schema import Press, Speeds, StagePress, check_speeds
 from presswork.case.settings import Output, Solver
 from presswork.case.solid.schema import MaterialTable
 from presswork.case.space.mesh import SpaceMesh
+from presswork.case.space.remesh import SpaceRemesh
 from presswork.case.space.tools import SpaceTool, SpaceToolMotion
 from presswork.case.units import Force3, Length, Point3, Stress, StressVector3, Time, fault
 
@@ -140,6 +141,10 @@ class SpaceCase(CaseFile):
     presses: dict[Name, Press] = Field(default={}, description="presses that stages refer to, by name")
     boundary: dict[Name, SpaceBoundary] = Field(default={}, description="supports and symmetry planes by name")
     heat: SolidHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
+    remesh: SpaceRemesh | None = Field(
+        default=None,
+        description="when and how finely tetrahedra are meshed anew; without it: where their first mesh fails",
+    )
     stages: tuple[SpaceStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: SpaceSolver = Field(default=SpaceSolver(), description="how the implicit procedure integrates and iterates")
     points: dict[Name, Point3] = Field(default={}, description=POINTS)

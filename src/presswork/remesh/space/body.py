@@ -9,7 +9,6 @@ from functools import cached_property
 
 import numpy as np
 
-from presswork.mesh.checks import MeshError
 from presswork.model import BoolArray, FloatArray, IndexArray
 from presswork.remesh.space.tetrahedra import area_vectors, find_skin, measure_volumes
 from presswork.remesh.space.tools import PlacedTool
@@ -31,23 +30,10 @@ class OldBody:
     held: BoolArray
     """Components that supports hold (n, 3)."""
     sets: Mapping[str, IndexArray]
-    """Nodes of places that the new mesh must have: whole faces of the skin."""
+    """Faces of places that the new mesh must have (n, 3)."""
     tools: Sequence[PlacedTool]
     lost: float = 0.0
     """Part of the volume that was lost so far, and is given back."""
-
-    def __post_init__(self) -> None:
-        """Raise MeshError where a place is not made of whole faces."""
-        for name, nodes in self.sets.items():
-            within = np.isin(self.faces, nodes).all(axis=1)
-            loose = np.setdiff1d(nodes, self.faces[within])
-            if len(loose):
-                where = ", ".join(f"{c:.4g}" for c in self.points[loose[0]])
-                raise MeshError(
-                    f"the set `{name}` has a node near ({where}) on none of its faces: new meshes keep places that are "
-                    "made of whole faces of the surface",
-                    "name a set of faces, or leave out [remesh]",
-                )
 
     @cached_property
     def faces(self) -> IndexArray:
@@ -92,11 +78,19 @@ class OldBody:
         """A number for each face (k,), the same for faces in the same planes and sets; for each number the planes,
         then the sets, in which its faces lie (n_numbers, n_planes + n_sets)."""
         columns = [own for _, _, own in self.planes]
-        columns += [np.asarray(np.isin(self.faces, nodes).all(axis=1)) for nodes in self.sets.values()]
+        columns += [_are_among(self.faces, own) for own in self.sets.values()]
         if not columns:
             return np.zeros(len(self.faces), dtype=np.intp), np.zeros((1, 0), dtype=bool)
         table, number = np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)
         return number.ravel().astype(np.intp), table
+
+
+def _are_among(faces: IndexArray, own: IndexArray) -> BoolArray:
+    """Say which faces (k, 3) are among others (n, 3)."""
+    both = np.sort(np.concatenate([own, faces]), axis=1)
+    _, number = np.unique(both, axis=0, return_inverse=True)
+    number = number.ravel()
+    return np.isin(number[len(own) :], number[: len(own)])
 
 
 @dataclass(frozen=True)
@@ -110,7 +104,7 @@ class NewBody:
     faces: IndexArray
     """Its skin (k, 3), counter-clockwise seen from outside."""
     sets: Mapping[str, IndexArray]
-    """Nodes of the places of the old body."""
+    """Faces of the places of the old body (n, 3)."""
     on_tool: BoolArray
     """Which tools nodes lie on, to round-off (n_tools, n)."""
     skin: IndexArray

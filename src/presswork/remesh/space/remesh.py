@@ -56,10 +56,7 @@ def _try_mesh(body: OldBody, sizes: EdgeSizes) -> NewBody:
         worst = float(measure_quality(points, made.cells).min())
         if worst >= LEAST_QUALITY:
             first_set = len(body.planes)
-            sets = {
-                name: np.unique(made.faces[table[made.number, first_set + column]])
-                for column, name in enumerate(body.sets)
-            }
+            sets = {name: made.faces[table[made.number, first_set + column]] for column, name in enumerate(body.sets)}
             corners = body.faces[places.face]
             return NewBody(
                 points, made.cells, made.faces, sets, placed.on_tool, skin, corners, places.share, placed.offset

@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
-from presswork import _core
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray
 
 SHARP = float(np.radians(35.0))
@@ -19,23 +19,26 @@ FLAT = float(np.radians(1.0))
 _ROUNDS = 20
 
 
+class Touched(Protocol):
+    """A surface where it stands."""
+
+    def nearest(self, points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
+        """Return the gap of points (n, 3) closer than reach [mm], infinite of others, and the normal there (n, 3)."""
+
+
 @dataclass(frozen=True)
 class PlacedTool:
     """A rigid tool where it stands."""
 
-    surface: _core.ToolSurface
-    """In its own frame."""
-    position: FloatArray
-    """Of the origin of its frame (3,) [mm]."""
+    surface: Touched
     corners: FloatArray
-    """Of triangles that draw it, in its own frame (n_points, 3) [mm]."""
+    """Of triangles that stand for it (n_points, 3) [mm]."""
     triangles: IntArray
     """Counter-clockwise as seen from free space (n, 3)."""
 
     def touch(self, points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
         """Return the gap of points (n, 3) [mm], infinite beyond reach, and normals out of the tool (n, 3)."""
-        gap, normal, *_ = self.surface.nearest(np.ascontiguousarray(points - self.position), reach)
-        return gap, normal
+        return self.surface.nearest(points, reach)
 
     @cached_property
     def _bends(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -46,7 +49,7 @@ class PlacedTool:
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         doubled = np.linalg.norm(normal, axis=1)
         normal = normal / np.maximum(doubled, 1e-300)[:, None]
-        segments = self.corners[ends] + self.position
+        segments = self.corners[ends]
         length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
         width = np.minimum(doubled[one], doubled[other]) / np.maximum(length, 1e-300)
         turn = np.arccos(np.clip((normal[one] * normal[other]).sum(axis=1), -1.0, 1.0))

@@ -10,7 +10,7 @@ from presswork.remesh.space.body import OldBody
 from presswork.remesh.space.size_field import EdgeSizes, measure_sizes
 from presswork.remesh.space.tetrahedra import list_edges, measure_quality
 
-TOO_LONG = 1.7
+TOO_LONG = 2.2
 """Edge of the skin over the size wanted there."""
 TOO_DEEP = 0.08
 """Depth to which a tool cuts an edge, over its length."""

@@ -3,9 +3,12 @@
 
 import numpy as np
 
+from presswork.geometry.pose import SpacePose
 from presswork.geometry.tool_surface import cut_plane, make_surface
+from presswork.interaction.space_contact import PlacedSurface
 from presswork.model import Plane
 from presswork.remesh.space.body import OldBody
+from presswork.remesh.space.tetrahedra import find_skin
 from presswork.remesh.space.tools import PlacedTool
 
 SIX = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
@@ -22,11 +25,17 @@ def mesh_box(counts, size):
     return points, hexahedra[:, SIX].reshape(-1, 4)
 
 
+def place(surface, position, corners, triangles):
+    """A tool that stands at a position."""
+    pose = SpacePose(np.zeros(3), np.array(position, dtype=float), np.zeros(3), None)
+    return PlacedTool(PlacedSurface(surface, pose), pose.carry(corners), triangles)
+
+
 def place_plane(normal, position):
     """A plane without end."""
     plane = Plane(normal)
     drawn = cut_plane(plane, 50.0)
-    return PlacedTool(make_surface(plane, smooth=True), np.array(position, dtype=float), drawn.points, drawn.triangles)
+    return place(make_surface(plane, smooth=True), position, drawn.points, drawn.triangles)
 
 
 def upset_block():
@@ -37,7 +46,8 @@ def upset_block():
     points[:, :2] *= (1.0 + 0.6 * z * (1.0 - z))[:, None]
     held = np.zeros(points.shape, dtype=bool)
     held[start[:, 0] == 0.0, 0] = held[start[:, 1] == 0.0, 1] = True
-    sets = {"left": np.flatnonzero(start[:, 0] == 0.0), "bottom": np.flatnonzero(start[:, 1] == 0.0)}
+    faces, _ = find_skin(cells)
+    sets = {"left": faces[(start[faces, 0] == 0.0).all(axis=1)], "bottom": faces[(start[faces, 1] == 0.0).all(axis=1)]}
     tools = [place_plane((0.0, 0.0, 1.0), (0, 0, 0)), place_plane((0.0, 0.0, -1.0), (0, 0, 7.0))]
     return OldBody(points, cells, np.stack([z == 0.0, z == 1.0]), held, sets, tools)
 
@@ -55,7 +65,7 @@ def place_block(low, high):
     from presswork.model import Triangulation
 
     surface = make_surface(Triangulation(corners, triangles, True), smooth=True)
-    return PlacedTool(surface, np.zeros(3), corners, triangles)
+    return place(surface, (0, 0, 0), corners, triangles)
 
 
 def indented_block(depth=1.5, edge=5.35):
@@ -83,7 +93,7 @@ def ball_on_block():
     start, cells = mesh_box((12, 12, 8), (10.0, 10.0, 6.0))
     ball = draw_hemispherical_punch(8.0, 20.0)
     corners, triangles = triangulate(ball, 0.02, size=0.5)
-    tool = PlacedTool(make_surface(ball, smooth=True), np.array([0.0, 0.0, 4.5]), corners, triangles)
+    tool = place(make_surface(ball, smooth=True), (0.0, 0.0, 4.5), corners, triangles)
     points = start.copy()
     top = start[:, 2] == 6.0
     radius = np.hypot(start[:, 0], start[:, 1])

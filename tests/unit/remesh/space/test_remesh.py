@@ -99,12 +99,6 @@ def test_the_same_mesh_comes_out_to_the_bit():
     assert first.cells.tobytes() == second.cells.tobytes()
 
 
-def test_places_that_are_no_faces_are_refused():
-    body = upset_block()
-    with pytest.raises(MeshError, match="the set `line` has a node near"):
-        replace(body, sets={"line": body.faces[0, :2]})
-
-
 def test_a_budget_makes_cells_larger_and_one_that_is_too_small_is_refused():
     body = upset_block()
     sizes = EdgeSizes(0.8, 0.4, 6_000)

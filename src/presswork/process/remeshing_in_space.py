@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bodies of tetrahedra whose mesh changes in the run: when, and how the state goes along."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Sequence
+
+import numpy as np
+
+from presswork.body.solids import Mechanics
+from presswork.implicit.epochs import Epoch, new_epoch
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.tool_arrays import SpaceToolArrays
+from presswork.mesh.checks import MeshError
+from presswork.model import CellBlock, FloatArray, IndexArray, IntArray, Mesh, Model, Remeshing, list_sets
+from presswork.process.carrying import carry_state, carry_surface, find_undeclared
+from presswork.process.remeshing import LAST_CUT, RemeshedForming
+from presswork.process.space_surfaces import draw_tool
+from presswork.remesh.carrier import Carrier, Part, SkinPlaces
+from presswork.remesh.space.body import NewBody, OldBody
+from presswork.remesh.space.fill import REMEDY
+from presswork.remesh.space.remesh import remesh_body
+from presswork.remesh.space.size_field import EdgeSizes
+from presswork.remesh.space.tools import PlacedTool
+from presswork.remesh.space.triggers import TOO_DEEP, TOO_LONG, find_cut_edge, find_flat_cell, find_long_edge
+
+CHORD = 0.05
+"""Of the smallest edge of cells, by which the triangles that stand for a tool may leave it."""
+
+
+class RemeshedSpaceForming(RemeshedForming):
+    """An implicit procedure at work on a body of tetrahedra, meshed anew where its mesh would fail."""
+
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        assert model.remeshing is not None
+        chord = CHORD * model.remeshing.smallest_size
+        self._drawn = [draw_tool(tool, model.mesh.points, chord) for tool in model.space_tools]
+        super().__init__(model, threads=threads)
+
+    def _find_obstacle(self) -> str:
+        undeclared = find_undeclared(self.procedure.state)
+        if undeclared:
+            return f"nothing says how {', '.join(undeclared)} would pass to a new mesh"
+        if importlib.util.find_spec("mmgpy") is None:
+            return f"new meshes in space need mmgpy, which is not installed: {REMEDY}"
+        try:
+            self._sections()
+        except MeshError as error:
+            return str(error)
+        return ""
+
+    def _sections(self) -> list[OldBody]:
+        """Return the body where it is now."""
+        procedure, model, state = self.procedure, self.model, self.procedure.state
+        fixed = np.asarray(procedure.interactions.supports.fixed(procedure.present_step().stage))[:, :3]
+        on_tool = np.zeros((0, len(model.mesh.points)), dtype=bool)
+        tools: list[PlacedTool] = []
+        space_tools = procedure.interactions.space_tools
+        if space_tools is not None:
+            placed = state[SpaceToolArrays]
+            on_tool = np.linalg.norm(placed.force, axis=2) > 0.0
+            for t, (corners, triangles) in enumerate(self._drawn):
+                surface = space_tools.contact.placed(t, placed)
+                tools.append(PlacedTool(surface, surface.pose.carry(corners), triangles))
+        (body,) = self._bodies()
+        return [
+            OldBody(
+                model.mesh.points + state.nodes.moved,
+                model.mesh.blocks[0].connectivity.astype(np.intp),
+                on_tool,
+                fixed,
+                take_places(model),
+                tools,
+                self._lost_volume(body, 0),
+            )
+        ]
+
+    def _reason_of(self, number: int, old: OldBody, wait: float) -> str | None:
+        if number in self._on_first:
+            return find_flat_cell(old, self._last_moves(), self.settings.quality) or find_cut_edge(
+                old, deepest=LAST_CUT
+            )
+        return find_reason(old, self._last_moves(), self.settings, wait)
+
+    def _last_moves(self) -> FloatArray:
+        return self.procedure.state.nodes.increment[:, :3]
+
+    def _make_epoch(self, old: Sequence[OldBody], own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
+        """Return the procedure on a new mesh of the body, with the state carried to it. Raises MeshError."""
+        before, (body,) = self.procedure, old
+        new = remesh_body(body, list_sizes(self.settings), part=part)
+        mesh = to_mesh(before.model.mesh, new)
+        places = SkinPlaces(new.skin, new.corners, new.share)
+        all_old, all_new = range(len(body.points)), range(len(new.points))
+        carrier = Carrier(before.model.mesh, body.points, mesh, [Part(all_old, all_new, 0, places)])
+
+        def fill(epoch: Epoch, next_epoch: Epoch) -> None:
+            carry_state(epoch, next_epoch, carrier)
+            nodes_n, nodes = epoch.state.nodes, next_epoch.state.nodes
+            scale = _find_scale(epoch) / _find_scale(next_epoch)
+            nodes.displacement[:, 3:] = scale * carrier.nodes(nodes_n.displacement[:, 3:])
+            nodes.increment[:, 3:] *= scale
+
+        after = new_epoch(before, mesh, fill)
+        carry_surface(before, after, carrier)
+        if SpaceToolArrays in after.state:
+            hold_on_tools(after.state[SpaceToolArrays], new, body.tools)
+        return after, carrier
+
+
+def _find_scale(epoch: Epoch) -> float:
+    """Return the pressure that counts as a length [MPa/mm], which depends on the mesh."""
+    assert isinstance(epoch.run.mechanics, Mechanics)
+    return epoch.run.mechanics.pressure_scale
+
+
+def hold_on_tools(arrays: SpaceToolArrays, new: NewBody, tools: Sequence[PlacedTool]) -> None:
+    """Let forces act at nodes on tools alone, pushes along the tools' normals and friction along them, in place."""
+    for t, tool in enumerate(tools):
+        nodes = np.flatnonzero(new.on_tool[t])
+        push = np.linalg.norm(arrays.force[t] - arrays.friction[t], axis=1)
+        _, normal = tool.touch(new.points[nodes], np.inf)
+        drag = arrays.friction[t, nodes]
+        drag -= np.einsum("ni,ni->n", drag, normal)[:, None] * normal
+        arrays.force[t], arrays.friction[t] = 0.0, 0.0
+        arrays.friction[t, nodes] = drag
+        arrays.force[t, nodes] = push[nodes, None] * normal + drag
+
+
+def find_reason(old: OldBody, moves: FloatArray, settings: Remeshing, wait: float) -> str | None:
+    """Return why a body's mesh should not go on; wait: factor on the triggers."""
+    return (
+        find_flat_cell(old, moves, settings.quality / wait)
+        or find_cut_edge(old, deepest=wait * TOO_DEEP)
+        or find_long_edge(old, list_sizes(settings), longest=wait * TOO_LONG)
+    )
+
+
+def list_sizes(settings: Remeshing) -> EdgeSizes:
+    """Return the sizes that settings ask for."""
+    return EdgeSizes(settings.size, settings.smallest_size, settings.max_cells)
+
+
+def take_places(model: Model) -> dict[str, IndexArray]:
+    """Return the faces (m, 3) of the places that a model names. Raises MeshError where one is not made of faces."""
+    found: dict[str, IndexArray] = {}
+    for _, name in list_sets(model):
+        nodes, faces = model.mesh.node_sets.get(name), model.mesh.face_sets.get(name)
+        if faces is None:
+            faces = np.zeros((0, 3), dtype=np.int32)
+        loose = np.setdiff1d(nodes, faces) if nodes is not None else np.zeros(0, dtype=np.int32)
+        if len(loose):
+            where = ", ".join(f"{c:.4g}" for c in model.mesh.points[loose[0]])
+            raise MeshError(
+                f"the set `{name}` has a node near ({where}) on none of its faces: new meshes keep places that are "
+                "made of whole faces of the surface",
+                "name a set of faces, or leave out [remesh]",
+            )
+        found[name] = faces.astype(np.intp)
+    return found
+
+
+def to_mesh(old: Mesh, new: NewBody) -> Mesh:
+    """Return a new body as a mesh with the material of the old one."""
+    block = old.blocks[0]
+    faces = {name: _to_int(own) for name, own in new.sets.items()} | {"boundary": _to_int(new.faces)}
+    nodes = {name: np.unique(own) for name, own in faces.items()}
+    nodes["all"] = np.arange(len(new.points), dtype=np.int32)
+    return Mesh(
+        new.points,
+        (CellBlock(block.element, _to_int(new.cells), block.material),),
+        nodes,
+        {},
+        np.zeros((0, 2), dtype=np.int32),
+        face_sets=faces,
+        boundary_faces=_to_int(new.faces),
+    )
+
+
+def _to_int(values: IndexArray) -> IntArray:
+    return np.ascontiguousarray(values, dtype=np.int32)

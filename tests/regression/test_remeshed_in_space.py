@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bodies of tetrahedra whose mesh changes in the run."""
+
+import numpy as np
+import pytest
+
+from presswork import build_model, read_case, run_model
+from presswork.case.errors import CaseError
+from presswork.report.write import write_report
+from presswork.view.all_plots import plot_all
+
+TEXT = """
+title = "a quarter of a block is upset"
+analysis = "solid"
+[workpiece]
+material = "steel"
+element = "tet4_mini"
+mesh = {kind = "box", size = [4, 4, 5], cells = [3, 3, 4]}
+[materials.steel]
+young = 200e3
+poisson = 0.3
+hardening = {law = "swift", K = 565, e0 = 0.007, n = 0.26}
+[tools.die]
+shape = "plane"
+normal = [0, 0, -1]
+position = [0, 0, 5]
+contact = "shear"
+m = 0.2
+[tools.anvil]
+shape = "plane"
+normal = [0, 0, 1]
+contact = "shear"
+m = 0.2
+[boundary.middle_x]
+set = "left"
+fix = ["x"]
+[boundary.middle_y]
+set = "bottom"
+fix = ["y"]
+[points]
+core = [0.1, 0.1, 2.5]
+[[stages]]
+name = "press"
+duration = 1.0
+tools.die = {stroke = 1.0, direction = [0, 0, -1]}
+[solver]
+max_increment = 0.05
+[output]
+steps = 2
+checkpoint_every = 3
+"""
+FORCED = TEXT + "[remesh]\nevery = 0.25\n"
+
+
+def make(folder, text):
+    folder.mkdir(exist_ok=True)
+    (folder / "case.toml").write_text(text)
+    return build_model(read_case(folder / "case.toml"))
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory):
+    return make(tmp_path_factory.mktemp("case"), FORCED)
+
+
+@pytest.fixture(scope="module")
+def result(model, tmp_path_factory):
+    return run_model(model, tmp_path_factory.mktemp("out"), threads=1).result
+
+
+@pytest.fixture(scope="module")
+def untouched(tmp_path_factory):
+    made = make(tmp_path_factory.mktemp("case"), TEXT)
+    return run_model(made, tmp_path_factory.mktemp("out"), threads=1).result
+
+
+def test_history_counts_meshes_and_the_log_gives_their_reasons(result, untouched):
+    assert result.history["remeshes"][-1] >= 3
+    assert untouched.history["remeshes"][-1] == 0
+    log = (result.folder / "run.log").read_text()
+    assert log.count("remesh ") == result.summary["remeshes"]
+    assert "remesh 1 (due):" in log
+
+
+def test_forces_and_volume_are_those_of_a_run_on_one_mesh(result, untouched):
+    force, other = (
+        np.interp(np.linspace(0.2, 1.0, 9), r.history["time"], r.history["die.force"]) for r in (result, untouched)
+    )
+    np.testing.assert_allclose(force, other, rtol=0.015)
+    volumes = [r.summary["volume"]["change_percent"] for r in (result, untouched)]
+    assert volumes[0] == pytest.approx(volumes[1], abs=0.02)
+    assert abs(result.summary["energy"]["error_percent"]) < abs(untouched.summary["energy"]["error_percent"]) + 1.0
+
+
+def test_displacements_count_from_the_start_and_marked_points_go_with_the_metal(result, untouched):
+    moved = result.field("displacement")[:, 2]
+    assert moved.min() == pytest.approx(-1.0, abs=0.01)
+    assert len(moved) != len(untouched.field("displacement"))
+    for column in ("core.equivalent_plastic_strain", "core.z"):
+        assert result.history[column][-1] == pytest.approx(untouched.history[column][-1], rel=0.03)
+
+
+def test_pictures_and_page_show_each_step_on_its_mesh(result, tmp_path):
+    pictures = {path.name for path in plot_all(result, tmp_path / "plots")}
+    assert {"solid_equivalent_plastic_strain_002.png", "force_stroke.png"} <= pictures
+    page = write_report([result], tmp_path / "report.html")
+    assert page.stat().st_size > 100_000
+
+
+def test_a_resumed_run_and_two_threads_give_the_same_bits(model, result, tmp_path):
+    calls = 0
+
+    def stop_at_ten(progress):
+        nonlocal calls
+        calls += 1
+        if calls == 10:
+            raise KeyboardInterrupt
+
+    run_model(model, tmp_path / "cut", threads=2, on_increment=stop_at_ten)
+    run_model(model, tmp_path / "cut", threads=1, resume=True)
+    assert (tmp_path / "cut/history.csv").read_bytes() == (result.folder / "history.csv").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ("[remesh]\nsize = 9.0", "remesh.size.*exceeds the least extent of the body"),
+        ("[remesh]\nsize = 1.0\nsmallest_size = 2.0", "remesh.smallest_size.*exceeds the largest edge"),
+    ],
+)
+def test_sizes_that_do_not_fit_are_refused(tmp_path, keys, told):
+    with pytest.raises(CaseError, match=told):
+        make(tmp_path, TEXT + keys)
+
+
+def test_hexahedra_keep_their_mesh(tmp_path):
+    with pytest.raises(CaseError, match="cells of hex8_fbar keep their mesh: new ones are made of tetrahedra"):
+        make(tmp_path, FORCED.replace("tet4_mini", "hex8_fbar"))
