@@ -148,13 +148,18 @@ def test_a_block_that_nothing_holds_is_refused(case, tmp_path) -> None:
         run_model(build_model(read_case(case, smooth)), tmp_path / "out")
 
 
-@pytest.mark.parametrize("contact", ['contact = "shear"\nm = 0.3', 'contact = "coulomb"\nmu = 0.1'])
-def test_multigrid_finds_what_factors_find_and_run_log_tells_its_iterations(case, tmp_path, contact) -> None:
-    text = TEXT.replace('contact = "shear"\nm = 0.3', contact)
+@pytest.mark.parametrize(
+    ("element", "contact"),
+    [("hex8_fbar", "shear"), ("hex8_fbar", "coulomb"), ("tet4_mini", "shear"), ("tet4_mini", "coulomb")],
+)
+def test_multigrid_finds_what_factors_find_and_run_log_tells_its_iterations(tmp_path, element, contact) -> None:
+    text = TEXT.replace('material = "steel"', f'material = "steel"\nelement = "{element}"')
+    if contact == "coulomb":
+        text = text.replace('contact = "shear"\nm = 0.3', 'contact = "coulomb"\nmu = 0.1')
     forces = {}
     for name in ("direct", "multigrid"):
         path = tmp_path / f"{name}.toml"
-        path.write_text(f'{text}\n[solver]\nlinear_solver = "{name}"\n')
+        path.write_text(f'{text}\n[solver]\nlinear_solver = "{name}"\ninitial_increment = 0.02\n')
         outcome = run_model(build_model(read_case(path)), tmp_path / name)
         assert outcome.status == "completed"
         assert outcome.result is not None

@@ -175,8 +175,3 @@ def test_inverted_tetrahedra_are_turned_over_or_refused(tmp_path) -> None:
     write_mesh(tmp_path / "body.msh", points, cells)
     with pytest.raises(CaseError, match="1 of 48 cells are inverted"):
         build_model(read_case(tmp_path / "case.toml"))
-
-
-def test_multigrid_is_refused_for_an_indefinite_matrix(tmp_path) -> None:
-    with pytest.raises(CaseError, match="indefinite"):
-        make(tmp_path, TEXT + '[solver]\nlinear_solver = "multigrid"\n')

@@ -91,11 +91,7 @@ class Model:
     def takes_multigrid(self) -> bool:
         """Whether linear systems are solved by iteration, not by factors."""
         choice, n = self.solver.linear_solver, self.freedoms * len(self.mesh.points)
-        return (
-            self.analysis == "solid"
-            and self.freedoms == 3
-            and (choice == "multigrid" or (choice == "auto" and n >= LARGE))
-        )
+        return self.analysis == "solid" and (choice == "multigrid" or (choice == "auto" and n >= LARGE))
 
     @property
     def plane_tools(self) -> tuple[Tool, ...]:

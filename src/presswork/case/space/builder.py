@@ -148,9 +148,6 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
 def _check_solver(case: SpaceCase) -> list[Problem]:
     """Return the problems of settings that mean nothing here."""
     problems = check_small_displacements(case.solver)
-    if case.solver.linear_solver == "multigrid" and model.ELEMENTS[case.workpiece.element].freedoms > 3:
-        fault = f"the matrix of {case.workpiece.element} is indefinite, which multigrid does not solve"
-        problems.append(Problem("solver.linear_solver", fault, 'take "direct", or element = "hex8_fbar"', "multigrid"))
     if case.solver.control == "arc_length":
         fault = "arc length is for shells under loads alone"
         problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))

@@ -1,29 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Krylov methods preconditioned by smoothed aggregation (Vanek, Mandel & Brezina 1996) with the body's rigid motions.
+"""Krylov methods preconditioned by multigrid.
 
-For large bodies in space, whose factors would take long and fill the memory. pyamg makes the levels.
+For large bodies in space, whose factors would take long and fill the memory.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 import scipy
 
 from presswork.implicit.linear.contract import Iterations, LinearSolver, Modes, SolverError
 from presswork.implicit.linear.krylov import NotDefiniteError, solve_symmetric, solve_unsymmetric
+from presswork.implicit.linear.preconditioner import DISPLACEMENTS, make_preconditioner
 from presswork.model import FloatArray, IntArray
 
 TOLERANCE = 1e-4
 """Residual over the right-hand side: Newton's method loses no iteration by it."""
 MOST = 200
 """Iterations after which the matrix is factorised instead."""
-COARSEST = 500
-"""Freedoms of the level on which sweeps alone solve."""
-SWEEPS = 5
 
 
 class Multigrid:
@@ -42,6 +38,8 @@ class Multigrid:
     ) -> None:
         """freedoms: of a node. symmetric: indices and values are those of the upper triangle."""
         self._symmetric, self._make_direct = symmetric, make_direct
+        # pressures make the matrix indefinite
+        self._method = solve_symmetric if symmetric and freedoms == DISPLACEMENTS else solve_unsymmetric
         self._factors: LinearSolver | None = None
         self._is_factorised = False
         self.iterations: Iterations | None = None
@@ -75,17 +73,16 @@ class Multigrid:
         if not self._symmetric:
             near = self._fill(0.5 * (self._blocks.data + padded[self._across]))
         self._is_factorised = False
-        self._levels = _make_levels(near, modes())
+        self._preconditioner = make_preconditioner(near, modes())
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Return the solution; raises SolverError where neither way finds one."""
         remark = ""
         if not self._is_factorised:
             remark = "the matrix is not positive definite"
-            method = solve_symmetric if self._symmetric else solve_unsymmetric
             try:
-                x, count, residual = method(
-                    self._blocks.dot, self._levels.aspreconditioner().matvec, rhs, tolerance=TOLERANCE, most=MOST
+                x, count, residual = self._method(
+                    self._blocks.dot, self._preconditioner, rhs, tolerance=TOLERANCE, most=MOST
                 )
                 if residual <= TOLERANCE:
                     self.iterations = Iterations(count, residual)
@@ -111,30 +108,3 @@ class Multigrid:
         except (SolverError, MemoryError) as error:
             raise SolverError(f"{remark}; by factors: {error}") from error
         self._is_factorised = True
-
-
-def _make_levels(matrix: scipy.sparse.bsr_matrix, modes: FloatArray) -> Any:
-    """Return the levels of a symmetric matrix with the motions that it hardly resists (n, k)."""
-    import pyamg
-
-    with _same_random_numbers():  # by which pyamg estimates the largest eigenvalue
-        return pyamg.smoothed_aggregation_solver(
-            matrix,
-            B=modes,
-            strength=("symmetric", {"theta": 0.0}),
-            improve_candidates=None,
-            presmoother=("block_gauss_seidel", {"sweep": "forward"}),
-            postsmoother=("block_gauss_seidel", {"sweep": "backward"}),
-            coarse_solver=("block_gauss_seidel", {"iterations": SWEEPS, "sweep": "symmetric"}),
-            max_coarse=COARSEST,
-        )
-
-
-@contextmanager
-def _same_random_numbers() -> Iterator[None]:
-    kept = np.random.get_state()
-    np.random.seed(0)
-    try:
-        yield
-    finally:
-        np.random.set_state(kept)

@@ -168,14 +168,16 @@ class LinearSystem:
 
     def _find_rigid_motions(self, point: Point, constraints: Constraints) -> FloatArray:
         """Return the rigid motions of a solid in space at a guess, in the nodes' own frames (n_points * 3, 6)."""
-        position = self._model.mesh.points + point.guess.displacement
+        position = self._model.mesh.points + point.guess.displacement[:, :3]
         arm = (position - position.mean(axis=0)) / np.ptp(position, axis=0).max()
         motions = []
         for axis in np.eye(3):
-            for motion in (np.broadcast_to(axis, arm.shape).copy(), np.cross(axis, arm)):
-                motion = turn(constraints, motion)
-                motion[constraints.mask == 1] = 0.0
-                motions.append(motion.reshape(-1))
+            for motion in (np.broadcast_to(axis, arm.shape), np.cross(axis, arm)):
+                moved = np.zeros(constraints.mask.shape)
+                moved[:, :3] = motion
+                moved = turn(constraints, moved)
+                moved[constraints.mask == 1] = 0.0
+                motions.append(moved[:, :3].reshape(-1))
         return np.column_stack(motions)
 
     def _assemble(self, constraints: Constraints, point: Point, resistances: Sequence[Resistance | None]) -> None:
