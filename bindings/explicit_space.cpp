@@ -120,12 +120,57 @@ void set_hanging(SpaceLoop<Real>& self, Ints hanging) {
 
 // Positions are those of the nodes when the block is added.
 void add_solids(SpaceLoop<double>& self, const std::string& element, Ints cells,
-                std::variant<const Owned<VonMises>*, const Owned<SolidLaw>*> law, double density) {
+                std::variant<const Owned<VonMises>*, const Owned<SolidLaw>*> law, double density,
+                double hourglass_fraction) {
   std::vector<int> list(cells.data(), cells.data() + cells.size());
   for (int node : list) require(node >= 0 && node < self.nodes.n, "cells name a node that is not there");
   SpaceSolidLaw own = std::visit([](const auto* given) -> SpaceSolidLaw { return *given; }, law);
   if (auto* general = std::get_if<Owned<SolidLaw>>(&own)) tabulate(*general);
-  self.add_solids(make_space_solids(element, std::move(list), self.nodes, std::move(own), density));
+  self.add_solids(make_space_solids(element, std::move(list), self.nodes, std::move(own), density, hourglass_fraction));
+}
+
+void add_wall(SpaceLoop<double>& self, std::shared_ptr<const contact::ToolSurface> surface, Bytes touching,
+              std::array<double, 3> position, double mu, double reach) {
+  require(touching.size() == std::size_t(self.nodes.n), "touching must have shape (n_nodes)");
+  self.add_wall(std::move(surface), touching.data(), mu, reach, position.data());
+}
+
+SpaceWall& wall_of(const SpaceLoop<double>& self, int wall) {
+  require(wall >= 0 && std::size_t(wall) < self.walls.size(), "there is no wall of this number");
+  return *self.walls[wall];
+}
+
+using Vector3 = std::array<double, 3>;
+Vector3 copy_vector(const double v[3]) { return {v[0], v[1], v[2]}; }
+
+template <class Loop>
+void bind_walls(nb::class_<Loop>& loop) {
+  loop.def("add_wall", &add_wall, nb::arg("surface"), nb::arg("touching"), nb::kw_only(), nb::arg("position"),
+           nb::arg("mu"), nb::arg("reach"),
+           "Let a rigid tool hold the nodes marked (n_nodes) off its surface; position: of the tool's frame [mm]; "
+           "reach: how far off it is looked for [mm].")
+      .def(
+          "wall_force",
+          [](const Loop& self, int wall) {
+            double* to;
+            auto array = new_array({std::size_t(self.nodes.n), 3}, &to);
+            const auto& force = wall_of(self, wall).force;
+            std::copy(force.begin(), force.end(), to);
+            return array;
+          },
+          nb::arg("wall"), "Forces of a wall on the nodes (n_nodes, 3) in the last cycle.")
+      .def(
+          "wall_offset", [](const Loop& self, int wall) { return copy_vector(wall_of(self, wall).offset); },
+          nb::arg("wall"), "Displacement of a wall since the start [mm].")
+      .def(
+          "wall_impulse", [](const Loop& self, int wall) { return copy_vector(wall_of(self, wall).impulse); },
+          nb::arg("wall"), "Impulse that a wall has given to the nodes since the start [N s].")
+      .def(
+          "move_wall",
+          [](Loop& self, int wall, Vector3 velocity) {
+            std::copy(velocity.begin(), velocity.end(), wall_of(self, wall).velocity);
+          },
+          nb::arg("wall"), nb::arg("velocity"), "Let a wall move from now on [mm/s].");
 }
 
 // Springs of contact follow from the masses and the step that they were made for; then they are what was kept.
@@ -193,9 +238,14 @@ void bind_explicit_space(nb::module_& m) {
       .value("stabilized", ShellTreatment::stabilized, "with hourglass stresses of the material's own")
       .value("mitc", ShellTreatment::mitc, "2 x 2 points, MITC4+");
 
-  bind_space<double>(m, "SpaceLoop", "Central differences for shells and solids in space; mm, s, t, N, MPa.")
-      .def("add_solids", &add_solids, nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"),
-           "Add cells (n, nodes) of hex8 or hex8_fbar; they are numbered as they come.");
+  auto loop =
+      bind_space<double>(m, "SpaceLoop", "Central differences for shells and solids in space; mm, s, t, N, MPa.");
+  bind_walls(loop);
+  loop.def(
+      "add_solids", &add_solids, nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"),
+      nb::arg("hourglass_fraction") = 0.05,
+      "Add cells (n, nodes) of hex8, hex8_fbar or hex8_1pt; they are numbered as they come. hourglass_fraction: of "
+      "the shear modulus, of hex8_1pt.");
   bind_space<float>(m, "SpaceLoopSingle",
                     "SpaceLoop in single precision, positions and work excepted; it has shells alone.");
 }

@@ -37,8 +37,8 @@ constexpr ElementType elements[] = {
     element<2, Quad8, 4>("quad8_2x2", "8-node quadrilaterals, 2 x 2 points"),
     element<2, Quad9, 9>("quad9", "9-node quadrilaterals, 3 x 3 points"),
     element<2, Quad9, 4>("quad9_2x2", "9-node quadrilaterals, 2 x 2 points"),
-    element<3, Hex8, 8>("hex8", "8-node hexahedra, full integration"),
-    element<3, Hex8, 8, Treatment::fbar>("hex8_fbar", "8-node hexahedra, F-bar"),
+    element<3, Hex8, 8>("hex8", "8-node hexahedra, full integration", true),
+    element<3, Hex8, 8, Treatment::fbar>("hex8_fbar", "8-node hexahedra, F-bar", true),
     element<3, Tet4, 1, Treatment::mixed>("tet4_mini", "4-node tetrahedra, pressure at the nodes and a bubble"),
 };
 

@@ -84,6 +84,8 @@ std::span<const ShellType> shell_elements() { return shells; }
 std::vector<ElementRow> list_elements() {
   std::vector<ElementRow> rows;
   for (const auto& element : solid_elements()) rows.push_back(element);
+  rows.push_back(ElementRow{"hex8_1pt", "hex8", 8, 1, Family::space,
+                            "8-node hexahedra, one point with hourglass control", false, true});
   for (const auto& element : shells) rows.push_back(element);
   return rows;
 }

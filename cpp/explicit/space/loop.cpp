@@ -104,6 +104,18 @@ void SpaceLoop<Real>::add_solids(std::unique_ptr<ElementBlock<SpaceNodes<Real>>>
 }
 
 template <class Real>
+void SpaceLoop<Real>::add_wall(std::shared_ptr<const contact::ToolSurface> surface, const std::uint8_t* touching,
+                               double mu, double reach, const double origin[3]) {
+  if constexpr (std::is_same_v<Real, double>) {
+    walls.push_back(std::make_unique<SpaceWall>("wall_" + std::to_string(walls.size()), this->nodes.n,
+                                                std::move(surface), mu, reach, origin));
+    this->nodes.walls.push_back(walls.back().get());
+    this->nodes.touches_walls.assign(touching, touching + this->nodes.n);
+    this->interactions.push_back(walls.back().get());
+  }
+}
+
+template <class Real>
 void SpaceLoop<Real>::set_hanging(std::vector<HangingNode> of) {
   hanging.set(this->nodes, std::move(of));
   this->set_masses();

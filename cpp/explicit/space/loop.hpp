@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The explicit loop in space: blocks of shells and of solids, and what acts on a sheet: drawbeads, rigid tools, hanging
-// nodes. Tools, beads and hanging nodes know the shells alone; solids have no part in contact.
+// nodes, which know the shells alone; and the rigid walls that hold solids off.
 #pragma once
 
 #include <memory>
@@ -24,6 +24,11 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
 
   void add_sheet(std::unique_ptr<SheetBlock<Real>> block);
   void add_solids(std::unique_ptr<ElementBlock<SpaceNodes<Real>>> block);
+  // Let a tool hold nodes (n, marked) of the surface of solids off; they are numbered as they come.
+  void add_wall(std::shared_ptr<const contact::ToolSurface> surface, const std::uint8_t* touching, double mu,
+                double reach, const double origin[3]);
+  std::vector<std::unique_ptr<SpaceWall>> walls;
+
   bool is_sheet(int block) const { return sheets_[block] != nullptr; }
   const SheetBlock<Real>& sheet(int block) const { return *sheets_[block]; }
 

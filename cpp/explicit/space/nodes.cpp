@@ -77,14 +77,57 @@ void SpaceNodes<Real>::add_reaction(int node, const Step& step, const Record& ou
 }
 
 template <class Real>
+[[gnu::noinline]] Work SpaceNodes<Real>::meet_walls(int node, const Step& step, bool whole, Record& after) const {
+  const double* own = position.data() + std::size_t(position_stride) * node;
+  const double inverse = motion.data()[std::size_t(motion_stride) * node + 6];
+  const Record before = load_record(motion.data() + std::size_t(motion_stride) * node);
+  double v[3], x[3], free[3], by_walls = 0.0;
+  for (int i = 0; i < 3; ++i) v[i] = after[i], x[i] = own[i], free[i] = !(held_[node] >> i & 1);
+  double pressure[3] = {0.0, 0.0, 0.0}, friction[3] = {0.0, 0.0, 0.0}, by_pressure = 0.0, by_friction = 0.0;
+  bool any = false;
+  for (SpaceWall* wall : walls) {
+    double* kept = &wall->force[3 * std::size_t(node)];
+    if (whole) kept[0] = kept[1] = kept[2] = 0.0;
+    if (!(inverse > 0.0) || !wall->is_awake(node)) continue;
+    double w[3], normal[3], slide[3];
+    for (int i = 0; i < 3; ++i) w[i] = step.velocity_scale * wall->velocity[i];
+    if (!wall->constrain(node, x, step.dt, w, free, v, normal, slide, whole)) continue;
+    any = true;
+    const double mass = 1.0 / (step.push * inverse);
+    for (int i = 0; i < 3; ++i) {
+      pressure[i] += normal[i] * mass, by_pressure += w[i] * normal[i] * mass;
+      friction[i] += slide[i] * mass, by_friction += w[i] * slide[i] * mass;
+      if (whole) kept[i] = (normal[i] + slide[i]) * mass;
+    }
+  }
+  if (whole)
+    for (SpaceWall* wall : walls) wall->add_to_chunk(node);
+  Work done;
+  if (!any) return done;
+  const double time = whole ? step.mean_dt : 0.5 * step.mean_dt;
+  by_walls = by_pressure + by_friction;
+  done.external = time * by_walls, done.contact = time * by_pressure, done.friction = time * by_friction;
+  for (int i = 0; i < 3; ++i) {
+    after[i] = v[i];
+    const double by = whole ? 0.5 * (before[i] + v[i]) : before[i];
+    done.contact -= time * pressure[i] * by;
+    done.friction -= time * friction[i] * by;
+  }
+  return done;
+}
+
+template <class Real>
 Moved SpaceNodes<Real>::move(int first, int last, const Step& step) {
   Record external{}, damped{};
+  Moved sums;
   double fastest = 0.0;
   const double dt = step.dt;
+  for (SpaceWall* wall : walls) wall->open_chunk(first);
   for (int node = first; node < last; ++node) {
     if (!follows.empty() && follows[node]) continue;
     Record after, outer;
     next_velocity(node, step, after, outer);
+    if (!touches_walls.empty() && touches_walls[node]) sums.work.add(meet_walls(node, step, true, after));
     Real* own = motion.data() + std::size_t(motion_stride) * node;
     double* x = position.data() + std::size_t(position_stride) * node;
     const Record before = load_record(own);
@@ -101,7 +144,6 @@ Moved SpaceNodes<Real>::move(int first, int last, const Step& step) {
     const Place squares = velocity * velocity;
     fastest = std::max(fastest, squares[0] + squares[1] + squares[2]);
   }
-  Moved sums;
   sums.fastest = fastest;
   for (int i = 0; i < freedoms; ++i) {
     sums.work.external += 0.5 * step.mean_dt * external[i];
@@ -115,6 +157,10 @@ void SpaceNodes<Real>::add_half_step(const Step& step, Energies& e) const {
   for (int node = 0; node < n; ++node) {
     Record after, outer;
     next_velocity(node, step, after, outer);
+    if (!touches_walls.empty() && touches_walls[node]) {
+      const Work done = meet_walls(node, step, false, after);
+      e.external += done.external, e.contact += done.contact, e.friction += done.friction;
+    }
     const Real* own = motion.data() + std::size_t(motion_stride) * node;
     for (int i = 0; i < freedoms; ++i) {
       const double inverse = own[i < 3 ? 6 : 7], v = own[i];

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "explicit/nodes.hpp"
+#include "explicit/space/rigid_wall.hpp"
 #include "explicit/state_field.hpp"
 #include "explicit/step.hpp"
 
@@ -45,8 +46,13 @@ class SpaceNodes {
   std::vector<char> follows;             // (n), or none: nodes that interactions move
   // (n): room between two tools that hold the sheet there [mm], else infinite; null: shells are not squeezed
   const double* room = nullptr;
+  std::vector<SpaceWall*> walls;    // of solids; they outlive the nodes
+  std::vector<char> touches_walls;  // (n), or none: nodes of the surface of solids
 
  private:
+  // Correct that velocity by the walls, over the whole step, when their forces are kept too, or over its first half;
+  // gives what forces and walls do meanwhile beside the work of the outer force.
+  Work meet_walls(int node, const Step& step, bool whole, Record& after) const;
   // Velocity half a step on of one node, its masses as they are, and its outer force at present.
   void next_velocity(int node, const Step& step, Record& after, Record& outer) const;
   // Give held freedoms their velocity, and the outer force that gives it to them.

@@ -37,14 +37,19 @@ class Block final : public SpaceSolids {
   static constexpr int count = Cell::nodes, record = Nodes::record(count);
   using Kernel = Solid<3, Cell, n_points, treatment, Pack>;
   using Body = typename Kernel::Body;
+  // Rows: work, forces on the nodes, the points.
+  static constexpr int work_row = 0, force_row = 1, first_point = force_row + 3 * count;
 
  public:
+  void list_state(const std::string& owner, std::vector<StateField>& fields) override {
+    SpaceSolids::list_state(owner, fields);
+    fields.push_back(rows_field(owner, "work", work_row, 1));
+    fields.push_back(rows_field(owner, "force", force_row, 3 * count));
+  }
   Block(std::vector<int> cells, const Nodes& nodes, Owned<Law> law, double density)
-      : SpaceSolids(count, std::move(cells), n_points, kept_values(law.view)), law_(std::move(law)) {
-    if constexpr (std::is_same_v<Law, SolidLaw>)  // its x and y are those of space
-      for (int e = 0; e < n_; ++e)
-        for (int q = 0; q < n_points; ++q)
-          for (int axis = 0; axis < 2; ++axis) set_value(e, first_point() + (q + 1) * point_rows_ - 6 + 4 * axis, 1.0);
+      : SpaceSolids(std::move(cells), first_point, n_points, kept_values(law.view), work_row, -1),
+        law_(std::move(law)) {
+    if constexpr (std::is_same_v<Law, SolidLaw>) set_axes();
     set_masses(nodes, density);
   }
 
@@ -57,7 +62,7 @@ class Block final : public SpaceSolids {
       for (int a = 0; a < count; ++a)
         for (int i = 0; i < 3; ++i) du[a][i] *= Pack(dt), x[a][i] -= du[a][i];
       Pack* state = pack_state(pack);
-      PackPoints<Body, n_points, Law> points{law_.view,   dt, pack_temperature(pack), state + first_point(),
+      PackPoints<Body, n_points, Law> points{law_.view,   dt, pack_temperature(pack), state + first_point,
                                              point_rows_, {}, Pack(1.0) < Pack(0.0)};
       const Pack::Mask bad = Kernel::evaluate({}, {}, x, du, points, now, nullptr);
       if (any(bad) || any(points.failed)) {
@@ -73,7 +78,7 @@ class Block final : public SpaceSolids {
         }
       state[work_row] += Pack(0.5) * done;
       for (int q = 0; q < n_points; ++q)
-        std::copy_n(points.next[q], point_rows_, state + first_point() + q * point_rows_);
+        std::copy_n(points.next[q], point_rows_, state + first_point + q * point_rows_);
       double* to[lanes];
       for (int lane = 0; lane < lanes; ++lane) to[lane] = force + record * lane;
       store_records<record>(nodal, to);
@@ -87,68 +92,55 @@ class Block final : public SpaceSolids {
     const double modulus = law_.view.bulk_modulus() + 2.0 * law_.view.shear_modulus();
 #pragma omp parallel for schedule(static) if (n_ >= Nodes::serial_elements)
     for (int pack = 0; pack < n_packs(); ++pack) {
-      Pack x[count][3], bound(0.0);
+      Pack x[count][3], mass[count], bound(0.0);
+      load_masses(pack, mass);
       gather_positions<count>(nodes, pack_nodes(pack), x);
       const int used = std::min(lanes, n_ - pack * lanes);
       for (int q = 0; q < n_points; ++q) {
         typename Body::Point g;
         Body::measure_reference({}, x, q, g);
-        for (int a = 0; a < count; ++a) {
-          Pack mass;
-          for (int lane = 0; lane < lanes; ++lane) {
-            const std::size_t e = pack * lanes + std::min(lane, used - 1);
-            mass.set(lane, mass_factor_[e] * nodal_mass_[e * count + a]);
-          }
-          for (int i = 0; i < 3; ++i) bound += g.volume_t * g.grad[a][i] * g.grad[a][i] / mass;
-        }
+        for (int a = 0; a < count; ++a)
+          for (int i = 0; i < 3; ++i) bound += g.volume_t * g.grad[a][i] * g.grad[a][i] / mass[a];
       }
       for (int lane = 0; lane < used; ++lane) squared[pack * lanes + lane] = modulus * bound[lane];
     }
   }
 
  private:
-  int name_failed(int pack, const Pack::Mask& bad, bool inside_out) const {
-    int lane = 0;
-    while (!bad[lane]) ++lane;
-    const auto why = inside_out ? LawStatus::done : LawStatus::no_stress;
-    return reasons * std::min(pack * lanes + lane, n_ - 1) + static_cast<int>(why);
-  }
-
-  // Row sums of the consistent mass.
-  void set_masses(const Nodes& nodes, double density) {
-    for (int pack = 0; pack < n_packs(); ++pack) {
-      Pack x[count][3];
-      gather_positions<count>(nodes, pack_nodes(pack), x);
-      for (int q = 0; q < n_points; ++q) {
-        typename Body::Point g;
-        const Pack::Mask bad = Body::measure_reference({}, x, q, g);
-        if (any(bad))
-          throw std::invalid_argument("cell " + std::to_string(name_failed(pack, bad, true) / reasons) +
-                                      " is turned inside out: give its nodes in the order of the element");
-        for (int lane = 0; lane < std::min(lanes, n_ - pack * lanes); ++lane)
-          for (int a = 0; a < count; ++a)
-            nodal_mass_[(std::size_t(pack) * lanes + lane) * count + a] +=
-                density * g.volume_t[lane] * Body::table().N[q][a];
-      }
-    }
-  }
-
   Owned<Law> law_;
 };
 
 }  // namespace
 
+void SpaceSolids::set_masses(const Nodes& nodes, double density) {
+  using Body = SolidSpace<Hex8, 8, Pack>;
+  for (int pack = 0; pack < n_packs(); ++pack) {
+    Pack x[Hex8::nodes][3];
+    gather_positions<Hex8::nodes>(nodes, pack_nodes(pack), x);
+    for (int q = 0; q < 8; ++q) {
+      Body::Point g;
+      const Pack::Mask bad = Body::measure_reference({}, x, q, g);
+      if (any(bad))
+        throw std::invalid_argument("cell " + std::to_string(name_failed(pack, bad, true) / reasons) +
+                                    " is turned inside out: give its nodes in the order of the element");
+      for (int lane = 0; lane < std::min(lanes, n_ - pack * lanes); ++lane)
+        for (int a = 0; a < Hex8::nodes; ++a)
+          nodal_mass_[(std::size_t(pack) * lanes + lane) * Hex8::nodes + a] +=
+              density * g.volume_t[lane] * Body::table().N[q][a];
+    }
+  }
+}
+
 void SpaceSolids::list_state(const std::string& owner, std::vector<StateField>& fields) {
   fields.push_back(row_field(owner, "mass_factor", mass_factor_.data(), mass_factor_.size()));
-  fields.push_back(rows_field(owner, "work", work_row, 1));
-  fields.push_back(rows_field(owner, "force", force_row, 3 * nodes_each_));
-  StateField points = rows_field(owner, "points", first_point(), n_points_ * point_rows_);
+  StateField points = rows_field(owner, "points", first_point_, n_points_ * point_rows_);
   points.shape = {std::size_t(n_), std::size_t(n_points_), std::size_t(point_rows_)};
   fields.push_back(std::move(points));
 }
 
 std::unique_ptr<SpaceSolids> make_space_solids(std::string_view element, std::vector<int> cells,
-                                               const SpaceNodes<double>& nodes, SpaceSolidLaw law, double density) {
+                                               const SpaceNodes<double>& nodes, SpaceSolidLaw law, double density,
+                                               double hourglass_fraction) {
   if (cells.empty() || cells.size() % Hex8::nodes != 0)
     throw std::invalid_argument("cells must have shape (n > 0, nodes of the element)");
   const auto make = [&]<Treatment treatment>() {
@@ -160,6 +152,8 @@ std::unique_ptr<SpaceSolids> make_space_solids(std::string_view element, std::ve
   };
   if (element == "hex8") return make.template operator()<Treatment::standard>();
   if (element == "hex8_fbar") return make.template operator()<Treatment::fbar>();
+  if (element == "hex8_1pt")
+    return make_one_point_hexahedra(std::move(cells), nodes, std::move(law), density, hourglass_fraction);
   throw std::invalid_argument("the explicit loop has no solid in space of this name");
 }
 

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Solids in space of one kind, law and density in the explicit loop: the fully integrated elements of
-// element/solid.hpp, evaluated without a tangent, on state that is kept by packs.
+// element/solid.hpp, evaluated without a tangent, on state that is kept by packs, and hexahedra of one point
+// (element/hex_one_point.hpp).
 //
-// The internal energy is the work of the nodal forces over the cycles, which is that of the stresses to the order of
-// the step; so the forces of the last cycle are part of the state.
+// The internal energy of fully integrated ones is the work of the nodal forces over the cycles, which is that of the
+// stresses to the order of the step; so the forces of the last cycle are part of the state.
 #pragma once
 
 #include <memory>
 #include <string_view>
 #include <variant>
 
+#include "element/solid_space.hpp"
 #include "explicit/element_block.hpp"
 #include "explicit/space/nodes.hpp"
 #include "material/elastic_plastic.hpp"
@@ -36,29 +38,55 @@ class SpaceSolids : public ElementBlock<SpaceNodes<double>> {
   }
   double added_mass(int cell) const override { return (mass_factor_[cell] - 1.0) * true_mass(cell); }
   void scale_mass(int cell, double factor) override { mass_factor_[cell] *= factor; }
-  PointLayout layout() const override { return {first_point(), point_rows_, n_points_, 6, 6}; }
+  PointLayout layout() const override { return {first_point_, point_rows_, n_points_, 6, 6}; }
   void list_state(const std::string& owner, std::vector<StateField>& fields) override;
 
  protected:
-  // Rows: work, forces on the nodes, then of each point stress (6), equivalent plastic strain and what the law keeps.
-  static constexpr int work_row = 0, force_row = 1;
-  SpaceSolids(int nodes_each, std::vector<int> cells, int n_points, int kept)
-      : ElementBlock<Nodes>(nodes_each, std::move(cells), force_row + 3 * nodes_each + n_points * (7 + kept), work_row,
-                            -1, n_points),
+  // Rows from first_point on: of each point stress (6), equivalent plastic strain and what the law keeps.
+  // hourglass_row: -1 where there are no hourglass forces.
+  SpaceSolids(std::vector<int> cells, int first_point, int n_points, int kept, int work_row, int hourglass_row)
+      : ElementBlock<Nodes>(Hex8::nodes, std::move(cells), first_point + n_points * (7 + kept), work_row, hourglass_row,
+                            n_points),
+        first_point_(first_point),
         n_points_(n_points),
         point_rows_(7 + kept),
         nodal_mass_(connectivity_.size()),
         mass_factor_(n_, 1.0) {}
-  int first_point() const { return force_row + 3 * nodes_each_; }
+  // Row sums of the consistent mass. Throws std::invalid_argument for a cell that is turned inside out.
+  void set_masses(const Nodes& nodes, double density);
+  // Let a law begin whose x and y are those of space.
+  void set_axes() {
+    for (int e = 0; e < n_; ++e)
+      for (int q = 0; q < n_points_; ++q)
+        for (int axis = 0; axis < 2; ++axis) set_value(e, first_point_ + (q + 1) * point_rows_ - 6 + 4 * axis, 1.0);
+  }
+  int name_failed(int pack, const Pack::Mask& bad, bool inside_out) const {
+    int lane = 0;
+    while (!bad[lane]) ++lane;
+    const auto why = inside_out ? LawStatus::done : LawStatus::no_stress;
+    return reasons * std::min(pack * lanes + lane, n_ - 1) + static_cast<int>(why);
+  }
+  // Masses of the nodes of a pack's cells [t].
+  void load_masses(int pack, Pack mass[Hex8::nodes]) const {
+    for (int lane = 0; lane < lanes; ++lane) {
+      const std::size_t e = std::min(pack * lanes + lane, n_ - 1);
+      for (int a = 0; a < Hex8::nodes; ++a) mass[a].set(lane, mass_factor_[e] * nodal_mass_[e * Hex8::nodes + a]);
+    }
+  }
 
-  int n_points_, point_rows_;
+  int first_point_, n_points_, point_rows_;
   std::vector<double> nodal_mass_;   // (n, nodes): density times int N_a dV [t]
   std::vector<double> mass_factor_;  // (n) of mass scaling, from 1
 };
 
-// cells (n, nodes) of element "hex8" or "hex8_fbar" at the nodes' positions; density [t/mm3]. Throws
-// std::invalid_argument for another element, or for a cell that is turned inside out.
+// cells (n, nodes) of element "hex8", "hex8_fbar" or "hex8_1pt" at the nodes' positions; density [t/mm3];
+// hourglass_fraction: of the shear modulus, of hex8_1pt. Throws std::invalid_argument for another element, or for a
+// cell that is turned inside out.
 std::unique_ptr<SpaceSolids> make_space_solids(std::string_view element, std::vector<int> cells,
-                                               const SpaceNodes<double>& nodes, SpaceSolidLaw law, double density);
+                                               const SpaceNodes<double>& nodes, SpaceSolidLaw law, double density,
+                                               double hourglass_fraction);
+// Of hex8_1pt.
+std::unique_ptr<SpaceSolids> make_one_point_hexahedra(std::vector<int> cells, const SpaceNodes<double>& nodes,
+                                                      SpaceSolidLaw law, double density, double hourglass_fraction);
 
 }  // namespace presswork::explicit_dynamics

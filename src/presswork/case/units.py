@@ -254,6 +254,7 @@ Place3 = Annotated[
     WithJsonSchema({"anyOf": [{"const": "touch"}, {"type": "array", "items": _json_schema(LENGTH)}]}),
 ]
 Direction3 = Annotated[tuple[float, float, float], *_triple(PURE_NUMBER)]
+VelocityVector3 = Annotated[tuple[float, float, float], *_triple(VELOCITY)]
 StressVector3 = Annotated[tuple[float, float, float], *_triple(STRESS)]
 Force3 = Annotated[tuple[float, float, float], *_triple(FORCE)]
 Moment3 = Annotated[tuple[float, float, float], *_triple(MOMENT)]

@@ -88,15 +88,17 @@ class Shells:
 
 @dataclass(frozen=True, kw_only=True)
 class Hexahedra:
-    """8-node solids of one law and density, fully integrated: element "hex8" or "hex8_fbar".
+    """8-node solids of one law and density: element "hex8" or "hex8_fbar", or "hex8_1pt" of one point.
 
-    connectivity (n, 8), as cpp/reference/hex.hpp has the nodes; law in space; density [t/mm3]. Tools do not touch them.
+    connectivity (n, 8), as cpp/reference/hex.hpp has the nodes; law in space; density [t/mm3]. hourglass_fraction: of
+    the shear modulus, that resists hourglass modes of hex8_1pt. Tools do not touch them.
     """
 
     connectivity: npt.ArrayLike
     law: _core.VonMises | _core.SolidLaw
     density: float
-    element: Literal["hex8", "hex8_fbar"] = "hex8_fbar"
+    element: Literal["hex8", "hex8_fbar", "hex8_1pt"] = "hex8_fbar"
+    hourglass_fraction: float = 0.05
 
     @property
     def cells(self) -> Ints:
@@ -116,4 +118,5 @@ class Hexahedra:
         """Add the cells to a loop in double precision; place: number there of each node. Raises ValueError."""
         if not isinstance(loop, _core.SpaceLoop):
             raise ValueError("solids in space are computed in double precision")
-        loop.add_solids(self.element, np.ascontiguousarray(place[self.cells[part]]), self.law, self.density)
+        cells = np.ascontiguousarray(place[self.cells[part]])
+        loop.add_solids(self.element, cells, self.law, self.density, hourglass_fraction=self.hourglass_fraction)

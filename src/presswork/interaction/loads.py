@@ -52,7 +52,7 @@ class Loads(Interaction):
         force = internal()[:, :3]
         if SpaceToolArrays in state:  # tools stay where they are
             force = force - state[SpaceToolArrays].force.sum(axis=0)
-        state[FadingLoads].force = np.where(self._supports.fixed(next_stage)[:, :3], 0.0, force)
+        state[FadingLoads].force = self._supports.free_part(next_stage, force)
 
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> Forces:
         """Return the loads at a guess."""

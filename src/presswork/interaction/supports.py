@@ -31,6 +31,10 @@ def check_held_in_space(model: Model, fixed: BoolArray, touched: tuple[IndexArra
     """
     modes = _rigid_modes(model.mesh.points)
     held = modes[:, : fixed.shape[1]][fixed]
+    for support in model.supports:
+        if support.normal is not None:
+            of_nodes = modes[model.mesh.node_sets[support.node_set], :3]
+            held = np.concatenate([held, np.einsum("i,nij->nj", np.array(support.normal), of_nodes)])
     if touched is not None:
         nodes, directions = touched
         held = np.concatenate([held, np.einsum("ni,nij->nj", directions, modes[nodes, :3])])
@@ -80,8 +84,14 @@ class Supports(Interaction):
         self._frames_of: tuple[State, int] | None = None
         self._frames, self._held = np.zeros((0, 3, 3)), np.zeros((0, 3), dtype=bool)
         self._supported = np.zeros((n, self.freedoms), dtype=bool)
+        self.slanted: list[tuple[IndexArray, FloatArray]] = []
+        """Nodes (n,) that are held along unit vectors (n, 3) beside x, y and z."""
         for support in model.supports:
-            self._supported[model.mesh.node_sets[support.node_set], : len(support.fix)] |= np.asarray(support.fix)
+            nodes = model.mesh.node_sets[support.node_set]
+            if support.normal is None:
+                self._supported[nodes, : len(support.fix)] |= np.asarray(support.fix)
+            else:
+                self.slanted.append((nodes.astype(np.intp), np.tile(np.array(support.normal), (len(nodes), 1))))
         self._identity = np.tile(np.eye(model.dimension), (n, 1, 1))
 
     def fixed(self, stage: int) -> BoolArray:
@@ -90,6 +100,14 @@ class Supports(Interaction):
         for p in self._model.stages[stage].prescribed:
             fixed[self._model.mesh.node_sets[p.node_set], p.component] = True
         return fixed
+
+    def free_part(self, stage: int, force: FloatArray) -> FloatArray:
+        """Return nodal forces (n_points, freedoms) [N, N mm] without what is held in a stage takes."""
+        if not self.slanted:
+            return np.where(self.fixed(stage)[:, : force.shape[1]], 0.0, force)
+        held = self._hold_slanted(self.fixed(stage), np.zeros_like(force))
+        along = np.where(held.mask, 0.0, np.einsum("nij,nj->ni", held.frames, force))
+        return np.asarray(np.einsum("nij,ni->nj", held.frames, along))
 
     def constrain(self, state_n: State, trial: State, point: Point, held: Constraints) -> Constraints:
         """Return what is prescribed at a guess; nothing is held before."""
@@ -107,6 +125,8 @@ class Supports(Interaction):
             nodes = self._model.mesh.node_sets[p.node_set]
             target[nodes, p.component] = p.value * part
         mask = fixed.astype(np.uint8)
+        if self.slanted:
+            return self._hold_slanted(fixed, target - increment)
         if self.freedoms < 6:
             value = np.where(mask, target - increment, 0.0)
             return Constraints(mask, value, np.zeros(len(mask), dtype=np.uint8), self._identity)
@@ -119,6 +139,25 @@ class Supports(Interaction):
         missing[:, 3:] = np.einsum("nij,nj->ni", frames, missing[:, 3:])
         value = np.where(mask, missing, 0.0)
         return Constraints(mask, value, np.ones(len(mask), dtype=np.uint8), frames)
+
+    def _hold_slanted(self, fixed: BoolArray, missing: FloatArray) -> Constraints:
+        """Return what is prescribed where planes of symmetry are normal to none of x, y and z.
+
+        A node there has a frame of its own, whose first axes span the directions in which it is held.
+        """
+        n = len(fixed)
+        held: FloatArray = np.einsum("ni,ij->nij", fixed.astype(float), np.eye(3))
+        turned = np.zeros(n, dtype=np.uint8)
+        for nodes, normals in self.slanted:
+            held[nodes] += np.einsum("ni,nj->nij", normals, normals)
+            turned[nodes] = 1
+        frames, mask = self._identity.copy(), fixed.astype(np.uint8)
+        own = np.flatnonzero(turned)
+        values, vectors = np.linalg.eigh(held[own])
+        frames[own] = vectors[:, :, ::-1].transpose(0, 2, 1)
+        mask[own] = values[:, ::-1] > SAME**2
+        missing = np.einsum("nij,nj->ni", frames, missing)
+        return Constraints(mask, np.where(mask, missing, 0.0), turned, frames)
 
     def _rotation_frames(self, fixed: BoolArray, director: FloatArray) -> tuple[FloatArray, BoolArray]:
         """Return the nodes' frames (n_points, 3, 3), prescribed axes first, and which axes are prescribed."""

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     ElementName = str
 else:
     SolidElement = Literal[list_names(_core.Family.plane, in_implicit=True)]
-    SpaceElement = Literal[list_names(_core.Family.space, in_implicit=True)]
+    SpaceElement = Literal[list_names(_core.Family.space)]
     HeatElement = Literal[
         list_names(_core.Family.plane, in_implicit=True) + list_names(_core.Family.space, in_implicit=True)
     ]

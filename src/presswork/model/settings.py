@@ -105,14 +105,14 @@ class OutputSettings:
 class ExplicitSolid:
     """How the explicit procedure computes a solid."""
 
-    velocity: tuple[float, float] = (0.0, 0.0)
-    """Velocity of the whole workpiece at the start [mm/s]."""
+    velocity: tuple[float, ...] = (0.0, 0.0)
+    """(2,), in space (3,): velocity of the whole workpiece at the start [mm/s]."""
     target_step: float | None = None
     """Time step to reach by adding mass [s]; None: no mass is added."""
     damping: float = 0.0
     """Mass damping [1/s]."""
     hourglass_stiffness: float = 0.05
-    """quad4_1pt: fraction of the shear modulus."""
+    """quad4_1pt and hex8_1pt: fraction of the shear modulus."""
 
 
 @dataclass(frozen=True)

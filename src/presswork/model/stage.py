@@ -24,6 +24,9 @@ class Support:
     """Whether x, y are held; of a solid in space x, y, z; of a shell also the rotations about x, y, z."""
     name: str = ""
     """Name under which its reaction is recorded; empty: it is not recorded."""
+    normal: tuple[float, float, float] | None = None
+    """Of a solid in space: the unit vector along which the nodes are held, where it is not x, y or z; fix then tells
+    the components that their reaction has."""
 
 
 @dataclass(frozen=True)

@@ -108,6 +108,8 @@ class Tool:
     mirrored_across: tuple[bool, ...] = (False, False)
     """Plane strain, solids in space: whether the whole tool is twice what is modelled, mirrored by a symmetry plane
     normal to x | y | z."""
+    sectors: float = 1.0
+    """Solids in space: number of sectors like the one modelled that the whole tool has round z."""
 
     @property
     def profile(self) -> Profile:

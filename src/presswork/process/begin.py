@@ -42,6 +42,10 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.heat_recording import HeatRecording
 
         return HeatRecording(model, threads=threads)
+    if model.explicit is not None and model.dimension == 3:
+        from presswork.process.space_impact import ExplicitSpaceImpact
+
+        return ExplicitSpaceImpact(model, threads=threads)
     if model.explicit is not None and model.remeshing is not None:
         from presswork.process.remeshed_impact import RemeshedImpact
 

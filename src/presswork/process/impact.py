@@ -6,7 +6,7 @@ It knows nothing of files: recorder.py records what it yields.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -44,8 +44,8 @@ ADDED_MASS = 2
 """Of the progress, after stage and row."""
 STEPS_OF_A_ROW = 10
 """In each of which the ram of a blow keeps its speed."""
-EXTENTS = ("x_min", "x_max", "y_min", "y_max")
-"""Of the workpiece [mm]."""
+EXTENTS = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
+"""Of the workpiece [mm]; the last two in space."""
 ADVICE = {
     "kinetic": "inertia counts: make the tools slower, or add less mass",
     "hourglass": "refine the mesh, or set explicit.hourglass_stiffness higher",
@@ -57,6 +57,9 @@ class ExplicitImpact(RowRecording):
     """A Model with `explicit` at work."""
 
     model: Model
+    solids: Any
+    """ExplicitSolids, in space ExplicitSpaceSolids; and what it has for walls."""
+    walls: Sequence[Any]
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         assert isinstance(model.explicit, ExplicitSolid)
@@ -65,8 +68,8 @@ class ExplicitImpact(RowRecording):
         self._materials = [SolidMaterial.from_model(heat_by_itself(model, material)) for material in model.materials]
         self._make_run({})
         self.solids.set_velocity("all", self.settings.velocity)
-        self._force = np.zeros((len(self.walls), 2))
-        self.reactions = Reactions(model, 2, [t.name for t in model.tools])
+        self._force = np.zeros((len(self.walls), model.dimension))
+        self.reactions = Reactions(model, model.dimension, [t.name for t in model.tools])
         self.marked, self.fill = MarkedPoints(model), DieFill(model)
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
@@ -130,7 +133,7 @@ class ExplicitImpact(RowRecording):
             speed = min(self._find_ram_speed(drive, 0.0), left / dt)
             self._run_to(float(end), EvenMotion(speed * drive.duration / drive.travel))  # walls have the mean velocity
             forces = np.array([(wall.impulse - i) / dt for wall, i in zip(self.walls, impulse, strict=True)])
-            self._add_ram_work(number, forces.reshape(-1, 2), speed * dt)
+            self._add_ram_work(number, forces.reshape(-1, self.model.dimension), speed * dt)
 
     def _tool_forces(self) -> FloatArray:
         return self._force
@@ -146,8 +149,8 @@ class ExplicitImpact(RowRecording):
         stage = self.model.stages[number]
         self._prescribe(self.solids, stage.duration)
         for wall in self.walls:
-            x, y = stage.tool_motion.get(wall.name, ToolMotion()).move[:2]
-            wall.velocity = (x / stage.duration, y / stage.duration)
+            move = stage.tool_motion.get(wall.name, ToolMotion()).move[: self.model.dimension]
+            wall.velocity = tuple(way / stage.duration for way in move)
 
     # --- what is recorded --------------------------------------------------------------------------------------------
 
@@ -161,12 +164,12 @@ class ExplicitImpact(RowRecording):
         peaks = peak_columns(self.solids.damage)
         first += self.heat.columns if self.heat else []
         points = [*self.fill.columns, *self.marked.columns(self.show())]
-        return [*first, *peaks, *ram, *self.reactions.columns, *points, *EXTENTS, *LAST_COLUMNS]
+        return [*first, *peaks, *ram, *self.reactions.columns, *points, *self._extents, *LAST_COLUMNS]
 
     @property
     def time(self) -> float:
         """[s]"""
-        return self.solids.time
+        return float(self.solids.time)
 
     @property
     def added_mass(self) -> float:
@@ -197,18 +200,20 @@ class ExplicitImpact(RowRecording):
         row |= self.fill.measure(*self._find_dies())
         row |= self.marked.measure(self.show()) if self.model.points else {}
         low, high = self.solids.position.min(axis=0), self.solids.position.max(axis=0)
-        return {
-            **row,
-            **dict(zip(EXTENTS, (float(v) for v in (low[0], high[0], low[1], high[1])), strict=True)),
-            **self._end_row(report),
-        }
+        extent = (float(v) for v in np.column_stack([low, high]).ravel())
+        return {**row, **dict(zip(self._extents, extent, strict=True)), **self._end_row(report)}
+
+    @property
+    def _extents(self) -> tuple[str, ...]:
+        return EXTENTS[: 2 * self.model.dimension]
 
     def _measure(self, tool: Tool, wall: Wall, mean: FloatArray) -> Row:
         """Return stroke and force of the workpiece on the whole tool, as tool_quantities does."""
         force = force_on_whole(tool, mean)
         way = find_way(self.model, tool)
-        stroke, against = (0.0, np.hypot(*force)) if way is None else (wall.displacement @ way, -force @ way)
-        values = {"stroke": stroke, "force": against, "force_x": force[0], "force_y": force[1], "force_z": 0.0}
+        stroke, against = (0.0, np.linalg.norm(force)) if way is None else (wall.displacement @ way, -force @ way)
+        x, y, z = (*force, 0.0)[:3]
+        values = {"stroke": stroke, "force": against, "force_x": x, "force_y": y, "force_z": z}
         return {f"{tool.name}.{name}": float(value) for name, value in values.items()}
 
     def _find_dies(self) -> tuple[Mesh, FloatArray, dict[str, FloatArray]]:
@@ -277,7 +282,7 @@ class ExplicitImpact(RowRecording):
             solids.position - model.mesh.points,
             velocity=solids.velocity,
             reaction=self._reaction,
-            tool_force=sum((wall.nodal_force for wall in self.walls), start=np.zeros((len(model.mesh.points), 2))),
+            tool_force=sum((wall.nodal_force for wall in self.walls), start=np.zeros_like(model.mesh.points)),
             points=SolidPoints(
                 stress=[solids.stress[:, None]],
                 eqps=[solids.equivalent_plastic_strain[:, None]],
@@ -306,11 +311,11 @@ class ExplicitImpact(RowRecording):
             time=solids.time,
             point_data=points,
             cell_data=cells,
-            tools={t.name: start_profile(t) for t in model.tools},
+            tools={t.name: start_profile(t) for t in model.plane_tools},
             dies=show_dies(self.heat.forming, self.heat.arrays) if self.heat else {},
-            tool_centre={t.name: start_centre(t) for t in model.tools},
+            tool_centre={t.name: start_centre(t) for t in model.plane_tools},
             tool_displacement={wall.name: wall.displacement for wall in self.walls},
-            tool_angle={t.name: 0.0 for t in model.tools},
+            tool_angle={t.name: 0.0 for t in model.plane_tools},
             info={**describe_plane(model), **self.reactions.gauges(model)},
         )
 
@@ -342,9 +347,9 @@ class ExplicitImpact(RowRecording):
             "increments": self.number,
             "cycles": self.solids.cycle,
             "work": f"{self.solids.cycle} cycles of {n_cells} cells",
-            "freedoms": 2 * len(self.model.mesh.points),
+            "freedoms": self.model.mesh.points.size,
             "extremes": {name: [float(v.min()), float(v.max())] for name, v in fields.items()},
-            "extent_mm": {name: float(history[name][-1]) for name in EXTENTS} if len(history["time"]) else {},
+            "extent_mm": {name: float(history[name][-1]) for name in self._extents} if len(history["time"]) else {},
             "centre_velocity_mm_s": [float(v) for v in speed],
             "mass": {"workpiece_t": mass.mass, "added_percent": mass.percent},
             "energy": last_energies(history),

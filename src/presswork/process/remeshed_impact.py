@@ -43,6 +43,8 @@ NEAR = 0.02
 class RemeshedImpact(ExplicitImpact):
     """A solid in explicit dynamics, meshed anew where its mesh would fail."""
 
+    solids: ExplicitSolids
+
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         assert model.remeshing is not None
         assert len(model.mesh.blocks) == 1

@@ -87,7 +87,7 @@ class RowRecording(EpochRecording, ABC):
         run.release()
         sets, number = self.model.mesh.node_sets, int(self._progress[STAGE])
         for support in self.model.supports:
-            held = "".join(letter for letter, is_held in zip(run.FREEDOMS, support.fix, strict=True) if is_held)
+            held = "".join(letter for letter, is_held in zip(run.FREEDOMS, support.fix, strict=False) if is_held)
             run.fix(sets[support.node_set], held)
         if number < len(self.model.stages):
             for p in self.model.stages[number].prescribed:

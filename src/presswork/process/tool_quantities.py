@@ -88,6 +88,9 @@ def force_on_whole(tool: Tool, force: FloatArray) -> FloatArray:
         if is_cut:
             whole *= 2.0
             whole[normal] = 0.0
+    if tool.sectors > 1.0:
+        whole *= tool.sectors
+        whole[:2] = 0.0
     return whole
 
 

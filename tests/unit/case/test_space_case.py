@@ -85,7 +85,7 @@ def test_the_model_is_described() -> None:
         ({"stages": [{"name": "a"}]}, 'stages.0: the stage "a" changes nothing'),
         ({"solver": {"strain_measure": "small"}}, "solver.strain_measure: the small strain changes with a rotation"),
         ({"solver": {"control": "arc_length"}}, "solver.control: arc length is for shells"),
-        ({"output": {"rows": 3}}, "output.rows: solids in space are implicit"),
+        ({"output": {"rows": 3}}, "output.rows: is for the explicit procedure"),
         ({"workpiece__mesh__cells": [9000, 9000, 900]}, "workpiece.mesh.cells: about"),
         ({"solver": {"inertia": 1.0}}, "materials.steel.density: missing key"),
         (

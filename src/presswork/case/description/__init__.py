@@ -133,6 +133,7 @@ def _describe_space_tool(tool: model.Tool) -> str:
     place = "at ({:g}, {:g}, {:g}) mm".format(*tool.position)
     mirrors = [axis for axis, mirrored in zip("xyz", tool.mirrored_across, strict=False) if mirrored]
     twice = f", whole tool mirrored across the symmetry planes normal to {' and '.join(mirrors)}" if mirrors else ""
+    twice += f", whole tool of {tool.sectors:g} such sectors" if tool.sectors > 1 else ""
     return f"{what}, {place}, {tool.friction.law}{_describe_friction(tool)}{twice}"
 
 

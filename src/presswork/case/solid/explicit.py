@@ -23,5 +23,8 @@ class ExplicitSolver(Part):
     )
     damping: Rate = Field(default=_EXPLICIT.damping, ge=0, description="mass damping [1/s]")
     hourglass_stiffness: Number = Field(
-        default=_EXPLICIT.hourglass_stiffness, ge=0, le=1, description="quad4_1pt: fraction of the shear modulus"
+        default=_EXPLICIT.hourglass_stiffness,
+        ge=0,
+        le=1,
+        description="quad4_1pt and hex8_1pt: fraction of the shear modulus",
     )

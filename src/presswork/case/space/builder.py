@@ -3,11 +3,8 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import replace
 from pathlib import Path
-
-import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
@@ -16,19 +13,19 @@ from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import build_drive, check_timing, find_halves, list_blows
-from presswork.case.settings import build_output, build_solver, check_small_displacements
+from presswork.case.settings import RAMP, build_output, build_solver, check_small_displacements
 from presswork.case.solid.builder import build_materials
 from presswork.case.solid.law_checks import check_integrator
 from presswork.case.solid.reach import check_reach
 from presswork.case.solid.references import check_set_names
+from presswork.case.space.explicit_checks import check_space_procedure, choose_element
 from presswork.case.space.heat import build_space_heat, check_space_heat
 from presswork.case.space.mesh_builder import check_space_mesh, mesh_space_body
 from presswork.case.space.remesh import build_space_remeshing, check_space_remesh
 from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
+from presswork.case.space.symmetry import build_supports, check_symmetry, find_symmetry
 from presswork.case.space.tool_builder import build_tool, check_motions, find_way
 from presswork.mesh.faces import face_areas
-
-logger = logging.getLogger(__name__)
 
 
 def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.Model:
@@ -39,7 +36,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     _stop_at(_check_names(case), case)
     piece = case.workpiece
     material = list(case.materials).index(piece.material)
-    mesh = mesh_space_body("workpiece", piece.mesh, piece.element, material, case.source)
+    mesh = mesh_space_body("workpiece", piece.mesh, choose_element(case), material, case.source)
     _stop_at([*_check_sets(case, mesh), *check_space_remesh(case, mesh)], case)
     points, problems = build_points(
         case.points, mesh, {*case.boundary, *(entry.set for stage in case.stages for entry in stage.displacement)}
@@ -47,12 +44,20 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     _stop_at(problems, case)
     materials, problems = build_materials(case.materials, case.source, 6, run_user_code)
     materials = tuple(start_hot(material, case.heat) for material in materials)
-    mirrors, wrong = _find_symmetry_planes(case, mesh)
+    supports, wrong = build_supports(case, mesh)
+    symmetry = find_symmetry(case, mesh, supports)
     folder = case.source.parent if case.source is not None else Path()
-    built = [build_tool(name, tool, mesh, mirrors, folder, find_way(case, name)) for name, tool in case.tools.items()]
-    stages, of_presses = _build_stages(case, mesh, mirrors)
-    problems += [*wrong, *of_presses, *(tool for tool in built if isinstance(tool, Problem))]
-    tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
+    built = [
+        build_tool(name, tool, mesh, symmetry.planes, folder, find_way(case, name)) for name, tool in case.tools.items()
+    ]
+    stages, of_presses = _build_stages(case, mesh, symmetry.planes)
+    problems += [
+        *wrong,
+        *check_symmetry(case, mesh),
+        *of_presses,
+        *(tool for tool in built if isinstance(tool, Problem)),
+    ]
+    tools = tuple(replace(tool, sectors=symmetry.sectors) for tool in built if isinstance(tool, model.Tool))
     problems = problems or check_motions(case, tools) or check_reach(tools, stages, mesh)
     _stop_at(problems, case)
     return model.Model(
@@ -62,15 +67,13 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         mesh=mesh,
         materials=materials,
         tools=tools,
-        supports=tuple(
-            model.Support(entry.set, tuple(axis in entry.fix for axis in AXES), name)
-            for name, entry in case.boundary.items()
-        ),
+        supports=supports,
         stages=stages,
         solver=build_solver(
             case.solver, with_coulomb=any(tool.contact.startswith("coulomb") for tool in case.tools.values())
         ),
         output=build_output(case.output),
+        explicit=_build_explicit(case) if case.procedure == "explicit" else None,
         limits=case.limits.build(),
         points=points,
         heat=build_space_heat(case),
@@ -87,11 +90,11 @@ def _stop_at(problems: list[Problem], case: SpaceCase) -> None:
 def _check_names(case: SpaceCase) -> list[Problem]:
     """Return the problems that show without the mesh."""
     piece = case.workpiece
-    problems = [*_check_materials(case), *_check_solver(case)]
+    problems = [*_check_materials(case), *_check_solver(case), *check_space_procedure(case)]
     if piece.material not in case.materials:
         remedy = suggest(piece.material, case.materials, "materials")
         problems.append(Problem("workpiece.material", "no such material", remedy, piece.material))
-    problems += check_space_mesh("workpiece.mesh", piece.mesh, piece.element)
+    problems += check_space_mesh("workpiece.mesh", piece.mesh, choose_element(case))
     names = [stage.name for stage in case.stages]
     held = False
     for index, stage in enumerate(case.stages):
@@ -99,7 +102,8 @@ def _check_names(case: SpaceCase) -> list[Problem]:
             fault = "two stages have this name"
             problems.append(Problem(f"stages.{index}.name", fault, "give each its own", stage.name))
         is_loaded = bool(stage.force or stage.face_force or stage.pressure)
-        moves = any(motion.turn or motion.force or motion.position for motion in stage.tools.values())
+        moves = case.workpiece.velocity is not None
+        moves = moves or any(motion.turn or motion.force or motion.position for motion in stage.tools.values())
         moves = moves or any(any(motion.build().move) for motion in stage.tools.values())
         problems += check_timing(stage.find_timing(index), case.presses)
         displaced = any(entry.value != 0.0 for entry in stage.displacement)
@@ -134,7 +138,7 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
             if material.grain is not None:
                 key, knows = f"materials.{name}", heated or material.heating is not None
                 problems += check_grain(
-                    key, material.grain, knows_temperature=knows, stages=case.stages, procedure="implicit"
+                    key, material.grain, knows_temperature=knows, stages=case.stages, procedure=case.procedure
                 )
             problems += material.check_in_solids(f"materials.{name}")
             if name == case.workpiece.material:
@@ -155,9 +159,6 @@ def _check_solver(case: SpaceCase) -> list[Problem]:
         fault = "the small strain changes with a rotation, and is offered in the plane alone, for comparison"
         remedy = 'take "log", or displacements = "small"'
         problems.append(Problem("solver.strain_measure", fault, remedy, "small"))
-    if "rows" in case.output.model_fields_set:
-        fault = "solids in space are implicit: a row an increment"
-        problems.append(Problem("output.rows", fault, "remove it", case.output.rows))
     return problems
 
 
@@ -173,26 +174,9 @@ def _check_sets(case: SpaceCase, mesh: model.Mesh) -> list[Problem]:
     return check_set_names(uses, mesh, sides="face")
 
 
-def _find_symmetry_planes(case: SpaceCase, mesh: model.Mesh) -> tuple[tuple[model.FloatArray, ...], list[Problem]]:
-    """Return the positions [mm] of the symmetry planes normal to x, y and z, and problems."""
-    planes: tuple[list[float], ...] = ([], [], [])
-    problems = []
-    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
-    tolerance = 1e-6 * float(np.linalg.norm(high - low))
-    for name, entry in case.boundary.items():
-        axis = AXES.index(entry.fix[0])
-        nodes = mesh.node_sets[entry.set]
-        at = mesh.points[nodes, axis]
-        outermost = min(at.min() - low[axis], high[axis] - at.max()) < tolerance
-        is_whole_side = int((np.abs(mesh.points[:, axis] - at[0]) < tolerance).sum()) == len(nodes)
-        if len(set(entry.fix)) == 1 and np.ptp(at) < tolerance and outermost and is_whole_side:
-            if entry.symmetry is not False:
-                planes[axis].append(float(at.mean()))
-        elif entry.symmetry:
-            fault = f"the set `{entry.set}` with fix = {sorted(set(entry.fix))} is no symmetry plane of the workpiece"
-            remedy = "fix one component, on the whole of an outermost flat side normal to it, or leave symmetry out"
-            problems.append(Problem(f"boundary.{name}.symmetry", fault, remedy, True))
-    return tuple(np.unique(of_axis) for of_axis in planes), problems
+def _build_explicit(case: SpaceCase) -> model.ExplicitSolid:
+    velocity = case.workpiece.velocity or (0.0, 0.0, 0.0)
+    return model.ExplicitSolid(velocity=velocity, **case.explicit.model_dump())
 
 
 def _build_stages(
@@ -203,7 +187,7 @@ def _build_stages(
     problems: list[Problem] = []
     blows: dict[str, int] = {}
     for number, given in enumerate(case.stages):
-        stage = _build_stage(given, mesh)
+        stage = _build_stage(given, mesh, explicit=case.procedure == "explicit")
         drive = build_drive(given.find_timing(number), case.presses, find_halves(stage, mirrors))
         if isinstance(drive, Problem):
             problems.append(drive)
@@ -216,11 +200,13 @@ def _build_stages(
     return tuple(stages), problems
 
 
-def _build_stage(stage: SpaceStage, mesh: model.Mesh) -> model.Stage:
+def _build_stage(stage: SpaceStage, mesh: model.Mesh, *, explicit: bool) -> model.Stage:
     """Turn a case's stage into the Model's."""
+    ramp = RAMP * stage.duration if stage.ramp is None else stage.ramp
     return model.Stage(
         name=stage.name,
         duration=stage.duration,
+        ramp=ramp if explicit else 0.0,
         tool_motion={name: motion.build() for name, motion in stage.tools.items()},
         prescribed=tuple(
             model.PrescribedDisplacement(entry.set, AXES.index(entry.component), entry.value)  # type: ignore[arg-type]

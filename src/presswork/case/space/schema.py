@@ -18,11 +18,12 @@ from presswork.case.part import Part
 from presswork.case.press.builder import Timing
 from presswork.case.press.schema import Press, Speeds, StagePress, check_speeds
 from presswork.case.settings import Output, Solver
+from presswork.case.solid.explicit import ExplicitSolver
 from presswork.case.solid.schema import MaterialTable
 from presswork.case.space.mesh import SpaceMesh
 from presswork.case.space.remesh import SpaceRemesh
 from presswork.case.space.tools import SpaceTool, SpaceToolMotion
-from presswork.case.units import Force3, Length, Point3, Stress, StressVector3, Time, fault
+from presswork.case.units import Force3, Length, Point3, Stress, StressVector3, Time, VelocityVector3, fault
 
 Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, ...] = ("x", "y", "z")
@@ -33,7 +34,12 @@ class SpaceWorkpiece(Part):
 
     material: str = Field(description="name of one of the [materials]")
     element: model.SpaceElement = Field(
-        default="hex8_fbar", description="element formulation; without it hex8_fbar, which does not lock in volume"
+        default="hex8_fbar",
+        description="element formulation; without it hex8_fbar, which does not lock in volume, and hex8_1pt where the "
+        "procedure is explicit",
+    )
+    velocity: VelocityVector3 | None = Field(
+        default=None, description="explicit: velocity [x, y, z] of the whole workpiece at the start [mm/s]"
     )
     mesh: SpaceMesh = Field(description="the mesh of the workpiece")
 
@@ -42,12 +48,22 @@ class SpaceBoundary(Part):
     """Displacement components held at zero in every stage."""
 
     set: str = Field(description="name of a node set")
-    fix: tuple[Axis, ...] = Field(min_length=1, description="components held at zero, out of x, y and z")
+    fix: tuple[Axis | Literal["normal"], ...] = Field(
+        min_length=1,
+        description="components held at zero, out of x, y and z; or normal alone: the direction normal to the plane "
+        "that the set lies in, as the last_plane of a sector",
+    )
     symmetry: bool | None = Field(
         default=None,
         description="whether this is a symmetry plane; without it: when it fixes one component only, on a flat side of "
         "the workpiece normal to that component",
     )
+
+    @model_validator(mode="after")
+    def _check_normal(self) -> Self:
+        if "normal" in self.fix and len(set(self.fix)) > 1:
+            raise fault("normal stands beside other components", 'give ["normal"] alone', key="fix")
+        return self
 
 
 class SpaceDisplacement(Part):
@@ -102,6 +118,12 @@ class SpaceStage(Part):
     press: StagePress | None = Field(
         default=None, description="instead of duration: the press that moves the tools, one of [presses]"
     )
+    ramp: Time | None = Field(
+        default=None,
+        ge=0,
+        description="explicit: time of the smooth start and of the smooth end of all that moves [s]; without it: a "
+        "tenth of the duration; 0: full velocity from the first cycle on, a blow",
+    )
     tools: dict[str, SpaceToolMotion] = Field(
         default={}, description="motion of each moving tool; the others stand still"
     )
@@ -135,6 +157,11 @@ class SpaceCase(CaseFile):
 
     title: Title = Field(description="what the case shows, in one line")
     analysis: Literal["solid"] = Field(description="solid")
+    procedure: Literal["implicit", "explicit"] = Field(
+        default="implicit",
+        description="implicit: equilibrium after every increment; explicit: dynamics in small steps, for impacts, and "
+        "with explicit.target_step for forming",
+    )
     workpiece: SpaceWorkpiece = Field(description="the body that is formed")
     materials: dict[Name, MaterialTable] = Field(min_length=1, description="materials by name")
     tools: dict[Name, SpaceTool] = Field(default={}, description="rigid tools by name")
@@ -147,6 +174,9 @@ class SpaceCase(CaseFile):
     )
     stages: tuple[SpaceStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: SpaceSolver = Field(default=SpaceSolver(), description="how the implicit procedure integrates and iterates")
+    explicit: ExplicitSolver = Field(
+        default=ExplicitSolver(), description="how the explicit procedure steps through time"
+    )
     points: dict[Name, Point3] = Field(default={}, description=POINTS)
     output: Output = Field(default=Output(), description="what is saved, and when")
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
