@@ -1610,15 +1610,41 @@ class SpaceLoop:
 
     @ironing.setter
     def ironing(self, arg: bool, /) -> None: ...
+    def add_wall(
+        self,
+        surface: ToolSurface,
+        touching: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        *,
+        position: Sequence[float],
+        mu: float,
+        reach: float,
+    ) -> None:
+        """
+        Let a rigid tool hold the nodes marked (n_nodes) off its surface; position: of the tool's frame [mm]; reach: how far off it is looked for [mm].
+        """
+
+    def wall_force(self, wall: int) -> NDArray[numpy.float64]:
+        """Forces of a wall on the nodes (n_nodes, 3) in the last cycle."""
+
+    def wall_offset(self, wall: int) -> list[float]:
+        """Displacement of a wall since the start [mm]."""
+
+    def wall_impulse(self, wall: int) -> list[float]:
+        """Impulse that a wall has given to the nodes since the start [N s]."""
+
+    def move_wall(self, wall: int, velocity: Sequence[float]) -> None:
+        """Let a wall move from now on [mm/s]."""
+
     def add_solids(
         self,
         element: str,
         cells: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
         law: VonMises | SolidLaw,
         density: float,
+        hourglass_fraction: float = 0.05,
     ) -> None:
         """
-        Add cells (n, nodes) of hex8 or hex8_fbar; they are numbered as they come.
+        Add cells (n, nodes) of hex8, hex8_fbar or hex8_1pt; they are numbered as they come. hourglass_fraction: of the shear modulus, of hex8_1pt.
         """
 
 class SpaceLoopSingle:
@@ -2255,32 +2281,47 @@ class HeatFilm:
     """What heats and cools the surface of bodies, lumped at its nodes."""
 
     @staticmethod
-    def at_nodes(nodes: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], other: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> HeatFilm:
+    def at_nodes(
+        nodes: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        factor: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        other: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    ) -> HeatFilm:
         """
         Nodes (n,) that exchange heat with temperatures (n,) [degrees C] by factors (n,) [N mm/(s K)].
         """
 
     @staticmethod
-    def convection(area: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], coefficient: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], ambient: float) -> HeatFilm:
+    def convection(
+        area: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        coefficient: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        ambient: float,
+    ) -> HeatFilm:
         """
         Newton's law of cooling: areas of the nodes (n_points,) [mm2], rows of temperature and coefficient (n, 2).
         """
 
     @staticmethod
-    def radiation(factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], ambient: float) -> HeatFilm:
+    def radiation(
+        factor: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], ambient: float
+    ) -> HeatFilm:
         """
         To large surroundings: area, emissivity and Stefan and Boltzmann's constant (n_points,) [N mm/(s K4)].
         """
 
     @staticmethod
-    def flux(power: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> HeatFilm:
+    def flux(power: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]) -> HeatFilm:
         """Heat that does not depend on temperature (n_points,) [N mm/s]."""
 
     @staticmethod
-    def between(pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> HeatFilm:
+    def between(
+        pairs: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        factor: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    ) -> HeatFilm:
         """Pairs of nodes (n, 2) and their conductances (n,) [N mm/(s K)]."""
 
-    def evaluate(self, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def evaluate(
+        self, temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Heat given to the nodes [N mm/s] and minus its derivative by their own temperatures [N mm/(s K)].
         """
@@ -2312,10 +2353,8 @@ class HeatStepResult:
 
     @property
     def assembly_seconds(self) -> float: ...
-
     @property
     def solve_seconds(self) -> float: ...
-
     @property
     def block(self) -> int:
         """Of the cell that is turned inside out."""
@@ -2327,7 +2366,15 @@ class HeatStepResult:
 class HeatBody:
     """Cells of one kind and material that conduct and store heat."""
 
-    def __init__(self, cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], conductivity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], pieces: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], latent: tuple[float, float, float], mass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+    def __init__(
+        self,
+        cell: str,
+        connectivity: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+        conductivity: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        pieces: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        latent: tuple[float, float, float],
+        mass: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    ) -> None:
         """
         conductivity (n, 2); pieces and latent as in find_heat_content; mass at the nodes (n_points,) [t].
         """
@@ -2336,27 +2383,70 @@ class HeatEquation:
     """Time steps of the heat equation by backward Euler."""
 
     def __init__(self, bodies: Sequence[HeatBody], *, axisymmetric: bool, depth: float) -> None: ...
-
-    def find_content(self, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def find_content(
+        self, temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Heat stored at the nodes (n_points,) [N mm] and its derivative [N mm/K].
         """
 
-    def solve(self, assembler: ScalarAssembler, *, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], temperature_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float, films: Sequence[HeatFilm], mask: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], prescribed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], source: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None, counted: int, guess: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], iterative: bool, direct: Callable[[bool, Annotated[NDArray[numpy.float64], dict(writable=False)], Annotated[NDArray[numpy.float64], dict(writable=False)]], Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None]) -> HeatStepResult:
+    def solve(
+        self,
+        assembler: ScalarAssembler,
+        *,
+        points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        temperature_n: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        dt: float,
+        films: Sequence[HeatFilm],
+        mask: Annotated[NDArray[numpy.uint8], dict(order="C", device="cpu", writable=False)],
+        prescribed: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        source: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None,
+        counted: int,
+        guess: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        iterative: bool,
+        direct: Callable[
+            [
+                bool,
+                Annotated[NDArray[numpy.float64], dict(writable=False)],
+                Annotated[NDArray[numpy.float64], dict(writable=False)],
+            ],
+            Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)] | None,
+        ],
+    ) -> HeatStepResult:
         """
         Temperatures at the end of a step from a guess at them.
 
         direct: called with whether the matrix is new, its values and the right-hand side where iterations do not find a correction; None for a singular matrix.
         """
 
-def find_touch(edges: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], areas: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, holds: Annotated[NDArray[numpy.bool_], dict(order='C', device='cpu', writable=False)], push: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], gap: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], conductance: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], width: float, seen: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> tuple[NDArray[numpy.bool_], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]:
+def find_touch(
+    edges: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    areas: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    *,
+    holds: Annotated[NDArray[numpy.bool_], dict(order="C", device="cpu", writable=False)],
+    push: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    gap: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    conductance: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    width: float,
+    seen: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+) -> tuple[
+    NDArray[numpy.bool_], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]
+]:
     """
     Where a tool touches edges (n, nodes) or is near them.
 
     holds, push [N], gap [mm]: at nodes (n_points,); conductance: rows of pressure [MPa] and value (n, 2); width [mm]: across which heat passes; seen (n, nodes) loses what touches and what passes. Returns edges that touch (n,), the pressure at their nodes (n_points,), and the nodes that touch or are near with their areas and conductances.
     """
 
-def sum_pairs(own_edge: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other_edge: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], own_shape: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], other_shape: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], own: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], amounts: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> tuple[NDArray[numpy.int32], list[NDArray[numpy.float64]]]:
+def sum_pairs(
+    own_edge: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    other_edge: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    own_shape: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    other_shape: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    own: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    other: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    amounts: Sequence[Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)]],
+) -> tuple[NDArray[numpy.int32], list[NDArray[numpy.float64]]]:
     """
     Pairs of nodes (n, 2), each once, and sums over them of amounts at points of edges own that face edges other, as find_facing returns them.
     """
@@ -2364,9 +2454,14 @@ def sum_pairs(own_edge: Annotated[NDArray[numpy.int32], dict(order='C', device='
 class HeatColumn:
     """A row of finite volumes behind a surface."""
 
-    def __init__(self, capacity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], between: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None: ...
-
-    def step(self, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    def __init__(
+        self,
+        capacity: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+        between: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    ) -> None: ...
+    def step(
+        self, temperature: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)], dt: float
+    ) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Temperatures (n, cells) after dt [s] without a flux, and what a flux of 1 adds (cells,).
         """

@@ -25,7 +25,7 @@ Data = dict[str, Any]
 
 
 def upsetting(angle: float, cells: tuple[int, int, int], friction: Data, *, stroke: float = 7.5) -> tuple[Data, Data]:
-    """Return a cylinder of 10 x 15 mm (a half of it) as cases in axisymmetry and in space; cells radial, around, along."""
+    """Return half a cylinder of 10 x 15 mm as cases in axisymmetry and in space; cells: radial, around, along."""
     radial, around, along = cells
     flat = {
         "title": "a cylinder is upset",
