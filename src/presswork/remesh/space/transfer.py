@@ -120,6 +120,8 @@ class PointsInSpace:
     def find_peaks(self, given: FloatArray) -> IndexArray:
         """Return the points whose value (n_old,) is above those of all their donors, and which the fit misses."""
         candidates = np.flatnonzero(given > 0.0)
+        if not len(candidates):
+            return candidates
         fit = self.find_transfer(self.position[candidates], self.cell_of[candidates])
         others = np.where(fit.donor != candidates[:, None], given[fit.donor], -np.inf)
         above = given[candidates] > others.max(axis=1, initial=-np.inf)

@@ -86,3 +86,9 @@ def test_peaks_of_single_points_are_found():
     values[[100, 2000]] += 0.3
     found = PointsInSpace(middles, np.arange(len(middles)), mesh[1]).find_peaks(values)
     assert {100, 2000} <= set(found.tolist())
+
+
+def test_fields_that_are_zero_have_no_peaks():
+    points, cells = random_mesh(7)
+    middles = find_middles((points, cells))
+    assert len(PointsInSpace(middles, np.arange(len(cells)), cells).find_peaks(np.zeros(len(cells)))) == 0
