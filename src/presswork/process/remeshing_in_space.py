@@ -79,7 +79,7 @@ class RemeshedSpaceForming(RemeshedForming):
     def _reason_of(self, number: int, old: OldBody, wait: float) -> str | None:
         if number in self._on_first:
             return find_flat_cell(old, self._last_moves(), self.settings.quality) or find_cut_edge(
-                old, deepest=LAST_CUT
+                old, deepest=LAST_CUT, sharp_counts=True
             )
         return find_reason(old, self._last_moves(), self.settings, wait)
 

@@ -139,7 +139,7 @@ def _keep_sharp_edges(
         if not len(segments) or not len(crossing):
             continue
         nodes = np.unique(edges[crossing])
-        foot, away = _nearest_on_segments(segments, result[nodes], float(around[nodes].max()))
+        foot, away = nearest_on_segments(segments, result[nodes], float(around[nodes].max()))
         near = away < SNAP * around[nodes]
         near &= ~(in_plane[nodes] & (np.abs(foot - result[nodes]) > 1e-9 * around[nodes, None])).any(axis=1)
         order = np.flatnonzero(near)[np.argsort(away[near], kind="stable")]
@@ -159,7 +159,7 @@ def _list_neighbours(edges: IndexArray, n_points: int) -> list[IndexArray]:
     return np.split(both[:, 1], np.searchsorted(both[:, 0], np.arange(1, n_points)))
 
 
-def _nearest_on_segments(segments: FloatArray, points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
+def nearest_on_segments(segments: FloatArray, points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
     """Return the nearest places on segments (m, 2, 3) to points (n, 3), and how far they are; far ones are infinite."""
     foot, away = points.copy(), np.full(len(points), np.inf)
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)

@@ -8,12 +8,15 @@ import numpy as np
 from presswork.model import FloatArray
 from presswork.remesh.space.body import OldBody
 from presswork.remesh.space.size_field import EdgeSizes, measure_sizes
+from presswork.remesh.space.surface import nearest_on_segments
 from presswork.remesh.space.tetrahedra import list_edges, measure_quality
 
 TOO_LONG = 2.2
 """Edge of the skin over the size wanted there."""
 TOO_DEEP = 0.08
 """Depth to which a tool cuts an edge, over its length."""
+BESIDE = 0.75
+"""Distance of an edge's middle from a sharp edge of a tool, over its length, within which that cuts it on any mesh."""
 
 
 def find_flat_cell(body: OldBody, increment: FloatArray, least: float) -> str | None:
@@ -39,14 +42,22 @@ def find_long_edge(body: OldBody, sizes: EdgeSizes, *, longest: float = TOO_LONG
     return f"an edge {ratio[worst]:.2g} times too long near {_name_place(ends[worst].mean(axis=0))}"
 
 
-def find_cut_edge(body: OldBody, *, deepest: float = TOO_DEEP) -> str | None:
-    """Say which edge of the skin lies too deep in a tool between its nodes."""
+def find_cut_edge(body: OldBody, *, deepest: float = TOO_DEEP, sharp_counts: bool = False) -> str | None:
+    """Say which edge of the skin lies too deep in a tool between its nodes.
+
+    Round a sharp edge of a tool every edge does, until its node behind has passed: unless sharp_counts, only its length
+    counts there.
+    """
     edges = list_edges(body.faces)
     ends = body.points[edges]
     middle, length = ends.mean(axis=1), np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     for tool in body.tools:
         gap, _ = tool.touch(middle, float(length.max()))
         depth = np.where(np.isfinite(gap), -gap / length, 0.0)
+        cut = np.flatnonzero(depth > deepest)
+        if len(cut) and len(tool.sharp_edges) and not sharp_counts:
+            _, away = nearest_on_segments(tool.sharp_edges, middle[cut], float(length[cut].max()))
+            depth[cut[away < BESIDE * length[cut]]] = 0.0
         worst = int(np.argmax(depth))
         if depth[worst] > deepest:
             return f"a tool {-gap[worst]:.2g} mm deep in an edge near {_name_place(middle[worst])}"
