@@ -20,16 +20,22 @@ auto give(const std::vector<T>& values, std::vector<std::size_t> shape) {
 }
 
 auto touch(Ints edges, Doubles areas, Flags holds, Doubles push, Doubles gap, Doubles conductance, double width,
-           MutableDoubles seen) {
+           MutableDoubles seen, int corners) {
   const std::size_t n_points = push.size();
-  require(edges.ndim() == 2 && edges.shape(1) >= 2, "edges must have shape (n, 2 | 3)");
+  require(edges.ndim() == 2 && edges.shape(1) >= 2, "edges must have shape (n, 2 | 3 | 4)");
+  require(corners >= 2 && corners <= 4 && std::size_t(corners) <= edges.shape(1),
+          "an edge has 2 corners, a face 3 or 4");
   require(areas.size() == edges.size() && seen.size() == edges.size(), "areas and seen must have the shape of edges");
   require(holds.size() == n_points && gap.size() == n_points, "one value a node");
   for (std::size_t i = 0; i < edges.size(); ++i)
     require(edges.data()[i] >= 0 && std::size_t(edges.data()[i]) < n_points, "edges must be node indices");
   const auto rows = add_slopes(conductance);
-  const SurfaceEdges surface{static_cast<int>(edges.shape(0)), static_cast<int>(edges.shape(1)),
-                             static_cast<int>(n_points), edges.data(), areas.data()};
+  const SurfaceEdges surface{static_cast<int>(edges.shape(0)),
+                             static_cast<int>(edges.shape(1)),
+                             static_cast<int>(n_points),
+                             corners,
+                             edges.data(),
+                             areas.data()};
   const HeatingTool tool{reinterpret_cast<const std::uint8_t*>(holds.data()),
                          push.data(),
                          gap.data(),
@@ -84,8 +90,9 @@ auto step_column(HeatColumn& column, Doubles temperature, double dt) {
 
 void bind_heat_surface(nb::module_& m) {
   m.def("find_touch", &touch, nb::arg("edges"), nb::arg("areas"), nb::kw_only(), nb::arg("holds"), nb::arg("push"),
-        nb::arg("gap"), nb::arg("conductance"), nb::arg("width"), nb::arg("seen"),
-        "Where a tool touches edges (n, nodes) or is near them.\n\nholds, push [N], gap [mm]: at nodes (n_points,); "
+        nb::arg("gap"), nb::arg("conductance"), nb::arg("width"), nb::arg("seen"), nb::arg("corners") = 2,
+        "Where a tool touches edges (n, nodes), in space faces, or is near them; corners: of each, its first "
+        "nodes.\n\nholds, push [N], gap [mm]: at nodes (n_points,); "
         "conductance: rows of pressure [MPa] and value (n, 2); width [mm]: across which heat passes; seen (n, nodes) "
         "loses what touches and what passes. Returns edges that touch (n,), the pressure at their nodes (n_points,), "
         "and the nodes that touch or are near with their areas and conductances.");

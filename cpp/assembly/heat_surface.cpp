@@ -25,6 +25,25 @@ double find_part(double first, double last, double width) {
   return part;
 }
 
+// The same of a face of three or four corners.
+double find_part(const double* gaps, int corners, double width) {
+  if (corners == 2) return find_part(gaps[0], gaps[1], width);
+  double part = 0.0, held[4];
+  for (int k = 0; k < corners; ++k) held[k] = std::min(gaps[k], far * width + 1.0);
+  const auto pass = [width](double between) { return std::clamp(1.0 - std::max(between, 0.0) / width, 0.0, 1.0); };
+  if (corners == 3) {
+    for (int k = 0; k < 3; ++k) part += pass((4.0 * held[k] + held[(k + 1) % 3] + held[(k + 2) % 3]) / 6.0) / 3.0;
+    return part;
+  }
+  for (const auto& [r, one] : gauss)
+    for (const auto& [s, other] : gauss) {
+      const double low = 0.5 * (1 - r) * held[0] + 0.5 * (1 + r) * held[1];
+      const double high = 0.5 * (1 - r) * held[3] + 0.5 * (1 + r) * held[2];
+      part += 0.25 * one * other * pass(0.5 * (1 - s) * low + 0.5 * (1 + s) * high);
+    }
+  return part;
+}
+
 }  // namespace
 
 Touch find_touch(const SurfaceEdges& surface, const HeatingTool& tool, double* seen) {
@@ -34,9 +53,11 @@ Touch find_touch(const SurfaceEdges& surface, const HeatingTool& tool, double* s
   for (int e = 0; e < surface.n; ++e) {
     const std::size_t first = std::size_t(e) * surface.nodes;
     const int* nodes = surface.edges + first;
-    touch.touching[e] = tool.holds[nodes[0]] && tool.holds[nodes[1]];
-    const double part =
-        touch.touching[e] || tool.width == 0.0 ? 0.0 : find_part(tool.gap[nodes[0]], tool.gap[nodes[1]], tool.width);
+    bool held = true;
+    double gaps[4];
+    for (int k = 0; k < surface.corners; ++k) held = held && tool.holds[nodes[k]], gaps[k] = tool.gap[nodes[k]];
+    touch.touching[e] = held;
+    const double part = held || tool.width == 0.0 ? 0.0 : find_part(gaps, surface.corners, tool.width);
     for (int k = 0; k < surface.nodes; ++k) {
       const double own = surface.areas[first + k];
       if (touch.touching[e]) area[nodes[k]] += own, seen[first + k] = 0.0;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the surface of bodies touches a tool or is near it, as heat passes.
 //
-// An edge touches a tool if the tool holds both its ends. Across a gap the conductance at no pressure falls evenly with
-// the distance, to nothing at a width; the part that passes is taken off what the surroundings see of the surface.
+// An edge touches a tool if the tool holds both its ends, a face if it holds all its corners. Across a gap the
+// conductance at no pressure falls evenly with the distance, to nothing at a width; the part that passes is taken off
+// what the surroundings see of the surface.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,8 @@ namespace presswork {
 
 struct SurfaceEdges {
   int n, nodes, n_points;
-  const int* edges;     // (n, nodes), ends first
+  int corners;          // 2 of edges, 3 or 4 of faces in space
+  const int* edges;     // (n, nodes), corners first
   const double* areas;  // that each node of each edge stands for (n, nodes) [mm2]
 };
 

@@ -2429,11 +2429,12 @@ def find_touch(
     conductance: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
     width: float,
     seen: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu")],
+    corners: int = 2,
 ) -> tuple[
     NDArray[numpy.bool_], NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]
 ]:
     """
-    Where a tool touches edges (n, nodes) or is near them.
+    Where a tool touches edges (n, nodes), in space faces, or is near them; corners: of each, its first nodes.
 
     holds, push [N], gap [mm]: at nodes (n_points,); conductance: rows of pressure [MPa] and value (n, 2); width [mm]: across which heat passes; seen (n, nodes) loses what touches and what passes. Returns edges that touch (n,), the pressure at their nodes (n_points,), and the nodes that touch or are near with their areas and conductances.
     """

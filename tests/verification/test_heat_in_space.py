@@ -114,11 +114,6 @@ def test_a_block_cools_on_all_sides(element: str) -> None:
     [
         ({"heat": None}, "materials.steel.thermal", "has no meaning without [heat]"),
         ({"stages": [{"name": "cool"}]}, "stages.0.duration", "heat takes time"),
-        (
-            {"tools": {"punch": {"shape": "plane", "normal": [0, -1, 0], "contact": "frictionless"}}},
-            "tools.punch",
-            "in the plane and in axisymmetry alone",
-        ),
     ],
 )
 def test_bad_heat_in_space_is_told(changes, where, what) -> None:

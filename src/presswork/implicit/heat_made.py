@@ -70,8 +70,8 @@ class HeatSources:
 
     def _share_friction(self) -> FloatArray:
         """Return the part of the heat of friction that goes from a tool into a body (n_tools, n_bodies)."""
-        shares = np.full((len(self._model.plane_tools), max(len(self._model.bodies), 1)), 0.5)
-        for t, tool in enumerate(self._model.plane_tools):
+        shares = np.full((len(self._model.tools), max(len(self._model.bodies), 1)), 0.5)
+        for t, tool in enumerate(self._model.tools):
             heat = self._heat.tools.get(tool.name)
             if heat is not None and heat.effusivity is not None:
                 own = np.array(self._heat.effusivity)

@@ -102,7 +102,9 @@ class HeatOfForming:
         self._sources = HeatSources(model, model.heat)
         self._shapes = PointShapes(model)
         self._n_points = len(model.mesh.points)
-        self._skin = np.unique(model.mesh.boundary_edges)  # nodes that a tool may touch
+        self._skin = np.unique(
+            model.mesh.boundary_faces if model.analysis == "solid" else model.mesh.boundary_edges
+        )  # nodes that a tool may touch
         self._columns = {
             name: Column(*tool.steel, usual) for name, tool in model.heat.tools.items() if tool.steel is not None
         }
@@ -124,7 +126,7 @@ class HeatOfForming:
     def at_rest(self) -> HeatArrays:
         """Return the temperatures at the start."""
         start, dies = start_temperatures(self._model, self._heat), self._dies.at_rest()
-        tools = self._model.plane_tools if self._columns else ()
+        tools = self._model.tools if self._columns else ()
         columns = np.zeros((len(tools), len(start), CELLS))
         for t, tool in enumerate(tools):
             if tool.name in self._columns:
@@ -134,7 +136,7 @@ class HeatOfForming:
 
     def hottest(self, arrays: HeatArrays) -> dict[str, float]:
         """Return the highest temperature of every tool that warms up, at its surface or of its mesh [degrees C]."""
-        names = [tool.name for tool in self._model.plane_tools]
+        names = [tool.name for tool in self._model.tools]
         found = {name: float(arrays.columns[names.index(name), :, 0].max()) for name in self._columns}
         for die in self._dies.dies:
             found[die.name] = float(arrays.dies[self._own(die.nodes)].max())
@@ -325,7 +327,7 @@ class HeatOfForming:
         """
         still, films = columns.copy(), {}
         touched = {touch.tool: touch for touch in touches}
-        for t, tool in enumerate(self._model.plane_tools):
+        for t, tool in enumerate(self._model.tools):
             column, touch = self._columns.get(tool.name), touched.get(t)
             if column is None:
                 continue

@@ -15,7 +15,7 @@ from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.interaction.body_interface import InterfaceArrays
 from presswork.interaction.forming_instant import BetweenBodies, FormingInstant, Poses, find_poses
 from presswork.interaction.of_model import Interactions
-from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
+from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, ToolArrays
 from presswork.model import BodyContact, FloatArray, Model
 from presswork.outcome import Failed, Step
 from presswork.state import State
@@ -44,6 +44,7 @@ class HeatOfIncrements:
         """By how much temperatures given to laws may be off [K]."""
         self._max_change = model.heat.max_change
         self._fraction = model.heat.plastic_fraction
+        self._across = {name: tool.gap for name, tool in model.heat.tools.items()}
         self._contacts = {contact.name: contact for contact in model.contacts}
 
     def at_points(self, state: State, block: int) -> FloatArray:
@@ -109,9 +110,17 @@ class HeatOfIncrements:
     def _show(self, state_n: State, trial: State, step: Step, dt: float) -> FormingInstant:
         """Return what heat asks of an increment in equilibrium."""
         n, tools = len(self._model.mesh.points), self._interactions.tools
-        shape = (len(self._model.plane_tools), n)
+        shape = (len(self._model.tools), n)
         holds, push, rubbed, gap = np.zeros(shape, dtype=bool), np.zeros(shape), np.zeros(shape), np.full(shape, np.inf)
-        if self._model.plane_tools:
+        if (space := self._interactions.space_tools) is not None:
+            placed = trial[SpaceToolArrays]
+            push = np.linalg.norm(placed.force - placed.friction, axis=2)
+            holds, rubbed = push > 0.0, space.contact.lost_at(state_n, trial)
+            for t, tool in enumerate(self._model.tools):
+                width = self._across.get(tool.name, 0.0)
+                if width > 0.0:
+                    gap[t] = space.contact.placed(t, placed).nearest(self._points(trial), width)[0]
+        elif self._model.plane_tools:
             contact = tools.contact
             forces = contact.forces(trial, self._interactions.supports.fixed(step.stage))
             holds[forces.tool, forces.nodes] = True

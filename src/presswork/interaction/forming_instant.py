@@ -12,7 +12,7 @@ from presswork.geometry.pose import ToolPose, start_centre
 from presswork.model import BoolArray, FloatArray, Tool
 
 Poses = Sequence[ToolPose]
-"""Of Model.plane_tools."""
+"""Of Model.plane_tools; none in space."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class FormingInstant:
     """Where bodies and tools are, and what an increment of an implicit run or a row of explicit cycles has made."""
 
     points: FloatArray
-    """Of the bodies (n_points, 2) [mm]."""
+    """Of the bodies (n_points, d) [mm]."""
     poses: Poses
     holds: BoolArray
     """Whether a tool touches a node (n_tools, n_points)."""

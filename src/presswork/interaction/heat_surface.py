@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Where the surface of bodies that are formed touches tools and other bodies, or is free, as it lies now.
 
-An edge touches a tool if the tool holds both its ends. Where a gap is given across which heat passes, the conductance
-at no pressure falls evenly with the distance, to nothing at that gap; the part that passes to the tool is taken off
-what the surroundings see of the surface.
+An edge touches a tool if the tool holds both its ends, a face in space if it holds all its nodes. Where a gap is given
+across which heat passes, the conductance at no pressure falls evenly with the distance, to nothing at that gap; the
+part that passes to the tool is taken off what the surroundings see of the surface.
 """
 
 from __future__ import annotations
@@ -72,7 +72,8 @@ class HeatSurface:
     def __init__(self, model: Model, heat: Heat, dies: MeshedDies) -> None:
         self._model, self._heat, self._dies = model, heat, dies
         self._edges = np.ascontiguousarray(find_open_sides(model), dtype=np.int32)
-        self._tools = [heat.tools.get(tool.name) for tool in model.plane_tools]
+        self._corners = self._edges.shape[1] if model.analysis == "solid" else 2
+        self._tools = [heat.tools.get(tool.name) for tool in model.tools]
         self._pieces = self._edges if model.analysis == "solid" else split_edges(self._edges)
         self._contacts = {contact.name: contact for contact in model.contacts}
         self._thickness = None if model.analysis == "axisymmetric" else model.depth
@@ -86,7 +87,7 @@ class HeatSurface:
         links: dict[int, tuple[PairFilm, FloatArray]] = {}
         for t, heat in enumerate(self._tools):
             if heat is None:
-                seen[now.holds[t][self._edges[:, 0]] & now.holds[t][self._edges[:, 1]]] = 0.0
+                seen[now.holds[t][self._edges[:, : self._corners]].all(axis=1)] = 0.0
                 continue
             touching, pressure, nodes, area, conductance = _core.find_touch(
                 self._edges,
@@ -97,6 +98,7 @@ class HeatSurface:
                 conductance=heat.conductance,
                 width=heat.gap,
                 seen=seen,
+                corners=self._corners,
             )
             if len(nodes):
                 touches.append(Touch(t, heat, nodes, area, conductance))

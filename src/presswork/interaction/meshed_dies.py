@@ -36,7 +36,7 @@ class MeshedDies:
         self._model = model
         self.dies: list[Die] = []
         first = len(model.mesh.points)
-        for t, tool in enumerate(model.plane_tools):
+        for t, tool in enumerate(model.tools):
             own = heat.tools.get(tool.name)
             if own is None or own.die is None:
                 continue

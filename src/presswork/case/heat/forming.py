@@ -22,6 +22,7 @@ from presswork.law.elastic_plastic import depends_on_temperature
 
 if TYPE_CHECKING:
     from presswork.case.solid import schema
+    from presswork.case.space.schema import SpaceCase
 
 
 class Surroundings(Part):
@@ -281,7 +282,7 @@ def check_material(name: str, material: schema.Material | UmatMaterial | None) -
             yield Problem(f"materials.{name}.heating.start", "[heat] gives the initial temperature", "remove it")
 
 
-def warn_of_temperatures(case: schema.Case, materials: Iterable[model.Material]) -> Iterator[str]:
+def warn_of_temperatures(case: schema.Case | SpaceCase, materials: Iterable[model.Material]) -> Iterator[str]:
     """Yield what looks like degrees C taken for K or the reverse: a start outside a law's window, a hot tool."""
     for material in materials:
         window = None if material.hardening is None else material.hardening.window

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
 from pathlib import Path
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.heat.forming import start_hot
+from presswork.case.heat.forming import start_hot, warn_of_temperatures
 from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.umat import UmatMaterial
@@ -27,6 +28,8 @@ from presswork.case.space.symmetry import build_supports, check_symmetry, find_s
 from presswork.case.space.tool_builder import build_tool, check_motions, find_way
 from presswork.mesh.faces import face_areas
 
+logger = logging.getLogger(__name__)
+
 
 def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.Model:
     """Build the Model of a solid in space; raises CaseError with every problem of the first kind that is found.
@@ -44,6 +47,8 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     _stop_at(problems, case)
     materials, problems = build_materials(case.materials, case.source, 6, run_user_code)
     materials = tuple(start_hot(material, case.heat) for material in materials)
+    for warning in warn_of_temperatures(case, materials):
+        logger.warning("%s", warning)
     supports, wrong = build_supports(case, mesh)
     symmetry = find_symmetry(case, mesh, supports)
     folder = case.source.parent if case.source is not None else Path()

@@ -20,6 +20,7 @@ def build_space_heat(case: SpaceCase) -> model.Heat | None:
     return model.Heat(
         initial=(heat.initial_temperature,),
         alone=False,
+        tools={name: tool.heat.to_model() for name, tool in case.tools.items() if tool.heat is not None},
         surroundings=model.Surroundings(around.ambient, around.emissivity, around.coefficient) if around else None,
         plastic_fraction=heat.plastic_fraction,
         tolerance=heat.tolerance,
@@ -34,6 +35,8 @@ def check_space_heat(case: SpaceCase) -> Iterator[Problem]:
         remedy = "add [heat] with initial_temperature, or remove it"
         for key in (name for name, given in case.materials.items() if given.thermal is not None):
             yield Problem(f"materials.{key}.thermal", "has no meaning without [heat]", remedy)
+        for key in (name for name, tool in case.tools.items() if tool.heat is not None):
+            yield Problem(f"tools.{key}.heat", "has no meaning without [heat]", remedy)
         return
     name = case.workpiece.material
     material = case.materials.get(name)
@@ -41,9 +44,10 @@ def check_space_heat(case: SpaceCase) -> Iterator[Problem]:
         yield Problem(f"materials.{name}.umat", "in space a UMAT knows no heat, so far", "give a law of presswork")
         return
     yield from check_material(name, material)
-    for tool in case.tools:
-        fault = "heat passes between tools and solids in the plane and in axisymmetry alone, so far"
-        yield Problem(f"tools.{tool}", fault, "leave [heat] out, or move the body's faces")
+    for key, tool in case.tools.items():
+        if tool.heat is not None and tool.heat.mesh is not None:
+            fault = "tools have meshes in the plane and in axisymmetry alone, so far"
+            yield Problem(f"tools.{key}.heat.mesh", fault, "leave it out; warms_up = true heats the steel behind nodes")
     if case.solver.displacements == "small":
         yield Problem("heat", "heat in forming is for large displacements", "leave [heat] out")
     heating, start = material.heating if material is not None else None, case.heat.initial_temperature
@@ -51,5 +55,8 @@ def check_space_heat(case: SpaceCase) -> Iterator[Problem]:
         fault = f"not below the melting temperature of {name}, {heating.melting:g} degrees C"
         yield Problem("heat.initial_temperature", fault, "lower it", start)
     for index, stage in enumerate(case.stages):
-        if "duration" not in stage.model_fields_set:
-            yield Problem(f"stages.{index}.duration", "missing key: heat takes time", "add it, in seconds")
+        if stage.velocity is None and stage.press is None and "duration" not in stage.model_fields_set:
+            remedy = "add it, in seconds, or velocity, or press"
+            yield Problem(f"stages.{index}.duration", "missing key: heat takes time", remedy)
+        if stage.press is not None and stage.press.blows > 1 and stage.press.pause is None:
+            yield Problem(f"stages.{index}.press.pause", "missing key: heat takes time", "add it, in seconds")

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from presswork import model
+from presswork.case.heat.forming import ToolHeat
 from presswork.case.part import Part
 from presswork.case.solid.contact import require_friction
 from presswork.case.solid.tool import ProfilePoint, check_motion
@@ -82,6 +83,7 @@ class _SpaceTool(Part):
         description="a point [x, y, z] of that axis, as drawn [mm], about which its torque is taken; without it: the "
         "origin, of a straight tool the centre that all its arcs share",
     )
+    heat: ToolHeat | None = Field(default=None, description="temperature of the tool; without it: no heat passes")
     spring: SpaceSpring | None = Field(default=None, description="a spring on which the tool rests, as a cushion does")
 
     @model_validator(mode="after")
