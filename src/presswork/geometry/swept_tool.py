@@ -116,6 +116,23 @@ def draw_holder(
     return SweptProfile(half_widths, corner_radius, np.array([face, *edge, wall]))
 
 
+def draw_block(
+    half_widths: tuple[float, float], corner_radius: float, height: float, edge_radius: float
+) -> SweptProfile:
+    """Draw a closed block about its middle, all edges of its top and bottom rounded [mm].
+
+    half_widths, corner_radius: of the plan, those of a circle alike. A cylinder's plan is a circle; a sphere has the
+    edge radius of its circle, too; of a box the corner radius is the edge radius.
+    """
+    r, top, middle = edge_radius, 0.5 * height, min(half_widths)
+    rows = [_line(-middle, top, -r, top)] if middle > r else []
+    rows += [_arc(-r, top, 0.0, top - r, -r, top - r)] if r > 0.0 else []
+    rows += [_line(0.0, top - r, 0.0, r - top)] if top > r else []
+    rows += [_arc(0.0, r - top, -r, -top, -r, r - top)] if r > 0.0 else []
+    rows += [_line(-r, -top, -middle, -top)] if middle > r else []
+    return SweptProfile(half_widths, corner_radius, np.array(rows))
+
+
 def _line(x0: float, z0: float, x1: float, z1: float) -> list[float]:
     return [x0, z0, x1, z1, 0.0, 0.0, 0.0]
 

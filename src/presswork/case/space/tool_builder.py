@@ -13,12 +13,23 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from presswork.case.errors import Problem
-from presswork.case.space.tools import PlaneTool, ProfileTool, SpaceTool, unit_vector3
+from presswork.case.space.tool_checks import check_facets, check_mirrors, look_inside_faces, mean_edge, warn_of_radius
+from presswork.case.space.tools import (
+    BoxTool,
+    CylinderTool,
+    PlaneTool,
+    ProfileTool,
+    SpaceTool,
+    SphereTool,
+    unit_vector3,
+)
 from presswork.case.tools.builder import find_centre, is_backwards
 from presswork.case.tools.profile import ProfileError, draw_outline
 from presswork.case.units import LENGTH, unit_factor
+from presswork.geometry.crossing import find_crossing
 from presswork.geometry.pose import SpacePose, find_axis, find_space_pose
 from presswork.geometry.segments import TURN, X0, X1, reverse_segments, sample_arc
+from presswork.geometry.swept_tool import draw_block
 from presswork.geometry.tool_surface import make_surface
 from presswork.geometry.touch_in_space import find_touch_in_space
 from presswork.mesh import MeshError
@@ -59,7 +70,7 @@ def build_tool(
     """
     nodes = mesh.points[np.unique(mesh.boundary_faces)]
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    shape = _make_shape(name, tool, nodes, size, folder)
+    shape = _make_shape(name, tool, mesh, nodes, size, folder)
     if isinstance(shape, Problem):
         return shape
     drawn = _place(name, tool, shape)
@@ -79,7 +90,12 @@ def build_tool(
         x, y, z = (float(part) for part in (gone - afar) * way)
         drawn = replace(drawn, position=(x, y, z))
         start = find_space_pose(drawn, np.zeros(3))
-    problem = _check_clear(name, nodes, size, *nearest(nodes, size))
+    if isinstance(tool, ProfileTool):
+        warn_of_radius(name, draw_outline(tool.profile, False).segments, mean_edge(mesh))
+    elif isinstance(shape, SweptProfile):
+        warn_of_radius(name, shape.segments, mean_edge(mesh))
+    inside = np.concatenate([nodes, look_inside_faces(mesh)])
+    problem = _check_clear(name, inside, len(nodes), size, *nearest(inside, size))
     if problem is not None:
         return problem
     cut = _find_mirrors(drawn, start, mirrors, size)
@@ -95,7 +111,7 @@ def build_tool(
                     f"put its axis on {plane}, or model the whole workpiece",
                     list(drawn.position),
                 )
-    return replace(drawn, mirrored_across=cut)
+    return check_mirrors(name, drawn, start, mirrors, cut, nodes) or replace(drawn, mirrored_across=cut)
 
 
 def _place(name: str, tool: SpaceTool, shape: Surface) -> Tool:
@@ -130,8 +146,10 @@ def _explain_no_touch(name: str, way: FloatArray) -> Problem:
     return Problem(key, fault, "draw it on the side that it comes from, or give position = [x, y, z]", "touch")
 
 
-def _check_clear(name: str, nodes: FloatArray, size: float, gap: FloatArray, normal: FloatArray) -> Problem | None:
-    """Return a problem where boundary nodes lie in a tool at the start."""
+def _check_clear(
+    name: str, nodes: FloatArray, own: int, size: float, gap: FloatArray, normal: FloatArray
+) -> Problem | None:
+    """Return a problem where the boundary lies in a tool at the start: nodes, the first `own`, or places on faces."""
     deepest = int(np.argmin(gap))
     if gap[deepest] >= -TOLERANCE * size:
         return None
@@ -139,8 +157,8 @@ def _check_clear(name: str, nodes: FloatArray, size: float, gap: FloatArray, nor
     away = ", ".join(f"{x + 0.0:.6g}" for x in gap[deepest] * normal[deepest])
     return Problem(
         f"tools.{name}",
-        f"the tool starts inside the workpiece: {int((gap < -TOLERANCE * size).sum())} boundary nodes lie in it, "
-        f"the deepest {-gap[deepest]:.6g} mm at ({place})",
+        f"the tool starts inside the workpiece: {int((gap[:own] < -TOLERANCE * size).sum())} boundary nodes lie in "
+        f"it, the deepest {'' if deepest < own else 'place of a face '}{-gap[deepest]:.6g} mm at ({place})",
         f"move the tool by ({away}) mm, or turn its surface over if its metal is on the other side",
     )
 
@@ -183,22 +201,37 @@ def check_motions(case: SpaceCase, tools: Sequence[Tool]) -> list[Problem]:
     return problems
 
 
-def _make_shape(name: str, tool: SpaceTool, nodes: FloatArray, size: float, folder: Path) -> Surface | Problem:
+def _draw_block(tool: CylinderTool | SphereTool | BoxTool) -> SweptProfile:
+    """Draw a body of given dimensions."""
+    if isinstance(tool, BoxTool):
+        x, y, z = tool.size
+        return draw_block((0.5 * x, 0.5 * y), tool.edge_radius, z, tool.edge_radius)
+    r = tool.radius
+    if isinstance(tool, SphereTool):
+        return draw_block((r, r), r, 2.0 * r, r)
+    return draw_block((r, r), r, tool.length, tool.edge_radius)
+
+
+def _make_shape(
+    name: str, tool: SpaceTool, mesh: Mesh, nodes: FloatArray, size: float, folder: Path
+) -> Surface | Problem:
     if isinstance(tool, PlaneTool):
         x, y, z = (part / math.hypot(*tool.normal) + 0.0 for part in tool.normal)
         return Plane((x, y, z))
     if isinstance(tool, ProfileTool):
         return _draw(name, tool, nodes, size)
+    if isinstance(tool, CylinderTool | SphereTool | BoxTool):
+        return _draw_block(tool)
     try:
         scale = unit_factor(tool.unit, LENGTH)
-        read, notes = read_tool(folder / tool.path, scale=scale, usual_size=size)
+        read, notes = read_tool(folder / tool.path, scale=scale, usual_size=size, tolerance=tool.tolerance)
     except ValueError as error:
         return Problem(f"tools.{name}.unit", f"expected a unit of length, but {error}", "e.g. mm, m, inch", tool.unit)
     except MeshError as error:
         return Problem(f"tools.{name}.path", error.fault, error.remedy, tool.path)
     for note in notes:
         logger.warning("tools.%s.path = %s: %s", name, tool.path, note)
-    return read
+    return check_facets(name, tool.path, read, mean_edge(mesh)) or read
 
 
 def _draw(name: str, tool: ProfileTool, nodes: FloatArray, size: float) -> Surface | Problem:
@@ -208,6 +241,11 @@ def _draw(name: str, tool: ProfileTool, nodes: FloatArray, size: float) -> Surfa
     except ProfileError as error:
         value = list(tool.profile[error.point].to)
         return Problem(f"tools.{name}.profile.{error.point}", error.fault, error.remedy, value)
+    crossing = find_crossing(segments)
+    if crossing is not None:
+        a, b = crossing.point
+        fault = f"the profile crosses or touches itself at ({a:.6g}, {b:.6g})"
+        return Problem(f"tools.{name}.profile", fault, "draw an outline without loops")
     seen = find_space_pose(_place(name, tool, Plane((0.0, 0.0, 1.0))), np.zeros(3)).to_frame(nodes)
     across = np.hypot(seen[:, 0], seen[:, 1]) if tool.shape == "round" else seen[:, 0]
     backwards = is_backwards(name, tool.free_side, np.column_stack([across, seen[:, 2]]), segments)

@@ -15,6 +15,7 @@ from presswork.case.part import Part
 from presswork.case.solid.contact import require_friction
 from presswork.case.solid.tool import ProfilePoint, check_motion
 from presswork.case.units import Angle, Direction3, Force, Length, Number, Place3, Point3, Stiffness, fault
+from presswork.mesh.step import is_step
 
 
 def unit_vector3(direction: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -76,7 +77,7 @@ class _SpaceTool(Part):
     axis: Direction3 | None = Field(
         default=None,
         description="direction [x, y, z], as drawn, about which the tool turns in stages; without it: z of a round "
-        "tool, y of a straight one",
+        "tool or a cylinder, y of a straight one",
     )
     centre: Point3 | None = Field(
         default=None,
@@ -140,15 +141,77 @@ class ProfileTool(_SpaceTool):
         return natural if self.axis is None else unit_vector3(self.axis)
 
 
+class CylinderTool(_SpaceTool):
+    """A cylinder about z, its middle at the tool's origin."""
+
+    shape: Literal["cylinder"] = Field(description="a cylinder about z, its middle at the origin")
+    radius: Length = Field(gt=0, description="of the cylinder [mm]")
+    length: Length = Field(gt=0, description="of the cylinder along z [mm]")
+    edge_radius: Length = Field(default=0.0, ge=0, description="fillet of its two edges [mm]")
+
+    @model_validator(mode="after")
+    def _check_edge(self) -> Self:
+        check_edge(self.edge_radius, min(self.radius, 0.5 * self.length))
+        return self
+
+    @property
+    def turning_axis(self) -> tuple[float, float, float]:
+        """The direction about which it turns, of length 1."""
+        return (0.0, 0.0, 1.0) if self.axis is None else unit_vector3(self.axis)
+
+
+class SphereTool(_SpaceTool):
+    """A sphere about the tool's origin."""
+
+    shape: Literal["sphere"] = Field(description="a sphere about the origin")
+    radius: Length = Field(gt=0, description="of the sphere [mm]")
+
+
+class BoxTool(_SpaceTool):
+    """A box with rounded edges, its middle at the tool's origin."""
+
+    shape: Literal["box"] = Field(description="a box, its middle at the origin")
+    size: Point3 = Field(description="extent along x, y and z, as drawn [mm]")
+    edge_radius: Length = Field(default=0.0, ge=0, description="fillet of all its edges [mm]")
+
+    @model_validator(mode="after")
+    def _check_size(self) -> Self:
+        if min(self.size) <= 0.0:
+            raise fault("expected three values > 0", "give [x, y, z], all positive", key="size")
+        check_edge(self.edge_radius, 0.5 * min(self.size))
+        return self
+
+
+def check_edge(radius: float, room: float) -> None:
+    """Refuse a fillet that does not fit."""
+    if radius > room:
+        raise fault(f"the edges leave no room for it: {room:g} mm", "give at most that", key="edge_radius")
+
+
 class ToolFile(_SpaceTool):
-    """A tool's surface from an STL file, its normals out of the metal."""
+    """A tool's surface from a file, its normals out of the metal."""
 
-    shape: Literal["file"] = Field(description="a surface from an STL file")
-    path: str = Field(description="the file, relative to the case file")
-    unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
+    shape: Literal["file"] = Field(description="a surface from an STL file, or the faces of a model in STEP")
+    path: str = Field(description="the file, relative to the case file: .stl, .step, .stp")
+    unit: str = Field(default="mm", description="length unit of an STL file's coordinates, e.g. mm, m, inch")
+    tolerance: Length | None = Field(
+        default=None,
+        gt=0,
+        description="STEP: how far facets may lie off the faces [mm]; default: 1e-4 of the model's diagonal",
+    )
+
+    @model_validator(mode="after")
+    def _check_step(self) -> Self:
+        if is_step(self.path) and "unit" in self.model_fields_set:
+            raise fault("has no meaning with a STEP file", "remove it", key="unit")
+        if self.tolerance is not None and not is_step(self.path):
+            raise fault("has a meaning with a STEP file only", "remove it", key="tolerance")
+        return self
 
 
-SpaceTool = Annotated[PlaneTool | ProfileTool | ToolFile, Field(discriminator="shape")]
+SpaceTool = Annotated[
+    PlaneTool | ProfileTool | CylinderTool | SphereTool | BoxTool | ToolFile, Field(discriminator="shape")
+]
 
 
 class SpaceToolMotion(Part):

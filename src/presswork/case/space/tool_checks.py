@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What is checked of tools in space before anything is computed: facets, symmetry, and cells against radii."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+
+from presswork.case.errors import Problem
+from presswork.geometry.crossing_facets import find_crossing_facets
+from presswork.geometry.pose import SpacePose
+from presswork.geometry.segments import CENTRE, TURN, X0
+from presswork.geometry.swept_tool import triangulate
+from presswork.geometry.tool_surface import make_surface
+from presswork.mesh.triangles import find_rims
+from presswork.model import FloatArray, Mesh, Plane, SweptProfile, Tool, Triangulation
+
+logger = logging.getLogger(__name__)
+
+HOLE = 2.0
+"""Of a cell's edge: a rim narrower than that is a hole where facets are missing, and no nodes pass through it."""
+UNLIKE = 1e-3
+"""Of the size of the workpiece: how far the two halves of a tool that a symmetry plane cuts may differ."""
+OVER = 0.1
+"""Of the same size: how far a tool that is no mirror image of itself may reach over the plane."""
+COARSE = 0.75
+"""Of a tool's radius: a longer edge of a cell turns by more than 43 degrees on it."""
+ENOUGH = 0.5
+"""Of the radius: the edge that would do, turning by 29 degrees."""
+LOOKS = (-0.6, 0.0, 0.6)
+"""Where faces are looked at beside their corners, from -1 to 1."""
+
+
+def mean_edge(mesh: Mesh) -> float:
+    """Return the mean length of the edges of boundary faces [mm]."""
+    corners = mesh.points[mesh.boundary_faces]
+    return float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
+
+
+def look_inside_faces(mesh: Mesh) -> FloatArray:
+    """Return places inside the boundary faces, and on their edges (n, 3) [mm]."""
+    corners = mesh.points[mesh.boundary_faces]
+    edges = 0.5 * (corners + np.roll(corners, -1, axis=1))
+    places = [edges.reshape(-1, 3), corners.mean(axis=1)]
+    if corners.shape[1] == 4:
+        for r in LOOKS:
+            for s in LOOKS:
+                weights = 0.25 * np.array([(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)])
+                places.append(np.einsum("k,nki->ni", weights, corners))
+    return np.concatenate(places)
+
+
+def check_facets(name: str, path: str, shape: Triangulation, edge: float) -> Problem | None:
+    """Return a problem of facets that cross or lie on each other, or that are missing; edge: of cells [mm]."""
+    crossing = find_crossing_facets(shape.points, shape.triangles)
+    if crossing is not None:
+        place = ", ".join(f"{x:.4g}" for x in crossing.place)
+        fault = f"facets pass through each other or lie on each other, the first two at ({place}) mm"
+        remedy = "join the bodies in the CAD program, and export their outer surface alone"
+        return Problem(f"tools.{name}.path", fault, remedy, path)
+    rims = [] if shape.is_closed else find_rims(shape.points, shape.triangles)
+    holes = [rim for rim in rims if np.linalg.norm(np.ptp(shape.points[rim], axis=0)) < HOLE * edge]
+    if holes:
+        place = ", ".join(f"{x:.4g}" for x in shape.points[holes[0]].mean(axis=0))
+        fault = f"facets are missing: {len(holes)} holes are narrower than two cells, the first at ({place}) mm"
+        return Problem(f"tools.{name}.path", fault, "close the holes in the CAD program", path)
+    return None
+
+
+def check_mirrors(
+    name: str, tool: Tool, start: SpacePose, mirrors: tuple[FloatArray, ...], cut: tuple[bool, ...], nodes: FloatArray
+) -> Problem | None:
+    """Return a problem where a symmetry plane cuts a tool whose halves differ beside the workpiece.
+
+    A tool that ends at the plane, or a little beyond, has no other half, and is taken for the half of one.
+    """
+    shape = tool.surface
+    if isinstance(shape, Plane):  # an inclined one is half of a notch
+        return None
+    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    surface, low, high = make_surface(shape), nodes.min(axis=0) - size, nodes.max(axis=0) + size
+    for axis in np.flatnonzero(cut):
+        plane, normal = float(mirrors[axis][0]), np.eye(3)[axis]
+        places = start.carry(_sample(shape, UNLIKE * size))
+        inward = 1.0 if nodes[:, axis].mean() > plane else -1.0
+        other = inward * (places[:, axis] - plane) < -OVER * size
+        place = places[other] - 2.0 * (places[other, axis] - plane)[:, None] * normal
+        place = place[((place >= low) & (place <= high)).all(axis=1)]
+        if not len(place):
+            continue
+        off = np.abs(surface.nearest(np.ascontiguousarray(start.to_frame(place)))[0])
+        worst = int(np.argmax(off))
+        if off[worst] > UNLIKE * size:
+            where = ", ".join(f"{x:.4g}" for x in place[worst])
+            return Problem(
+                f"tools.{name}",
+                f"the symmetry plane {'xyz'[axis]} = {plane:g} cuts this tool, but its halves differ, by "
+                f"{off[worst]:.3g} mm at ({where})",
+                "let the plane halve the tool, end the tool at it, or model the whole workpiece",
+            )
+    return None
+
+
+def _sample(shape: SweptProfile | Triangulation, tolerance: float) -> FloatArray:
+    """Return points on a surface (n, 3) [mm]."""
+    if isinstance(shape, SweptProfile):
+        points, triangles = triangulate(shape, tolerance)
+    else:
+        points, triangles = shape.points, shape.triangles
+    return np.concatenate([points, points[triangles].mean(axis=1)])
+
+
+def warn_of_radius(name: str, segments: FloatArray, edge: float) -> None:
+    """Say where cells with such edges [mm] are too coarse for the smallest radius of a tool's profile (n, 7)."""
+    arcs = segments[segments[:, TURN] != 0.0]
+    radii = np.linalg.norm(arcs[:, X0] - arcs[:, CENTRE], axis=1)
+    if len(radii) and edge > COARSE * (smallest := float(radii.min())):
+        logger.warning(
+            "tools.%s: its smallest radius is %.3g mm, and the cells of the workpiece have edges of %.3g mm, too "
+            "coarse to follow it; cells of %.2g mm would do",
+            name,
+            smallest,
+            edge,
+            ENOUGH * smallest,
+        )
