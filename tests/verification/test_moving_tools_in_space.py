@@ -82,28 +82,26 @@ def test_a_die_on_a_spring_gives_way_beyond_the_preload() -> None:
 def rolling(
     cells: list[int], boundary: dict[str, list[str]], tool: dict[str, Any], across: list[float]
 ) -> dict[str, Any]:
-    """A strip is pushed by 1.2 mm into a roll, which then draws it by 25 degrees more."""
-    mesh = {"size": [20.0, *across], "cells": cells}
-    turn = -1.0 if len(across) == 2 else 1.0  # about y the other way round than about the normal of the plane
+    """A strip is pushed by 6.5 mm into a roll whose surface moves by 7.7 mm."""
+    turn = -22.0 if len(across) == 2 else 22.0  # about y the other way round than about the normal of the plane
     return {
         "title": "rolled",
-        "workpiece": {"material": "steel", "mesh": mesh},
+        "workpiece": {"material": "steel", "mesh": {"size": [20.0, *across], "cells": cells}},
         "materials": {"steel": STEEL},
-        "tools": {"roll": {"contact": "shear", "m": 0.9, **tool}},
+        "tools": {"roll": {"contact": "coulomb", "mu": 0.3, **tool}},
         "boundary": {name: {"set": name, "fix": fix} for name, fix in boundary.items()},
         "stages": [
             {
-                "name": "feed",
-                "tools": {"roll": {"turn": 4.0 * turn}},
-                "displacement": [{"set": "left", "component": "x", "value": 1.2}],
-            },
-            {"name": "roll", "tools": {"roll": {"turn": 25.0 * turn}}},
+                "name": "roll",
+                "tools": {"roll": {"turn": turn}},
+                "displacement": [{"set": "left", "component": "x", "value": 6.5}],
+            }
         ],
     }
 
 
 def test_a_slice_under_a_roll_is_rolled_as_in_plane_strain() -> None:
-    """5 mm to 4: the force to 0.5 %, the torque to 2 % and the length to 1 %, by cells of 0.8 mm."""
+    """5 mm to 4: force and torque at the end to 1.5 %, the length to 0.5 %, by cells of 0.8 mm."""
     x, z = 20.0 + math.sqrt(RADIUS**2 - (RADIUS - 1.0) ** 2) + 1e-3, HALF + RADIUS
     half_circles = [{"to": [x + s * RADIUS, z], "centre": [x, z], "turn": "left"} for s in (1, -1)]
     profile = [[x - RADIUS, z], *half_circles]
@@ -114,14 +112,13 @@ def test_a_slice_under_a_roll_is_rolled_as_in_plane_strain() -> None:
     flat = {"analysis": "plane_strain", **rolling([24, 5], {"bottom": ["y"]}, {"profile": profile}, [5.0])}
     plane, in_plane = run(Case.model_validate(flat))
     ours, theirs = in_space[-1][2]["roll"], in_plane[-1][2]["roll"]
-    assert math.degrees(ours.angle) == pytest.approx(-29.0)
-    assert ours.vector[2] == pytest.approx(theirs.vector[1], rel=5e-3)
-    assert ours.torque == pytest.approx(theirs.torque, rel=2e-2)
+    assert math.degrees(ours.angle) == pytest.approx(-22.0)
+    assert ours.vector[2] == pytest.approx(theirs.vector[1], rel=1.5e-2)
+    assert ours.torque == pytest.approx(theirs.torque, rel=1.5e-2)
     assert ours.torque > 0.0, "it must be driven"
     ends = [p.model.mesh.points[:, 0] + p.state.nodes.displacement[:, 0] for p in (space, plane)]
-    assert np.ptp(ends[0]) == pytest.approx(np.ptp(ends[1]), rel=1e-2)
-    assert ends[0].min() > 8.0, "the roll has drawn the strip"
-    assert abs(space.energy_balance()["error_percent"]) < 0.2
+    assert np.ptp(ends[0]) == pytest.approx(np.ptp(ends[1]), rel=5e-3)
+    assert abs(space.energy_balance()["error_percent"]) < 0.5
 
 
 def test_a_tool_turned_at_the_start_is_the_one_drawn_so() -> None:

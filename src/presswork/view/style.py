@@ -145,7 +145,7 @@ def find_strokes(result: Result, step: int) -> dict[str, float] | None:
     if not result.info.get("placing"):
         return None
     row = find_history_row(result, step) if step % len(result.times) else {}
-    return {name: float(row.get(f"{name}.stroke", 0.0)) for name in result.tools}
+    return {name: float(row.get(f"{name}.stroke", 0.0)) for name in result.surfaces or result.tools}
 
 
 def find_operation(result: Result, step: int) -> int:
@@ -182,7 +182,9 @@ def describe_step(result: Result, step: int) -> str:
     if result.is_onestep:
         return "part" if step % len(result.times) else "blank"
     if result.surfaces and (tool := find_working_tool(result, step)) is not None:
-        stroke = f"{tool} stroke {np.linalg.norm(result.surface_displacement(tool, step)):.2f} mm"
+        strokes = find_strokes(result, step)
+        way = abs(strokes[tool]) if strokes else np.linalg.norm(result.surface_displacement(tool, step))
+        stroke = f"{tool} stroke {way:.2f} mm"
         return f"{stroke}, after springback" if is_released(result, step) else stroke
     if (roll := find_turning_tool(result)) is not None:
         return f"{roll} turned by {abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"

@@ -127,7 +127,8 @@ def _describe_space_tool(tool: model.Tool) -> str:
     if isinstance(shape, model.Plane):
         what = "plane with the normal ({:g}, {:g}, {:g})".format(*shape.normal)
     elif isinstance(shape, model.SweptProfile):
-        what = f"round, a profile of {len(shape.segments)} pieces turned about z"
+        is_round = shape.half_widths == (shape.corner_radius, shape.corner_radius)
+        what = f"{'round' if is_round else 'rectangular'}, a profile of {len(shape.segments)} pieces carried round z"
     else:
         what = f"{len(shape.triangles)} triangles, {'closed' if shape.is_closed else 'open'}"
     place = "at ({:g}, {:g}, {:g}) mm".format(*tool.position)
