@@ -72,7 +72,7 @@ class ImplicitRecording(IncrementRecording):
     def columns(self) -> list[str]:
         """Of history.csv."""
         tools = [t.name for t in self.model.tools]
-        contacts = [c.name for c in self.model.contacts]
+        contacts = [c.name for c in self.model.contacts if not c.by_itself]
         heat = heat_columns(HEAT_KINDS) if self.procedure.heat else []
         if self.procedure.heat:
             heat += [
@@ -112,8 +112,9 @@ class ImplicitRecording(IncrementRecording):
             row |= {f"{name}.force_{axis}": float(f) for axis, f in zip("xyz", tool.vector, strict=True)}
             if name in self.turning:
                 row[f"{name}.angle"], row[f"{name}.torque"] = float(np.degrees(tool.angle)), tool.torque
-        for name, (force_x, force_y) in self.procedure.contact_forces().items():
-            row[f"{name}.force_x"], row[f"{name}.force_y"] = force_x, force_y
+        forces = self.procedure.contact_forces()
+        for name in (c.name for c in self.model.contacts if not c.by_itself):
+            row[f"{name}.force_x"], row[f"{name}.force_y"] = forces[name]
         state = self.procedure.state
         if RamArrays in state:
             row |= measure_ram(self.model, state, self._stage())

@@ -25,17 +25,32 @@ from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, To
 from presswork.mesh.checks import MeshError
 from presswork.mesh.joined import join_parts, split_mesh
 from presswork.mesh.topology import count_corners
-from presswork.model import Body, FloatArray, Mesh, Model, Remeshing
+from presswork.model import Body, FloatArray, IntArray, Mesh, Model, Remeshing
 from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_peaks, carry_state, carry_surface, find_undeclared
-from presswork.process.epochs import NamedArrays
+from presswork.process.epochs import EPOCH, NamedArrays
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.new_balance import balance_new_mesh
 from presswork.process.recording import Row
+from presswork.process.self_contact import switch_on, touches_itself
 from presswork.remesh.carrier import Carrier, Part
-from presswork.remesh.section import NewSection, OldSection, check_budget, measure_sizes, remesh_section
+from presswork.remesh.section import (
+    NewSection,
+    OldSection,
+    check_budget,
+    halve_edges,
+    measure_sizes,
+    remesh_section,
+)
 from presswork.remesh.size_field import measure_power
-from presswork.remesh.triggers import TOO_DEEP, TOO_LONG, find_cut_edge, find_flat_cell, find_long_edge
+from presswork.remesh.triggers import (
+    TOO_DEEP,
+    TOO_LONG,
+    find_closing_gap,
+    find_cut_edge,
+    find_flat_cell,
+    find_long_edge,
+)
 from presswork.state import State
 
 MOST_JUMP = 0.02
@@ -44,7 +59,7 @@ WAIT = 1.5
 """Factor on all triggers, up to which the present mesh goes on rather than one that changes the force too much."""
 MOST_WAITS = 3
 """Times that a mesh is put off because it changes the force: what waits longer only gets worse."""
-WAITED, ON_FIRST = "waited", "on_first"
+WAITED, ON_FIRST, FOLDED = "waited", "on_first", "folded"
 """Names in a checkpoint."""
 PARTS = (1.0, 0.7, 0.85)
 """Of the size that is asked for, in meshes tried one after the other."""
@@ -100,6 +115,8 @@ class RemeshedForming(ImplicitRecording):
 
     def _may_change_mesh(self, failure: str = "") -> bool:
         """Make another mesh if the present one should not go on, and go on with it; return whether there is one."""
+        if not failure:
+            self._watch_folds()
         if self._obstacle:
             return False
         if failure:
@@ -107,6 +124,32 @@ class RemeshedForming(ImplicitRecording):
             return self._remesh("the next increment fails", must=True, again=again)
         found = self._reason()
         return found is not None and self._remesh(*found)
+
+    def _watch_folds(self) -> None:
+        """Switch on contact of bodies with themselves where their outlines are about to fold onto themselves."""
+        points, found = self.model.mesh.points, {}
+        for number, (own, edges) in enumerate(self._outlines()):
+            if not touches_itself(self.model, number):
+                state = self.procedure.state.nodes
+                place = find_closing_gap((points + state.displacement)[edges], state.increment[edges])
+                if place is not None:
+                    found[number] = own.name, place
+        if found:
+            self._go_on_with(switch_on(self.procedure, list(found)))
+            self._notes += [
+                f"{name} is about to fold onto itself near ({x:.4g}, {y:.4g}): contact with itself is switched on"
+                for name, (x, y) in found.values()
+            ]
+
+    def _outlines(self) -> list[tuple[Body, IntArray]]:
+        """Return each body and the edges of its boundary, halved where they have a node in their middle (k, 2)."""
+        edges = self.model.mesh.boundary_edges
+        return [(body, halve_edges(edges[body.owns(edges)])) for body in self._bodies()]
+
+    def _go_on_with(self, procedure: ImplicitProcedure) -> None:
+        """Go on with another procedure on the same mesh."""
+        self.procedure, self.model = procedure, procedure.model
+        procedure.evolution.place(self._origin)
 
     def _reason(self, wait: float = 1.0) -> tuple[str, set[int]] | None:
         """Return why the present mesh should not go on, and of which bodies; wait: factor on the triggers."""
@@ -166,7 +209,11 @@ class RemeshedForming(ImplicitRecording):
                 for t, moved, angle in zip(model.plane_tools, placed.displacement, placed.angle, strict=True)
             ]
         if InterfaceArrays in state:
-            on_tool = np.concatenate([on_tool, (state[InterfaceArrays].force != 0.0).any(axis=1, keepdims=True).T])
+            on_others = (state[InterfaceArrays].force != 0.0).any(axis=1)
+            for number, body in enumerate(self._bodies()):  # where it touches itself it has folded: a lap may be closed
+                if all(number not in c.between or c.slave == c.master for c in model.contacts):
+                    on_others[body.points.start : body.points.stop] = False
+            on_tool = np.concatenate([on_tool, on_others[None]])
         fixed = np.asarray(procedure.interactions.supports.fixed(procedure.present_step().stage))
         position = model.mesh.points + state.nodes.displacement
         bodies = self._bodies()
@@ -283,7 +330,16 @@ class RemeshedForming(ImplicitRecording):
 
     def _epoch_arrays(self) -> NamedArrays:
         on_first = np.isin(np.arange(self._n_bodies), list(self._on_first))
-        return super()._epoch_arrays() | {WAITED: np.array([self._waited]), ON_FIRST: on_first}
+        folded = np.array([touches_itself(self.model, i) for i in range(self._n_bodies)])
+        return super()._epoch_arrays() | {WAITED: np.array([self._waited]), ON_FIRST: on_first, FOLDED: folded}
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Go back to the epoch and the state of these arrays. Raises ValueError if they belong to another model."""
+        folded = np.flatnonzero(arrays.get(f"{EPOCH}{FOLDED}", np.zeros(0)))
+        added = [int(i) for i in folded if not touches_itself(self.model, int(i))]
+        if added:
+            self._go_on_with(switch_on(self.procedure, added))
+        super().load_arrays(arrays)
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         super()._load_epoch(epoch)

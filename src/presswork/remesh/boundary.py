@@ -29,7 +29,11 @@ CORNER = np.radians(30.0)
 VOID = 1.05
 """Way along an inner bend of a tool over its chord, from which on the metal is taken not to fill it."""
 LONGEST_LAP = 12
-"""Nodes of a loop in which the line crosses itself that are left out at most."""
+"""Nodes of a loop in which the line crosses itself that are left out, however wide it is."""
+THIN = 0.35
+"""Mean width of a longer loop, over its edges, that is left out at most."""
+MOST_LAPS = 8
+"""Loops that one new line leaves out at most."""
 _CLOSE = 0.35
 """Of the size of cells, within which another hard place replaces a corner."""
 _BULGE = 0.3
@@ -79,18 +83,17 @@ class NewLine:
 
 def refuse_fold(sides: FloatArray) -> None:
     """Raise MeshError where sides (n, 2, 2) cross each other."""
-    fold = find_fold(sides)
-    if fold is not None:
-        raise _fold_error(sides[:, 0], fold)
+    folds = find_folds(sides)
+    if len(folds):
+        raise _fold_error(sides[:, 0], folds)
 
 
-def find_fold(sides: FloatArray) -> tuple[int, int] | None:
-    """Return two of sides (n, 2, 2) that cross each other; None if there are none."""
+def find_folds(sides: FloatArray) -> IndexArray:
+    """Return the pairs of sides (n, 2, 2) that cross each other (m, 2)."""
     line, after = np.moveaxis(sides, 1, 0)
     first = _turn(line[:, None], after[:, None], line[None]) * _turn(line[:, None], after[:, None], after[None])
     crosses = (first < 0.0) & (first.T < 0.0)
-    i, j = np.nonzero(np.triu(crosses, 1))
-    return (int(i[0]), int(j[0])) if len(i) else None
+    return np.argwhere(np.triu(crosses, 1))
 
 
 def _turn(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
@@ -117,39 +120,51 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
     curve.extend_contact(places, points, is_free)
     target = enclosed_volume(old.points, ring=old.ring) * (1.0 + old.lost)
     points, is_free, offset = give_volume_back(points, is_free, target, old.profiles, ring=old.ring)
-    fold, laps = find_fold(list_sides(points)), np.zeros(0, dtype=np.intp)
-    if fold is not None:
-        kept = _close_lap(points, fold, is_free)
-        beside = kept & (np.roll(~kept, 1) | np.roll(~kept, -1))
-        laps = np.flatnonzero(beside[kept])
+    is_lap = np.zeros(len(points), dtype=bool)
+    for _ in range(MOST_LAPS):
+        folds = find_folds(list_sides(points))
+        if not len(folds):
+            break
+        kept = _close_lap(points, folds, is_free)
+        is_lap = (is_lap | np.roll(~kept, 1) | np.roll(~kept, -1))[kept]
         places = places[kept]
         points, is_free, offset = give_volume_back(points[kept], is_free[kept], target, old.profiles, ring=old.ring)
-        refuse_fold(list_sides(points))
-    return NewLine(points, places, is_free, offset, laps)
+    refuse_fold(list_sides(points))
+    return NewLine(points, places, is_free, offset, np.flatnonzero(is_lap))
 
 
-def _fold_error(points: FloatArray, fold: tuple[int, int]) -> MeshError:
-    x, y = points[fold[0]]
+def _fold_error(points: FloatArray, folds: IndexArray) -> MeshError:
+    x, y = points[folds[0, 0]]
     return MeshError(f"the boundary crosses itself near ({x:.4g}, {y:.4g})", "contact of the body with itself")
 
 
-def _close_lap(points: FloatArray, fold: tuple[int, int], is_free: BoolArray) -> BoolArray:
-    """Mark the nodes that stay where a short loop of free nodes between two crossing sides is left out (k,).
+def _close_lap(points: FloatArray, folds: IndexArray, is_free: BoolArray) -> BoolArray:
+    """Mark the nodes that stay where a loop of free nodes between two crossing sides is left out (k,).
 
-    An even number of nodes goes, so that corners keep even places. Raises MeshError where the loop is long or held.
+    The loop is short, or as thin as a fold that has closed; the longest such one between any two crossing sides. An
+    even number of nodes goes, so that corners keep even places. Raises MeshError where loops are long and wide, or
+    held.
     """
-    first, last = fold
-    n = len(points)
-    inner = np.arange(first + 1, last + 1)
-    if len(inner) > n // 2:
-        inner = np.arange(last + 1, first + 1 + n) % n
-    if len(inner) % 2:
-        inner = np.append(inner, (inner[-1] + 1) % n)
-    if len(inner) > LONGEST_LAP or not is_free[inner].all():
-        raise _fold_error(points, fold)
-    kept = np.ones(n, dtype=bool)
-    kept[inner] = False
+    n, kept = len(points), np.ones(len(points), dtype=bool)
+    for first, last in folds.tolist():
+        inner = np.arange(first + 1, last + 1)
+        if len(inner) > n // 2:
+            inner = np.arange(last + 1, first + 1 + n) % n
+        if len(inner) % 2:
+            inner = np.append(inner, (inner[-1] + 1) % n)
+        may_go = len(inner) <= LONGEST_LAP or _is_thin(points[inner])
+        if may_go and len(inner) > (~kept).sum() and is_free[inner].all():
+            kept[:] = True
+            kept[inner] = False
+    if kept.all():
+        raise _fold_error(points, folds)
     return kept
+
+
+def _is_thin(loop: FloatArray) -> bool:
+    """Say whether a loop of nodes (m, 2) is on average narrower than THIN of its edges."""
+    edges = np.linalg.norm(np.diff(loop, axis=0), axis=1)
+    return abs(enclosed_volume(loop, ring=False)) < THIN * float(edges.mean()) * 0.5 * float(edges.sum())
 
 
 class _Curve:

@@ -15,6 +15,10 @@ from presswork.remesh.fill import SizeField, measure_quality
 
 TOO_LONG = 1.5
 """Edge on the boundary over the size wanted there."""
+CLOSED, AHEAD = 0.25, 2.0
+"""Gap between sides of one outline over their length, and the increments ahead, at which it counts as closing."""
+FACES = -0.5
+"""Product of the normals of sides that face each other, at most."""
 TOO_DEEP = 0.08
 """Depth to which a tool cuts an edge, over its length."""
 
@@ -65,3 +69,30 @@ def find_cut_edge(
             x, y = middle[worst]
             return f"a tool {-gap[worst]:.2g} mm deep in an edge near ({x:.4g}, {y:.4g})"
     return None
+
+
+def find_closing_gap(sides: FloatArray, moves: FloatArray) -> FloatArray | None:
+    """Return where a free outline is about to fold onto itself (2,) [mm]; None: nowhere.
+
+    sides: of a body, the metal on their left (k, 2, 2) [mm]; moves: of their ends in the last increment, in the same
+    form. A side counts whose way outwards to the nearest side that faces it will be less than CLOSED of its length
+    after AHEAD increments like the last.
+    """
+    line, along = sides[:, 0], sides[:, 1] - sides[:, 0]
+    length = np.linalg.norm(along, axis=1)
+    outwards = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
+    middle, moved = sides.mean(axis=1), moves.mean(axis=1)
+    cross = outwards[:, None, 0] * along[None, :, 1] - outwards[:, None, 1] * along[None, :, 0]
+    away = line[None] - middle[:, None]
+    faces = outwards @ outwards.T < FACES
+    safe = np.where(faces, cross, np.inf)
+    gap = (away[..., 0] * along[None, :, 1] - away[..., 1] * along[None, :, 0]) / safe
+    part = (away[..., 0] * outwards[:, None, 1] - away[..., 1] * outwards[:, None, 0]) / safe
+    gap = np.where(faces & (gap > 0.0) & (part >= 0.0) & (part <= 1.0), gap, np.inf)
+    shares = (sides[:, None, 1] == sides[None, :, 0]).all(axis=-1)
+    gap[shares | shares.T] = np.inf
+    nearest = gap.argmin(axis=1)
+    closing = ((moved[nearest] - moved) * outwards).sum(axis=1)
+    expected = (gap[np.arange(len(gap)), nearest] + AHEAD * np.minimum(closing, 0.0)) / length
+    worst = int(np.argmin(np.where(closing < 0.0, expected, np.inf)))
+    return np.asarray(middle[worst]) if closing[worst] < 0.0 and expected[worst] < CLOSED else None

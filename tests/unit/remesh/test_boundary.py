@@ -9,7 +9,7 @@ import pytest
 from presswork.geometry.polygon import list_sides
 from presswork.geometry.profile_way import ProfileWay
 from presswork.mesh.checks import MeshError
-from presswork.remesh.boundary import OldLine, find_fold, resample
+from presswork.remesh.boundary import OldLine, find_folds, resample
 from presswork.remesh.volume import enclosed_volume
 
 FLAT = np.array([[60, 10, -5, 10, 0, 0, 0.0]])
@@ -104,8 +104,8 @@ def test_an_unfilled_inner_corner_of_a_tool_stays_void():
 
 def test_a_line_that_crosses_itself_is_found_and_refused():
     eight = np.array([[0, 0], [4, 4], [4, 0], [0, 4]], dtype=float)
-    assert find_fold(list_sides(eight)) == (0, 2)
-    assert find_fold(list_sides(barrel(12))) is None
+    assert find_folds(list_sides(eight)).tolist() == [[0, 2]]
+    assert not len(find_folds(list_sides(barrel(12))))
     points = barrel(12)
     points[16] = [-3.0, 5.0]
     with pytest.raises(MeshError, match="crosses itself"):
@@ -127,9 +127,9 @@ def test_a_small_lap_of_the_free_surface_is_closed():
     notch = points[middle] + [[0, -0.3], [-0.2, 0.01], [-0.5, -0.2], [-0.6, 0], [-0.5, 0.2], [-0.2, -0.01], [0, 0.3]]
     near = np.abs(points[:, 1] - points[middle, 1]) < 0.35
     lapped = np.concatenate([points[:middle][~near[:middle]], notch, points[middle:][~near[middle:]]])
-    assert find_fold(list_sides(lapped)) is not None
+    assert len(find_folds(list_sides(lapped)))
     new = resample(old_line(lapped), uniform(0.15))
-    assert find_fold(list_sides(new.points)) is None
+    assert not len(find_folds(list_sides(new.points)))
     assert len(new.points) % 2 == 0
     assert new.points[:, 0].min() == 0.0
     for corner in ([0, 0], [10, 0], [0, 10], [10, 10]):
@@ -151,3 +151,28 @@ def test_contact_reaches_half_an_old_edge_beyond_its_last_node():
     steep[3] = [12, 8.8]
     new = resample(old_line(steep, on_tool=held, ring=False), uniform(0.25))
     assert new.points[new.points[:, 1] == 10, 0].max() == 10.0
+
+
+def test_a_long_fold_that_has_closed_is_left_out_and_an_open_one_is_not():
+    """The lips of a cut 4 mm deep overlap by 0.01 along all of it; of one that holds a wide void they only meet."""
+    for width, closes in ((-0.01, True), (1.0, False)):
+        points = barrel(41)
+        way = np.linspace(0.0, 4.0, 41)[1:]
+        half = 0.5 * width * np.clip(way - 1.0, 0.0, 1.0) - 0.01
+        upper = np.column_stack([11.9 - way, 5.0 + half])
+        lower = np.column_stack([11.9 - way, 5.0 - half])
+        side = (points[:, 0] >= 10) & (points[:, 1] > 0) & (points[:, 1] < 10)
+        first = int(np.flatnonzero(side & (points[:, 1] < 4.8)).max()) + 1
+        last = int(np.flatnonzero(side & (points[:, 1] > 5.2)).min())
+        lapped = np.concatenate([points[:first], lower, [[7.6, 5.0]], upper[::-1], points[last:]])
+        assert len(find_folds(list_sides(lapped)))
+        if not closes:
+            with pytest.raises(MeshError, match="crosses itself"):
+                resample(old_line(lapped), uniform(0.1))
+            continue
+        new = resample(old_line(lapped), uniform(0.1))
+        assert not len(find_folds(list_sides(new.points)))
+        assert len(new.points) % 2 == 0
+        assert len(new.laps)
+        inside = (np.abs(new.points[:, 1] - 5.0) < 0.1) & (new.points[:, 0] > 1.0) & (new.points[:, 0] < 11.0)
+        assert not inside.any()
