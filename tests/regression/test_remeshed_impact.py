@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from presswork import Case, CaseError, build_model
+from presswork import Case, build_model
 from presswork.explicit.input_checks import ExplicitError
 from presswork.process.begin import begin
 from presswork.process.impact import ExplicitImpact
@@ -136,16 +136,88 @@ def test_a_row_that_fails_is_computed_again_on_a_new_mesh(monkeypatch):
     assert abs(recording.solids.energies().error_percent) < 0.5
 
 
-@pytest.mark.parametrize(
-    ("changes", "key"),
-    [
-        (
-            {"workpiece": {"material": "steel", "element": "tri3", "mesh": {"size": [10, 15], "cells": [8, 12]}}},
-            "element",
-        ),
-        ({"remesh": {"error": 0.1}}, "remesh.error"),
-    ],
-)
-def test_what_explicit_meshes_cannot_do_is_refused(changes, key):
-    with pytest.raises(CaseError, match=rf"{key}.*does not go together with \[remesh\]"):
-        build_model(upsetting(**({"remesh": {}} | changes)))
+def test_triangles_become_quadrilaterals_with_the_same_force():
+    """The first mesh is of triangles, which is stiffer; after its new mesh the force is that of quadrilaterals."""
+    forces = {}
+    for element in ("tri3", "quad4_1pt"):
+        mesh = {"size": [10, 15], "cells": [8, 12]}
+        billet = {"material": "steel", "element": element, "mesh": mesh}
+        keys = {"every": 0.25, "size": 1.25}
+        recording = begin(build_model(upsetting(remesh=keys, workpiece=billet, output={"steps": 2, "rows": 40})), 1)
+        rows = [recording.row(report) for report in recording.advance()]
+        assert recording.model.mesh.blocks[0].element == "quad4_1pt"
+        assert rows[-1]["remeshes"] >= 3
+        assert abs(recording.solids.energies().error_percent) < 1.0
+        forces[element] = np.array([row["punch.force"] for row in rows])
+    late = slice(20, None)
+    assert forces["tri3"][late].mean() == pytest.approx(forces["quad4_1pt"][late].mean(), rel=0.02)
+
+
+def test_the_error_asked_for_changes_the_cells():
+    cells = {}
+    for error in (0.0, 0.05):
+        keys = {"every": 0.5, "size": 1.5, "smallest_size": 0.4, "error": error}
+        recording = begin(build_model(upsetting(remesh=keys, output={"steps": 2, "rows": 40})), 1)
+        cells[error] = [recording.row(report)["cells"] for report in recording.advance()][-1]
+    assert cells[0.05] > 1.3 * cells[0.0]
+
+
+def hot(remesh):
+    steel = {
+        "young": 2e5, "poisson": 0.3, "density": "7850 kg/m^3",
+        "hardening": {"law": "linear", "yield_stress": 100, "modulus": 100},
+        "thermal": {"conductivity": "30 W/(m K)", "specific_heat": "650 J/(kg K)"},
+    }  # fmt: skip
+    tool = {"profile": [[0, 15], [60, 15]], "contact": "coulomb", "mu": 0.1}
+    tool["heat"] = {"temperature": 200, "conductance": "10 kW/(m^2 K)"}
+    return upsetting(
+        remesh=remesh, materials={"steel": steel}, tools={"punch": tool}, heat={"initial_temperature": 1000},
+        stages=[{"name": "press", "duration": 5e-3, "tools": {"punch": {"stroke": 7.0, "direction": [0, -1]}}}],
+        output={"steps": 2, "rows": 50, "checkpoint_every": 1},
+    )  # fmt: skip
+
+
+def test_hot_runs_keep_their_heat_on_new_meshes(tmp_path):
+    """Heat stored is heat come in, and temperatures are those of the run on its first mesh."""
+    once, often = (begin(build_model(hot(keys)), 1) for keys in ({"enabled": False}, {"every": 0.2, "size": 1.2}))
+    rows = [[run.row(report) for report in run.advance()] for run in (once, often)]
+    assert rows[1][-1]["remeshes"] >= 3
+    summary = often.summary({name: np.array([row[name] for row in rows[1]]) for name in rows[1][0]})
+    assert summary["heat"]["balance_error"] < 1e-8
+    for name, tolerance in (("temperature_mean", 1.0), ("temperature_min", 25.0)):
+        assert rows[1][-1][name] == pytest.approx(rows[0][-1][name], abs=tolerance)
+    assert rows[1][-1]["heat_stored"] == pytest.approx(rows[0][-1]["heat_stored"], rel=0.05)
+
+
+def test_a_hot_run_resumed_between_meshes_gives_the_same_bits(tmp_path):
+    model = build_model(hot({"every": 0.3, "size": 1.2}))
+    assert run_model(model, tmp_path / "whole", threads=1).status == "completed"
+
+    def stop(progress):
+        if (tmp_path / "halves" / "history.csv").read_text().count("\n") == 24:
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "halves", threads=1, on_increment=stop).status == "interrupted"
+    assert run_model(model, tmp_path / "halves", threads=1, resume=True).status == "completed"
+    histories = [(tmp_path / name / "history.csv").read_bytes() for name in ("whole", "halves")]
+    assert histories[0] == histories[1]
+
+
+def test_without_keys_the_first_mesh_stays_until_a_row_fails(monkeypatch):
+    real, calls = ExplicitImpact._compute_row, []
+
+    def fail_once(recording, number, row):
+        found = real(recording, number, row)
+        calls.append(row)
+        if len(calls) == 30:
+            raise ExplicitError("cell 7 is turned inside out in cycle 99: shorten the step")
+        return found
+
+    recording = begin(build_model(upsetting()), 1)
+    rows = [recording.row(report) for report, _ in zip(recording.advance(), range(40), strict=False)]
+    assert rows[-1]["remeshes"] == 0
+    monkeypatch.setattr(ExplicitImpact, "_compute_row", fail_once)
+    recording = begin(build_model(upsetting()), 1)
+    remeshes = [recording.row(report)["remeshes"] for report, _ in zip(recording.advance(), range(32), strict=False)]
+    assert remeshes[28] == 0
+    assert remeshes[-1] == 1

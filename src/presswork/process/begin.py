@@ -46,7 +46,7 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.space_impact import ExplicitSpaceImpact
 
         return ExplicitSpaceImpact(model, threads=threads)
-    if model.explicit is not None and model.remeshing is not None:
+    if model.explicit is not None and model.remeshing is not None and not model.remeshing.obstacle:
         from presswork.process.remeshed_impact import RemeshedImpact
 
         return RemeshedImpact(model, threads=threads)

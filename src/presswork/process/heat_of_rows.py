@@ -9,6 +9,7 @@ row, cycle by cycle, and what is given to the cells from outside is what heat ha
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -24,6 +25,7 @@ from presswork.model import FloatArray, Heating, Material, Model
 from presswork.outcome import Failed, GaveUpError
 from presswork.process.heat_quantities import heat_columns, measure_heat, summarise_heat
 from presswork.process.recording import Row
+from presswork.remesh.carrier import Carrier
 from presswork.timing import Timing
 
 
@@ -117,6 +119,20 @@ class HeatOfRows:
             plastic=[warmed * capacity for warmed, capacity in parts],
             rubbed=rubbed,
         )
+
+    def carry(self, before: HeatOfRows, carrier: Carrier) -> None:
+        """Take up the heat of the same bodies on the mesh before; what they have stored stays the same."""
+        given, own = before.arrays, self.arrays
+        for name, becomes in HeatArrays.on_new_mesh.items():
+            values, rest = getattr(given, name), getattr(own, name)
+            if becomes.kind == "node":
+                values = carrier.nodes(values)
+            elif becomes.kind == "surface":
+                first = (np.moveaxis(a, becomes.axis, 0) for a in (values, rest))
+                values = np.ascontiguousarray(np.moveaxis(carrier.surface(*first), 0, becomes.axis))
+            setattr(own, name, copy(values))
+        self.forming.keep_stored(own, before.forming.stored(given), carrier.is_new())
+        self._give()
 
     # --- what is recorded --------------------------------------------------------------------------------------------
 

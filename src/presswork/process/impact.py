@@ -178,9 +178,11 @@ class ExplicitImpact(RowRecording):
 
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
+        obstacle = self.model.remeshing.obstacle if self.model.remeshing else ""
         return (
             f"explicit: {len(self.solids.equivalent_plastic_strain)} cells, stable step "
             f"{self.solids.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
+            + (f"; no new meshes: {obstacle}" if obstacle else "")
         )
 
     def progress_text(self, report: RowReport) -> str:

@@ -22,20 +22,25 @@ from presswork.explicit.solids import ExplicitSolids
 from presswork.fields.instant import Instant
 from presswork.geometry.pose import ToolPose, place_segments, start_profile
 from presswork.mesh.checks import MeshError
-from presswork.model import BoolArray, FloatArray, Model, Remeshing
+from presswork.model import BoolArray, ElementName, FloatArray, Model, Remeshing
 from presswork.process.epochs import NamedArrays
+from presswork.process.heat_of_rows import HeatOfRows
 from presswork.process.impact import ExplicitImpact
 from presswork.process.recording import Row
-from presswork.process.remeshing import MOST_GIVEN_BACK, find_reason, keep_held
+from presswork.process.remeshing import MOST_GIVEN_BACK, find_reason, find_reason_to_leave_first, keep_held
 from presswork.process.rows import RowReport
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.section import OldSection, remesh_section
+from presswork.remesh.size_field import measure_power
+from presswork.threads import available_threads
 
 COLLAPSED = 0.3
 """Stable step over that with which the mesh began, below which it is made anew."""
 OF_THE_RUN, OF_A_WALL = ("loop.work", "run.clock", "run.energy", "run.scales"), ("offset", "impulse")
 BEGIN_ANEW, KEPT = ("mass_factor", "hourglass"), "block_0.kept"
 """Names in a dump of explicit solids: what goes along, and what begins anew in cells."""
+ELEMENT: ElementName = "quad4_1pt"
+"""Of new meshes of triangles."""
 NEAR = 0.02
 """Gap of a node that counts as on a tool, over the smallest size of cells."""
 
@@ -51,6 +56,7 @@ class RemeshedImpact(ExplicitImpact):
         self._remeshing: Remeshing = model.remeshing
         self._density = 1.0
         self._notes: list[str] = []
+        self._threads = threads or available_threads()
         super().__init__(model, threads=threads)
         self._increment = np.zeros_like(model.mesh.points)
         self._first_volume = self._measure_volume()
@@ -98,6 +104,8 @@ class RemeshedImpact(ExplicitImpact):
 
     def _find_reason(self, row: int) -> str | None:
         """Return why the present mesh should not go on before a row of the stage."""
+        if self._remeshing.keeps_first and self.epoch == 0:
+            return find_reason_to_leave_first(self._find_section())
         rows = self._remeshing.every * self.model.output.rows
         if rows > 0.0 and row > 0 and int(row / rows + 1e-9) > int((row - 1) / rows + 1e-9):
             return "due"
@@ -119,8 +127,16 @@ class RemeshedImpact(ExplicitImpact):
         ring = self.model.analysis == "axisymmetric"
         lost = float(np.clip(self._first_volume / self._measure_volume() - 1.0, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
         return OldSection(
-            mesh, position, on_tool, self._find_held(), profiles, ring, range(len(position)), lost
+            mesh, position, on_tool, self._find_held(), profiles, ring, range(len(position)), lost, self._find_power(),
+            ELEMENT,
         )  # fmt: skip
+
+    def _find_power(self) -> FloatArray | None:
+        """Return the stress power over volume in the last row, in each cell (n_cells,) [MPa]; None: nothing moved."""
+        if not self._remeshing.error or not self._increment.any():
+            return None
+        cells, ring = self.model.mesh.blocks[0].connectivity, self.model.analysis == "axisymmetric"
+        return measure_power(self.solids.position[cells], self._increment[cells], self.solids.stress, ring=ring)
 
     def _find_held(self) -> BoolArray:
         """Mark the components that supports hold (n_points, 2)."""
@@ -140,7 +156,7 @@ class RemeshedImpact(ExplicitImpact):
         first = range(len(new.mesh.points))
         carrier = Carrier(old.mesh, old.position, new.mesh, [Part(old.points, first, 0, new.surface(0, 0))])
         before, dump, volumes = self.solids, self.solids.dump(), self._find_volumes()
-        evolved = self.points.values
+        evolved, heat = self.points.values, self.heat
         origin, places = carrier.material(self.mesh.points), self.marked.places(old.position)
         self._begin_epoch(new.mesh, origin)
         keep_held(origin, self.model)
@@ -150,6 +166,8 @@ class RemeshedImpact(ExplicitImpact):
         self._make_run(self._epoch_arrays())
         self._begin_stage()
         self.solids.restore(self._carry(dump, carrier, volumes, before.mass @ before.velocity))
+        if heat is not None and self.heat is not None:
+            self.heat.carry(heat, carrier)
         self.points.carry(evolved, lambda values: _carry_cells(carrier, values, self.solids.stress))
         self.marked.find(new.mesh, new.mesh.points, places)
         gained = _kinetic_energy(self.solids) / max(_kinetic_energy(before), 1e-300) - 1.0
@@ -204,6 +222,7 @@ class RemeshedImpact(ExplicitImpact):
         self._density = float(epoch.get("density", 1.0))
         super()._make_run(epoch)
         if epoch:
+            self.heat = self.heat and HeatOfRows(self.model, self.solids, self.walls, self._threads)
             self.points.start(self._find_points())
 
     def _find_volumes(self) -> FloatArray:

@@ -33,10 +33,6 @@ _ATTEMPTS, _FINER = 3, 0.8
 """Where the boundary cannot be kept, or filled, cells are made smaller by a factor, and tried again."""
 
 
-ELEMENT: ElementName = "quad4_fbar"
-"""Of new meshes whose first one has triangles or quadratic cells."""
-
-
 def halve_edges(edges: IntArray) -> IntArray:
     """Return edges with a node in their middle (n, 3) as two each, in their order; others as they are."""
     return edges if edges.shape[1] == 2 else np.ascontiguousarray(edges[:, [0, 2, 2, 1]].reshape(-1, 2))
@@ -62,6 +58,8 @@ class OldSection:
     """Part of the volume that was lost so far."""
     power: FloatArray | None = None
     """Stress power over volume in each cell (n_cells,), in any unit; None: nothing has moved."""
+    element: ElementName = "quad4_fbar"
+    """Of its new mesh where the first one has triangles or quadratic cells."""
 
     def corners(self) -> IndexArray:
         """Return the corners of the cells (n_cells, 3 | 4)."""
@@ -202,7 +200,10 @@ def remesh_section(old: OldSection, settings: Remeshing, *, part: float = 1.0) -
             continue
         break
     return NewSection(
-        _name_mesh(old.mesh, chains, line, after, points, cells), line, np.concatenate(chains), _follow(chains)
+        _name_mesh(old.mesh, chains, line, after, points, cells, old.element),
+        line,
+        np.concatenate(chains),
+        _follow(chains),
     )
 
 
@@ -271,7 +272,7 @@ def find_set_ends(mesh: Mesh, chain: IndexArray) -> BoolArray:
 
 def _name_mesh(
     old: Mesh, chains: Sequence[IndexArray], line: NewLine, new_following: IndexArray, points: FloatArray,
-    cells: IndexArray,
+    cells: IndexArray, new_element: ElementName,
 ) -> Mesh:  # fmt: skip
     """Return the mesh with the sets of the old one: by the sides of the old boundary that nodes and edges lie on.
 
@@ -297,6 +298,6 @@ def _name_mesh(
         edge_sets[name] = boundary[own_sides[middle][boundary[:, 0]]]
     element = old.blocks[0].element
     if not element.startswith("quad4"):
-        element = ELEMENT
+        element = new_element
     block = replace(old.blocks[0], element=element, connectivity=connectivity)
     return Mesh(points, (block,), node_sets, edge_sets, boundary)

@@ -48,12 +48,12 @@ def describe(problem: model.Model | OneStepModel) -> str:
             f'stage {number} "{stage.name}", {stage.duration:g} s:',
             *(f"  {line}" for line in _describe_stage(stage, problem.dimension)),
         ]
+    meshes = [_describe_remeshing(problem.remeshing)] if problem.remeshing is not None else []
     if isinstance(problem.explicit, model.ExplicitSolid):
-        return "\n".join([*lines, *describe_explicit(problem, problem.explicit), _describe_memory(problem)])
+        return "\n".join([*lines, *describe_explicit(problem, problem.explicit), *meshes, _describe_memory(problem)])
     if problem.heat is not None:
         lines += describe_heat_of_forming(problem, problem.heat)
-    if problem.remeshing is not None:
-        lines += [_describe_remeshing(problem.remeshing)]
+    lines += meshes
     lines += [f"solver: {_describe_settings(problem.solver, model.SolverSettings())}"]
     lines += [f"output: {_describe_output(problem)}"]
     lines += list(_warn_of_steps(problem))

@@ -140,11 +140,7 @@ def check_remesh(case: Case) -> list[Problem]:
 
 def _find_obstacles(case: Case) -> dict[str, bool]:
     """Return which keys of a case do not go together with new meshes."""
-    is_explicit = case.procedure == "explicit"
     return {
-        "remesh.error": is_explicit and case.remesh is not None and case.remesh.error > 0.0,
-        "heat": is_explicit and case.heat is not None,
-        "workpiece.element": is_explicit and case.workpiece.element == "tri3",
         "solver.inertia": case.solver.inertia > 0.0,
         "solver.control": case.solver.control == "arc_length",
         "solver.displacements": case.solver.displacements == "small",
@@ -180,7 +176,7 @@ def build_remeshing(
     """
     if case.remesh is not None:
         return case.remesh.build_all(mesh, bodies, tools) if case.remesh.enabled else None
-    if not tools or case.procedure == "explicit" or case.solver.displacements == "small":
+    if not tools or case.solver.displacements == "small":
         return None
     keys = Remesh()
     of_body = {name: _allow_for(own) for name, (_, own) in keys.of_bodies(mesh, bodies).items()}
