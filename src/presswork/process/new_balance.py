@@ -18,9 +18,11 @@ import numpy as np
 
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.law.elastic_plastic import is_plain
 from presswork.model import Hardening, Model
 from presswork.outcome import Converged, Failed
+from presswork.state import State
 
 _NEVER_FLOWS = Hardening("linear", np.array([1e12, 0.0]))
 
@@ -46,3 +48,15 @@ def _is_driven_by_motion(model: Model) -> bool:
         or stage.body_forces or stage.drive or any(motion.push for motion in stage.tool_motion.values())
         for stage in model.stages
     )  # fmt: skip
+
+
+def measure_jump(before: State, after: State) -> float:
+    """Return the largest change of a tool's force over the largest force."""
+    if SpaceToolArrays in before:
+        force, force_n = (state[SpaceToolArrays].force.sum(axis=1) for state in (after, before))
+    elif ToolArrays in before:
+        force, force_n = (state[ToolArrays].force[:, :2] for state in (after, before))
+    else:
+        return 0.0
+    largest = float(np.abs(force_n).max(initial=0.0))
+    return float(np.abs(force - force_n).max(initial=0.0)) / largest if largest > 0.0 else 0.0

@@ -26,8 +26,9 @@ from presswork.model import BoolArray, ElementName, FloatArray, Model, Remeshing
 from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows
 from presswork.process.impact import ExplicitImpact
+from presswork.process.mesh_reasons import DUE, FAILS, STEP, find_cause, find_reason, find_reason_to_leave_first
 from presswork.process.recording import Row
-from presswork.process.remeshing import MOST_GIVEN_BACK, find_reason, find_reason_to_leave_first, keep_held
+from presswork.process.remeshing import MOST_GIVEN_BACK, keep_held
 from presswork.process.rows import RowReport
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.section import OldSection, remesh_section
@@ -56,6 +57,7 @@ class RemeshedImpact(ExplicitImpact):
         self._remeshing: Remeshing = model.remeshing
         self._density = 1.0
         self._notes: list[str] = []
+        self._cause = 0
         self._threads = threads or available_threads()
         super().__init__(model, threads=threads)
         self._increment = np.zeros_like(model.mesh.points)
@@ -64,11 +66,13 @@ class RemeshedImpact(ExplicitImpact):
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
-        return [*super().columns, "cells", "remeshes"]
+        return [*super().columns, "cells", "remeshes", "remesh_cause"]
 
     def row(self, report: RowReport) -> Row:
         """Return the row of the history."""
-        return super().row(report) | {"cells": len(self.solids.stress), "remeshes": self.epoch}
+        cause, self._cause = self._cause, 0
+        meshes = {"cells": len(self.solids.stress), "remeshes": self.epoch, "remesh_cause": cause}
+        return super().row(report) | meshes
 
     def log_lines(self, report: RowReport) -> list[str]:
         """Say where the row ended, and which meshes there were in it."""
@@ -93,7 +97,7 @@ class RemeshedImpact(ExplicitImpact):
             found = super()._compute_row(number, row)
         except ExplicitError as error:
             self.load_arrays(before)
-            if not self._remesh(str(error).partition(":")[0]):
+            if not self._remesh(str(error).partition(":")[0], failed=True):
                 raise
             start = self.solids.position
             found = super()._compute_row(number, row)
@@ -108,9 +112,9 @@ class RemeshedImpact(ExplicitImpact):
             return find_reason_to_leave_first(self._find_section())
         rows = self._remeshing.every * self.model.output.rows
         if rows > 0.0 and row > 0 and int(row / rows + 1e-9) > int((row - 1) / rows + 1e-9):
-            return "due"
+            return DUE
         if self.solids.stable_step() < COLLAPSED * self.solids.first_step:
-            return f"the stable step is below {COLLAPSED:g} of that of the mesh at first"
+            return f"{STEP} {COLLAPSED:g} of that of the mesh at first"
         return find_reason(self._find_section(), self._increment, self._remeshing, wait=1.0)
 
     def _find_section(self) -> OldSection:
@@ -145,8 +149,11 @@ class RemeshedImpact(ExplicitImpact):
             held[self.model.mesh.node_sets[support.node_set]] |= np.asarray(support.fix[:2])
         return held
 
-    def _remesh(self, reason: str) -> bool:
-        """Go on with a new mesh, or with the old one where none can be made; return whether there is one."""
+    def _remesh(self, reason: str, *, failed: bool = False) -> bool:
+        """Go on with a new mesh, or with the old one where none can be made; return whether there is one.
+
+        failed: the row has failed on the old one.
+        """
         old = self._find_section()
         try:
             new = remesh_section(old, self._remeshing)
@@ -170,6 +177,7 @@ class RemeshedImpact(ExplicitImpact):
             self.heat.carry(heat, carrier)
         self.points.carry(evolved, lambda values: _carry_cells(carrier, values, self.solids.stress))
         self.marked.find(new.mesh, new.mesh.points, places)
+        self._cause = find_cause(FAILS if failed else reason)
         gained = _kinetic_energy(self.solids) / max(_kinetic_energy(before), 1e-300) - 1.0
         self._notes.append(
             f"remesh {self.epoch} ({reason}): {len(self.solids.stress)} cells, stable step "

@@ -21,37 +21,27 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.body_interface import InterfaceArrays
 from presswork.interaction.laps import LapArrays, list_laps, mark_lap
-from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, ToolArrays
+from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.mesh.joined import join_parts, split_mesh
 from presswork.mesh.topology import count_corners
-from presswork.model import Body, FloatArray, IntArray, Mesh, Model, Remeshing
+from presswork.model import Body, FloatArray, Mesh, Model, Remeshing
 from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_peaks, carry_state, carry_surface, find_undeclared
 from presswork.process.epochs import EPOCH, NamedArrays
 from presswork.process.implicit_recording import ImplicitRecording
-from presswork.process.new_balance import balance_new_mesh
+from presswork.process.mesh_reasons import DUE, FAILS, find_cause, find_reason, find_reason_to_leave_first
+from presswork.process.new_balance import balance_new_mesh, measure_jump
 from presswork.process.recording import Row
-from presswork.process.self_contact import switch_on, touches_itself
+from presswork.process.self_contact import find_folding, switch_on, touches_itself
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.section import (
     NewSection,
     OldSection,
     check_budget,
-    halve_edges,
-    measure_sizes,
     remesh_section,
 )
 from presswork.remesh.size_field import measure_power
-from presswork.remesh.triggers import (
-    TOO_DEEP,
-    TOO_LONG,
-    find_closing_gap,
-    find_cut_edge,
-    find_flat_cell,
-    find_long_edge,
-)
-from presswork.state import State
 
 MOST_JUMP = 0.02
 """Change of a tool's force, of the largest, beyond which another mesh is tried, and none taken that can wait."""
@@ -65,8 +55,6 @@ PARTS = (1.0, 0.7, 0.85)
 """Of the size that is asked for, in meshes tried one after the other."""
 MOST_GIVEN_BACK = 1e-3
 """Part of the volume, lost by cells before, that one remesh gives back at most."""
-LAST_CUT = 0.25
-"""Depth of a tool in an edge, over its length, that ends a first mesh that is to stay."""
 
 
 class RemeshedForming(ImplicitRecording):
@@ -80,6 +68,8 @@ class RemeshedForming(ImplicitRecording):
         self._first_volumes = [sum(float(volume[i].sum()) for i in body.blocks) for body in self._bodies()]
         self._stayed = False
         """Whether a new mesh was refused after the last increment."""
+        self._cause = 0
+        """Why the present mesh was made, until the first increment on it is told."""
         self._waited = 0
         """How often one was put off because it changes the force, on this mesh."""
         self._on_first = set(range(self._n_bodies)) if self.settings.keeps_first else set()
@@ -106,12 +96,13 @@ class RemeshedForming(ImplicitRecording):
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
-        return [*super().columns, "cells", "remeshes"]
+        return [*super().columns, "cells", "remeshes", "remesh_cause"]
 
     def row(self, report: IncrementReport) -> Row:
         """Return the row of the history."""
         cells = sum(len(block.connectivity) for block in self.model.mesh.blocks)
-        return super().row(report) | {"cells": cells, "remeshes": self.epoch}
+        cause, self._cause = self._cause, 0
+        return super().row(report) | {"cells": cells, "remeshes": self.epoch, "remesh_cause": cause}
 
     def _may_change_mesh(self, failure: str = "") -> bool:
         """Make another mesh if the present one should not go on, and go on with it; return whether there is one."""
@@ -121,30 +112,16 @@ class RemeshedForming(ImplicitRecording):
             return False
         if failure:
             again = self._made_at == self.number and not self._stayed
-            return self._remesh("the next increment fails", must=True, again=again)
+            return self._remesh(FAILS, must=True, again=again)
         found = self._reason()
         return found is not None and self._remesh(*found)
 
     def _watch_folds(self) -> None:
         """Switch on contact of bodies with themselves where their outlines are about to fold onto themselves."""
-        points, found = self.model.mesh.points, {}
-        for number, (own, edges) in enumerate(self._outlines()):
-            if not touches_itself(self.model, number):
-                state = self.procedure.state.nodes
-                place = find_closing_gap((points + state.displacement)[edges], state.increment[edges])
-                if place is not None:
-                    found[number] = own.name, place
+        found = find_folding(self.procedure, self._bodies())
         if found:
             self._go_on_with(switch_on(self.procedure, list(found)))
-            self._notes += [
-                f"{name} is about to fold onto itself near ({x:.4g}, {y:.4g}): contact with itself is switched on"
-                for name, (x, y) in found.values()
-            ]
-
-    def _outlines(self) -> list[tuple[Body, IntArray]]:
-        """Return each body and the edges of its boundary, halved where they have a node in their middle (k, 2)."""
-        edges = self.model.mesh.boundary_edges
-        return [(body, halve_edges(edges[body.owns(edges)])) for body in self._bodies()]
+            self._notes += list(found.values())
 
     def _go_on_with(self, procedure: ImplicitProcedure) -> None:
         """Go on with another procedure on the same mesh."""
@@ -154,7 +131,7 @@ class RemeshedForming(ImplicitRecording):
     def _reason(self, wait: float = 1.0) -> tuple[str, set[int]] | None:
         """Return why the present mesh should not go on, and of which bodies; wait: factor on the triggers."""
         if wait == 1.0 and self.number > 0 and self._passed_fraction():
-            return "due", set(range(self._n_bodies))
+            return DUE, set(range(self._n_bodies))
         found: dict[int, str] = {}
         for number, old in enumerate(self._sections()):
             reason = self._reason_of(number, old, wait)
@@ -285,7 +262,7 @@ class RemeshedForming(ImplicitRecording):
             self._waited += 1
             return self._stay(reason, f"the largest force of a tool would change by {new.jump:.2%}")
         self._begin_on(new.procedure, new.origin, new.procedure.model.mesh.points)
-        self._waited = 0
+        self._waited, self._cause = 0, find_cause(reason)
         self._on_first -= own
         volume = new.procedure.volume() / new.procedure.initial_volume - 1.0
         cells = sum(len(block.connectivity) for block in self.model.mesh.blocks)
@@ -306,7 +283,7 @@ class RemeshedForming(ImplicitRecording):
             raise GaveUpError(f"no equilibrium on the new mesh, {outcome.reason}")
         origin = carrier.material(self.mesh.points)
         keep_held(origin, after.model)
-        return _NewEpoch(after, origin, _measure_jump(before.state, after.state), len(outcome.log))
+        return _NewEpoch(after, origin, measure_jump(before.state, after.state), len(outcome.log))
 
     def _make_epoch(self, old: Sequence[Any], own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
         """Return the procedure on new meshes of bodies, of a part of the size, with the state carried to them.
@@ -397,27 +374,6 @@ def _join(old: Sequence[OldSection], new: Sequence[NewSection | None]) -> tuple[
     return join_parts(meshes), parts
 
 
-def find_reason(old: OldSection, increment: FloatArray, settings: Remeshing, wait: float) -> str | None:
-    """Return why a body's mesh should not go on; wait: factor on the triggers."""
-    flat = find_flat_cell(old.position, increment, old.corners(), settings.quality / wait)
-    if flat is not None:
-        return flat
-    lines = [old.position[chain] for chain in old.chains]
-    for line in lines:
-        cut = find_cut_edge(line, old.profiles, deepest=wait * TOO_DEEP)
-        if cut is not None:
-            return cut
-    size = measure_sizes(old, settings)
-    longest = wait * TOO_LONG
-    return next((long for line in lines if (long := find_long_edge(line, size, longest=longest)) is not None), None)
-
-
-def find_reason_to_leave_first(old: OldSection) -> str | None:
-    """Return why the first mesh of a body that is to stay should not go on."""
-    cuts = (find_cut_edge(old.position[c], old.profiles, deepest=LAST_CUT, corners_count=True) for c in old.chains)
-    return next((cut for cut in cuts if cut is not None), None)
-
-
 def keep_held(origin: FloatArray, model: Model) -> None:
     """Give material that supports have held ever since the run began its first coordinate back, in place.
 
@@ -430,15 +386,3 @@ def keep_held(origin: FloatArray, model: Model) -> None:
         for axis in range(mesh.points.shape[1]):
             if support.fix[axis] and (support.node_set, axis) not in driven:
                 origin[nodes, axis] = mesh.points[nodes, axis]
-
-
-def _measure_jump(before: State, after: State) -> float:
-    """Return the largest change of a tool's force over the largest force."""
-    if SpaceToolArrays in before:
-        force, force_n = (state[SpaceToolArrays].force.sum(axis=1) for state in (after, before))
-    elif ToolArrays in before:
-        force, force_n = (state[ToolArrays].force[:, :2] for state in (after, before))
-    else:
-        return 0.0
-    largest = float(np.abs(force_n).max(initial=0.0))
-    return float(np.abs(force - force_n).max(initial=0.0)) / largest if largest > 0.0 else 0.0

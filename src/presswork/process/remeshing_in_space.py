@@ -15,7 +15,8 @@ from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.model import CellBlock, FloatArray, IndexArray, IntArray, Mesh, Model, Remeshing, list_sets
 from presswork.process.carrying import carry_state, carry_surface, find_undeclared
-from presswork.process.remeshing import LAST_CUT, RemeshedForming
+from presswork.process.mesh_reasons import LAST_CUT
+from presswork.process.remeshing import RemeshedForming
 from presswork.process.space_surfaces import draw_tool
 from presswork.remesh.carrier import Carrier, Part, SkinPlaces
 from presswork.remesh.space.body import NewBody, OldBody

@@ -11,6 +11,8 @@ import numpy as np
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_interface import InterfaceArrays
 from presswork.model import Body, BodyContact, Model
+from presswork.remesh.section import halve_edges
+from presswork.remesh.triggers import find_closing_gap
 
 
 def add_self_contact(model: Model, numbers: Sequence[int]) -> Model:
@@ -30,6 +32,25 @@ def add_self_contact(model: Model, numbers: Sequence[int]) -> Model:
 def touches_itself(model: Model, number: int) -> bool:
     """Say whether a model has contact of a body, by its number, with itself."""
     return any(contact.between == (number, number) for contact in model.contacts)
+
+
+def find_folding(run: ImplicitProcedure, bodies: Sequence[Body]) -> dict[int, str]:
+    """Return by number the bodies in the plane whose outlines are about to fold onto themselves, with a note of each.
+
+    A body that has contact with itself is not looked at.
+    """
+    mesh, nodes, notes = run.model.mesh, run.state.nodes, {}
+    for number, body in enumerate(bodies if run.model.dimension == 2 else ()):
+        if touches_itself(run.model, number):
+            continue
+        edges = halve_edges(mesh.boundary_edges[body.owns(mesh.boundary_edges)])
+        place = find_closing_gap((mesh.points + nodes.displacement)[edges], nodes.increment[edges])
+        if place is not None:
+            x, y = place
+            notes[number] = (
+                f"{body.name} is about to fold onto itself near ({x:.4g}, {y:.4g}): contact with itself is switched on"
+            )
+    return notes
 
 
 def switch_on(run: ImplicitProcedure, numbers: Sequence[int]) -> ImplicitProcedure:

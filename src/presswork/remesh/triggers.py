@@ -17,6 +17,8 @@ TOO_LONG = 1.5
 """Edge on the boundary over the size wanted there."""
 CLOSED, AHEAD = 0.25, 2.0
 """Gap between sides of one outline over their length, and the increments ahead, at which it counts as closing."""
+FEW, MORE = 2.5, 1.2
+"""Cells across the metal that count as fewer than three, and the factor that a new mesh must gain."""
 FACES = -0.5
 """Product of the normals of sides that face each other, at most."""
 TOO_DEEP = 0.08
@@ -96,3 +98,36 @@ def find_closing_gap(sides: FloatArray, moves: FloatArray) -> FloatArray | None:
     expected = (gap[np.arange(len(gap)), nearest] + AHEAD * np.minimum(closing, 0.0)) / length
     worst = int(np.argmin(np.where(closing < 0.0, expected, np.inf)))
     return np.asarray(middle[worst]) if closing[worst] < 0.0 and expected[worst] < CLOSED else None
+
+
+def count_across(
+    sides: FloatArray, cells: IndexArray, edges: IndexArray, position: FloatArray, thickness: FloatArray
+) -> FloatArray:
+    """Return how many cells of the size of the one behind it lie across the metal from each side of an outline (k,).
+
+    sides: (k, 2, 2) [mm]; cells: corners (n_cells, 3 | 4); edges: the nodes of the sides (k, 2); position: of the nodes
+    (n_points, 2) [mm]; thickness: of the metal behind the sides (k,) [mm].
+    """
+    n, corners = len(position), cells.shape[1]
+    keys = (cells * n + np.roll(cells, -1, axis=1)).ravel()
+    order = np.argsort(keys)
+    own = order[np.searchsorted(keys[order], edges[:, 0] * n + edges[:, 1])] // corners
+    x, y = np.moveaxis(position[cells[own]], -1, 0)
+    area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
+    length = np.linalg.norm(sides[:, 1] - sides[:, 0], axis=1)
+    height = area / length * (2.0 if corners == 3 else 1.0)
+    return np.asarray(thickness / height)
+
+
+def find_few_across(sides: FloatArray, across: FloatArray, wanted: FloatArray, *, wait: float = 1.0) -> str | None:
+    """Say where fewer than three cells lie across the metal, though the size asked for has more.
+
+    sides: of an outline (k, 2, 2) [mm]; across, wanted: cells across the metal behind each, as they are and with the
+    size asked for (k,). Rows of unequal height count as three down to FEW; a new mesh must add a fifth.
+    """
+    few = (across < FEW / wait) & (np.minimum(wanted, 3.0) > MORE * across)
+    if not few.any():
+        return None
+    worst = int(np.argmin(np.where(few, across, np.inf)))
+    x, y = sides[worst].mean(axis=0)
+    return f"{across[worst]:.2g} cells across the metal near ({x:.4g}, {y:.4g})"

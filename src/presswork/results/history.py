@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from presswork.results.whole_file import OutputError, explain_write_error, replace_whole
 
-INTEGERS = ("increment", "iteration", "iterations", "cycles", "blow")
+INTEGERS = ("increment", "iteration", "iterations", "cycles", "blow", "remesh_cause")
 TEXTS = ("stage",)
 BY_OTHERS = (
     "by another program while the run was at work, so results would be missing; leave the folder alone, and start anew "

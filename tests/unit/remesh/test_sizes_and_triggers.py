@@ -6,10 +6,19 @@ import pytest
 
 from presswork.geometry.polygon import list_sides
 from presswork.mesh.structured import mesh_rectangle
+from presswork.mesh.topology import chain_edges
 from presswork.model import Remeshing
+from presswork.process.mesh_reasons import find_cause
 from presswork.remesh.section import OldSection, measure_sizes
 from presswork.remesh.size_field import GRADATION, GradedSize, SizeSources, grade, metal_thickness, tool_curvature
-from presswork.remesh.triggers import find_cut_edge, find_flat_cell, find_long_edge
+from presswork.remesh.triggers import (
+    count_across,
+    find_closing_gap,
+    find_cut_edge,
+    find_few_across,
+    find_flat_cell,
+    find_long_edge,
+)
 
 # a block 10 x 4 whose right half is a flash of thickness 0.8 above the plane y = 0
 SECTION = np.array(
@@ -82,3 +91,43 @@ def test_a_finer_mesh_keeps_to_the_budget():
     middle = np.array([[5.0, 5.0]])
     assert measure_sizes(old, free, part=0.5)(middle)[0] == pytest.approx(0.5)
     assert measure_sizes(old, bound, part=0.5)(middle)[0] == pytest.approx(np.sqrt(100 / 120), rel=0.02)
+
+
+def test_metal_too_thin_for_its_cells_is_told_where_smaller_ones_are_asked_for():
+    """A strip of 20 x 2 mm in two rows; a third row is asked for, or is not."""
+    mesh = mesh_rectangle(np.linspace(0, 20, 11), np.linspace(0, 2, 3), element="quad4_fbar")
+    edges = chain_edges(mesh.boundary_edges, mesh.points)
+    sides = mesh.points[edges]
+    thickness = metal_thickness(sides, np.zeros(len(sides), dtype=bool))
+    across = count_across(sides, mesh.blocks[0].connectivity, edges, mesh.points, thickness)
+    flat = np.abs(sides[:, 0, 1] - sides[:, 1, 1]) < 1e-12
+    assert across[flat] == pytest.approx(2.0)
+    assert across[~flat] == pytest.approx(10.0)
+    found = find_few_across(sides, across, np.full(len(sides), 4.0))
+    assert found is not None
+    assert "2 cells across the metal near (" in found
+    assert find_few_across(sides, across, np.full(len(sides), 2.2)) is None
+    assert find_few_across(sides, 1.5 * across, np.full(len(sides), 4.0)) is None
+    assert find_few_across(sides, across, np.full(len(sides), 4.0), wait=1.5) is None
+
+
+def test_a_gap_that_closes_is_found_and_one_that_stays_is_not():
+    """Two walls of a slot 0.6 mm wide with edges of 1 mm: they come nearer, move together, or part."""
+    line = np.array([[0, 0], [3, 0], [3, 3], [1.8, 3], [1.8, 2], [1.8, 1], [1.2, 1], [1.2, 2], [1.2, 3], [0, 3.0]])
+    sides = list_sides(line)
+    for speed, closes in ((-0.2, True), (0.2, False), (-0.02, False)):
+        moves = np.zeros_like(line)
+        moves[2:6, 0] = speed
+        found = find_closing_gap(sides, list_sides(moves))
+        assert (found is not None) == closes
+    assert find_closing_gap(sides, np.full_like(sides, 0.3)) is None
+
+
+def test_every_reason_has_its_number_in_the_history():
+    reasons = (
+        "due", "the next increment fails", "a cell near (1, 2) of quality 0.1 after the next increment",
+        "a tool 0.2 mm deep in an edge near (1, 2)", "an edge 1.6 times too long near (1, 2)",
+        "2 cells across the metal near (1, 2)", "the stable step is below 0.3 of that of the mesh at first",
+        "asked for",
+    )  # fmt: skip
+    assert [find_cause(reason) for reason in reasons] == list(range(1, 9))

@@ -14,7 +14,6 @@ from functools import cached_property
 
 import numpy as np
 import scipy
-from scipy.spatial import cKDTree
 
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray
 from presswork.remesh.transfer import Places
@@ -68,8 +67,8 @@ class PointsInSpace:
     """Corners of the old cells (n_cells, 4)."""
 
     @cached_property
-    def _tree(self) -> cKDTree:
-        return cKDTree(self.position)
+    def _tree(self) -> scipy.spatial.cKDTree:
+        return scipy.spatial.cKDTree(self.position)
 
     @cached_property
     def _beside(self) -> tuple[scipy.sparse.csr_array, IndexArray]:
@@ -165,7 +164,7 @@ def _solve(weighted: FloatArray, moment: FloatArray) -> FloatArray:
 
 def locate_in_tetrahedra(points: FloatArray, cells: IndexArray, wanted: FloatArray) -> Places:
     """Find the tetrahedron (n_cells, 4) in which, or nearest to which, each wanted point (n, 3) lies."""
-    tree = cKDTree(points[cells].mean(axis=1))
+    tree = scipy.spatial.cKDTree(points[cells].mean(axis=1))
     best = np.full(len(wanted), -np.inf)
     cell, share = np.zeros(len(wanted), dtype=np.intp), np.zeros((len(wanted), 4))
     for count in _CANDIDATES:

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Why a body should not go on with its mesh, in words for run.log and as a number for the history."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.model import FloatArray, Remeshing
+from presswork.remesh.fill import SizeField
+from presswork.remesh.section import OldSection, measure_sizes
+from presswork.remesh.size_field import metal_thickness
+from presswork.remesh.triggers import (
+    TOO_DEEP,
+    TOO_LONG,
+    count_across,
+    find_cut_edge,
+    find_few_across,
+    find_flat_cell,
+    find_long_edge,
+)
+
+LAST_CUT = 0.25
+"""Depth of a tool in an edge, over its length, that ends a first mesh that is to stay."""
+DUE, FAILS, STEP = "due", "the next increment fails", "the stable step is below"
+"""Reasons that procedures know."""
+CAUSES = (DUE, FAILS, "of quality", "deep in an edge", "too long", "cells across", STEP, "")
+"""What reasons say, by the number that `remesh_cause` has in the history, from 1 on; the last: others."""
+
+
+def find_cause(reason: str) -> int:
+    """Return the number by which the history names the reason of a new mesh."""
+    return next(number for number, words in enumerate(CAUSES, 1) if words in reason)
+
+
+def find_reason(old: OldSection, increment: FloatArray, settings: Remeshing, wait: float) -> str | None:
+    """Return why a body's mesh should not go on; wait: factor on the triggers."""
+    flat = find_flat_cell(old.position, increment, old.corners(), settings.quality / wait)
+    if flat is not None:
+        return flat
+    lines = [old.position[chain] for chain in old.chains]
+    for line in lines:
+        cut = find_cut_edge(line, old.profiles, deepest=wait * TOO_DEEP)
+        if cut is not None:
+            return cut
+    size = measure_sizes(old, settings)
+    longest = wait * TOO_LONG
+    long = next((found for line in lines if (found := find_long_edge(line, size, longest=longest)) is not None), None)
+    return long or _find_few_across(old, size, wait)
+
+
+def find_reason_to_leave_first(old: OldSection) -> str | None:
+    """Return why the first mesh of a body that is to stay should not go on."""
+    cuts = (find_cut_edge(old.position[c], old.profiles, deepest=LAST_CUT, corners_count=True) for c in old.chains)
+    return next((cut for cut in cuts if cut is not None), None)
+
+
+def _find_few_across(old: OldSection, size: SizeField, wait: float) -> str | None:
+    """Say where the metal has become too thin for its linear cells."""
+    if old.mesh.boundary_edges.shape[1] > 2:
+        return None
+    edges = np.concatenate([np.column_stack([chain, np.roll(chain, -1)]) for chain in old.chains])
+    thickness = metal_thickness(old.sides, old.held_sides)
+    across = count_across(old.sides, old.corners(), edges, old.position, thickness)
+    return find_few_across(old.sides, across, thickness / size(old.sides.mean(axis=1)), wait=wait)
