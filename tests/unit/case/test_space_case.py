@@ -106,3 +106,39 @@ def test_a_tool_without_a_shape_is_refused() -> None:
 def test_a_box_without_extent_is_refused() -> None:
     with pytest.raises(CaseError, match="expected three values > 0"):
         SpaceCase(**change(workpiece__mesh__size=[4, 0, 3]))
+
+
+def sector(**changes) -> dict:
+    """Return a sector of a cylinder between its two planes."""
+    case = copy.deepcopy(CASE)
+    case["workpiece"]["mesh"] = {"kind": "cylinder", "radius": 5, "height": 5, "angle": 30, "cells": [4, 4, 2]}
+    case["boundary"] = {
+        "first": {"set": "first_plane", "fix": ["y"]},
+        "last": {"set": "last_plane", "fix": ["normal"]},
+        "end": {"set": "back", "fix": ["z"]},
+    }
+    case["tools"] = {"die": {"shape": "plane", "normal": [0, 0, -1], "position": [0, 0, 5], "contact": "frictionless"}}
+    case["stages"] = [{"name": "press", "tools": {"die": {"stroke": 1, "direction": [0, 0, -1]}}}]
+    return {**case, **changes}
+
+
+def test_the_planes_of_a_sector_are_held_along_their_normals_and_its_tools_are_whole() -> None:
+    model = build_model(SpaceCase(**sector()))
+    normal = np.array(model.supports[1].normal)
+    assert np.abs(normal @ [np.cos(np.pi / 6), np.sin(np.pi / 6), 0.0]) < 1e-12
+    assert model.tools[0].sectors == pytest.approx(12.0)
+    assert not any(model.tools[0].mirrored_across)
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        (
+            {"boundary": {"rim": {"set": "rim", "fix": ["normal"]}}},
+            "boundary.rim.fix: the nodes of `rim` lie in no plane",
+        ),
+        ({"procedure": "explicit"}, "materials.steel.density: missing key"),
+    ],
+)
+def test_bad_sectors_are_named(changes, expected) -> None:
+    assert any(problem.startswith(expected) for problem in problems(sector(**changes)))
