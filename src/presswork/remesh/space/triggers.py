@@ -17,6 +17,8 @@ TOO_DEEP = 0.08
 """Depth to which a tool cuts an edge, over its length."""
 BESIDE = 0.75
 """Distance of an edge's middle from a sharp edge of a tool, over its length, within which that cuts it on any mesh."""
+OF_SHARP = 2.0
+"""Times the depth that is allowed beside sharp edges of tools."""
 
 
 def find_flat_cell(body: OldBody, increment: FloatArray, least: float) -> str | None:
@@ -45,8 +47,8 @@ def find_long_edge(body: OldBody, sizes: EdgeSizes, *, longest: float = TOO_LONG
 def find_cut_edge(body: OldBody, *, deepest: float = TOO_DEEP, sharp_counts: bool = False) -> str | None:
     """Say which edge of the skin lies too deep in a tool between its nodes.
 
-    Round a sharp edge of a tool every edge does, until its node behind has passed: unless sharp_counts, only its length
-    counts there.
+    Round a sharp edge of a tool every edge does, until a new mesh has nodes on it: unless sharp_counts, OF_SHARP times
+    as much is allowed there.
     """
     edges = list_edges(body.faces)
     ends = body.points[edges]
@@ -57,7 +59,8 @@ def find_cut_edge(body: OldBody, *, deepest: float = TOO_DEEP, sharp_counts: boo
         cut = np.flatnonzero(depth > deepest)
         if len(cut) and len(tool.sharp_edges) and not sharp_counts:
             _, away = nearest_on_segments(tool.sharp_edges, middle[cut], float(length[cut].max()))
-            depth[cut[away < BESIDE * length[cut]]] = 0.0
+            shallow = depth[cut] < OF_SHARP * deepest
+            depth[cut[shallow & (away < BESIDE * length[cut])]] = 0.0
         worst = int(np.argmax(depth))
         if depth[worst] > deepest:
             return f"a tool {-gap[worst]:.2g} mm deep in an edge near {_name_place(middle[worst])}"
