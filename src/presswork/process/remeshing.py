@@ -106,7 +106,7 @@ class RemeshedForming(ImplicitRecording):
 
     def _may_change_mesh(self, failure: str = "") -> bool:
         """Make another mesh if the present one should not go on, and go on with it; return whether there is one."""
-        if not failure:
+        if not failure and self.model.dimension == 2:
             self._watch_folds()
         if self._obstacle:
             return False
@@ -192,7 +192,7 @@ class RemeshedForming(ImplicitRecording):
                     on_others[body.points.start : body.points.stop] = False
             on_tool = np.concatenate([on_tool, on_others[None]])
         fixed = np.asarray(procedure.interactions.supports.fixed(procedure.present_step().stage))
-        position = model.mesh.points + state.nodes.displacement
+        position = model.mesh.points + state.nodes.moved
         bodies = self._bodies()
         sections: list[OldSection] = []
         for number, (body, mesh) in enumerate(zip(bodies, split_mesh(model.mesh, bodies), strict=True)):
@@ -218,7 +218,7 @@ class RemeshedForming(ImplicitRecording):
         cells = mesh.blocks[body.blocks.start].connectivity
         corners = cells[:, : count_corners(cells.shape[1])]
         stress = state.cells.stress[body.blocks.start].mean(axis=1)
-        position = mesh.points + state.nodes.displacement
+        position = mesh.points + state.nodes.moved
         ring = self.model.analysis == "axisymmetric"
         return measure_power(position[corners], state.nodes.increment[corners], stress, ring=ring)
 
