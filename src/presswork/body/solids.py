@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
@@ -32,7 +33,7 @@ from presswork.law.elastic_plastic import (
     temperature_at_rest,
 )
 from presswork.law.umat import UNDEFORMED, open_umat
-from presswork.model import POROSITY, FloatArray, IntArray, MaskArray, Material, Model, SolverSettings
+from presswork.model import POROSITY, FloatArray, Hardening, IntArray, MaskArray, Material, Model, SolverSettings
 from presswork.outcome import BadGuess, Step
 from presswork.state import CellArrays, NodeArrays, State
 from presswork.timing import Timing
@@ -106,6 +107,7 @@ def make_point_settings(solver: SolverSettings) -> _core.PointSettings:
     )
 
 
+_NEVER_FLOWS = Hardening("linear", np.array([1e12, 0.0]))
 NOISE = 1e-8
 """Strain across the workpiece whose forces are taken for round-off where no larger ones have been."""
 
@@ -153,6 +155,17 @@ class Mechanics:
             return _core.MixedAssembler(n_points, self._connectivity, symmetric, couplings)
         assembler = _core.SpaceAssembler if self.freedoms == 3 else _core.Assembler
         return assembler(n_points, self._connectivity, symmetric, couplings)
+
+    @contextmanager
+    def answering_elastically(self) -> Iterator[None]:
+        """Let cells of plain materials answer elastically, whatever their stress, and nodes in contact hang."""
+        kept, components = self._laws, 6 if self._model.dimension == 3 else 4
+        materials = [replace(self._material(i), hardening=_NEVER_FLOWS) for i in range(len(kept))]
+        self._laws = [make_law(material, self._model.solver, components) for material in materials]
+        try:
+            yield
+        finally:
+            self._laws = kept
 
     def couple(self, couplings: IntArray) -> None:
         """Let the matrix hold these node pairs (n, 2) beside those of the cells; a change makes a new assembler."""

@@ -12,19 +12,14 @@ law, and so it does when a stage has ended and the next one lets go.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-import numpy as np
-
+from presswork.body.solids import Mechanics
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.law.elastic_plastic import is_plain
-from presswork.model import Hardening, Model
+from presswork.model import Model
 from presswork.outcome import Converged, Failed
 from presswork.state import State
-
-_NEVER_FLOWS = Hardening("linear", np.array([1e12, 0.0]))
 
 
 def balance_new_mesh(run: ImplicitProcedure, *, may_yield: bool = False) -> Converged | Failed:
@@ -33,12 +28,9 @@ def balance_new_mesh(run: ImplicitProcedure, *, may_yield: bool = False) -> Conv
     plain = all(is_plain(m) for m in model.materials)
     if may_yield or run.state[Progress].fraction == 0.0 or not plain or not _is_driven_by_motion(model):
         return run.balance_at_rest()
-    materials = tuple(replace(m, hardening=_NEVER_FLOWS) for m in model.materials)
-    elastic = ImplicitProcedure(replace(model, materials=materials), before=run)
-    elastic.state = run.state
-    outcome = elastic.balance_at_rest()
-    run.state = elastic.state
-    return outcome
+    assert isinstance(run.mechanics, Mechanics)
+    with run.mechanics.answering_elastically():
+        return run.balance_at_rest()
 
 
 def _is_driven_by_motion(model: Model) -> bool:
