@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdint>
 
 #include "arrays.hpp"
+#include "tensor/pack.hpp"
 #include "transfer/cell_grid.hpp"
 #include "transfer/donors.hpp"
 
@@ -64,11 +66,16 @@ std::tuple<NewArray<int>, NewDoubles, NewDoubles> fit(const BoundDonors& self, D
   {
     auto scratch = self.donors.make_scratch();
 #pragma omp for schedule(static)
-    for (std::size_t i = 0; i < n; ++i) {
-      const Fit found = self.donors.fit(places.data() + 2 * i, home.data()[i], scratch);
-      std::copy(found.donor, found.donor + most_donors, donor + most_donors * i);
-      std::copy(found.weight, found.weight + most_donors, weight + most_donors * i);
-      std::copy(found.linear_weight, found.linear_weight + most_donors, linear_weight + most_donors * i);
+    for (std::size_t first = 0; first < n; first += pack_width) {
+      Fit found[pack_width];
+      const std::size_t count = std::min<std::size_t>(pack_width, n - first);
+      self.donors.fit(places.data() + 2 * first, home.data() + first, static_cast<int>(count), scratch, found);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t place = most_donors * (first + i);
+        std::copy(found[i].donor, found[i].donor + most_donors, donor + place);
+        std::copy(found[i].weight, found[i].weight + most_donors, weight + place);
+        std::copy(found[i].linear_weight, found[i].linear_weight + most_donors, linear_weight + place);
+      }
     }
   }
   return result;

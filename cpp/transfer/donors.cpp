@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "tensor/pack.hpp"
+
 namespace presswork {
 
 namespace {
@@ -13,43 +15,47 @@ constexpr double reach = 1.05, least_weight = 1e-3, ridge = 1e-13;
 constexpr int enough_for_squares = 8, enough_for_lines = 4;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+using Donated = Pack[most_donors];
+
 // Weights of the donors in the value at the origin of a weighted least-squares fit with the first K of a basis.
 template <int K>
-void find_weights(const double (&basis)[most_donors][6], const double* weight, int n, double* result) {
+void find_weights(const Pack (&basis)[most_donors][6], const Donated& weight, Donated& result) {
   // 1. normal equations, lower triangle
-  double matrix[K][K] = {};
-  for (int d = 0; d < n; ++d)
+  Pack matrix[K][K], trace = 0.0;
+  for (int i = 0; i < K; ++i)
+    for (int j = 0; j <= i; ++j) matrix[i][j] = 0.0;
+  for (int d = 0; d < most_donors; ++d)
     for (int i = 0; i < K; ++i) {
-      const double own = weight[d] * basis[d][i];
+      const Pack own = weight[d] * basis[d][i];
       for (int j = 0; j <= i; ++j) matrix[i][j] += own * basis[d][j];
     }
-  double trace = 0.0;
   for (int i = 0; i < K; ++i) trace += matrix[i][i];
-  const double added = ridge * std::max(trace, 1e-300);
+  const Pack added = ridge * trace + 1e-300;
   for (int i = 0; i < K; ++i) matrix[i][i] += added;
   // 2. Cholesky's factors L D L'; round-off leaves no pivot below the ridge
-  double pivot[K];
+  Pack inverse[K], scaled[K];
   for (int i = 0; i < K; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      double sum = matrix[i][j];
-      for (int k = 0; k < j; ++k) sum -= matrix[i][k] * matrix[j][k] * pivot[k];
-      if (j < i)
-        matrix[i][j] = sum / pivot[j];
-      else
-        pivot[i] = std::max(sum, added);
+    Pack pivot = matrix[i][i];
+    for (int j = 0; j < i; ++j) {
+      Pack sum = matrix[i][j];
+      for (int k = 0; k < j; ++k) sum -= scaled[k] * matrix[j][k];
+      scaled[j] = sum;
+      matrix[i][j] = sum * inverse[j];
+      pivot -= sum * matrix[i][j];
     }
+    inverse[i] = Pack(1.0) / select(pivot > added, pivot, added);
   }
   // 3. the first column of the inverse
-  double x[K];
+  Pack x[K];
   for (int i = 0; i < K; ++i) {
     x[i] = i == 0 ? 1.0 : 0.0;
     for (int k = 0; k < i; ++k) x[i] -= matrix[i][k] * x[k];
   }
-  for (int i = 0; i < K; ++i) x[i] /= pivot[i];
+  for (int i = 0; i < K; ++i) x[i] *= inverse[i];
   for (int i = K - 1; i >= 0; --i)
     for (int k = i + 1; k < K; ++k) x[i] -= matrix[k][i] * x[k];
-  for (int d = 0; d < n; ++d) {
-    double value = 0.0;
+  for (int d = 0; d < most_donors; ++d) {
+    Pack value = 0.0;
     for (int i = 0; i < K; ++i) value += basis[d][i] * x[i];
     result[d] = weight[d] * value;
   }
@@ -113,31 +119,41 @@ int Donors::find(const double* at, int home, Scratch& scratch, Near* found) cons
   return count;
 }
 
-Fit Donors::fit(const double* at, int home, Scratch& scratch) const {
-  Near found[most_donors];
-  const int n = find(at, home, scratch, found);
-  Fit fit{};
-  double basis[most_donors][6], weight[most_donors];
-  const double farthest = n > 0 ? std::sqrt(found[n - 1].square) : 0.0, length = farthest > 0.0 ? farthest : 1.0;
-  for (int d = 0; d < most_donors; ++d) fit.donor[d] = n > 0 ? of_cell_.value[found[d < n ? d : 0].place] : 0;
-  for (int d = 0; d < n; ++d) {
-    const double x = (position_[2 * found[d].place] - at[0]) / length;
-    const double y = (position_[2 * found[d].place + 1] - at[1]) / length;
-    const double values[6] = {1.0, x, y, x * x, x * y, y * y};
+void Donors::fit(const double* at, const int* home, int n, Scratch& scratch, Fit* fits) const {
+  Donated x, y, weight;
+  int count[pack_width];
+  for (int d = 0; d < most_donors; ++d) x[d] = y[d] = weight[d] = 0.0;
+  for (int lane = 0; lane < n; ++lane) {
+    Near found[most_donors];
+    const int own = count[lane] = find(at + 2 * lane, home[lane], scratch, found);
+    const double farthest = own > 0 ? std::sqrt(found[own - 1].square) : 0.0,
+                 over = farthest > 0.0 ? 1.0 / farthest : 1.0;
+    for (int d = 0; d < most_donors; ++d) {
+      const int place = own > 0 ? found[d < own ? d : 0].place : 0;
+      fits[lane].donor[d] = of_cell_.value[place];
+      if (d >= own) continue;
+      x[d].set(lane, (position_[2 * place] - at[2 * lane]) * over);
+      y[d].set(lane, (position_[2 * place + 1] - at[2 * lane + 1]) * over);
+      weight[d].set(lane, 1.0);
+    }
+  }
+  Pack basis[most_donors][6];
+  for (int d = 0; d < most_donors; ++d) {
+    const Pack values[6] = {1.0, x[d], y[d], x[d] * x[d], x[d] * y[d], y[d] * y[d]};
     std::copy(values, values + 6, basis[d]);
-    const double near = std::max(1.0 - (x * x + y * y) / (reach * reach), least_weight);
-    weight[d] = near * near;
+    const Pack near = Pack(1.0) - (values[3] + values[5]) * (1.0 / (reach * reach));
+    const Pack least = select(near > Pack(least_weight), near, Pack(least_weight));
+    weight[d] *= least * least;
   }
-  if (n < enough_for_lines) {
-    fit.weight[0] = fit.linear_weight[0] = 1.0;
-    return fit;
-  }
-  find_weights<3>(basis, weight, n, fit.linear_weight);
-  if (n < enough_for_squares)
-    std::copy(fit.linear_weight, fit.linear_weight + most_donors, fit.weight);
-  else
-    find_weights<6>(basis, weight, n, fit.weight);
-  return fit;
+  Donated linear, quadratic;
+  find_weights<3>(basis, weight, linear);
+  find_weights<6>(basis, weight, quadratic);
+  for (int lane = 0; lane < n; ++lane)
+    for (int d = 0; d < most_donors; ++d) {
+      const bool is_line = count[lane] >= enough_for_lines;
+      fits[lane].linear_weight[d] = is_line ? linear[d][lane] : (d == 0 ? 1.0 : 0.0);
+      fits[lane].weight[d] = count[lane] >= enough_for_squares ? quadratic[d][lane] : fits[lane].linear_weight[d];
+    }
 }
 
 void apply_fit(const int* donor, const double* weight, const double* linear_weight, int n_new, const double* values,

@@ -34,8 +34,8 @@ class Donors {
   };
   Scratch make_scratch() const { return {std::vector<int>(box_.size(), 0), {}, {}, 0}; }
 
-  // home: the cell in or beside which the new point lies.
-  Fit fit(const double* at, int home, Scratch& scratch) const;
+  // Fits at pack_width new points (n, 2) at most; home: the cell in or beside which each lies.
+  void fit(const double* at, const int* home, int n, Scratch& scratch, Fit* fits) const;
 
  private:
   struct Box {
