@@ -23,7 +23,7 @@ void bind_heat(nb::module_& m);
 void bind_heat_equation(nb::module_& m);
 void bind_heat_surface(nb::module_& m);
 void bind_damage(nb::module_& m);
-void bind_transfer(nb::module_& m);
+void bind_remesh(nb::module_& m);
 }  // namespace presswork::bindings
 
 NB_MODULE(_core, m) {
@@ -50,5 +50,5 @@ NB_MODULE(_core, m) {
   bind_heat_equation(m);
   bind_heat_surface(m);
   bind_damage(m);
-  bind_transfer(m);
+  bind_remesh(m);
 }

@@ -18,7 +18,7 @@ CPP_ROOMS = {
     "contact": {"tensor", "reference"},
     "assembly": {"tensor", "element", "contact"},
     "explicit": {"tensor", "element", "material", "assembly", "contact"},
-    "transfer": {"tensor"},
+    "remesh": {"tensor"},
     "sanitize": set(),
 }
 

@@ -18,9 +18,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import scipy
 
+from presswork import _core
 from presswork.geometry.polygon import contains, measure_distance
 from presswork.mesh.checks import MeshError, corner_jacobians
-from presswork.model import BoolArray, FloatArray, IndexArray
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray
 
 SizeField = Callable[[FloatArray], FloatArray]
 """Edge length of cells [mm] at points (n, 2)."""
@@ -100,25 +101,38 @@ def _triangulate(line: FloatArray, after: IndexArray, size: SizeField) -> tuple[
     """Return vertices, those of the line first, and triangles counter-clockwise that fill it."""
     inner = _place_vertices(line, after, size)
     sides = _list_sides(line, after)
+    whole: tuple[IntArray, IntArray] | None = None
     triangles = np.zeros((0, 3), dtype=np.intp)
     for round_ in range(_TRIANGLE_ROUNDS + 1):
         points = np.concatenate([line, inner])
-        try:
-            found = scipy.spatial.Delaunay(points).simplices.astype(np.intp)
-        except scipy.spatial.QhullError as error:
-            raise MeshError("the boundary has no inside", "another shape") from error
+        whole = _core.restore_delaunay(points, *whole) if whole is not None else None
+        whole = whole or _triangulate_anew(points)
+        found = whole[0].astype(np.intp)
         between = (found < len(line)).all(axis=1)  # others have a vertex inside
         inside = ~between
         inside[between] = contains(sides, points[found[between]].mean(axis=1))
         triangles = found[inside]
         a, b, c = points[triangles].transpose(1, 0, 2)
         area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
-        triangles[area < 0.0] = triangles[area < 0.0][:, ::-1]
         triangles = triangles[np.abs(area) > 1e-12 * np.abs(area).max()]
         if round_ < _TRIANGLE_ROUNDS:
             inner = _relax(points, triangles, len(line))
     _check_sides(line, after, triangles)
     return points, triangles
+
+
+def _triangulate_anew(points: FloatArray) -> tuple[IntArray, IntArray]:
+    """Return Delaunay's triangles, counter-clockwise (n, 3), and the one opposite to each corner, or -1 (n, 3)."""
+    try:
+        found = scipy.spatial.Delaunay(points)
+    except scipy.spatial.QhullError as error:
+        raise MeshError("the boundary has no inside", "another shape") from error
+    corners, beside = found.simplices.astype(np.int32), found.neighbors.astype(np.int32)
+    a, b, c = points[corners].transpose(1, 0, 2)
+    clockwise = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) < (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    for rows in (corners, beside):
+        rows[clockwise] = rows[clockwise][:, ::-1]
+    return corners, beside
 
 
 def _place_vertices(line: FloatArray, after: IndexArray, size: SizeField) -> FloatArray:
@@ -291,34 +305,8 @@ def _list_once(ends: IndexArray) -> tuple[IndexArray, IndexArray]:
 
 def _smooth(points: FloatArray, cells: IndexArray, n_line: int) -> FloatArray:
     """Move inner nodes to the middle of their neighbours where no cell round them becomes worse than it may."""
-    ends = np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2)
-    ends, _ = _list_once(ends)
-    ends = np.concatenate([ends, ends[:, ::-1]])
-    count = np.bincount(ends[:, 0], minlength=len(points))
-    free = np.arange(len(points)) >= n_line
-    quality = measure_quality(points, cells)
-    for _ in range(_QUAD_ROUNDS):
-        mean = np.stack([np.bincount(ends[:, 0], points[ends[:, 1], k], len(points)) / count for k in (0, 1)], axis=1)
-        moved = np.where(free[:, None], 0.5 * (points + mean), points)
-        now = measure_quality(moved, cells)
-        for _ in range(_RETREATS):
-            worse = (now < quality) & (now < _GOOD)
-            if not worse.any():
-                break
-            back = _mark(cells[worse], len(points))
-            moved[back] = points[back]
-            touched = back[cells].any(axis=1)
-            now[touched] = measure_quality(moved, cells[touched])
-        else:
-            break
-        points, quality = moved, now
-    return points
-
-
-def _mark(nodes: IndexArray, n: int) -> BoolArray:
-    marked = np.zeros(n, dtype=bool)
-    marked[nodes] = True
-    return marked
+    rounds = {"most_rounds": _QUAD_ROUNDS, "most_retreats": _RETREATS, "good": _GOOD}
+    return _core.smooth_cells(points, cells.astype(np.int32), n_line, **rounds)
 
 
 def measure_thickness(

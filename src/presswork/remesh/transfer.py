@@ -2,7 +2,7 @@
 """Values at points of an old mesh, found at points of a new one.
 
 Integration points: quadratic moving least squares over the nearest points, from point to point without a detour over
-the nodes, clipped to the range of the donors and of the linear fit (cpp/transfer/donors.hpp). Donors are looked for
+the nodes, clipped to the range of the donors and of the linear fit (cpp/remesh/donors.hpp). Donors are looked for
 along the mesh: what lies beyond a fold does not count.
 
 Nodes: the shape functions of the old cell they lie in, its plane continued where they lie outside by a little.
@@ -76,7 +76,7 @@ class OldPoints:
         peaks = np.flatnonzero(at_top & (own[self.cell_of] == 1) & (given != 0.0))
         fit = self.find_transfer(self.position[peaks], self.cell_of[peaks])
         others = np.where(fit.donor != peaks[:, None], given[fit.donor], -np.inf)
-        missed = given[peaks] - fit.apply(given[:, None])[:, 0]
+        missed = np.abs(given[peaks] - (fit.weight * given[fit.donor]).sum(axis=1))
         is_lost = (given[peaks] > others.max(axis=1, initial=-np.inf)) & (missed > _MISSED * np.abs(given[peaks]))
         return np.asarray(peaks[is_lost])
 

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "transfer/cells.hpp"
+#include "remesh/cells.hpp"
 
 namespace presswork {
 

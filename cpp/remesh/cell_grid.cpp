@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "transfer/cell_grid.hpp"
+#include "remesh/cell_grid.hpp"
 
 #include <algorithm>
 #include <cmath>

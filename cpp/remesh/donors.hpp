@@ -11,7 +11,7 @@
 
 #include <vector>
 
-#include "transfer/cells.hpp"
+#include "remesh/cells.hpp"
 
 namespace presswork {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "transfer/cells.hpp"
+#include "remesh/cells.hpp"
 
 #include <algorithm>
 

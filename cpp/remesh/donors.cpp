@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "transfer/donors.hpp"
+#include "remesh/donors.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,9 +3,11 @@
 #include <cstdint>
 
 #include "arrays.hpp"
+#include "remesh/cell_grid.hpp"
+#include "remesh/donors.hpp"
+#include "remesh/smoothing.hpp"
+#include "remesh/triangulation.hpp"
 #include "tensor/pack.hpp"
-#include "transfer/cell_grid.hpp"
-#include "transfer/donors.hpp"
 
 namespace presswork::bindings {
 
@@ -95,14 +97,47 @@ NewDoubles apply(Ints donor, Doubles weight, Doubles linear_weight, Doubles valu
   return result;
 }
 
+std::optional<std::tuple<NewArray<int>, NewArray<int>>> restore(Doubles points, Ints corners, Ints beside) {
+  const std::size_t n_points = count_places(points), n = corners.shape(0);
+  require(corners.ndim() == 2 && corners.size() == 3 * n && beside.size() == 3 * n, "corners and beside: (n, 3)");
+  for (std::size_t i = 0; i < 3 * n; ++i)
+    require(corners.data()[i] >= 0 && static_cast<std::size_t>(corners.data()[i]) < n_points &&
+                beside.data()[i] >= -1 && beside.data()[i] < static_cast<int>(n),
+            "corners must be points, beside triangles or -1");
+  int *own, *other;
+  auto result = std::make_tuple(new_array({n, 3}, &own), new_array({n, 3}, &other));
+  std::copy(corners.data(), corners.data() + 3 * n, own);
+  std::copy(beside.data(), beside.data() + 3 * n, other);
+  if (!restore_delaunay(points.data(), static_cast<int>(n), own, other)) return std::nullopt;
+  return result;
+}
+
+NewDoubles smooth(Doubles points, Ints cells, int n_fixed, int most_rounds, int most_retreats, double good) {
+  const std::size_t n = count_places(points);
+  const Cells view = view_cells(cells, static_cast<int>(n));
+  require(view.corners == 4 && n_fixed >= 0, "cells are quadrilaterals");
+  double* moved;
+  auto result = new_array({n, 2}, &moved);
+  std::copy(points.data(), points.data() + 2 * n, moved);
+  smooth_cells(moved, static_cast<int>(n), view, n_fixed, {most_rounds, most_retreats, good});
+  return result;
+}
+
 }  // namespace
 
-void bind_transfer(nb::module_& m) {
+void bind_remesh(nb::module_& m) {
   m.attr("most_donors") = most_donors;
   m.attr("donor_rings") = rings;
   m.def("locate_in_cells", &locate, nb::arg("points"), nb::arg("cells"), nb::arg("wanted"),
         "Cell (n,) in which, or nearest to which, each wanted point (n, 2) lies, corners of a triangle of it (n, 3), "
         "and barycentric coordinates there (n, 3).");
+  m.def("restore_delaunay", &restore, nb::arg("points"), nb::arg("corners"), nb::arg("beside"),
+        "Delaunay's triangles (n, 3) of points (n_points, 2) that have moved a little, and which lie opposite to each "
+        "corner (n, 3), from those before; None where a triangle has turned inside out.");
+  m.def("smooth_cells", &smooth, nb::arg("points"), nb::arg("cells"), nb::arg("n_fixed"), nb::kw_only(),
+        nb::arg("most_rounds"), nb::arg("most_retreats"), nb::arg("good"),
+        "Points (n, 2) of quadrilaterals (m, 4), all but the first n_fixed moved towards the middle of their "
+        "neighbours in rounds. Where a cell of a quality below good would become worse its nodes go back.");
   nb::class_<BoundDonors>(m, "Donors", "Points of an old mesh from which values at new points are fitted.")
       .def(
           "__init__",
