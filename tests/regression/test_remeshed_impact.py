@@ -23,7 +23,7 @@ def upsetting(procedure="explicit", remesh=None, **changes):
             "title": "upsetting",
             "analysis": "axisymmetric",
             "procedure": procedure,
-            "workpiece": {"material": "steel", "element": element, "mesh": {"size": [10, 15], "cells": [8, 12]}},
+            "workpiece": {"material": "steel", "element": element, "mesh": {"size": [10, 15], "cells": [12, 18]}},
             "materials": {"steel": steel | {"hardening": {"law": "linear", "yield_stress": 700, "modulus": 300}}},
             "tools": {"punch": {"profile": [[0, 15], [60, 15]], "contact": "coulomb", "mu": 0.1}},
             "boundary": {"axis": {"set": "left", "fix": ["x"]}, "middle": {"set": "bottom", "fix": ["y"]}},

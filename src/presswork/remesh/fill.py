@@ -32,6 +32,8 @@ _OFF_LINE, _OFF_ROWS = 0.7, 0.8
 _TRIANGLE_ROUNDS, _QUAD_ROUNDS = 4, 12
 _RETREATS, _GOOD = 8, 0.5
 """Times that nodes go back where cells worse than good ones would become worse still."""
+_ACROSS_STRIP = 4.0
+"""Vertices across a strip of cells in the order in which they are numbered."""
 _LEAST_JOINED = 0.35
 """Least sine of the corners of two triangles joined."""
 
@@ -109,7 +111,7 @@ def _triangulate(line: FloatArray, after: IndexArray, size: SizeField) -> tuple[
         whole = whole or _triangulate_anew(points)
         found = whole[0].astype(np.intp)
         between = (found < len(line)).all(axis=1)  # others have a vertex inside
-        inside = ~between
+        inside = np.asarray(~between)
         inside[between] = contains(sides, points[found[between]].mean(axis=1))
         triangles = found[inside]
         a, b, c = points[triangles].transpose(1, 0, 2)
@@ -264,7 +266,7 @@ def _split(
     """Return points and cells: every quadrilateral in four, every triangle in three; the line's nodes come first."""
     joined = np.zeros(len(triangles), dtype=bool)
     joined[pairs[:, :2]] = True
-    quads, alone = pairs[:, 2:], triangles[~joined]
+    quads, alone = (_in_strips(vertices, cells) for cells in (pairs[:, 2:], triangles[~joined]))
     ends = np.concatenate(
         [np.stack([cells, np.roll(cells, -1, axis=1)], axis=-1).reshape(-1, 2) for cells in (quads, alone)]
     )
@@ -296,6 +298,13 @@ def _split(
     return points, np.concatenate(cells)
 
 
+def _in_strips(points: FloatArray, cells: IndexArray) -> IndexArray:
+    """Return cells (n, 3 | 4) strip after strip, so that those that follow each other are neighbours."""
+    x, y = points[cells].mean(axis=1).T
+    width = float(np.ptp(points[:, 0])) / max(1.0, np.sqrt(len(points)) / _ACROSS_STRIP)
+    return cells[np.lexsort((y, np.floor(x / width)))]
+
+
 def _list_once(ends: IndexArray) -> tuple[IndexArray, IndexArray]:
     """Return each side of cells once (k, 2), its lower end first, and which of them each of (n, 2) ends is (n,)."""
     n = int(ends.max()) + 1
@@ -305,8 +314,8 @@ def _list_once(ends: IndexArray) -> tuple[IndexArray, IndexArray]:
 
 def _smooth(points: FloatArray, cells: IndexArray, n_line: int) -> FloatArray:
     """Move inner nodes to the middle of their neighbours where no cell round them becomes worse than it may."""
-    rounds = {"most_rounds": _QUAD_ROUNDS, "most_retreats": _RETREATS, "good": _GOOD}
-    return _core.smooth_cells(points, cells.astype(np.int32), n_line, **rounds)
+    corners = cells.astype(np.int32)
+    return _core.smooth_cells(points, corners, n_line, most_rounds=_QUAD_ROUNDS, most_retreats=_RETREATS, good=_GOOD)
 
 
 def measure_thickness(

@@ -20,6 +20,7 @@ from presswork.view.style import describe_step, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.tri import Triangulation
 
 LINES = 20
 """Lines of one family over the longer side of the undeformed body."""
@@ -57,9 +58,10 @@ def plot_flow_lines(result: Result, step: int = -1, ax: Axes | None = None, *, m
         x, y = (points * sign).T
         net = Triangulation(x, y, triangles)
         ax.tripcolor(net, facecolors=np.zeros(len(triangles)), cmap=ListedColormap([_FILL]), zorder=0.9)
+        finer, initial = _refine(net, mesh.points)
         for axis, (colour, width) in enumerate(zip(_COLOURS, _WIDTHS, strict=True)):
             ax.tricontour(
-                net, mesh.points[:, axis], levels=places[axis], colors=colour, linewidths=width, zorder=2.0 - 0.1 * axis
+                finer, initial[:, axis], levels=places[axis], colors=colour, linewidths=width, zorder=2.0 - 0.1 * axis
             )
         draw_boundary(ax, mesh.boundary_edges, points, sign, mirror)
     names = ("radius", "height") if result.info.get("analysis") == "axisymmetric" else ("x", "y")
@@ -71,6 +73,35 @@ def plot_flow_lines(result: Result, step: int = -1, ax: Axes | None = None, *, m
     fault = mark_laps(ax, result, step)
     ax.set_title("\n".join([describe_step(result, step), *told, *([fault] if fault else [])]), fontsize="medium")
     return ax
+
+
+def _refine(net: Triangulation, values: FloatArray) -> tuple[Triangulation, FloatArray]:
+    """Return triangles split in 16 and values of nodes (n, m) there, quadratic in each, so that lines are smooth.
+
+    In the middle of a side is the value of the cubic with the slopes at its ends; slopes at nodes are means of those of
+    the triangles round them.
+    """
+    from matplotlib.tri import UniformTriRefiner
+
+    corners = np.stack([net.x, net.y], axis=1)[net.triangles]
+    sides = np.roll(corners, -1, axis=1) - corners  # the one that follows each corner
+    double = sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]
+    across = np.roll(sides, -1, axis=1)  # opposite to each corner; its normal is the slope of the corner's share
+    normals = np.stack([-across[..., 1], across[..., 0]], axis=-1)
+    gradient = np.einsum("tad,tam->tdm", normals, values[net.triangles])  # times the area, twice
+    weight = np.bincount(net.triangles.ravel(), np.repeat(double, 3), len(values))
+    slopes = np.zeros((len(values), 2, values.shape[1]))
+    for column in net.triangles.T:
+        np.add.at(slopes, column, gradient)
+    slopes /= np.where(weight == 0.0, 1.0, weight)[:, None, None]
+    at, ahead = net.triangles, np.roll(net.triangles, -1, axis=1)
+    middles = 0.5 * (values[at] + values[ahead]) + np.einsum("tad,tadm->tam", sides, slopes[at] - slopes[ahead]) / 8.0
+    finer, home = UniformTriRefiner(net).refine_triangulation(return_tri_index=True, subdiv=2)
+    away = np.stack([finer.x, finer.y], axis=1)[:, None] - corners[home]
+    turned = away[..., 1] * across[home][..., 0] - away[..., 0] * across[home][..., 1]
+    share = 1.0 + turned / np.where(double == 0.0, 1.0, double)[home][:, None]
+    found = np.einsum("na,nam->nm", share * (2.0 * share - 1.0), values[net.triangles[home]])
+    return finer, found + np.einsum("na,nam->nm", 4.0 * share * np.roll(share, -1, axis=1), middles[home])
 
 
 def is_section(result: Result) -> bool:
