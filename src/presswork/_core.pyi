@@ -2512,6 +2512,28 @@ def locate_in_cells(
     Cell (n,) in which, or nearest to which, each wanted point (n, 2) lies, corners of a triangle of it (n, 3), and barycentric coordinates there (n, 3).
     """
 
+def restore_delaunay(
+    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    corners: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    beside: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+) -> tuple[NDArray[numpy.int32], NDArray[numpy.int32]] | None:
+    """
+    Delaunay's triangles (n, 3) of points (n_points, 2) that have moved a little, and which lie opposite to each corner (n, 3), from those before; None where a triangle has turned inside out.
+    """
+
+def smooth_cells(
+    points: Annotated[NDArray[numpy.float64], dict(order="C", device="cpu", writable=False)],
+    cells: Annotated[NDArray[numpy.int32], dict(order="C", device="cpu", writable=False)],
+    n_fixed: int,
+    *,
+    most_rounds: int,
+    most_retreats: int,
+    good: float,
+) -> NDArray[numpy.float64]:
+    """
+    Points (n, 2) of quadrilaterals (m, 4), all but the first n_fixed moved towards the middle of their neighbours in rounds. Where a cell of a quality below good would become worse its nodes go back.
+    """
+
 class Donors:
     """Points of an old mesh from which values at new points are fitted."""
 
