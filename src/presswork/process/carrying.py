@@ -92,10 +92,15 @@ def carry_surface(before: ImplicitProcedure, after: ImplicitProcedure, carrier: 
 
 
 def carry_peaks(before: ImplicitProcedure, after: ImplicitProcedure, carrier: Carrier) -> None:
-    """Give quantities of evolution laws whose largest value decides the peaks back that carry_state has flattened."""
+    """Give back the peaks that carry_state has flattened, where the largest value decides.
+
+    These are the equivalent plastic strain, which no point of the material can lose, and quantities of evolution laws.
+    """
+    cells_n, cells = before.state.cells, after.state.cells
+    cells.eqps = carrier.peaks(cells_n.eqps, cells.eqps, cells.volume)
     for name in after.evolution.names_with_peaks:
         values_n, values = (run.state[EvolvedArrays].values for run in (before, after))
-        values[name] = carrier.peaks(values_n[name], values[name], after.state.cells.volume)
+        values[name] = carrier.peaks(values_n[name], values[name], cells.volume)
 
 
 def _pair(before: State, after: State) -> Iterator[tuple[Arrays, Arrays]]:
