@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """What a new mesh costs, over an increment on the same mesh: an upsetting that is meshed anew all along its stroke.
 
+A new mesh counts all from the decision on: sizes, boundary, cells, transfer, a procedure of its own, the order and
+pattern of its matrix, equilibrium with the tools at rest, and meshes that are refused. The rest of the run, which asks
+after every increment whether the mesh may stay, counts as increments.
+
 Run: python -m benchmarks.remeshing [--profile]
 """
 
