@@ -12,6 +12,8 @@ law, and so it does when a stage has ended and the next one lets go.
 
 from __future__ import annotations
 
+import numpy as np
+
 from presswork.body.solids import Mechanics
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
