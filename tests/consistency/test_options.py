@@ -37,6 +37,7 @@ CHANGES = {
 ELSEWHERE = {
     "pressure_stiffness": "tests/unit/interaction/test_loads.py",
     "control": "tests/verification/test_shell_snap_through.py",
+    "linear_solver": "tests/regression/test_forming_in_space.py",
     "contact_stiffness": "tests/verification/test_hemispherical_punch.py",
     "inertia": "tests/regression/test_implicit_inertia.py, test_solid_inertia.py and test_shell_inertia.py",
     "damping": "tests/regression/test_implicit_inertia.py, test_solid_inertia.py and test_shell_inertia.py",
