@@ -127,6 +127,20 @@ def test_both_procedures_agree(tmp_path) -> None:
     assert implicit["heat_plastic"] == pytest.approx(explicit["heat_plastic"], rel=0.08)
 
 
+def test_implicit_increments_follow_the_change_of_temperature(tmp_path) -> None:
+    """The tools cool the strip by 200 K."""
+    softens = ("materials.steel.heating", {"reference": 650, "melting": 1480, "exponent": 0.8})
+    largest, counts = [], []
+    for limit in (100.0, 10.0):
+        changes = [("procedure", "implicit"), softens, ("stages.1.process_time", 2.0), ("heat.max_change", limit)]
+        history = run_case(bent_strip(*changes), tmp_path / f"{limit:g}").result.history
+        form = np.flatnonzero(history["stage"] == "form")
+        counts.append(len(form))
+        largest.append(float(np.abs(np.diff(history["temperature_min"][[form[0] - 1, *form]])).max()))
+    assert largest[1] < 0.7 * largest[0]
+    assert counts[1] > counts[0]
+
+
 def test_an_implicit_run_resumes_to_the_same_bits(tmp_path) -> None:
     case = bent_strip(("procedure", "implicit"))
 

@@ -23,10 +23,6 @@ from presswork.timing import Timing
 
 MOST_PASSES = 5
 """Times that equilibrium and heat are found in an increment."""
-REFUSED = 1.5
-"""Times the largest change of temperature: an increment that is taken again."""
-LEAST_INCREMENTS = 20.0
-"""Times solver.min_increment: an increment that is taken whatever its change of temperature."""
 
 
 class HeatOfIncrements:
@@ -42,7 +38,6 @@ class HeatOfIncrements:
         """What conducts and stores the heat."""
         self.tolerance = model.heat.tolerance
         """By how much temperatures given to laws may be off [K]."""
-        self._max_change = model.heat.max_change
         self._fraction = model.heat.plastic_fraction
         self._across = {name: tool.gap for name, tool in model.heat.tools.items()}
         self._contacts = {contact.name: contact for contact in model.contacts}
@@ -85,19 +80,6 @@ class HeatOfIncrements:
         pairs = zip(before, trial.cells.temperature, strict=True)
         return max((float(np.abs(a - b).max()) for a, b in pairs if a.size), default=0.0)
 
-    def find_change(self, state_n: State, trial: State) -> float:
-        """Return the largest change of a temperature given to a law in an increment, over that which may be."""
-        pairs = zip(state_n.cells.temperature, trial.cells.temperature, strict=True)
-        return max((float(np.abs(a - b).max()) for a, b in pairs if a.size), default=0.0) / self._max_change
-
-    def find_cut(self, state_n: State, trial: State, step: Step) -> float | None:
-        """Return the factor by which an increment must be shorter for the change of temperature; None: it need not."""
-        change, stage = self.find_change(state_n, trial), self._model.stages[step.stage]
-        shortest = LEAST_INCREMENTS * self._model.solver.min_increment * stage.duration
-        if stage.dwell or change <= REFUSED or step.dt <= shortest:
-            return None
-        return max(0.9 / change, 0.2)
-
     def _points(self, state: State) -> FloatArray:
         return self._model.mesh.points + state.nodes.moved
 
@@ -122,9 +104,8 @@ class HeatOfIncrements:
                     gap[t] = space.contact.placed(t, placed).nearest(self._points(trial), width)[0]
         elif self._model.plane_tools:
             contact = tools.contact
-            forces = contact.forces(trial, self._interactions.supports.fixed(step.stage))
-            holds[forces.tool, forces.nodes] = True
-            np.add.at(push, (forces.tool, forces.nodes), np.maximum(forces.push, 0.0))
+            held, pushes = contact.pushes(trial, self._interactions.supports.fixed(step.stage))
+            holds[:, contact.nodes], push[:, contact.nodes] = held, np.maximum(pushes, 0.0)
             gap[:, contact.nodes] = contact.gap[::2]
             rubs_on = np.argmax(trial[ContactArrays].status > 0, axis=0) // 2
             rubbed[rubs_on, contact.nodes] = tools.friction.lost_at

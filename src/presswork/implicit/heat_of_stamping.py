@@ -11,10 +11,11 @@ from presswork import _core
 from presswork.body.sheet_heat import LayerMap
 from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shells import ShellMechanics
+from presswork.implicit.temperature_change import judge_change
 from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays, SheetInstant
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import FloatArray, Model
-from presswork.outcome import Step
+from presswork.outcome import Converged, Failed, IterationLog, Step
 from presswork.state import State
 
 
@@ -35,6 +36,7 @@ class HeatOfStamping:
             )
             for block in model.mesh.blocks
         ]
+        self._found = self.at_rest()
         self._positions = np.array([tool.position for tool in model.space_tools]).reshape(-1, 3)
 
     def at_rest(self) -> SheetHeatArrays:
@@ -43,17 +45,25 @@ class HeatOfStamping:
 
     def spread(self, state: State) -> None:
         """Give the layers of a State their temperatures."""
-        for block, given in enumerate(state.cells.temperature):
-            if given.size:
-                state.cells.temperature[block] = self.at_points(state, block)
+        state.cells.temperature = self._to_laws(state, state[SheetHeatArrays])
+
+    def _to_laws(self, state: State, arrays: SheetHeatArrays) -> list[FloatArray]:
+        """Return the temperatures given to the layers of each block (n_cells, q k) [degrees C]; none where none are."""
+        return [
+            self._to_layers(block, arrays) if given.size else given
+            for block, given in enumerate(state.cells.temperature)
+        ]
 
     def at_points(self, state: State, block: int) -> FloatArray:
         """Return the temperatures of a block's layers (n_cells, q k) [degrees C]."""
-        found = self._maps[block].to_layers(state[SheetHeatArrays].temperature)
+        return self._to_layers(block, state[SheetHeatArrays])
+
+    def _to_layers(self, block: int, arrays: SheetHeatArrays) -> FloatArray:
+        found = self._maps[block].to_layers(arrays.temperature)
         return found.reshape(len(found), -1)
 
-    def advance(self, state_n: State, trial: State, step: Step) -> None:
-        """Bring the temperatures of a converged trial state to the end of its increment.
+    def find(self, state_n: State, trial: State, step: Step, log: IterationLog) -> Converged | Failed:
+        """Find the heat of a settled increment, or refuse one in which the temperatures given to laws change by much.
 
         Raises GaveUpError if there is no balance of heat.
         """
@@ -72,6 +82,11 @@ class HeatOfStamping:
             trial.nodes.increment[None, :, :3] - moved[:, None],
             plastic,
         )
-        found = self.sheet.advance(state_n[SheetHeatArrays], now, step.dt, self._model.stages[step.stage].dwell)
-        trial.replace(found)
+        self._found = self.sheet.advance(state_n[SheetHeatArrays], now, step.dt, self._model.stages[step.stage].dwell)
+        after = self._to_laws(state_n, self._found)
+        return judge_change(self._model, state_n.cells.temperature, after, step, log)
+
+    def take(self, trial: State) -> None:
+        """Take what was found into a trial state that becomes the converged one."""
+        trial.replace(self._found)
         self.spread(trial)

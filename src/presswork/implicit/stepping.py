@@ -26,6 +26,7 @@ from presswork.implicit.newton import Equilibrium
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import Ram
 from presswork.implicit.remedy import find_remedy
+from presswork.implicit.temperature_change import find_change, judge_change
 from presswork.interaction.contract import Interaction
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.supports import NotHeldError
@@ -210,6 +211,9 @@ class ImplicitProcedure:
             if not isinstance(outcome, Failed):
                 made = self._step(stage, fraction_n, fraction)
                 self._settle(trial, made)
+                if self.sheet_heat is not None:
+                    outcome = self.sheet_heat.find(self._start, trial, made, outcome.log)
+            if not isinstance(outcome, Failed):
                 shorter = self.ram.shorten(self._start, trial, made)
                 if shorter is None:
                     break
@@ -289,8 +293,7 @@ class ImplicitProcedure:
             if isinstance(off, Failed):
                 return Failed(log, off.reason, off.factor)
             if off <= heat.tolerance:
-                factor = heat.find_cut(state_n, trial, step)
-                return Failed(log, "temperatures change by much", factor) if factor else Converged(log)
+                return judge_change(self.model, state_n.cells.temperature, trial.cells.temperature, step, log)
             again = self.equilibrium.solve(state_n, trial, step, trial.nodes.increment)
             log.extend(again.log)
             if isinstance(again, Failed):
@@ -334,7 +337,7 @@ class ImplicitProcedure:
         if self.ram.is_needed:
             self.ram.commit(state_n, trial, step)
         if self.sheet_heat is not None:
-            self.sheet_heat.advance(state_n, trial, step)
+            self.sheet_heat.take(trial)
         self.evolution.advance(state_n, trial, step.dt, self._temperatures(state_n, trial))
         p = trial[Progress]
         p.time += step.dt
@@ -346,7 +349,7 @@ class ImplicitProcedure:
             size = min(size * GROWTH, settings.max_increment)
         elif log.smooth_iterations > settings.target_iterations + 4:
             size = max(0.7 * size, SMALLEST * settings.min_increment)
-        if self.heat is not None and (change := self.heat.find_change(state_n, trial)) > 0.0:
+        if (change := find_change(self.model, state_n.cells.temperature, trial.cells.temperature, stage)) > 0.0:
             size = max(min(size, p.last_size / change), SMALLEST * settings.min_increment)
         p.next_size = size
         p.stage, p.fraction = stage, fraction
@@ -363,19 +366,16 @@ class ImplicitProcedure:
         return is_over
 
     def _temperatures(self, state_n: State, trial: State) -> list[tuple[FloatArray, FloatArray] | None]:
-        """Return the temperatures of each block's points (n_cells, p) [degrees C] before and after an increment."""
+        """Return temperatures of each block's points (n_cells, p) [degrees C] before and after an increment."""
         found: list[tuple[FloatArray, FloatArray] | None] = []
+        heat = self.heat or self.sheet_heat
         for block, given in enumerate(trial.cells.temperature):
             if given.size:
                 shape = trial.cells.eqps[block].shape
                 before, after = (self.mechanics.temperature_at_points(s, block) for s in (state_n, trial))
                 found.append((before.reshape(shape), after.reshape(shape)))
-            elif self.heat is not None:
-                found.append((self.heat.at_points(state_n, block), self.heat.at_points(trial, block)))
-            elif self.sheet_heat is not None:
-                found.append((self.sheet_heat.at_points(state_n, block), self.sheet_heat.at_points(trial, block)))
             else:
-                found.append(None)
+                found.append((heat.at_points(state_n, block), heat.at_points(trial, block)) if heat else None)
         return found
 
     def _end_stage(self, state: State, next_stage: int) -> None:

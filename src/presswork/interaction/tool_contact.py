@@ -278,6 +278,22 @@ class Contact:
             torques[t] = float((arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]).sum())
         return forces, torques
 
+    def pushes(self, state: State, fixed: BoolArray) -> tuple[BoolArray, FloatArray]:
+        """Return which tool holds which candidate, and how it pushes it along the normal [N], (n_tools, n) each.
+
+        As forces() has them, without what else it finds.
+        """
+        self.search(state, state.nodes.displacement)
+        held = state[ContactArrays].status > 0
+        force = state.nodes.reaction[self.nodes] * ~fixed[self.nodes]
+        push = np.where(held, (self.normal * force).sum(axis=2), 0.0)
+        both = held.sum(axis=0) > 1
+        if both.any():
+            push[:, both] = np.where(held, self.normal_forces(state, state.nodes.reaction, fixed), 0.0)[:, both]
+        shape = (len(held) // 2, 2, len(self.nodes))
+        by_tool: BoolArray = np.asarray(held.reshape(shape).any(axis=1))
+        return by_tool, np.asarray(push.reshape(shape).sum(axis=1))
+
     def forces(self, state: State, fixed: BoolArray) -> ContactForces:
         """Return what each tool does to the nodes that it holds, as tool_forces() adds it up."""
         self.search(state, state.nodes.displacement)

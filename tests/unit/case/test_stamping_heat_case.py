@@ -53,6 +53,7 @@ def test_a_hot_strip_is_read() -> None:
         (("materials.steel.transformation", {"steel": "22MnB5", "composition": {"C": 0.2}}), "give one of them"),
         (("materials.steel.heating.heat_capacity", 6e8), "plastic work would heat twice"),
         (("heat.levels", 1), "heat.levels"),
+        (("heat.max_change", 20), "is for the implicit procedure"),
         (("blank.refine", {"levels": 1}), "temperatures do not pass to split shells"),
         (("heat", None), "has no meaning without [heat]"),
     ],

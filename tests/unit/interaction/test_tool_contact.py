@@ -161,6 +161,21 @@ def test_frictionless_punch_compresses_without_barrelling() -> None:
     assert tool_force(procedure)[0, 1] == pytest.approx(-axial[0] * np.pi * radius[0] ** 2, rel=1e-6)
 
 
+@pytest.mark.parametrize("profile", [[[0, 15], [30, 15]], [[0, 15], [10.5, 15], [10.5, 0]]])
+def test_pushes_are_those_of_the_forces(profile) -> None:
+    """Under a flat punch, and in a container whose wall the metal reaches."""
+    tools = {"punch": {"profile": profile, "contact": "coulomb", "mu": 0.1}}
+    press = {"name": "press", "tools": {"punch": {"stroke": 1.2, "direction": [0, -1]}}}
+    procedure = advance(block_case(tools=tools, stages=[press]))
+    contact, fixed = procedure.interactions.tools.contact, procedure.interactions.supports.fixed(0)
+    forces = contact.forces(procedure.state, fixed)
+    held, push = contact.pushes(procedure.state, fixed)
+    tool, place = np.nonzero(held)
+    assert np.array_equal(contact.nodes[place], forces.nodes)
+    assert push[tool, place] == pytest.approx(forces.push, rel=1e-12, abs=1e-9)
+    assert (push[~held] == 0.0).all()
+
+
 def test_a_node_lets_go_when_the_punch_withdraws() -> None:
     stages = [
         {"name": "press", "tools": {"punch": {"stroke": 3, "direction": [0, -1]}}},

@@ -144,11 +144,6 @@ class FormingHeat(Part):
     surroundings: Surroundings | None = Field(
         default=None, description="what free surfaces lose heat to; without it they are insulated"
     )
-
-
-class SolidHeat(FormingHeat):
-    """Heat of solids as they are formed."""
-
     max_change: Number = Field(
         default=model.Heat.max_change,
         gt=0,

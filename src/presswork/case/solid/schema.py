@@ -25,7 +25,7 @@ from pydantic_core import CoreSchema
 
 from presswork import model
 from presswork.case.case_file import CaseFile
-from presswork.case.heat.forming import SolidHeat
+from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.series import Series
 from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
@@ -283,7 +283,7 @@ class Case(CaseFile):
     contacts: dict[Name, Contact] = Field(default={}, description="contacts between bodies by name")
     presses: dict[Name, Press] = Field(default={}, description="presses that stages refer to, by name")
     boundary: dict[Name, Boundary] = Field(default={}, description="supports, the axis and symmetry planes by name")
-    heat: SolidHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
+    heat: FormingHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
     stages: tuple[Stage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     explicit: ExplicitSolver = Field(

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 
 from presswork import model
 from presswork.case.case_file import CaseFile
-from presswork.case.heat.forming import SolidHeat
+from presswork.case.heat.forming import FormingHeat
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.names import Name, Title
@@ -167,7 +167,7 @@ class SpaceCase(CaseFile):
     tools: dict[Name, SpaceTool] = Field(default={}, description="rigid tools by name")
     presses: dict[Name, Press] = Field(default={}, description="presses that stages refer to, by name")
     boundary: dict[Name, SpaceBoundary] = Field(default={}, description="supports and symmetry planes by name")
-    heat: SolidHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
+    heat: FormingHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
     remesh: SpaceRemesh | None = Field(
         default=None,
         description="when and how finely tetrahedra are meshed anew; without it: where their first mesh fails",

@@ -82,6 +82,7 @@ def build_sheet_heat(case: StampingCase) -> model.Heat | None:
         effusivity=(float(np.sqrt(thermal.density * np.prod(at_start))),),
         tolerance=heat.tolerance,
         levels=heat.levels,
+        max_change=heat.max_change,
     )
 
 
@@ -150,6 +151,8 @@ def _check_material(case: StampingCase) -> Iterator[Problem]:
 
 def _check_process(case: StampingCase) -> Iterator[Problem]:
     assert case.heat is not None
+    if case.procedure == "explicit" and "max_change" in case.heat.model_fields_set:
+        yield Problem("heat.max_change", "is for the implicit procedure", "leave it out")
     if case.blank.refine is not None:
         yield Problem("blank.refine", "temperatures do not pass to split shells, so far", "leave refine or [heat] out")
     for name, tool in case.tools.items():
