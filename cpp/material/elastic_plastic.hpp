@@ -58,6 +58,14 @@ struct ElasticPlastic {
     const T E = young_at(eqps) * thermoelastic.young_factor_at(temperature);
     return {E, thermoelastic.poisson_at(poisson, temperature)};
   }
+  // Whether mises_sheet.hpp serves: von Mises without back stress, whose flow stress is smooth and does not heat
+  // itself.
+  bool is_plain() const {
+    const auto* quadratic = std::get_if<QuadraticYield<N>>(&yield);
+    if (!quadratic || flow.hot.active() || flow.thermal.heats() || kinematic.index() != 0) return false;
+    const auto& P = quadratic->P;
+    return P[0][0] == 1.0 && P[1][1] == 1.0 && P[0][1] == -0.5 && P[1][0] == -0.5 && P[2][2] == 3.0;
+  }
   // Flow stress and its slope at equivalent plastic strain p, at rest.
   template <class T>
   void flow_at_rest(T p, T temperature, T& flow_stress, T& slope) const {
