@@ -17,7 +17,7 @@ from presswork.model import FloatArray, IndexArray
 RIDGE = 30.0
 """[degrees]"""
 GRADATION = 1.3
-REMEDY = "install the extra: pip install presswork[remesh]"
+REMEDY = "pip install mmgpy, where it has a wheel"
 
 
 @dataclass(frozen=True)
