@@ -8,7 +8,7 @@ from presswork import _core
 from presswork.model import ELEMENTS as ELEMENTS_BY_NAME
 from presswork.model import list_names
 
-ELEMENTS = list_names(_core.Family.space)
+ELEMENTS = list_names(_core.Family.space, in_implicit=True)
 MEASURES = ["log", "stretch", "green_lagrange"]
 CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=float)
 
