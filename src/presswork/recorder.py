@@ -141,6 +141,7 @@ def append_snapshot(path: Path, mesh: Mesh, now: Snapshot) -> None:
         tool_centre=now.tool_centre,
         tool_displacement=now.tool_displacement,
         tool_angle=now.tool_angle,
+        tool_rotation=now.tool_rotation,
         surfaces=now.surfaces,
         dies=now.dies,
         info=now.info,

@@ -101,14 +101,33 @@ class SpacePose:
         return vectors if self.turned is None else np.asarray(vectors @ self.turned.T)
 
 
+def start_centre_in_space(tool: Tool) -> FloatArray:
+    """Return where the point about which a tool in space turns is at the start (3,) [mm]."""
+    return np.asarray(turn_about(np.array(tool.rotation)) @ _own_centre(tool) + np.array(tool.position))
+
+
+def _own_centre(tool: Tool) -> FloatArray:
+    return np.array((*tool.centre, 0.0)[:3])
+
+
 def find_space_pose(tool: Tool, displacement: FloatArray, angle: float = 0.0) -> SpacePose:
     """Return where a tool in space stands that has moved (3,) [mm] and turned about its axis [rad]."""
     if angle == 0.0 and not any(tool.rotation):
         return SpacePose(np.zeros(3), np.array(tool.position), displacement, None)
     start = turn_about(np.array(tool.rotation))
-    centre = np.array((*tool.centre, 0.0)[:3])
     turned = start @ turn_about(angle * np.array(tool.axis))
-    return SpacePose(centre, start @ centre + np.array(tool.position), displacement, turned)
+    return SpacePose(_own_centre(tool), start_centre_in_space(tool), displacement, turned)
+
+
+def find_pose_since(centre: FloatArray, displacement: FloatArray, rotation: FloatArray) -> SpacePose:
+    """Return the pose of a tool in space whose points are given where they were at the start.
+
+    centre: about which it turns, at the start (3,) [mm]. displacement: of the centre (3,) [mm]. rotation: a vector
+    along the axis, its length the angle turned since the start (3,) [rad].
+    """
+    if not rotation.any():
+        return SpacePose(np.zeros(3), np.zeros(3), displacement, None)
+    return SpacePose(centre, centre, displacement, turn_about(rotation))
 
 
 def find_axis(tool: Tool) -> FloatArray:

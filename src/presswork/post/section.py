@@ -96,8 +96,8 @@ def cut_tool(
 
     Return lines (n, 2, 2) of distance from the start and height [mm].
     """
-    points, triangles = result.surfaces[tool]
-    points = points + result.surface_displacement(tool, step) - (*start, 0.0)
+    triangles = result.surfaces[tool][1]
+    points = result.placed_surface(tool, step) - (*start, 0.0)
     out, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     corners = points[triangles]
     off = corners[:, :, :2] @ across

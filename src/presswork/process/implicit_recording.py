@@ -18,7 +18,14 @@ from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.formability import Formability
-from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
+from presswork.geometry.pose import (
+    ToolPose,
+    find_axis,
+    place_segments,
+    start_centre,
+    start_centre_in_space,
+    start_profile,
+)
 from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.implicit.epochs import AskForMesh
 from presswork.implicit.heat_of_forming import DIE_KINDS, HeatArrays
@@ -198,12 +205,14 @@ class ImplicitRecording(IncrementRecording):
         names = [tool.name for tool in self.model.plane_tools]
         return self.model.mesh, find_position(self.procedure), dict(zip(names, moved, strict=False))
 
-    def _surface_places(self) -> dict[str, FloatArray]:
-        """Return how far each tool in space has moved (3,) [mm], by its name."""
+    def _surface_places(self) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+        """Return how far each tool in space has moved (3,) [mm] and turned (3,) [rad] since the start, by its name."""
+        tools = self.model.space_tools
         if SpaceToolArrays not in self.procedure.state:
-            return {}
-        moved = self.procedure.state[SpaceToolArrays].displacement
-        return {tool.name: way.copy() for tool, way in zip(self.model.space_tools, moved, strict=True)}
+            return {}, {}
+        placed = self.procedure.state[SpaceToolArrays]
+        moved = {tool.name: way.copy() for tool, way in zip(tools, placed.displacement, strict=True)}
+        return moved, {t.name: angle * find_axis(t) for t, angle in zip(tools, placed.angle, strict=True)}
 
     def _placed_profiles(self) -> dict[str, FloatArray]:
         """Return the segments of each tool in the plane where it stands, by its name."""
@@ -256,7 +265,7 @@ class ImplicitRecording(IncrementRecording):
         model, state = self.model, self.procedure.state
         points, cells = compute_fields(self._show())
         points = {**points, "displacement": self.moved(points["displacement"])}
-        places = self._tool_places()
+        places, (moved, rotation) = self._tool_places(), self._surface_places()
         return Snapshot(
             time=state[Progress].time,
             point_data=points,
@@ -264,10 +273,11 @@ class ImplicitRecording(IncrementRecording):
             tools={t.name: start_profile(t) for t in model.plane_tools},
             dies=self._show_dies(),
             surfaces=cut_tools(model),
-            tool_centre={t.name: start_centre(t) for t in model.plane_tools},
-            tool_displacement={t.name: moved for t, (moved, _) in zip(model.plane_tools, places, strict=True)}
-            | self._surface_places(),
+            tool_centre={t.name: start_centre(t) for t in model.plane_tools}
+            | {t.name: start_centre_in_space(t) for t in model.space_tools},
+            tool_displacement={t.name: way for t, (way, _) in zip(model.plane_tools, places, strict=True)} | moved,
             tool_angle={t.name: angle for t, (_, angle) in zip(model.plane_tools, places, strict=True)},
+            tool_rotation=rotation,
             info={
                 **describe_plane(model),
                 **self.reactions.gauges(model),

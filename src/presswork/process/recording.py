@@ -44,6 +44,7 @@ class Snapshot:
     tool_centre: Mapping[str, FloatArray] = field(default_factory=dict)
     tool_displacement: Mapping[str, FloatArray] = field(default_factory=dict)
     tool_angle: Mapping[str, float] = field(default_factory=dict)
+    tool_rotation: Mapping[str, FloatArray] = field(default_factory=dict)
     surfaces: Mapping[str, tuple[FloatArray, IntArray]] = field(default_factory=dict)
     dies: Mapping[str, tuple[FloatArray, IntArray, FloatArray]] = field(default_factory=dict)
     """Points (n, 2) [mm] as they are in the tool's profile, cells (m, k) and temperatures (n,) [degrees C] of tools."""

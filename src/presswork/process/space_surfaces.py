@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from presswork.geometry.pose import find_space_pose
 from presswork.geometry.swept_tool import triangulate
 from presswork.geometry.tool_surface import cut_plane
 from presswork.model import FloatArray, IntArray, Model, Plane, SweptProfile, Tool
@@ -23,7 +24,7 @@ def cut_tools(model: Model) -> dict[str, tuple[FloatArray, IntArray]]:
     found = {}
     for tool in model.space_tools:
         corners, triangles = draw_tool(tool, points, chord)
-        found[tool.name] = (corners + np.asarray(tool.position), triangles)
+        found[tool.name] = (find_space_pose(tool, np.zeros(3)).carry(corners), triangles)
     return found
 
 

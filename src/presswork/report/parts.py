@@ -92,10 +92,14 @@ def describe_shown(result: Result, shown: Shown, bounds: tuple[float, float]) ->
 
 
 def _place_tools(result: Result, step: int) -> list[list[float | None]]:
-    """Return each tool's displacement since the start [mm], in the plane with its angle [rad] behind."""
+    """Return each tool's displacement since the start [mm], and behind it what it has turned [rad].
+
+    That is an angle in the plane, in space a vector along the axis with the angle as its length.
+    """
     poses = (result.tool_pose(name, step) for name in result.tools)
     placed = [[*round_values(pose.displacement), float(pose.angle)] for pose in poses]
-    return placed + [round_values(result.surface_displacement(name, step)) for name in result.surfaces]
+    motions = (result.surface_motion(name, step) for name in result.surfaces)
+    return placed + [[*round_values(moved), *map(float, turned)] for moved, turned in motions]
 
 
 def pack_interfaces(result: Result, surface: Surface, step: int) -> dict[str, Any]:

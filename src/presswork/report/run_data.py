@@ -100,5 +100,6 @@ def pack_tools(result: Result, blocks: Blocks) -> list[dict[str, Any]]:
         lines = [[round_values(point) for point in line] for line in trace_profile(segments)]
         tools.append({"name": name, "lines": lines, "centre": round_values(result.tool_pose(name, 0).centre)})
     for name, (points, triangles) in result.surfaces.items():
-        tools.append({"name": name, "points": blocks.add_values(points), "triangles": blocks.add_indices(triangles)})
+        shape = {"points": blocks.add_values(points), "triangles": blocks.add_indices(triangles)}
+        tools.append({"name": name, **shape, "centre": round_values(result.surface_centre(name))})
     return tools

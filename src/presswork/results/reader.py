@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from presswork.fields.formability_fields import FORMABILITY_FIELDS
 from presswork.fields.table import find_aliases, find_row, to_scalar
 from presswork.formability import Formability
-from presswork.geometry.pose import ToolPose, place_points, place_segments
+from presswork.geometry.pose import ToolPose, find_pose_since, place_points, place_segments
 from presswork.model import FloatArray, IntArray
 from presswork.results.dies import read_dies
 from presswork.results.folder import HISTORY, RESULTS, SUMMARY
@@ -166,10 +166,30 @@ class Result:
 
     def surface_displacement(self, tool: str, step: int = -1) -> FloatArray:
         """Return how far a tool in space has moved since the start [mm], shape (3,)."""
+        return self.surface_motion(tool, step)[0]
+
+    def surface_motion(self, tool: str, step: int = -1) -> tuple[FloatArray, FloatArray]:
+        """Return how far a tool in space has moved [mm] and turned about its centre [rad] since the start.
+
+        Both have shape (3,); what it has turned is a vector along the axis, its length the angle.
+        """
         self._require(tool, self.surfaces, "tool")
         with self._open() as file:
-            saved = self._whole(file, f"presswork/surfaces/{tool}/displacement")
-            return np.asarray(saved[self._index(step, len(saved))], dtype=np.float64)
+            names = ("displacement", "rotation")
+            moved, turned = (self._whole(file, f"presswork/surfaces/{tool}/{name}") for name in names)
+            index = self._index(step, len(moved))
+            return np.asarray(moved[index], dtype=np.float64), np.asarray(turned[index], dtype=np.float64)
+
+    def surface_centre(self, tool: str) -> FloatArray:
+        """Return the point about which a tool in space turns where it was at the start [mm], shape (3,)."""
+        self._require(tool, self.surfaces, "tool")
+        with self._open() as file:
+            return np.asarray(file[f"presswork/surfaces/{tool}/centre"][()], dtype=np.float64)
+
+    def placed_surface(self, tool: str, step: int = -1) -> FloatArray:
+        """Return the points of a tool in space where they are at a saved step [mm], shape (n, 3)."""
+        pose = find_pose_since(self.surface_centre(tool), *self.surface_motion(tool, step))
+        return pose.carry(self.surfaces[tool][0])
 
     @cached_property
     def field_names(self) -> dict[str, str]:

@@ -64,6 +64,7 @@ def append_step(
     tool_centre: Mapping[str, FloatArray] | None = None,
     tool_displacement: Mapping[str, FloatArray] | None = None,
     tool_angle: Mapping[str, float] | None = None,
+    tool_rotation: Mapping[str, FloatArray] | None = None,
     surfaces: Mapping[str, tuple[FloatArray, IntArray]] | None = None,
     dies: Mapping[str, tuple[FloatArray, IntArray, FloatArray]] | None = None,
     info: Info | None = None,
@@ -75,7 +76,9 @@ def append_step(
     xy, yz, xz. The same fields come at every step; a mesh unlike that of the last step is stored beside it. `tools`
     holds each tool's segments, shape (n_segments, 7) as in model.Tool, `tool_centre` the point about which it turns,
     `tool_displacement` its displacement, shape (2,) [mm], and `tool_angle` its angle [rad]; a tool not named has not
-    moved. `surfaces` holds the points (n, 3) and triangles (n, 3) of tools in space, whose displacement has shape (3,).
+    moved. `surfaces` holds the points (n, 3) and triangles (n, 3) of tools in space, whose centre and displacement have
+    shape (3,), and `tool_rotation` what they have turned about their centres: a vector along the axis with the angle as
+    its length, shape (3,) [rad].
     `tools`, `tool_centre`, `surfaces` and `info` (title, analysis and the like, stored as attributes) are stored with
     the first step only. `dies` holds the mesh of tools that conduct heat, where they start: points (n, 2), cells (m, k)
     and, of this step, temperatures (n,).
@@ -102,7 +105,7 @@ def append_step(
             for kind, fields in data.items():
                 _append_fields(body, kind, fields)
             _append_time(body, time)
-            _append_tool_positions(file, tool_displacement or {}, tool_angle or {})
+            _append_tool_positions(file, tool_displacement or {}, tool_angle or {}, tool_rotation or {})
             append_tool_steps(file)
             append_dies(file, dies or {})
 
@@ -280,7 +283,9 @@ def _write_tools(
     for name, (points, triangles) in surfaces.items():
         tool = file.create_group(f"presswork/surfaces/{name}")
         tool["points"], tool["triangles"] = points, triangles
-        tool.create_dataset("displacement", (0, 3), np.float64, maxshape=(None, 3), chunks=(256, 3))
+        tool["centre"] = np.asarray(centres.get(name, (0.0, 0.0, 0.0)), dtype=np.float64)
+        for motion in ("displacement", "rotation"):
+            tool.create_dataset(motion, (0, 3), np.float64, maxshape=(None, 3), chunks=(256, 3))
 
 
 def _append_fields(body: h5py.Group, kind: str, fields: Mapping[str, FloatArray]) -> None:
@@ -326,10 +331,15 @@ def _append_time(body: h5py.Group, time: float) -> None:
     steps.attrs["NSteps"] = len(steps["Values"])
 
 
-def _append_tool_positions(file: h5py.File, displacement: Mapping[str, FloatArray], angle: Mapping[str, float]) -> None:
+def _append_tool_positions(
+    file: h5py.File,
+    displacement: Mapping[str, FloatArray],
+    angle: Mapping[str, float],
+    rotation: Mapping[str, FloatArray],
+) -> None:
     """Append where every tool is."""
     tools, surfaces = (file["presswork"].get(group, {}) for group in ("tools", "surfaces"))
-    unknown = (set(displacement) | set(angle)) - set(tools) - set(surfaces)
+    unknown = (set(displacement) | set(angle) | set(rotation)) - set(tools) - set(surfaces)
     if unknown:
         raise ValueError(f"position of {sorted(unknown)}, but the file's tools are {sorted([*tools, *surfaces])}")
     for name, tool in [*tools.items(), *surfaces.items()]:
@@ -337,6 +347,8 @@ def _append_tool_positions(file: h5py.File, displacement: Mapping[str, FloatArra
         append_rows(tool, "displacement", np.asarray(displacement.get(name, (0.0,) * size), float).reshape(1, size))
     for name, tool in tools.items():
         append_rows(tool, "angle", np.array([angle.get(name, 0.0)]))
+    for name, tool in surfaces.items():
+        append_rows(tool, "rotation", np.asarray(rotation.get(name, (0.0, 0.0, 0.0)), float).reshape(1, 3))
 
 
 def _truncate(file: h5py.File, n: int) -> None:
@@ -364,6 +376,7 @@ def _truncate(file: h5py.File, n: int) -> None:
         tool["angle"].resize(n, axis=0)
     for tool in file["presswork"].get("surfaces", {}).values():
         tool["displacement"].resize(n, axis=0)
+        tool["rotation"].resize(n, axis=0)
     steps.attrs["NSteps"] = n
     truncate_tool_blocks(file, n)
     truncate_dies(file, n)

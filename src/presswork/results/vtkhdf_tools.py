@@ -14,7 +14,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.geometry.pose import ToolPose, place_points
+from presswork.geometry.pose import ToolPose, find_pose_since, place_points
 from presswork.model import FloatArray, IntArray
 
 BODY, ASSEMBLY = "body", "Assembly"
@@ -79,8 +79,11 @@ def append_tool_steps(file: h5py.File) -> None:
         moved[:, :2] = place_points(points, pose) - points
         _append_step(file[_path(file, name)], moved)
     for name, tool in extras.get("surfaces", {}).items():
-        block = file[_path(file, name)]
-        _append_step(block, np.broadcast_to(tool["displacement"][-1], block["Points"].shape))
+        moved = np.broadcast_to(tool["displacement"][-1], tool["points"].shape)
+        if tool["rotation"][-1].any():
+            points = tool["points"][()]
+            moved = find_pose_since(tool["centre"][()], moved[0], tool["rotation"][-1]).carry(points) - points
+        _append_step(file[_path(file, name)], moved)
 
 
 def truncate_tool_blocks(file: h5py.File, n: int) -> None:

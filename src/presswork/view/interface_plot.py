@@ -21,6 +21,7 @@ from presswork.view.style import (
     find_turning_tool,
     measure_progress,
     new_figure,
+    turned_by,
 )
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def _spread(count: int) -> list[int]:
 def _label(result: Result, step: int, progress: Progress | None, *, pressed: bool) -> str:
     """Return a curve's label; pressed: the working tool makes the body shorter along its way, as extrusion does not."""
     if (roll := find_turning_tool(result)) is not None:
-        return f"{abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"
+        return f"{np.degrees(turned_by(result, roll, step)):.1f} degrees"
     if progress is None:
         return f"{result.times[step]:.4g} s"
     part = f"part {number}: " if (number := _part(result, step)) else ""

@@ -167,9 +167,16 @@ def count_operations(result: Result) -> IntArray:
 
 def find_turning_tool(result: Result) -> str | None:
     """Return the tool that has turned most by the last step; None if none turns."""
-    angles = {name: abs(result.tool_pose(name).angle) for name in result.tools}
+    angles = {name: turned_by(result, name, -1) for name in (*result.tools, *result.surfaces)}
     tool = max(angles, key=lambda name: angles[name], default=None)
     return tool if tool is not None and angles[tool] > 0 else None
+
+
+def turned_by(result: Result, tool: str, step: int) -> float:
+    """Return the angle by which a tool has turned since the start, without its sign [rad]."""
+    if tool in result.tools:
+        return abs(result.tool_pose(tool, step).angle)
+    return float(np.linalg.norm(result.surface_motion(tool, step)[1]))
 
 
 def is_released(result: Result, step: int) -> bool:
@@ -187,7 +194,7 @@ def describe_step(result: Result, step: int) -> str:
         stroke = f"{tool} stroke {way:.2f} mm"
         return f"{stroke}, after springback" if is_released(result, step) else stroke
     if (roll := find_turning_tool(result)) is not None:
-        return f"{roll} turned by {abs(np.degrees(result.tool_pose(roll, step).angle)):.1f} degrees"
+        return f"{roll} turned by {np.degrees(turned_by(result, roll, step)):.1f} degrees"
     progress = measure_progress(result, step)
     if progress is None:
         return _describe_load(result, step)

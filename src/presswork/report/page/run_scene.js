@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // One run in space: its part, the lines of its mesh, its tools, and the images that symmetry planes cut off.
-import { BufferAttribute, BufferGeometry, EdgesGeometry, Group, LineSegments, Mesh, Scene } from "./libraries/three.js";
+import { BufferAttribute, BufferGeometry, EdgesGeometry, Group, LineSegments, Mesh, Scene, Vector3 } from "./libraries/three.js";
 import { coarsen, makeNormals, revolveProfile, takeRows } from "./shapes.js";
 import { MISSING } from "./unpack.js";
 import { originsOnCut, valuesOnCut } from "./cap.js";
@@ -176,11 +176,12 @@ export class RunScene {
     }
     this.run.steps[step].tools.forEach((place, i) => {
       const { group, pivot } = this.tools[i];
-      if (this.run.dimension === 3) return group.position.set(...place);
-      const [dx, dy, angle] = place, [cx, cy] = this.run.tools[i].centre;
-      group.position.set(cx + dx, cy + dy, 0);
-      group.rotation.set(0, 0, angle);
-      pivot.position.set(-cx, -cy, 0);
+      const isSolid = this.run.dimension === 3, [cx, cy, cz = 0] = this.run.tools[i].centre;
+      const [dx, dy, dz] = isSolid ? place : [place[0], place[1], 0];
+      const axis = new Vector3(...(isSolid ? place.slice(3) : [0, 0, place[2]])), angle = axis.length();
+      group.position.set(cx + dx, cy + dy, cz + dz);
+      group.setRotationFromAxisAngle(axis.normalize(), angle);
+      pivot.position.set(-cx, -cy, -cz);
     });
   }
 
