@@ -175,7 +175,7 @@ def frame_axes(ax: Axes3D, low: FloatArray, high: FloatArray) -> None:
     margin = 0.03 * float(size.max())
     ax.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     ax.set_zlim(low[2] - margin, high[2] + margin)
-    ax.set_box_aspect(size + 2 * margin)
+    ax.set_box_aspect(size + 2 * margin, zoom=0.8 if size[2] > size[:2].max() else 1.0)  # a tall body: room for labels
     ax.set_xlabel("x [mm]", labelpad=8)
     ax.set_ylabel("y [mm]", labelpad=8)
     ax.set_zlabel("z [mm]")
