@@ -5,7 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.model import FloatArray, Remeshing
+from presswork import _core
+from presswork.geometry.pose import shift_segments
+from presswork.implicit.progress import Progress
+from presswork.interaction.tool_arrays import ToolArrays
+from presswork.model import FloatArray, Model, Remeshing, ToolMotion
 from presswork.remesh.fill import SizeField
 from presswork.remesh.section import OldSection, measure_sizes
 from presswork.remesh.size_field import metal_thickness
@@ -18,9 +22,12 @@ from presswork.remesh.triggers import (
     find_flat_cell,
     find_long_edge,
 )
+from presswork.state import State
 
 LAST_CUT = 0.25
 """Depth of a tool in an edge, over its length, that ends a first mesh that is to stay."""
+EARLY = 1.15
+"""Factor by which edges are too long earlier just before a tool lands: a new mesh changes no force then."""
 DUE, FAILS, STEP = "due", "the next increment fails", "the stable step is below"
 """Reasons that procedures know."""
 CAUSES = (DUE, FAILS, "of quality", "deep in an edge", "too long", "cells across", STEP, "")
@@ -32,8 +39,10 @@ def find_cause(reason: str) -> int:
     return next(number for number, words in enumerate(CAUSES, 1) if words in reason)
 
 
-def find_reason(old: OldSection, increment: FloatArray, settings: Remeshing, wait: float) -> str | None:
-    """Return why a body's mesh should not go on; wait: factor on the triggers."""
+def find_reason(
+    old: OldSection, increment: FloatArray, settings: Remeshing, wait: float, *, early: float = 1.0
+) -> str | None:
+    """Return why a body's mesh should not go on; wait: factor on the triggers; early: divides that of long edges."""
     flat = find_flat_cell(old.position, increment, old.corners(), settings.quality / wait)
     if flat is not None:
         return flat
@@ -43,7 +52,7 @@ def find_reason(old: OldSection, increment: FloatArray, settings: Remeshing, wai
         if cut is not None:
             return cut
     size = measure_sizes(old, settings)
-    longest = wait * TOO_LONG
+    longest = wait * TOO_LONG / early
     long = next((found for line in lines if (found := find_long_edge(line, size, longest=longest)) is not None), None)
     return long or _find_few_across(old, size, wait)
 
@@ -52,6 +61,22 @@ def find_reason_to_leave_first(old: OldSection) -> str | None:
     """Return why the first mesh of a body that is to stay should not go on."""
     cuts = (find_cut_edge(old.position[c], old.profiles, deepest=LAST_CUT, corners_count=True) for c in old.chains)
     return next((cut for cut in cuts if cut is not None), None)
+
+
+def will_land(old: OldSection, state: State, model: Model) -> bool:
+    """Say whether no tool bears a force yet, and one comes to a body with another increment like the last."""
+    progress = state[Progress]
+    if ToolArrays not in state or state[ToolArrays].force.any() or progress.last_size == 0.0:
+        return False
+    motions = model.stages[progress.stage].tool_motion
+    strokes = np.array([motions.get(tool.name, ToolMotion()).move[:2] for tool in model.plane_tools])
+    moves = progress.last_size * strokes + state[ToolArrays].travel_increment
+    nodes = np.ascontiguousarray(old.position[np.concatenate(old.chains)])
+    return any(
+        float(_core.touch_profile(shift_segments(profile, move), nodes)[0].min()) <= 0.0
+        for profile, move in zip(old.profiles, moves, strict=True)
+        if move.any()
+    )
 
 
 def _find_few_across(old: OldSection, size: SizeField, wait: float) -> str | None:

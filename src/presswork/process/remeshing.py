@@ -30,7 +30,15 @@ from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_peaks, carry_state, carry_surface, find_undeclared
 from presswork.process.epochs import EPOCH, NamedArrays
 from presswork.process.implicit_recording import ImplicitRecording
-from presswork.process.mesh_reasons import DUE, FAILS, find_cause, find_reason, find_reason_to_leave_first
+from presswork.process.mesh_reasons import (
+    DUE,
+    EARLY,
+    FAILS,
+    find_cause,
+    find_reason,
+    find_reason_to_leave_first,
+    will_land,
+)
 from presswork.process.new_balance import balance_new_mesh, measure_jump
 from presswork.process.recording import Row
 from presswork.process.self_contact import find_folding, switch_on, touches_itself
@@ -51,7 +59,7 @@ MOST_WAITS = 3
 """Times that a mesh is put off because it changes the force: what waits longer only gets worse."""
 WAITED, ON_FIRST, FOLDED = "waited", "on_first", "folded"
 """Names in a checkpoint."""
-PARTS = (1.0, 0.7, 0.85)
+PARTS = (1.0, 0.7, 0.85, 0.6, 0.77)
 """Of the size that is asked for, in meshes tried one after the other."""
 MOST_GIVEN_BACK = 1e-3
 """Part of the volume, lost by cells before, that one remesh gives back at most."""
@@ -144,6 +152,8 @@ class RemeshedForming(ImplicitRecording):
         if number in self._on_first:
             return find_reason_to_leave_first(old)
         own = self.procedure.state.nodes.increment[old.points.start : old.points.stop]
+        if wait == 1.0 and will_land(old, self.procedure.state, self.model):
+            return find_reason(old, own, self._settings_of(number), wait, early=EARLY)
         return find_reason(old, own, self._settings_of(number), wait)
 
     def begin_log(self) -> str:
