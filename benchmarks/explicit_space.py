@@ -12,7 +12,7 @@ import time
 import numpy as np
 
 from presswork import _core
-from presswork.body.solids import make_law
+from presswork.body.laws_of_solids import make_law
 from presswork.explicit.space_solids import ExplicitSpaceSolids
 from presswork.mesh.box import mesh_box
 from presswork.model import Hardening, Material, SolverSettings

@@ -13,40 +13,16 @@ from presswork.case.description import describe
 from presswork.case.space.schema import SpaceCase
 from presswork.interaction.supports import NotHeldError
 from presswork.view.all_plots import plot_all
+from tests.problems.upset_block import describe_block
 
-TEXT = """
-title = "a block is upset"
-analysis = "solid"
-[workpiece]
-material = "steel"
-mesh = {size = [10, 10, 7.5], cells = [3, 3, 3]}
-[materials.steel]
-young = 200e3
-poisson = 0.3
-hardening = {law = "swift", K = 565, e0 = 0.007, n = 0.26}
-[tools.die]
-shape = "plane"
-normal = [0, 0, -1]
-position = [0, 0, 7.5]
-contact = "shear"
-m = 0.3
-[tools.anvil]
-shape = "plane"
-normal = [0, 0, 1]
-contact = "frictionless"
-[boundary.x]
-set = "left"
-fix = ["x"]
-[boundary.y]
-set = "bottom"
-fix = ["y"]
-[[stages]]
-name = "press"
-tools.die = {stroke = 3, direction = [0, 0, -1]}
-[output]
-steps = 2
-checkpoint_every = 3
-"""
+TEXT = describe_block(
+    "mesh = {size = [10, 10, 7.5], cells = [3, 3, 3]}",
+    7.5,
+    0.3,
+    "tools.die = {stroke = 3, direction = [0, 0, -1]}",
+    anvil='contact = "frictionless"',
+    tail="[output]\nsteps = 2\ncheckpoint_every = 3\n",
+)
 
 
 @pytest.fixture(scope="module")

@@ -10,47 +10,16 @@ from presswork.case.space.schema import SpaceCase
 from presswork.examples import copy_example
 from presswork.report.write import write_report
 from presswork.view.all_plots import plot_all
+from tests.problems.upset_block import describe_block
 
-TEXT = """
-title = "a quarter of a block is upset"
-analysis = "solid"
-[workpiece]
-material = "steel"
-element = "tet4_mini"
-mesh = {kind = "box", size = [4, 4, 5], cells = [3, 3, 4]}
-[materials.steel]
-young = 200e3
-poisson = 0.3
-hardening = {law = "swift", K = 565, e0 = 0.007, n = 0.26}
-[tools.die]
-shape = "plane"
-normal = [0, 0, -1]
-position = [0, 0, 5]
-contact = "shear"
-m = 0.2
-[tools.anvil]
-shape = "plane"
-normal = [0, 0, 1]
-contact = "shear"
-m = 0.2
-[boundary.middle_x]
-set = "left"
-fix = ["x"]
-[boundary.middle_y]
-set = "bottom"
-fix = ["y"]
-[points]
-core = [0.1, 0.1, 2.5]
-[[stages]]
-name = "press"
-duration = 1.0
-tools.die = {stroke = 1.0, direction = [0, 0, -1]}
-[solver]
-max_increment = 0.05
-[output]
-steps = 2
-checkpoint_every = 3
-"""
+TEXT = describe_block(
+    'element = "tet4_mini"\nmesh = {kind = "box", size = [4, 4, 5], cells = [3, 3, 4]}',
+    5,
+    0.2,
+    "duration = 1.0\ntools.die = {stroke = 1.0, direction = [0, 0, -1]}",
+    tail="[points]\ncore = [0.1, 0.1, 2.5]\n[solver]\nmax_increment = 0.05\n"
+    "[output]\nsteps = 2\ncheckpoint_every = 3\n",
+)
 FORCED = TEXT + "[remesh]\nevery = 0.25\n"
 
 

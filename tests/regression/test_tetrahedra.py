@@ -11,45 +11,15 @@ from presswork.mesh.box import mesh_box
 from presswork.model import CellBlock
 from presswork.report.surface import find_surface
 from presswork.view.all_plots import plot_all
+from tests.problems.upset_block import describe_block
 
-TEXT = """
-title = "a block of tetrahedra is upset"
-analysis = "solid"
-[workpiece]
-material = "steel"
-element = "tet4_mini"
-mesh = {path = "body.msh", unit = "mm"}
-[materials.steel]
-young = 200e3
-poisson = 0.3
-hardening = {law = "swift", K = 565, e0 = 0.007, n = 0.26}
-[tools.die]
-shape = "plane"
-normal = [0, 0, -1]
-position = [0, 0, 5]
-contact = "shear"
-m = 0.3
-[tools.anvil]
-shape = "plane"
-normal = [0, 0, 1]
-contact = "shear"
-m = 0.3
-[boundary.middle_x]
-set = "left"
-fix = ["x"]
-[boundary.middle_y]
-set = "bottom"
-fix = ["y"]
-[points]
-core = [0.1, 0.1, 2.5]
-[[stages]]
-name = "press"
-duration = 1.0
-tools.die = {stroke = 1.5, direction = [0, 0, -1]}
-[output]
-steps = 2
-checkpoint_every = 2
-"""
+TEXT = describe_block(
+    'element = "tet4_mini"\nmesh = {path = "body.msh", unit = "mm"}',
+    5,
+    0.3,
+    "duration = 1.0\ntools.die = {stroke = 1.5, direction = [0, 0, -1]}",
+    tail="[points]\ncore = [0.1, 0.1, 2.5]\n[output]\nsteps = 2\ncheckpoint_every = 2\n",
+)
 
 
 def body(n: int = 3):

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from presswork import _core, run_model
-from presswork.body.solids import make_law
+from presswork.body.laws_of_solids import make_law
 from presswork.case import StampingCase, build_model
 from presswork.evolution.contract import PointChange
 from presswork.evolution.damage import DamageLaw

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from presswork import _core, build_model
-from presswork.body.solids import make_law
+from presswork.body.laws_of_solids import make_law
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.explicit.space_solids import ExplicitSpaceSolids

@@ -14,6 +14,7 @@ from presswork import _core
 from presswork.body.heat_of_umat import find_heat
 from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.law_window import LawWindow, note_rates
+from presswork.body.laws_of_solids import history_at_rest, make_law, make_point_settings
 from presswork.body.nodal_pressure import describe_freedom, find_scale
 from presswork.body.shells import ShellMechanics
 from presswork.body.solid_energy import elastic_energy, stress_in_axes
@@ -22,18 +23,12 @@ from presswork.fields.contact_stress import BodyTraction, ContactForces
 from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress, find_contact
 from presswork.law.elastic_plastic import (
-    SolidLaw,
-    is_plain,
-    make_hardening,
-    make_plane_law,
-    make_solid_law,
     plastic_work_density,
     rate_at_rest,
     temperature,
     temperature_at_rest,
 )
-from presswork.law.umat import UNDEFORMED, open_umat
-from presswork.model import POROSITY, FloatArray, Hardening, IntArray, MaskArray, Material, Model, SolverSettings
+from presswork.model import POROSITY, FloatArray, Hardening, IntArray, MaskArray, Material, Model
 from presswork.outcome import BadGuess, Step
 from presswork.state import CellArrays, NodeArrays, State
 from presswork.timing import Timing
@@ -53,58 +48,6 @@ class TurnedInsideOut(BadGuess):
 
     def __str__(self) -> str:
         return f"cell {self.cell} of block {self.block} turned inside out"
-
-
-def make_law(material: Material, solver: SolverSettings, components: int) -> _core.VonMises | SolidLaw | _core.Umat:
-    """Return the compiled material law of a stress of 4 or 6 components, or open the library that has it."""
-    if material.umat is not None:
-        return open_umat(material.umat)
-    if not is_plain(material):
-        return make_solid_law(material) if components == 6 else make_plane_law(material)
-    assert material.hardening is not None
-    consistent = solver.tangent == "consistent" or solver.terms.modulus == "consistent"
-    return _core.VonMises(
-        material.young,
-        material.poisson,
-        *make_hardening(material.hardening),
-        integrator=_core.Integrator[solver.integrator],
-        substeps=solver.substeps,
-        modulus=_core.Modulus.consistent if consistent else _core.Modulus.continuum,
-    )
-
-
-def _history_at_rest(
-    law: _core.VonMises | SolidLaw | _core.Umat, size: tuple[int, int], components: int, rolling: FloatArray
-) -> FloatArray:
-    """Return what a block's law keeps before the first increment (n_cells, n_points, n_history)."""
-    if isinstance(law, _core.VonMises):
-        return np.zeros((*size, 0))
-    if isinstance(law, _core.Umat):
-        history = np.zeros((*size, law.n_state + _core.umat_history_size(components)))
-        history[..., law.n_state + UNDEFORMED] = 1.0
-        return history
-    history = np.zeros((*size, _core.kept_values(law)))
-    if isinstance(law, _core.SolidLaw):
-        across = np.cross([0.0, 0.0, 1.0], rolling)
-        length = float(np.linalg.norm(across))
-        history[..., -6:-3] = rolling
-        history[..., -3:] = across / length if length > 1e-6 else (1.0, 0.0, 0.0)
-    else:
-        history[..., -2:] = rolling[:2]
-    return history
-
-
-def make_point_settings(solver: SolverSettings) -> _core.PointSettings:
-    """Return the kernels' settings of kinematics and tangent."""
-    return _core.PointSettings(
-        measure=_core.StrainMeasure[solver.strain_measure],
-        tangent=_core.TangentKind[solver.tangent],
-        green_lagrange_matrix=solver.terms.strain_matrix == "Bbar",
-        k_e=solver.terms.k_e,
-        k_u=solver.terms.k_u,
-        k_v=solver.terms.k_v,
-        small_displacements=solver.is_small,
-    )
 
 
 _NEVER_FLOWS = Hardening("linear", np.array([1e12, 0.0]))
@@ -183,7 +126,7 @@ class Mechanics:
             temperature=[temperature_at_rest(self._material(i), size) for i, size in enumerate(sizes)],
             rate=[rate_at_rest(self._material(i), size) for i, size in enumerate(sizes)],
             history=[
-                _history_at_rest(law, size, components, np.asarray(self._material(i).rolling_direction))
+                history_at_rest(law, size, components, np.asarray(self._material(i).rolling_direction))
                 for i, (law, size) in enumerate(zip(self._laws, sizes, strict=True))
             ],
             volume=[np.zeros(size) for size in sizes],

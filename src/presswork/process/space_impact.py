@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.body.solids import make_law
+from presswork.body.laws_of_solids import make_law
 from presswork.evolution.damage import make_damage
 from presswork.explicit.space_solids import ExplicitSpaceSolids
 from presswork.geometry.tool_surface import make_surface

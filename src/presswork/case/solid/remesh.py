@@ -15,35 +15,24 @@ from presswork.case.errors import Problem, suggest
 from presswork.case.names import Name
 from presswork.case.part import Part
 from presswork.case.settings import Whole
+from presswork.case.sizes_of_cells import SizesOfCells
 from presswork.case.units import Length, Number, fault
 from presswork.geometry.pose import start_profile
 from presswork.geometry.profile_way import ProfileWay
 from presswork.mesh.joined import split_mesh
-from presswork.mesh.topology import list_cell_edges
 
 if TYPE_CHECKING:
     from presswork.case.solid.schema import Case
 
-SMALLEST = 0.25
-"""Of the largest size."""
 OF_RADIUS = 0.5
 """Of the least radius of a tool: the smallest size that is proposed for it."""
 OF_SMALLEST = 0.5
 """Of the smallest size: the radius that sharp corners of tools get where they point into the metal."""
 
 
-class BodyRemesh(Part):
+class BodyRemesh(SizesOfCells):
     """When and how finely a body is meshed anew in the run."""
 
-    size: Length | None = Field(
-        default=None, gt=0, description="largest edge of cells [mm]; without it: the mean edge of the first mesh"
-    )
-    smallest_size: Length | None = Field(
-        default=None,
-        gt=0,
-        description="smallest edge of cells, at sharp corners of tools and in thin flash [mm]; without it: a quarter "
-        "of the largest",
-    )
     max_cells: Whole = Field(default=20_000, ge=50, description="budget of cells: beyond it all become larger")
     quality: Number = Field(
         default=0.2,
@@ -55,16 +44,7 @@ class BodyRemesh(Part):
 
     def build(self, mesh: model.Mesh) -> model.Remeshing:
         """Return the Model's settings for a body's first mesh."""
-        size = self.find_size(mesh)
-        smallest = SMALLEST * size if self.smallest_size is None else self.smallest_size
-        return model.Remeshing(size, smallest, self.max_cells, self.quality)
-
-    def find_size(self, mesh: model.Mesh) -> float:
-        """Return the largest edge of cells [mm]."""
-        if self.size is not None:
-            return self.size
-        edges = np.concatenate([list_cell_edges(block.connectivity)[:, :2] for block in mesh.blocks])
-        return float(np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1).mean())
+        return model.Remeshing(*self.find_sizes(mesh), self.max_cells, self.quality)
 
 
 class Window(Part):
@@ -226,14 +206,7 @@ def check_sizes(remesh: Remesh, mesh: model.Mesh, bodies: Sequence[model.Body]) 
 
 
 def _check_sizes(remesh: BodyRemesh, mesh: model.Mesh, key: str) -> list[Problem]:
-    size, smallest, problems = remesh.find_size(mesh), remesh.smallest_size, []
-    if smallest is not None and smallest > size:
-        fault = f"smallest_size ({smallest:g} mm) exceeds the largest edge of cells ({size:g} mm)"
-        problems.append(Problem(f"{key}.smallest_size", fault, "make it smaller, or leave it out"))
-    extent = float(np.ptp(mesh.points, axis=0).min())
-    if remesh.size is not None and size > extent:
-        fault = f"size ({size:g} mm) exceeds the least extent of the body ({extent:g} mm)"
-        problems.append(Problem(f"{key}.size", fault, "make it smaller, or leave it out"))
+    size, problems = remesh.find_size(mesh), remesh.check_sizes(mesh, key)
     edges = mesh.points[mesh.boundary_edges[:, :2]]
     round_it = float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).sum())
     if round_it > 10 * size * remesh.max_cells:

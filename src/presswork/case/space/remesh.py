@@ -6,36 +6,22 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
 from pydantic import Field
 
 from presswork import model
 from presswork.case.errors import Problem
-from presswork.case.part import Part
 from presswork.case.settings import Whole
-from presswork.case.units import Length, Number
+from presswork.case.sizes_of_cells import SizesOfCells
+from presswork.case.units import Number
 from presswork.model import ELEMENTS
-from presswork.remesh.space.tetrahedra import list_edges
 
 if TYPE_CHECKING:
     from presswork.case.space.schema import SpaceCase
 
-SMALLEST = 0.25
-"""Of the largest size."""
 
-
-class SpaceRemesh(Part):
+class SpaceRemesh(SizesOfCells):
     """When and how finely a body of tetrahedra is meshed anew in the run."""
 
-    size: Length | None = Field(
-        default=None, gt=0, description="largest edge of cells [mm]; without it: the mean edge of the first mesh"
-    )
-    smallest_size: Length | None = Field(
-        default=None,
-        gt=0,
-        description="smallest edge of cells, at small radii of tools and in thin flash [mm]; without it: a quarter of "
-        "the largest",
-    )
     max_cells: Whole = Field(default=60_000, ge=50, description="budget of cells: beyond it all become larger")
     quality: Number = Field(
         default=0.2,
@@ -51,15 +37,7 @@ class SpaceRemesh(Part):
 
     def build(self, mesh: model.Mesh) -> model.Remeshing:
         """Return the Model's settings for the first mesh of a body."""
-        size = measure_mean_edge(mesh) if self.size is None else self.size
-        smallest = SMALLEST * size if self.smallest_size is None else self.smallest_size
-        return model.Remeshing(size, smallest, self.max_cells, self.quality, self.every)
-
-
-def measure_mean_edge(mesh: model.Mesh) -> float:
-    """Return the mean edge of tetrahedra [mm]."""
-    edges = list_edges(np.concatenate([block.connectivity for block in mesh.blocks]))
-    return float(np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1).mean())
+        return model.Remeshing(*self.find_sizes(mesh), self.max_cells, self.quality, self.every)
 
 
 def check_space_remesh(case: SpaceCase, mesh: model.Mesh) -> list[Problem]:
@@ -75,17 +53,7 @@ def check_space_remesh(case: SpaceCase, mesh: model.Mesh) -> list[Problem]:
         for key, is_so in _find_obstacles(case).items()
         if is_so
     ]
-    settings = case.remesh.build(mesh)
-    if settings.smallest_size > settings.size:
-        fault = (
-            f"smallest_size ({settings.smallest_size:g} mm) exceeds the largest edge of cells ({settings.size:g} mm)"
-        )
-        problems.append(Problem("remesh.smallest_size", fault, "make it smaller, or leave it out"))
-    extent = float(np.ptp(mesh.points, axis=0).min())
-    if settings.size > extent:
-        fault = f"size ({settings.size:g} mm) exceeds the least extent of the body ({extent:g} mm)"
-        problems.append(Problem("remesh.size", fault, "make it smaller, or leave it out"))
-    return problems
+    return problems + case.remesh.check_sizes(mesh, "remesh")
 
 
 def build_space_remeshing(case: SpaceCase, mesh: model.Mesh) -> model.Remeshing | None:
