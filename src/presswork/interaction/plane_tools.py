@@ -124,7 +124,7 @@ class PlaneTools(Interaction):
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Forget the changes of the increment before; take the flow stress that friction asks for."""
-        self.contact.begin_increment()
+        self.contact.begin_increment(state_n)
         self.floating.begin_increment()
         if self.friction.is_needed:
             self.friction.begin_increment(state_n, self._cells.nodal_flow_stress(state_n))

@@ -11,6 +11,7 @@ chatter: a node is released only near equilibrium, and only if it pulls with mor
 a node off that comes back without it, a part of the shear is found with which it neither pulls nor lifts (grazing.py);
 and a node that has changed its state MAX_CHANGES times in an increment stays held for the rest of it. If it still pulls
 when all else is in equilibrium, the increment has failed.
+Where tools that move apart pull at a body, those that leave it fastest let go first: it stays on the tool that stands.
 
 Faces: tool t offers face 2t, the closest, and 2t + 1, the other face of an inner corner.
 """
@@ -55,6 +56,7 @@ class Contact:
         self.segment = np.full(self.gap.shape, -1, dtype=np.int32)  # of the tool's profile; -1 where there is no gap
         self._searched: tuple[FloatArray, FloatArray, FloatArray] | None = None  # nodes and tools of the last search
         self._changes = np.zeros(len(self.nodes), dtype=np.int64)
+        self._start = np.zeros((len(model.plane_tools), 2))  # displacement of the tools when the increment began
         self._by_shear = np.array(
             [t.friction.law in ("shear", "coulomb_capped") for t in model.plane_tools], dtype=bool
         ).repeat(2)
@@ -141,9 +143,10 @@ class Contact:
         self._limit_faces(touch.status)
         self.settle(state)
 
-    def begin_increment(self) -> None:
+    def begin_increment(self, state_n: State) -> None:
         """Forget the changes of the increment before."""
         self._changes[:] = 0
+        self._start = state_n[ToolArrays].displacement
         self._grazing.begin_increment()
 
     def settle(self, state: State) -> None:
@@ -203,8 +206,16 @@ class Contact:
         by_shear = (self._changes >= 2) | (-judged.min(axis=0, initial=0.0) < drag.force)
         self._grazes = self._on_shear(trial) & (pulls.any(axis=0) & by_shear | (touch.shear_part < 1.0))
         pulls &= ~(self._grazes & (touch.shear_part > 0.0))
+        pulls &= self._leave_first(trial, pulls)
         touch.status[pulls & (self._changes < MAX_CHANGES)] = 0
         self.n_unsettled = int((pulls & (self._changes >= MAX_CHANGES)).any(axis=0).sum())
+
+    def _leave_first(self, trial: State, pulls: BoolArray) -> BoolArray:
+        """Mark the faces that leave their nodes fastest, of those that pull; all where none leaves (n_faces, n)."""
+        moved = (trial[ToolArrays].displacement - self._start).repeat(2, axis=0)
+        speed = -(self.normal * moved[:, None]).sum(axis=2)
+        fastest = float(speed[pulls].max(initial=0.0))
+        return np.asarray(speed >= 0.5 * fastest) if fastest > 0.0 else np.ones_like(pulls)
 
     def _on_shear(self, trial: State) -> BoolArray:
         """Mark nodes that one face alone holds, with constant shear (n_candidates,)."""

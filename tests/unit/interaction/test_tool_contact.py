@@ -247,7 +247,7 @@ def test_an_increment_fails_whose_contact_does_not_settle() -> None:
     held = int(np.nonzero(state[ContactArrays].status[0])[0][-1])
     pulling = state.nodes.reaction.copy()
     pulling[contact.nodes[held]] *= -1.0
-    contact.begin_increment()
+    contact.begin_increment(state)
     drag = procedure.interactions.tools.friction.drag
     assert contact.update(state.duplicate(), pulling, drag, fixed, near=True, tolerance=0.0) == 1, "it lets go"
     assert contact.n_unsettled == 0

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A punch that rises from a billet which nothing but two tools holds: the billet stays on the die that stands."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from presswork import build_model
+from presswork.case import Case
+from presswork.implicit.stepping import ImplicitProcedure
+
+HEIGHT, STROKE = 15.0, 3.0
+LAWS: dict[str, dict[str, Any]] = {
+    "frictionless": {"contact": "frictionless"},
+    "sticking": {"contact": "sticking"},
+    "coulomb": {"contact": "coulomb", "mu": 0.15},
+    "shear": {"contact": "shear", "m": 0.3},
+}
+
+
+def billet(law: str, element: str, faster: str) -> Case:
+    """A billet between two flat tools; the faster one leaves it, the other stands or goes half as fast."""
+    way = {"upper": [0, 1], "lower": [0, -1]}
+    slower = "lower" if faster == "upper" else "upper"
+    return Case.model_validate(
+        {
+            "title": "billet between two tools",
+            "analysis": "axisymmetric",
+            "workpiece": {"material": "steel", "element": element, "mesh": {"size": [5.0, HEIGHT], "cells": [4, 9]}},
+            "materials": {
+                "steel": {
+                    "young": 100000.0,
+                    "poisson": 0.3,
+                    "hardening": {"law": "swift", "K": 200.0, "e0": 0.01, "n": 0.2},
+                }
+            },
+            "boundary": {"axis": {"set": "left", "fix": ["x"]}},
+            "tools": {
+                "upper": {"profile": [[0, HEIGHT], [20, HEIGHT]], **LAWS[law]},
+                "lower": {"profile": [[20, 0], [0, 0]], **LAWS[law]},
+            },
+            "stages": [
+                {"name": "upset", "tools": {"upper": {"stroke": STROKE, "direction": [0, -1]}}},
+                {
+                    "name": "apart",
+                    "tools": {
+                        faster: {"stroke": 6.0, "direction": way[faster]},
+                        slower: {"stroke": 0.0 if faster == "upper" else 2.0, "direction": way[slower]},
+                    },
+                },
+            ],
+        }
+    )
+
+
+@pytest.mark.parametrize("element", ["quad4_fbar", "quad8", "tri3"])
+@pytest.mark.parametrize("law", LAWS)
+def test_a_billet_stays_on_the_die_that_stands(law: str, element: str) -> None:
+    procedure = ImplicitProcedure(build_model(billet(law, element, "upper")), threads=1)
+    for _ in procedure.advance():
+        pass
+    state = procedure.state
+    height = (procedure.model.mesh.points + state.nodes.displacement)[:, 1]
+    spring_back = height.max() - (HEIGHT - STROKE)
+    assert height.min() == pytest.approx(0.0, abs=1e-4)
+    assert 0.0 < spring_back < 0.01 * HEIGHT
+
+
+def test_a_billet_goes_with_the_slower_of_two_tools_that_leave_it() -> None:
+    procedure = ImplicitProcedure(build_model(billet("shear", "quad4_fbar", "lower")), threads=1)
+    for _ in procedure.advance():
+        pass
+    height = (procedure.model.mesh.points + procedure.state.nodes.displacement)[:, 1]
+    assert height.max() == pytest.approx(HEIGHT - STROKE + 2.0, abs=1e-4)
