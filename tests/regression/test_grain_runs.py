@@ -13,6 +13,7 @@ import pytest
 from presswork import Case, build_model
 from presswork.case import CaseError, StampingCase
 from presswork.case.material.grain import Grain
+from presswork.case.space.schema import SpaceCase
 from presswork.evolution.grain import GAS
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_stamping, run_to_end
 from tests.verification.test_grain import STATIC_SIZE, STATIC_TIME, fraction, value
@@ -76,12 +77,13 @@ def test_a_part_that_springs_back_keeps_its_grains(tmp_path: Path) -> None:
     np.testing.assert_allclose(released, formed, rtol=1e-3)
 
 
-def test_what_is_recrystallised_softens_a_sheet(tmp_path: Path) -> None:
+@pytest.mark.parametrize("procedure", ["implicit", "explicit"])
+def test_what_is_recrystallised_softens_a_sheet(procedure: str, tmp_path: Path) -> None:
     """A second pull goes on from the strain that is retained, (1 - X) e."""
     case = copy.deepcopy(STRIP)
     case["materials"]["steel"]["grain"]["softens"] = True
     case["stages"].append({**case["stages"][0], "name": "again"})
-    result = run_stamping(case, tmp_path / "out", procedure="implicit")
+    result = run_stamping(case, tmp_path / "out", procedure=procedure)
     first, x = result.field("total_plastic_strain", 1).mean(), result.field("recrystallised_fraction", 2).mean()
     kept = result.field("total_plastic_strain").mean() - x * first
     assert x * first > 0.01
@@ -117,20 +119,49 @@ def test_an_explicit_solid_recrystallises_after_the_blow(tmp_path: Path) -> None
     assert_same_bits(tmp_path / "parts", tmp_path / "whole")
 
 
-@pytest.mark.parametrize(
-    ("change", "key"),
-    [
-        ({"softens": True}, "materials.steel.grain.softens"),
-        ({"temperature": None}, "materials.steel.grain.temperature"),
-    ],
-)
-def test_what_explicit_runs_cannot_do_is_refused(change: dict[str, Any], key: str) -> None:
+def block_in_space(element: str) -> dict[str, Any]:
+    """SOLID as a block in space."""
+    return {
+        **SOLID,
+        "analysis": "solid",
+        "workpiece": {"material": "steel", "element": element,
+                      "mesh": {"kind": "box", "size": [10, 10, 10], "cells": [2, 2, 2]}},
+        "boundary": {"x": {"set": "left", "fix": ["x"]}, "y": {"set": "bottom", "fix": ["y"]},
+                     "z": {"set": "back", "fix": ["z"]}},
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["axisymmetric", "tri3", "hex8_1pt", "hex8_fbar"])
+def test_what_is_recrystallised_softens_an_explicit_solid(kind: str, tmp_path: Path) -> None:
+    """A second blow goes on from the strain that is retained, (1 - X) e, and harder without `softens`."""
+    schema = SpaceCase if kind.startswith("hex8") else Case
+    case = copy.deepcopy(block_in_space(kind) if kind.startswith("hex8") else SOLID)
+    if kind == "tri3":
+        case["workpiece"]["element"] = kind
+    grain = case["materials"]["steel"]["grain"]
+    grain["static"]["half_time"]["A"] = 1e-16 * 5e-4 / PAUSE
+    case["stages"].append({**case["stages"][0], "name": "again"})
+    stress = {}
+    for softens in (False, True):
+        grain["softens"] = softens
+        result = run_to_end(build_model(schema.model_validate(case)), tmp_path / str(softens))
+        stress[softens] = result.field("effective_stress").mean()
+        first, x = result.field("total_plastic_strain", 1).mean(), result.field("recrystallised_fraction", 2).mean()
+        kept = result.field("total_plastic_strain").mean() - softens * x * first
+        assert x * first > 0.01
+        np.testing.assert_allclose(stress[softens], 60.0 + 200.0 * kept, rtol=0.03)
+    assert stress[True] < 0.97 * stress[False]
+    run_in_two_parts(build_model(schema.model_validate(case)), tmp_path / "parts", 23)
+    assert_same_bits(tmp_path / "parts", tmp_path / "True")
+
+
+def test_a_missing_temperature_is_named() -> None:
     for data, kind in ((STRIP | {"procedure": "explicit"}, StampingCase), (SOLID, Case)):
         case = copy.deepcopy(data)
-        case["materials"]["steel"]["grain"] |= change
+        case["materials"]["steel"]["grain"]["temperature"] = None
         with pytest.raises(CaseError) as error:
             build_model(kind.model_validate(case))
-        assert key in [problem.key for problem in error.value.problems]
+        assert "materials.steel.grain.temperature" in [problem.key for problem in error.value.problems]
 
 
 def test_a_named_steel_has_its_laws_and_keys_beside_it_replace_them() -> None:

@@ -13,6 +13,8 @@ from presswork import _core
 from presswork.explicit.input_checks import ExplicitError
 
 Array = npt.NDArray[np.float64]
+EQPS = 3
+"""Place of the equivalent plastic strain in what the loop keeps of a layer, behind sums of the stress."""
 
 
 class LayersOfRun:
@@ -152,6 +154,14 @@ class LayersOfRun:
             layers = np.broadcast_to(of_block, (*shape, part.shape[-1]))
             self._loop.set_layers(block, np.ascontiguousarray(layers))
         self._loop.internal_force = self._loop.trial_force(np.zeros(self._fixed.shape))
+
+    def recover(self, hardens: Array) -> None:
+        """Let only a part of the equivalent plastic strain so far harden from now on (n, q, n_points)."""
+        state = self._loop.state()
+        for block, part in enumerate(np.split(hardens[self._shells], np.cumsum(self._counts)[:-1])):
+            layers = state[f"block_{block}"]["layers"]
+            layers[..., EQPS] *= part.mean(axis=1, keepdims=True) if layers.shape[1] == 1 else part
+        self._loop.restore(state)
 
     def released(self) -> tuple[Array, Array]:
         """Return stress_at_points and thickness once tools no longer squeeze the sheet, held in its plane, elastically.

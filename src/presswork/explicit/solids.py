@@ -99,6 +99,15 @@ class ExplicitSolids(Dynamics):
         """Equivalent plastic strain (n_cells)."""
         return self._loop.eqps
 
+    def recover(self, hardens: Array) -> None:
+        """Let only a part of the equivalent plastic strain so far harden from now on (n_cells,)."""
+        state, first = self._loop.state(), 0
+        for block in range(len(self.mesh.blocks)):
+            strain = state[f"block_{block}"]["eqps"]
+            strain *= hardens[first : first + len(strain)].reshape(strain.shape)
+            first += len(strain)
+        self._loop.restore(state)
+
     @property
     def damage(self) -> dict[str, list[Array]]:
         """Damage by the name of its quantity, of each block (n_cells, 1), without rows where it has no such law."""

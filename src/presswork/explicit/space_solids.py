@@ -150,6 +150,12 @@ class ExplicitSpaceSolids(SpaceDynamics):
         """Equivalent plastic strain (n_cells), mean of the cell's points."""
         return self._values()[:, EQPS]
 
+    def recover(self, hardens: Array) -> None:
+        """Let only a part of the equivalent plastic strain so far harden from now on (n_cells,)."""
+        state = self._loop.state()
+        state["block_0"]["points"][..., EQPS] *= hardens[self._elements][:, None]
+        self._loop.restore(state)
+
     @property
     def temperature(self) -> Array:
         """Temperature (n_cells) [degrees C]: that of the start, and the rise by plastic work."""

@@ -115,7 +115,9 @@ class ExplicitImpact(RowRecording):
         self._reaction = self.solids.reaction_impulse / (self.solids.time - time)
         if self.heat is not None:
             self.heat.advance()
-        self.points.end_row(self._find_points(), self.solids.time - time)
+        hardens = self.points.end_row(self._find_points(), self.solids.time - time)
+        if self.points.softens:
+            self.solids.recover(np.concatenate(hardens)[:, 0])
         energies = self.solids.energies()
         self._progress[ADDED_MASS] = self.solids.added_mass().percent
         cycles = self.solids.cycle - cycle

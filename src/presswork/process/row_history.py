@@ -46,6 +46,8 @@ class RowHistory:
         self.values: dict[str, list[FloatArray]] = {}
         """By the quantity's name, an entry for each block, of the shape of its points; empty without the law."""
         self._before: list[BlockPoints] = []
+        self.softens = any(law.softens for laws in self._laws for law in laws)
+        """Whether what is recrystallised hardens no more."""
 
     @property
     def is_needed(self) -> bool:
@@ -67,8 +69,12 @@ class RowHistory:
         """Keep what a row of cycles begins with."""
         self._before = list(points)
 
-    def end_row(self, points: Sequence[BlockPoints], dt: float) -> None:
-        """Take up what a row has led to in dt [s] of the process."""
+    def end_row(self, points: Sequence[BlockPoints], dt: float) -> list[FloatArray]:
+        """Take up what a row has led to in dt [s] of the process.
+
+        Return the part of the plastic strain of each block's points that still hardens, of the shape of its points.
+        """
+        hardens = [np.ones_like(after.eqps) for after in points]
         for i, (before, after) in enumerate(zip(self._before, points, strict=True)):
             number, grown = self._numbers[i], after.eqps - before.eqps
             flows = grown > 0.0
@@ -77,9 +83,10 @@ class RowHistory:
                 noted = (after.eqps[flows], grown[flows] / dt, degrees[flows])
                 self.window.note(number, self._materials[number], noted)
             if self._laws[i]:
-                self._advance(i, before, after, dt)
+                hardens[i] = self._advance(i, before, after, dt)
+        return hardens
 
-    def _advance(self, block: int, before: BlockPoints, after: BlockPoints, dt: float) -> None:
+    def _advance(self, block: int, before: BlockPoints, after: BlockPoints, dt: float) -> FloatArray:
         components = after.stress.shape[-1]
         warm = before.temperature, after.temperature
         change = PointChange(
@@ -90,10 +97,15 @@ class RowHistory:
             dt,
             *(None if degrees is None else degrees.ravel() for degrees in warm),
         )
+        hardens = np.ones_like(after.eqps)
         for law in self._laws[block]:
             found = law.advance({q.name: self.values[q.name][block].ravel() for q in law.quantities}, change)
             for name, value in found.items():
                 self.values[name][block] = value.reshape(after.eqps.shape)
+            if law.softens:
+                kept = law.hardening_strain(found).reshape(after.eqps.shape)
+                hardens = np.where(after.eqps > 0.0, kept / np.where(after.eqps > 0.0, after.eqps, 1.0), 1.0)
+        return hardens
 
     def split(self, parents: Sequence[NDArray[np.integer[Any]]]) -> None:
         """Give the cells of each block the values of those that they come from (n_cells,)."""

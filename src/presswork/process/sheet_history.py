@@ -42,7 +42,9 @@ class SheetHistory:
     def end_row(self, shells: ExplicitShells, dt: float) -> None:
         """Take up what a row has led to in dt [s] of the process."""
         if self._rows.is_needed:
-            self._rows.end_row(self._look(shells), dt)
+            (hardens,) = self._rows.end_row(self._look(shells), dt)
+            if self._rows.softens:
+                shells.recover(hardens)
 
     def split(self, parent: NDArray[np.integer[Any]]) -> None:
         """Give shells that were split the values of those that they come from (n_cells,)."""

@@ -40,14 +40,9 @@ def check_needs(
             yield from _check_temperature(name, material)
 
 
-def check_grain(
-    key: str, grain: Grain, *, knows_temperature: bool, stages: Sequence[Part], procedure: str
-) -> list[Problem]:
+def check_grain(key: str, grain: Grain, *, knows_temperature: bool, stages: Sequence[Part]) -> list[Problem]:
     """Return the problems of a grain size that lacks temperature or time; key: of the material."""
     problems, own = [], f"{key}.grain.temperature"
-    if procedure == "explicit" and grain.softens:
-        fault, remedy = "explicit laws harden by the strain in all, so far", "leave it out, or compute implicitly"
-        problems.append(Problem(f"{key}.grain.softens", fault, remedy, grain.softens))
     if grain.temperature is None and not knows_temperature:
         remedy = "add it [degrees C], or [heat], or `heating` of the material"
         problems.append(Problem(own, "missing key: recrystallisation needs a temperature", remedy))

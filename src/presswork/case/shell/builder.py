@@ -95,9 +95,7 @@ def _check_names(case: ShellCase) -> list[Problem]:
         for name, material in case.materials.items():
             if not isinstance(material, UmatMaterial) and material.grain is not None:
                 knows, stages = material.heating is not None, case.stages
-                problems += check_grain(
-                    f"materials.{name}", material.grain, knows_temperature=knows, stages=stages, procedure="implicit"
-                )
+                problems += check_grain(f"materials.{name}", material.grain, knows_temperature=knows, stages=stages)
     if case.solver.control == "arc_length":
         for index, stage in enumerate(case.stages):
             if stage.displacement or stage.rotation:

@@ -26,9 +26,8 @@ def check_laws(case: schema.Case) -> list[Problem]:
         if not isinstance(material, UmatMaterial):
             if material.grain is not None:
                 knows = case.heat is not None or material.heating is not None
-                key, stages, procedure = f"materials.{name}", case.stages, case.procedure
                 problems += check_grain(
-                    key, material.grain, knows_temperature=knows, stages=stages, procedure=procedure
+                    f"materials.{name}", material.grain, knows_temperature=knows, stages=case.stages
                 )
             problems += check_pores(f"materials.{name}", material) + _check_pores_in(case, name, material)
             problems += material.check_in_solids(f"materials.{name}")

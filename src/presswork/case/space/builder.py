@@ -142,9 +142,7 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
                 problems.append(Problem(f"materials.{name}.gtn", fault, "leave it out"))
             if material.grain is not None:
                 key, knows = f"materials.{name}", heated or material.heating is not None
-                problems += check_grain(
-                    key, material.grain, knows_temperature=knows, stages=case.stages, procedure=case.procedure
-                )
+                problems += check_grain(key, material.grain, knows_temperature=knows, stages=case.stages)
             problems += material.check_in_solids(f"materials.{name}")
             if name == case.workpiece.material:
                 problems += check_integrator(name, material, case.solver)

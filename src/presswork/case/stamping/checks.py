@@ -43,8 +43,7 @@ def check_names(case: StampingCase) -> list[Problem]:
             problems += _check_umat(f"materials.{name}", material, case)
         elif material.grain is not None:
             knows = case.heat is not None or material.heating is not None
-            key, stages, procedure = f"materials.{name}", case.stages, case.procedure
-            problems += check_grain(key, material.grain, knows_temperature=knows, stages=stages, procedure=procedure)
+            problems += check_grain(f"materials.{name}", material.grain, knows_temperature=knows, stages=case.stages)
     if case.blank.thickness < THINNEST:
         fault, remedy = "thinner than any rolled metal", 'plain numbers are mm: 0.8, or "0.8 mm"'
         problems.append(Problem("blank.thickness", fault, remedy, case.blank.thickness))
