@@ -5,6 +5,7 @@
 #include "contact/facing.hpp"
 #include "contact/interface.hpp"
 #include "contact/profile.hpp"
+#include "member_arrays.hpp"
 
 namespace presswork::bindings {
 
@@ -13,17 +14,6 @@ namespace {
 EdgeList edge_list(const Ints& edges) {
   require(edges.ndim() == 2 && (edges.shape(1) == 2 || edges.shape(1) == 3), "edges must have shape (n, 2 | 3)");
   return {static_cast<int>(edges.shape(0)), static_cast<int>(edges.shape(1)), edges.data()};
-}
-
-template <class T>
-auto view(const std::vector<T>& values, std::vector<std::size_t> shape, const InterfaceOutput& owner) {
-  return nb::ndarray<nb::numpy, const T>(values.data(), shape.size(), shape.data(), nb::find(owner));
-}
-
-template <auto member, std::size_t... columns>
-auto field(const InterfaceOutput& o) {
-  const auto& values = o.*member;
-  return view(values, {values.size() / (std::size_t(1) * ... * columns), columns...}, o);
 }
 
 InterfaceOutput evaluate(Ints slave, Ints master, Ints slots, Ints pairs, Doubles x, Doubles x_n, Doubles slave_depth,

@@ -13,6 +13,7 @@ void bind_umat(nb::module_& m);
 void bind_element(nb::module_& m);
 void bind_shell(nb::module_& m);
 void bind_contact(nb::module_& m);
+void bind_face_contact(nb::module_& m);
 void bind_tool_surface(nb::module_& m);
 void bind_sheet_under(nb::module_& m);
 void bind_assembly(nb::module_& m);
@@ -40,6 +41,7 @@ NB_MODULE(_core, m) {
   bind_element(m);
   bind_shell(m);
   bind_contact(m);
+  bind_face_contact(m);
   bind_tool_surface(m);
   bind_sheet_under(m);
   bind_assembly(m);

@@ -578,6 +578,83 @@ def find_edge_pairs(slave: Annotated[NDArray[numpy.int32], dict(order='C', devic
     Pairs of half-edges (n, 2) that may touch within the margin [mm], slave and master.
     """
 
+class FaceInterfaceResult:
+    """Forces, tangent and slots of an interface between bodies in space."""
+
+    @property
+    def too_deep(self) -> int:
+        """Pairs that have gone through each other in this increment."""
+
+    @property
+    def force(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """On the nodes (n_points, 3) [N]."""
+
+    @property
+    def pairs(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]:
+        """Nodes of the blocks (n_blocks, 2)."""
+
+    @property
+    def blocks(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """d(-force) / d(position) (n_blocks, 3, 3) [N/mm]."""
+
+    @property
+    def pressure(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """(n_slots,) [MPa]."""
+
+    @property
+    def shear(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """On the slave (n_slots, 3) [MPa]."""
+
+    @property
+    def gap(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """Weighted mean (n_slots,) [mm]; infinite where none faces."""
+
+    @property
+    def slip(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """Weighted mean (n_slots, 3) [mm]."""
+
+    @property
+    def normal(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """Out of the slave (n_slots, 3); zero where none faces."""
+
+    @property
+    def slope_places(self) -> Annotated[NDArray[numpy.int32], dict(writable=False)]:
+        """Slots and nodes of the slopes (n, 2)."""
+
+    @property
+    def pressure_slopes(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """d pressure / d position of active slots (n, 3) [MPa/mm]."""
+
+    @property
+    def status(self) -> Annotated[NDArray[numpy.uint8], dict(writable=False)]:
+        """0 apart, 1 sticks, 2 slides (n_slots,)."""
+
+    @property
+    def push(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """On the master's nodes (n_points,) [N]."""
+
+    @property
+    def drag(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """On the master's nodes (n_points, 3) [N]."""
+
+    @property
+    def area(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """Share of the master's nodes in the contact [mm2]."""
+
+    @property
+    def master_force(self) -> tuple[float, float, float]:
+        """Of the slave on the master [N]."""
+
+def evaluate_face_interface(slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], slots: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], x: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], x_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, slave_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], master_depth: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], held: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], pressure: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], slip: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], believed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], least_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear_limit: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], mu: float, tangential_part: float, reach: float, touching: float, with_tangent: bool) -> FaceInterfaceResult:
+    """
+    Mortar contact of slave and master faces at positions x; see face_interface.hpp.
+    """
+
+def find_face_pairs(slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], x: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], margin: float, self: bool) -> NDArray[numpy.int32]:
+    """
+    Pairs of faces (n, 2) that may touch within the margin [mm], slave and master.
+    """
+
 class ToolSurface:
     """Surface of a rigid tool in its own frame; see tool_surface.hpp."""
 

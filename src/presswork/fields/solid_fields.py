@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
 from presswork.fields.contact_stress import BodyTraction, ContactForces
@@ -51,4 +54,21 @@ def find_contact(
         traction={tool.name: stress.traction[i] for i, tool in enumerate(model.plane_tools)},
         total_traction=stress.traction.sum(axis=0),
         force=force,
+    )
+
+
+def add_bodies(find_contact: Callable[[], NodalContact] | None, between_bodies: BodyTraction) -> NodalContact:
+    """Return the contact at the nodes of solids in space: what bodies do to each other, and tools if there are any."""
+    n = len(between_bodies.pressure)
+    if find_contact is not None:
+        found = find_contact()
+    else:
+        none, no_force = np.zeros(n), np.zeros((n, 3))
+        found = NodalContact(np.full(n, np.nan), none, none, none, none, {}, no_force, no_force)
+    touched = between_bodies.pressure != 0.0
+    return replace(
+        found,
+        pressure=np.where(touched, between_bodies.pressure, found.pressure),
+        shear=np.where(touched, between_bodies.shear, found.shear),
+        force=found.force + between_bodies.force,
     )

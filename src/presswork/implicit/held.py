@@ -19,7 +19,8 @@ def check_held(model: Model, interactions: Interactions, state: State) -> None:
     if model.dimension == 3:
         tools = interactions.space_tools
         touched = tools.held_directions(state) if tools else None
-        check_held_in_space(model, interactions.supports.fixed(0), touched)
+        touching = interactions.bodies.touching(state) if model.contacts else []
+        check_held_in_space(model, interactions.supports.fixed(0), touched, touching)
         check_pushed(model, interactions, state, 0)
         return
     whole = Body("workpiece", range(len(model.mesh.points)), range(len(model.mesh.blocks)))
@@ -27,7 +28,7 @@ def check_held(model: Model, interactions: Interactions, state: State) -> None:
     touching = interactions.bodies.touching(state)
     for number, body in enumerate(bodies):
         held = _held_by_tools(model, interactions, state, body)
-        for contact, directions in touching:
+        for contact, _, directions in touching:
             if number in contact.between and contact.between[0] != contact.between[1]:
                 held |= (np.abs(directions) > 0.1).any(axis=0)
         if not held.all():

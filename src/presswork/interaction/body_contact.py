@@ -19,11 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from presswork import _core
 from presswork.body.contract import Cells
 from presswork.fields.contact_stress import BodyTraction
-from presswork.interaction.body_interface import MARGIN, REACH, TOUCHING, Interface, InterfaceArrays
+from presswork.interaction.body_interface import MARGIN, REACH, Interface, InterfaceArrays
 from presswork.interaction.contract import Forces, Guess, Interaction, Point
+from presswork.interaction.space_interface import SpaceInterface
 from presswork.model import BodyContact, FloatArray, IntArray, MaskArray, Model
 from presswork.outcome import PassedThrough, Step
 from presswork.state import Arrays, State
@@ -42,7 +42,7 @@ STICKS = 1
 
 @dataclass(frozen=True)
 class BodyForces(Forces):
-    """Of the bodies on each other: nodal force (n_points, 2) [N], stiffness as node pairs (n, 2), blocks (n, 2, 2)."""
+    """Of the bodies on each other: nodal force (n_points, d) [N], stiffness as node pairs (n, 2), blocks (n, d, d)."""
 
     pressure: FloatArray
     """(n_slots,) [MPa]."""
@@ -50,7 +50,8 @@ class BodyForces(Forces):
     gap: FloatArray
     slip: FloatArray
     status: MaskArray
-    details: tuple[_core.InterfaceResult, ...]
+    details: tuple[Any, ...]
+    """Of each interface: what its kernel returns."""
 
 
 class BodyContacts(Interaction):
@@ -59,10 +60,12 @@ class BodyContacts(Interaction):
     def __init__(self, model: Model, cells: Cells) -> None:
         self._model = model
         self._cells = cells
-        self.interfaces: list[Interface] = []
+        self.interfaces: list[Interface | SpaceInterface] = []
         self.n_slots = 0
         for contact in model.contacts:
-            self.interfaces.append(Interface(model, contact, self.n_slots))
+            self.interfaces.append(
+                (SpaceInterface if model.dimension == 3 else Interface)(model, contact, self.n_slots)
+            )
             self.n_slots += len(self.interfaces[-1].nodes)
         self._edge = np.concatenate([np.zeros(0), *(np.full(len(i.nodes), i.edge) for i in self.interfaces)])
         self._budget = 0.5 * (MARGIN - REACH) * min((i.mean_edge for i in self.interfaces), default=0.0)
@@ -79,7 +82,8 @@ class BodyContacts(Interaction):
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return the arrays of bodies that do not push each other."""
-        slots = [np.zeros(self.n_slots) for _ in range(3)]
+        along = (self.n_slots, 3) if self._model.dimension == 3 else self.n_slots
+        slots = [np.zeros(self.n_slots), np.zeros(along), np.zeros(along)]
         return (InterfaceArrays(*slots, *(np.zeros(self._model.mesh.points.shape) for _ in range(3))),)
 
     def surface_nodes(self) -> list[IntArray]:
@@ -111,13 +115,13 @@ class BodyContacts(Interaction):
 
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> BodyForces | PassedThrough:
         """Return the forces of the bodies on each other at a guess."""
-        return self.at(state_n, trial, guess.displacement)
+        return self.at(state_n, trial, guess.displacement[:, : self._model.dimension])
 
     def at(self, state_n: State, trial: State, displacement: FloatArray) -> BodyForces | PassedThrough:
-        """Return the forces of the bodies on each other with the nodes displaced by `displacement` (n_points, 2)."""
+        """Return the forces of the bodies on each other with the nodes displaced by `displacement` (n_points, d)."""
         self._follow(trial, displacement)
         points = self._model.mesh.points
-        x, x_n = points + displacement, points + state_n.nodes.displacement
+        x, x_n = points + displacement, points + self._moved(state_n)
         results = []
         for interface in self.interfaces:
             found = interface.evaluate(state_n, trial, x_n, x, self._shear_flow, self._held, self._believed)
@@ -136,8 +140,11 @@ class BodyContacts(Interaction):
             details=tuple(results),
         )
 
+    def _moved(self, state: State) -> FloatArray:
+        return state.nodes.displacement[:, : self._model.dimension]
+
     def predict(self, found: Any, change: FloatArray) -> None:
-        """Take the pressures that a change of the nodes (n_points, 2) [mm] leads to where all goes by the tangent.
+        """Take the pressures that a change of the nodes (n_points, freedoms) leads to where all goes by the tangent.
 
         They are what the iteration believes in: the penalty makes of the curvature that a change has passed by, a
         micrometre or so, pressures beyond all bounds, and a tangent or a friction made of those leads nowhere.
@@ -145,7 +152,8 @@ class BodyContacts(Interaction):
         for interface, result in zip(self.interfaces, found.details, strict=True):
             slot, node = np.asarray(result.slope_places).T
             rise = np.zeros(len(interface.nodes))
-            np.add.at(rise, slot, (np.asarray(result.pressure_slopes) * change[node]).sum(axis=1))
+            slopes = np.asarray(result.pressure_slopes)
+            np.add.at(rise, slot, (slopes * change[node, : slopes.shape[1]]).sum(axis=1))
             self._believed[interface.places] = np.asarray(result.pressure) + rise
 
     def update(self, trial: State, point: Point, own: Any, *, near: bool, pull: float) -> int:
@@ -164,33 +172,27 @@ class BodyContacts(Interaction):
         self._changes[changed] += 1
         return int(changed.sum())
 
-    def touching(self, state: State) -> list[tuple[BodyContact, FloatArray]]:
-        """Return each contact whose surfaces touch, with the directions (n, 2) in which they hold each other."""
+    def touching(self, state: State) -> list[tuple[BodyContact, FloatArray, FloatArray]]:
+        """Return each contact with the places (n, d) where its surfaces touch, and directions (n, d) in which they hold
+        each other there.
+        """
         if not self.interfaces:
             return []
-        found = self.at(state, state, state.nodes.displacement)
+        found = self.at(state, state, self._moved(state))
         assert isinstance(found, BodyForces)  # nothing has moved
-        held = []
-        for interface, result in zip(self.interfaces, found.details, strict=True):
-            near = np.asarray(result.gap) <= 10 * TOUCHING * interface.mean_edge
-            edges = interface.slave[near[interface.slots].all(axis=1)]
-            along = self._model.mesh.points[edges[:, 1]] - self._model.mesh.points[edges[:, 0]]
-            along /= np.linalg.norm(along, axis=1)[:, None]
-            normal = np.column_stack([along[:, 1], -along[:, 0]])
-            rubs = interface.contact.contact != "frictionless"
-            held.append((interface.contact, np.concatenate([normal, along]) if rubs else normal))
-        return held
+        details = zip(self.interfaces, found.details, strict=True)
+        return [(interface.contact, *interface.find_held(result)) for interface, result in details]
 
-    def _at_rest(self, state: State) -> tuple[_core.InterfaceResult, ...]:
+    def _at_rest(self, state: State) -> tuple[Any, ...]:
         """Return what a converged state's multipliers do, gaps and slips left out."""
         if not self.interfaces:
             return ()
-        points = self._model.mesh.points + state.nodes.displacement
-        self._follow(state, state.nodes.displacement)
-        return tuple(interface.apply(state, points) for interface in self.interfaces)
+        moved = self._moved(state)
+        self._follow(state, moved)
+        return tuple(interface.apply(state, self._model.mesh.points + moved) for interface in self.interfaces)
 
     def total_forces(self, state: State) -> dict[str, FloatArray]:
-        """Return the force of the first body of each contact on the second (2,) [N]."""
+        """Return the force of the first body of each contact on the second (2 | 3,) [N]."""
         forces = {}
         for interface, result in zip(self.interfaces, self._at_rest(state), strict=True):
             contact = interface.contact
@@ -198,37 +200,21 @@ class BodyContacts(Interaction):
         return forces
 
     def traction(self, state: State) -> BodyTraction | None:
-        """Return pressure, shear and force at the nodes, as those of tools; None if no bodies may touch.
-
-        At the ends of slave edges they are those of the slots, at their mid-sides the mean of the ends; at the master's
-        nodes the nodal force over the node's share of the surface in contact.
-        """
+        """Return pressure, shear and force at the nodes, as those of tools; None if no bodies may touch."""
         if not self.interfaces:
             return None
-        n, own_arrays = len(self._model.mesh.points), state[InterfaceArrays]
+        n = len(self._model.mesh.points)
         pressure, shear = np.zeros(n), np.zeros(n)
         for interface, result in zip(self.interfaces, self._at_rest(state), strict=True):
-            area = np.asarray(result.area)
-            touched = np.asarray(result.push) > 0
-            safe = np.where(area > 1e-9 * area.max(initial=0.0), area, np.inf)
-            pressure[touched] = (np.asarray(result.push) / safe)[touched]
-            shear[touched] = -(np.asarray(result.drag) / safe)[touched]
-            own, own_shear = own_arrays.pressure[interface.places], own_arrays.shear[interface.places]
-            pushes = own > 0
-            pressure[interface.nodes[pushes]], shear[interface.nodes[pushes]] = own[pushes], -own_shear[pushes]
-            if interface.slave.shape[1] == 3:
-                middle = interface.slave[:, 2]
-                both = pushes[interface.slots].any(axis=1)
-                pressure[middle[both]] = own[interface.slots].mean(axis=1)[both]
-                shear[middle[both]] = -own_shear[interface.slots].mean(axis=1)[both]
-        return BodyTraction(pressure, shear, own_arrays.force)
+            interface.show(result, pressure, shear)
+        return BodyTraction(pressure, shear, state[InterfaceArrays].force)
 
     def augment(self, trial: State, own: Any) -> bool:
         """Take over the multipliers if bodies penetrate, or slip where they stick, by more than is allowed."""
         pushes, sticks = own.pressure > 0, own.status == STICKS
         excess = max(
             float(np.abs(own.gap[pushes] / self._edge[pushes]).max(initial=0.0)),
-            float(np.abs(own.slip[sticks] / self._edge[sticks]).max(initial=0.0)),
+            float((_lengths(own.slip[sticks]) / self._edge[sticks]).max(initial=0.0)),
         )
         if excess <= PENETRATION:
             return False
@@ -240,13 +226,19 @@ class BodyContacts(Interaction):
         """Keep what the next increment starts from."""
         kept = trial[InterfaceArrays]
         kept.pressure, kept.shear = own.pressure, own.shear
-        kept.slip = np.where(own.status == STICKS, own.slip, 0.0)
+        sticks = own.status == STICKS
+        kept.slip = np.where(sticks if own.slip.ndim == 1 else sticks[:, None], own.slip, 0.0)
         kept.force = own.force
         if any(i.contact.contact != "frictionless" for i in self.interfaces):
-            points = self._model.mesh.points + trial.nodes.displacement
+            points = self._model.mesh.points + self._moved(trial)
             kept.friction = own.force - sum(i.push(trial, points) for i in self.interfaces)
 
     def work(self, state_n: State, trial: State) -> Mapping[str, float]:
         """Return what friction between the bodies takes [N mm]."""
         friction = state_n[InterfaceArrays].friction + trial[InterfaceArrays].friction
-        return {"friction_work": -0.5 * float((friction * trial.nodes.increment).sum())}
+        return {"friction_work": -0.5 * float((friction * trial.nodes.increment[:, : friction.shape[1]]).sum())}
+
+
+def _lengths(vectors: FloatArray) -> FloatArray:
+    """Return the lengths of vectors (n, d), or of scalars (n,)."""
+    return np.asarray(np.abs(vectors) if vectors.ndim == 1 else np.linalg.norm(vectors, axis=1))

@@ -52,15 +52,15 @@ class InterfaceArrays(Arrays):
     pressure: FloatArray
     """Between bodies, per slave node of each contact (n_slots,) [MPa]."""
     shear: FloatArray
-    """Along the slave edge (n_slots,) [MPa]."""
+    """Along the slave edge (n_slots,), in space a vector on the slave (n_slots, 3) [MPa]."""
     slip: FloatArray
-    """Elastic slip of nodes that stick, still to be undone (n_slots,) [mm]."""
+    """Elastic slip of nodes that stick, still to be undone, in the same form [mm]."""
     force: FloatArray
-    """Of the bodies on each other, at the nodes (n_points, 2) [N]."""
+    """Of the bodies on each other, at the nodes (n_points, 2 | 3) [N]."""
     friction: FloatArray
     """The part of it that friction makes, in the same form."""
     search_displacement: FloatArray
-    """At which edges that may touch were last looked for (n_points, 2) [mm]."""
+    """At which edges or faces that may touch were last looked for (n_points, 2 | 3) [mm]."""
 
 
 class Interface:
@@ -79,7 +79,7 @@ class Interface:
         lengths = [np.linalg.norm(points[e[:, 1]] - points[e[:, 0]], axis=1) for e in (self.slave, self.master)]
         self.mean_edge = float(np.concatenate(lengths).mean())
         self.edge = float(lengths[0].mean())
-        young = min(model.materials[i].young for b in contact.between for i in self._materials(b))
+        young = find_softest(model, contact)
         # the same at all slots: then a uniform pressure makes a uniform penetration, and passes the patch test
         self.stiffness = np.full(len(self.nodes), STIFFNESS * young / self.edge)
         self.credible = CREDIBLE * young
@@ -106,9 +106,6 @@ class Interface:
         around = np.pi * (first[:, 0] + last[:, 0]) if self._model.analysis == "axisymmetric" else self._model.depth
         half = 0.5 * np.linalg.norm(last - first, axis=1) * around
         return np.bincount(self.slots.ravel(), np.repeat(half, 2), minlength=len(self.nodes)).astype(np.float64)
-
-    def _materials(self, body: int) -> list[int]:
-        return [self._model.mesh.blocks[i].material for i in self._model.bodies[body].blocks]
 
     def search(self, points: FloatArray) -> IntArray:
         """Look for the edges that may touch; return the node pairs (n, 2) that the matrix must hold."""
@@ -148,6 +145,38 @@ class Interface:
         """Return the part of these forces that the pressure alone makes (n_points, 2) [N]."""
         return np.asarray(self._apply(state, x, np.zeros_like(state[InterfaceArrays].shear)).force)
 
+    def show(self, result: _core.InterfaceResult, pressure: FloatArray, shear: FloatArray) -> None:
+        """Write pressure and shear [MPa] at the nodes of both surfaces into fields (n_points,).
+
+        At the ends of slave edges they are those of the slots, at their mid-sides the mean of the ends; at the master's
+        nodes the nodal force over the node's share of the surface in contact.
+        """
+        area = np.asarray(result.area)
+        touched = np.asarray(result.push) > 0
+        safe = np.where(area > 1e-9 * area.max(initial=0.0), area, np.inf)
+        pressure[touched] = (np.asarray(result.push) / safe)[touched]
+        shear[touched] = -(np.asarray(result.drag) / safe)[touched]
+        own, own_shear = np.asarray(result.pressure), np.asarray(result.shear)
+        pushes = own > 0
+        pressure[self.nodes[pushes]], shear[self.nodes[pushes]] = own[pushes], -own_shear[pushes]
+        if self.slave.shape[1] == 3:
+            middle = self.slave[:, 2]
+            both = pushes[self.slots].any(axis=1)
+            pressure[middle[both]] = own[self.slots].mean(axis=1)[both]
+            shear[middle[both]] = -own_shear[self.slots].mean(axis=1)[both]
+
+    def find_held(self, result: _core.InterfaceResult) -> tuple[FloatArray, FloatArray]:
+        """Return places (n, 2) where the surfaces touch, and directions (n, 2) in which they hold each other there."""
+        near = np.asarray(result.gap) <= 10 * TOUCHING * self.mean_edge
+        edges = self.slave[near[self.slots].all(axis=1)]
+        along = self._model.mesh.points[edges[:, 1]] - self._model.mesh.points[edges[:, 0]]
+        along /= np.linalg.norm(along, axis=1)[:, None]
+        normal = np.column_stack([along[:, 1], -along[:, 0]])
+        middle = self._model.mesh.points[edges[:, :2]].mean(axis=1)
+        if self.contact.contact == "frictionless":
+            return middle, normal
+        return np.concatenate([middle, middle]), np.concatenate([normal, along])
+
     def _apply(self, state: State, x: FloatArray, shear: FloatArray) -> _core.InterfaceResult:
         kept = state[InterfaceArrays]
         n = len(self.nodes)
@@ -185,6 +214,12 @@ class Interface:
             thickness=0.0 if self._model.analysis == "axisymmetric" else self._model.depth,
             with_tangent=tangent,
         )
+
+
+def find_softest(model: Model, contact: BodyContact) -> float:
+    """Return Young's modulus of the softest material of the bodies of a contact [MPa]."""
+    blocks = [model.mesh.blocks[i] for body in contact.between for i in model.bodies[body].blocks]
+    return min(model.materials[block.material].young for block in blocks)
 
 
 def find_cells_of_edges(model: Model, edges: IntArray) -> list[tuple[int, IndexArray, IntArray]]:

@@ -15,15 +15,18 @@ def join_meshes(parts: Mapping[str, Mesh]) -> tuple[Mesh, tuple[Body, ...]]:
     """Put meshes into one, bodies in the order given; return it and which points and blocks are whose.
 
     The first body's sets keep their names, those of the others are called BODY.SET. Raises ValueError if some bodies
-    have straight edges of two nodes and others edges of three.
+    have straight edges of two nodes and others edges of three, or faces of three nodes and others faces of four.
     """
     if len({mesh.boundary_edges.shape[1] for mesh in parts.values()}) > 1:
         raise ValueError("bodies with linear and with quadratic elements do not go together")
+    if len({mesh.boundary_faces.shape[1] for mesh in parts.values()}) > 1:
+        raise ValueError("bodies of hexahedra and of tetrahedra do not go together")
     blocks: list[CellBlock] = []
     node_sets: dict[str, IntArray] = {}
     edge_sets: dict[str, IntArray] = {}
+    face_sets: dict[str, IntArray] = {}
     bodies: list[Body] = []
-    edges = []
+    edges, faces = [], []
     first = 0
     for name, mesh in parts.items():
         prefix = f"{name}." if bodies else ""
@@ -32,10 +35,20 @@ def join_meshes(parts: Mapping[str, Mesh]) -> tuple[Mesh, tuple[Body, ...]]:
         blocks += [replace(b, connectivity=(b.connectivity + first).astype(np.int32)) for b in mesh.blocks]
         node_sets |= {f"{prefix}{key}": (nodes + first).astype(np.int32) for key, nodes in mesh.node_sets.items()}
         edge_sets |= {f"{prefix}{key}": (pairs + first).astype(np.int32) for key, pairs in mesh.edge_sets.items()}
+        face_sets |= {f"{prefix}{key}": (nodes + first).astype(np.int32) for key, nodes in mesh.face_sets.items()}
         edges.append((mesh.boundary_edges + first).astype(np.int32))
+        faces.append((mesh.boundary_faces + first).astype(np.int32))
         first = points.stop
-    joined = np.concatenate([mesh.points for mesh in parts.values()])
-    return Mesh(joined, tuple(blocks), node_sets, edge_sets, np.concatenate(edges)), tuple(bodies)
+    joined = Mesh(
+        np.concatenate([mesh.points for mesh in parts.values()]),
+        tuple(blocks),
+        node_sets,
+        edge_sets,
+        np.concatenate(edges),
+        face_sets=face_sets,
+        boundary_faces=np.concatenate(faces),
+    )
+    return joined, tuple(bodies)
 
 
 def split_mesh(mesh: Mesh, bodies: Sequence[Body]) -> list[Mesh]:

@@ -42,7 +42,10 @@ def choose_slave(mesh: Mesh, bodies: Sequence[Body], young: Sequence[float], fir
 
 
 def mean_edge(mesh: Mesh, body: Body) -> float:
-    """Return the mean length of the edges of a body's boundary [mm]."""
+    """Return the mean length of the edges of a body's boundary, in space of the sides of its faces [mm]."""
+    if mesh.points.shape[1] == 3:
+        faces = mesh.boundary_faces[body.owns(mesh.boundary_faces)]
+        return float(np.linalg.norm(mesh.points[np.roll(faces, -1, axis=1)] - mesh.points[faces], axis=2).mean())
     edges = mesh.boundary_edges[body.owns(mesh.boundary_edges)]
     return float(np.linalg.norm(mesh.points[edges[:, 1]] - mesh.points[edges[:, 0]], axis=1).mean())
 

@@ -16,6 +16,7 @@ from presswork.body.solids import Mechanics
 from presswork.evolution.points import find_evolved
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
+from presswork.fields.solid_fields import add_bodies
 from presswork.fields.table import compute_fields
 from presswork.formability import Formability
 from presswork.geometry.pose import (
@@ -89,7 +90,7 @@ class ImplicitRecording(IncrementRecording):
             heat += ["dies_heat_stored"] if self.procedure.heat.forming.dies.dies else []
         peaks = peak_columns(find_evolved(self.procedure.state))
         ram = RAM_COLUMNS if has_ram(self.model) else ()
-        first = [*history_columns(tools, self.turning, contacts), *ram, *heat, *peaks]
+        first = [*history_columns(tools, self.turning, contacts, "xyz"[: self.model.dimension]), *ram, *heat, *peaks]
         return [*first, *self.reactions.columns, *self.fill.columns, *self.marked.columns(self._show())]
 
     def begin_log(self) -> str:
@@ -121,7 +122,7 @@ class ImplicitRecording(IncrementRecording):
                 row[f"{name}.angle"], row[f"{name}.torque"] = float(np.degrees(tool.angle)), tool.torque
         forces = self.procedure.contact_forces()
         for name in (c.name for c in self.model.contacts if not c.by_itself):
-            row[f"{name}.force_x"], row[f"{name}.force_y"] = forces[name]
+            row |= {f"{name}.force_{axis}": float(f) for axis, f in zip("xyz", forces[name], strict=False)}
         state = self.procedure.state
         if RamArrays in state:
             row |= measure_ram(self.model, state, self._stage())
@@ -155,7 +156,9 @@ class ImplicitRecording(IncrementRecording):
             gaps = functools.partial(tools.contact.find_gaps, state)
             deepest = self.penetration.note_in_space(model.mesh, points, names, gaps)
         found = [deepest] if deepest else []
-        for first, second in sorted({c.between for c in model.contacts if len(set(c.between)) == 2}):
+        for first, second in sorted(
+            {c.between for c in model.contacts if len(set(c.between)) == 2 and model.dimension == 2}
+        ):
             edges = model.mesh.boundary_edges
             both = {body.name: edges[body.owns(edges)] for body in (model.bodies[first], model.bodies[second])}
             deepest = measure_bodies(model.mesh, points, both)
@@ -251,11 +254,14 @@ class ImplicitRecording(IncrementRecording):
         procedure = self.procedure
         state, interactions = procedure.state, procedure.interactions
         forces = interactions.tools.contact.forces(state, interactions.supports.fixed(self._stage()))
-        now = procedure.mechanics.show(state, forces, interactions.bodies.traction(state))
+        between = interactions.bodies.traction(state)
+        now = procedure.mechanics.show(state, forces, between)
         if procedure.heat is not None:
             now.temperature = state[HeatArrays].temperature
         if interactions.space_tools is not None and isinstance(interactions.space_tools.contact, SolidContact):
             now.find_contact = functools.partial(interactions.space_tools.contact.show, state)
+        if self.model.dimension == 3 and between is not None:
+            now.find_contact = functools.partial(add_bodies, now.find_contact, between)
         if self.model.analysis != "shell":
             now.reaction = state.nodes.reaction[:, :3] * self.reactions.mask(self.mesh, self._stage())
         return now

@@ -23,10 +23,12 @@ BY_OTHERS = (
 )
 
 
-def history_columns(tools: Sequence[str], turning: Sequence[str] = (), contacts: Sequence[str] = ()) -> list[str]:
+def history_columns(
+    tools: Sequence[str], turning: Sequence[str] = (), contacts: Sequence[str] = (), axes: str = "xy"
+) -> list[str]:
     """Return the columns of a run with these tools: times in s, strokes in mm, forces in N on the whole body.
 
-    Tools that turn have their angle [degree] and torque [N mm] too. Contacts between bodies have force_x and force_y:
+    Tools that turn have their angle [degree] and torque [N mm] too. Contacts between bodies have forces along the axes:
     of the first body on the second.
     """
     columns = ["time", "stage", "increment", "iterations"]
@@ -34,7 +36,7 @@ def history_columns(tools: Sequence[str], turning: Sequence[str] = (), contacts:
         quantities = ["stroke", "force", "force_x", "force_y", "force_z"]
         quantities += ["angle", "torque"] if tool in turning else []
         columns += [f"{tool}.{quantity}" for quantity in quantities]
-    columns += [f"{contact}.{quantity}" for contact in contacts for quantity in ("force_x", "force_y")]
+    columns += [f"{contact}.force_{axis}" for contact in contacts for axis in axes]
     return columns
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Collection, Container, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.solid import schema
+from presswork.case.solid.contact import Contact
 from presswork.case.solid.grid import grid_lines
 from presswork.case.solid.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.case.units import LENGTH, unit_factor
@@ -68,10 +70,6 @@ def check_bodies(case: schema.Case) -> list[Problem]:
     """Return the problems of bodies and contacts that show without their meshes."""
     bodies = list_bodies(case)
     problems = []
-    for name in case.bodies:
-        if name == WORKPIECE or "." in name or name in case.tools:
-            reason = "has a dot in it" if "." in name else "is taken already"
-            problems.append(Problem(f"bodies.{name}", f"this name {reason}", "give the body another"))
     quadratic = {name: not body.element.startswith(("tri3", "quad4")) for name, (_, body) in bodies.items()}
     for name, (key, body) in bodies.items():
         if quadratic[name] != quadratic[WORKPIECE]:
@@ -84,19 +82,29 @@ def check_bodies(case: schema.Case) -> list[Problem]:
                     body.element,
                 )
             )
+    return problems + check_contacts(case.bodies, case.contacts, case.tools)
+
+
+def check_contacts(others: Collection[str], contacts: Mapping[str, Contact], tools: Container[str]) -> list[Problem]:
+    """Return the problems of the names of bodies and contacts; others: the bodies beside the workpiece."""
+    bodies, problems = {WORKPIECE, *others}, []
+    for name in others:
+        if name == WORKPIECE or "." in name or name in tools:
+            reason = "has a dot in it" if "." in name else "is taken already"
+            problems.append(Problem(f"bodies.{name}", f"this name {reason}", "give the body another"))
     pairs: dict[frozenset[str], str] = {}
-    for name, contact in case.contacts.items():
+    for name, contact in contacts.items():
         key = f"contacts.{name}.between"
         unknown = [body for body in contact.between if body not in bodies]
         problems += [Problem(key, f"no such body: {body}", suggest(body, bodies, "bodies")) for body in unknown]
-        if name in case.tools:
+        if name in tools:
             problems.append(Problem(f"contacts.{name}", "a tool has this name", "give the contact another"))
         earlier = pairs.setdefault(frozenset(contact.between), name)
         if earlier != name:
             fault = f"the contact {earlier} is between the same bodies"
             problems.append(Problem(key, fault, "leave one of them out", list(contact.between)))
-    touched = {body for contact in case.contacts.values() for body in contact.between}
-    for name in case.bodies:
+    touched = {body for contact in contacts.values() for body in contact.between}
+    for name in others:
         if name not in touched:
             remedy = f'add [contacts.NAME] with between = ["workpiece", "{name}"], or leave the body out'
             problems.append(Problem(f"bodies.{name}", "no contact names this body: it would touch nothing", remedy))
@@ -107,21 +115,34 @@ def build_contacts(
     case: schema.Case, mesh: model.Mesh, bodies: tuple[model.Body, ...], materials: tuple[model.Material, ...]
 ) -> tuple[tuple[model.BodyContact, ...], list[Problem]]:
     """Return the contacts between bodies, and the problems of bodies that overlap or can never meet."""
-    number = {body.name: i for i, body in enumerate(bodies)}
-    contacts, problems = [], []
-    for name, contact in case.contacts.items():
+    contacts = make_contacts(case.contacts, mesh, bodies, materials)
+    problems = []
+    for contact in contacts:
+        first, second = contact.between
+        if first != second:
+            problems += _check_apart(case, contact.name, mesh, bodies[first], bodies[second])
+    return contacts, problems
+
+
+def make_contacts(
+    contacts: Mapping[str, Contact],
+    mesh: model.Mesh,
+    bodies: tuple[model.Body, ...],
+    materials: tuple[model.Material, ...],
+) -> tuple[model.BodyContact, ...]:
+    """Return the Model's contacts, each with its slave."""
+    number, made = {body.name: i for i, body in enumerate(bodies)}, []
+    for name, contact in contacts.items():
         first, second = (number[body] for body in contact.between)
         young = [materials[mesh.blocks[bodies[i].blocks.start].material].young for i in (first, second)]
         slave = number[contact.slave] if contact.slave else model.choose_slave(mesh, bodies, young, first, second)
-        contacts.append(
+        made.append(
             model.BodyContact(
                 name, (first, second), slave, contact.contact, m=contact.m, mu=contact.mu,
                 keeps_slave=contact.slave is not None,
             )
         )  # fmt: skip
-        if first != second:
-            problems += _check_apart(case, name, mesh, bodies[first], bodies[second])
-    return tuple(contacts), problems
+    return tuple(made)
 
 
 def _check_apart(

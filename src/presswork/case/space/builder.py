@@ -19,9 +19,14 @@ from presswork.case.solid.builder import build_materials
 from presswork.case.solid.law_checks import check_integrator
 from presswork.case.solid.reach import check_reach
 from presswork.case.solid.references import check_set_names
-from presswork.case.space.explicit_checks import check_space_procedure, choose_element
+from presswork.case.space.bodies import (
+    build_space_bodies,
+    build_space_contacts,
+    check_space_bodies,
+    list_space_bodies,
+)
+from presswork.case.space.explicit_checks import check_space_procedure
 from presswork.case.space.heat import build_space_heat, check_space_heat
-from presswork.case.space.mesh_builder import check_space_mesh, mesh_space_body
 from presswork.case.space.remesh import build_space_remeshing, check_space_remesh
 from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
 from presswork.case.space.symmetry import build_supports, check_symmetry, find_symmetry
@@ -37,9 +42,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     run_user_code: try the shared libraries that it names.
     """
     _stop_at(_check_names(case), case)
-    piece = case.workpiece
-    material = list(case.materials).index(piece.material)
-    mesh = mesh_space_body("workpiece", piece.mesh, choose_element(case), material, case.source)
+    mesh, bodies = build_space_bodies(case)
     _stop_at([*_check_sets(case, mesh), *check_space_remesh(case, mesh)], case)
     points, problems = build_points(
         case.points, mesh, {*case.boundary, *(entry.set for stage in case.stages for entry in stage.displacement)}
@@ -50,7 +53,8 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     for warning in warn_of_temperatures(case, materials):
         logger.warning("%s", warning)
     supports, wrong = build_supports(case, mesh)
-    symmetry = find_symmetry(case, mesh, supports)
+    symmetry = find_symmetry(case, mesh, bodies, supports)
+    contacts, apart = build_space_contacts(case, mesh, bodies, materials)
     folder = case.source.parent if case.source is not None else Path()
     built = [
         build_tool(name, tool, mesh, symmetry.planes, folder, find_way(case, name)) for name, tool in case.tools.items()
@@ -58,7 +62,8 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     stages, of_presses = _build_stages(case, mesh, symmetry.planes)
     problems += [
         *wrong,
-        *check_symmetry(case, mesh),
+        *apart,
+        *check_symmetry(case, mesh, bodies),
         *of_presses,
         *(tool for tool in built if isinstance(tool, Problem)),
     ]
@@ -75,9 +80,13 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         supports=supports,
         stages=stages,
         solver=build_solver(
-            case.solver, with_coulomb=any(tool.contact.startswith("coulomb") for tool in case.tools.values())
+            case.solver,
+            with_coulomb=any(tool.contact.startswith("coulomb") for tool in case.tools.values()),
+            with_body_contact=bool(contacts),
         ),
         output=build_output(case.output),
+        bodies=bodies,
+        contacts=contacts,
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
         limits=case.limits.build(),
         points=points,
@@ -94,12 +103,11 @@ def _stop_at(problems: list[Problem], case: SpaceCase) -> None:
 
 def _check_names(case: SpaceCase) -> list[Problem]:
     """Return the problems that show without the mesh."""
-    piece = case.workpiece
-    problems = [*_check_materials(case), *_check_solver(case), *check_space_procedure(case)]
-    if piece.material not in case.materials:
-        remedy = suggest(piece.material, case.materials, "materials")
-        problems.append(Problem("workpiece.material", "no such material", remedy, piece.material))
-    problems += check_space_mesh("workpiece.mesh", piece.mesh, choose_element(case))
+    problems = [*_check_materials(case), *_check_solver(case), *check_space_procedure(case), *check_space_bodies(case)]
+    for key, body in list_space_bodies(case).values():
+        if body.material not in case.materials:
+            remedy = suggest(body.material, case.materials, "materials")
+            problems.append(Problem(f"{key}.material", "no such material", remedy, body.material))
     names = [stage.name for stage in case.stages]
     held = False
     for index, stage in enumerate(case.stages):
@@ -129,7 +137,8 @@ def _check_names(case: SpaceCase) -> list[Problem]:
 def _check_materials(case: SpaceCase) -> list[Problem]:
     """Return the problems of laws that no solid in space takes."""
     heated = case.heat is not None
-    problems = list(check_needs(case.materials, [case.workpiece.material], case.stages, heated=heated))
+    used = {body.material for _, body in list_space_bodies(case).values()}
+    problems = list(check_needs(case.materials, sorted(used), case.stages, heated=heated))
     problems += check_space_heat(case)
     for name, material in case.materials.items():
         if isinstance(material, UmatMaterial):
@@ -144,9 +153,9 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
                 key, knows = f"materials.{name}", heated or material.heating is not None
                 problems += check_grain(key, material.grain, knows_temperature=knows, stages=case.stages)
             problems += material.check_in_solids(f"materials.{name}")
-            if name == case.workpiece.material:
+            if name in used:
                 problems += check_integrator(name, material, case.solver)
-        if case.solver.inertia and material.density is None and name == case.workpiece.material:
+        if case.solver.inertia and material.density is None and name in used:
             remedy = 'add it: solver.inertia needs it; steel has "7850 kg/m^3"'
             problems.append(Problem(f"materials.{name}.density", "missing key", remedy))
     return problems

@@ -15,17 +15,17 @@ from presswork.case.explicit_checks import (
     check_time,
 )
 from presswork.case.material.umat import UmatMaterial
-from presswork.case.space.schema import SpaceCase, SpaceStage
+from presswork.case.space.schema import SpaceCase, SpaceStage, SpaceWorkpiece
 from presswork.case.space.tools import SpaceTool
 
 USUAL = "hex8_1pt"
 """The element of the explicit procedure where the case names none."""
 
 
-def choose_element(case: SpaceCase) -> model.SpaceElement:
-    """Return the element of a case."""
-    given = "element" in case.workpiece.model_fields_set
-    return USUAL if case.procedure == "explicit" and not given else case.workpiece.element
+def choose_element(case: SpaceCase, body: SpaceWorkpiece | None = None) -> model.SpaceElement:
+    """Return the element of a body of a case, without it of the workpiece."""
+    piece = body or case.workpiece
+    return USUAL if case.procedure == "explicit" and "element" not in piece.model_fields_set else piece.element
 
 
 def check_space_procedure(case: SpaceCase) -> list[Problem]:

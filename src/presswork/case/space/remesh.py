@@ -63,7 +63,7 @@ def build_space_remeshing(case: SpaceCase, mesh: model.Mesh) -> model.Remeshing 
     """
     if case.remesh is not None:
         return case.remesh.build(mesh) if case.remesh.enabled else None
-    if not case.tools or not _is_of_tetrahedra(case) or case.solver.displacements == "small":
+    if not case.tools or not _is_of_tetrahedra(case) or case.solver.displacements == "small" or case.bodies:
         return None
     n_cells = sum(len(block.connectivity) for block in mesh.blocks)
     settings = SpaceRemesh(max_cells=max(SpaceRemesh().max_cells, 2 * n_cells)).build(mesh)
@@ -78,6 +78,8 @@ def _is_of_tetrahedra(case: SpaceCase) -> bool:
 def _find_obstacles(case: SpaceCase) -> dict[str, bool]:
     """Return which keys of a case do not go together with new meshes."""
     return {
+        "bodies": bool(case.bodies),
+        "contacts": bool(case.contacts),
         "heat": case.heat is not None,
         "solver.inertia": case.solver.inertia > 0.0,
         "solver.displacements": case.solver.displacements == "small",

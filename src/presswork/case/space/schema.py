@@ -18,6 +18,7 @@ from presswork.case.part import Part
 from presswork.case.press.builder import Timing
 from presswork.case.press.schema import Press, Speeds, StagePress, check_speeds
 from presswork.case.settings import Output, Solver
+from presswork.case.solid.contact import Contact
 from presswork.case.solid.explicit import ExplicitSolver
 from presswork.case.solid.schema import MaterialTable
 from presswork.case.space.mesh import SpaceMesh
@@ -165,6 +166,8 @@ class SpaceCase(CaseFile):
     workpiece: SpaceWorkpiece = Field(description="the body that is formed")
     materials: dict[Name, MaterialTable] = Field(min_length=1, description="materials by name")
     tools: dict[Name, SpaceTool] = Field(default={}, description="rigid tools by name")
+    bodies: dict[Name, SpaceWorkpiece] = Field(default={}, description="further deformable bodies by name")
+    contacts: dict[Name, Contact] = Field(default={}, description="contacts between bodies by name")
     presses: dict[Name, Press] = Field(default={}, description="presses that stages refer to, by name")
     boundary: dict[Name, SpaceBoundary] = Field(default={}, description="supports and symmetry planes by name")
     heat: FormingHeat | None = Field(default=None, description="heat of the workpiece as it is formed")

@@ -65,7 +65,9 @@ def _find_normal(mesh: model.Mesh, name: str) -> FloatArray | None:
     return normal if np.abs((points - points.mean(axis=0)) @ normal).max() < FLAT * size else None
 
 
-def find_symmetry(case: SpaceCase, mesh: model.Mesh, supports: tuple[model.Support, ...]) -> Symmetry:
+def find_symmetry(
+    case: SpaceCase, mesh: model.Mesh, bodies: tuple[model.Body, ...], supports: tuple[model.Support, ...]
+) -> Symmetry:
     """Return the symmetry planes of a case whose entries have no problem."""
     held = {support.name: support for support in supports}
     slanted = {name: held[name].normal for name in case.boundary if name in held and held[name].normal is not None}
@@ -76,14 +78,24 @@ def find_symmetry(case: SpaceCase, mesh: model.Mesh, supports: tuple[model.Suppo
             continue
         if name in slanted:
             upright.append(np.array(slanted[name]))
-        elif sum(held[name].fix) == 1 and is_whole_side(mesh, entry.set, held[name].fix.index(True)):
+        elif sum(held[name].fix) == 1 and is_whole_side(mesh, bodies, entry.set, held[name].fix.index(True)):
             axis = held[name].fix.index(True)
             planes[axis].append(float(mesh.points[mesh.node_sets[entry.set], axis].mean()))
     if not upright:
         return Symmetry(tuple(np.unique(of_axis) for of_axis in planes), 1.0)
     upright += [np.eye(3)[axis] for axis in range(2) for _ in planes[axis]]
+    upright = _leave_out_same(upright)
     sectors = _count_sectors(mesh, upright)
     return Symmetry((np.zeros(0), np.zeros(0), np.unique(planes[2])), sectors)
+
+
+def _leave_out_same(normals: list[FloatArray]) -> list[FloatArray]:
+    """Return unit normals of planes through z, one for each of several bodies' sides in the same plane."""
+    kept: list[FloatArray] = []
+    for normal in normals:
+        if all(abs(normal @ other) < 1.0 - 1e-9 for other in kept):
+            kept.append(normal)
+    return kept
 
 
 def _count_sectors(mesh: model.Mesh, normals: list[FloatArray]) -> float:
@@ -97,25 +109,27 @@ def _count_sectors(mesh: model.Mesh, normals: list[FloatArray]) -> float:
     return 360.0 / angle
 
 
-def is_whole_side(mesh: model.Mesh, name: str, axis: int) -> bool:
-    """Whether a set is the whole of an outermost flat side normal to an axis."""
-    low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
-    tolerance = FLAT * float(np.linalg.norm(high - low))
+def is_whole_side(mesh: model.Mesh, bodies: tuple[model.Body, ...], name: str, axis: int) -> bool:
+    """Whether a set is the whole of an outermost flat side of a body normal to an axis."""
     nodes = mesh.node_sets[name]
+    own = next((list(body.points) for body in bodies if nodes[0] in body.points), slice(None))
+    points = mesh.points[own]
+    low, high = points.min(axis=0), points.max(axis=0)
+    tolerance = FLAT * float(np.linalg.norm(high - low))
     at = mesh.points[nodes, axis]
     outermost = min(at.min() - low[axis], high[axis] - at.max()) < tolerance
-    is_whole = int((np.abs(mesh.points[:, axis] - at[0]) < tolerance).sum()) == len(nodes)
+    is_whole = int((np.abs(points[:, axis] - at[0]) < tolerance).sum()) == len(nodes)
     return bool(np.ptp(at) < tolerance and outermost and is_whole)
 
 
-def check_symmetry(case: SpaceCase, mesh: model.Mesh) -> list[Problem]:
+def check_symmetry(case: SpaceCase, mesh: model.Mesh, bodies: tuple[model.Body, ...]) -> list[Problem]:
     """Return the problems of entries that are said to be symmetry planes, and are none."""
     problems = []
     for name, entry in case.boundary.items():
         components = sorted(set(entry.fix))
         if not entry.symmetry or components == ["normal"]:
             continue
-        if len(components) > 1 or not is_whole_side(mesh, entry.set, AXES.index(components[0])):
+        if len(components) > 1 or not is_whole_side(mesh, bodies, entry.set, AXES.index(components[0])):
             fault = f"the set `{entry.set}` with fix = {components} is no symmetry plane of the workpiece"
             remedy = "fix one component, on the whole of an outermost flat side normal to it, or leave symmetry out"
             problems.append(Problem(f"boundary.{name}.symmetry", fault, remedy, True))
