@@ -171,10 +171,7 @@ class Facing {
     share = ramp((facing - cosine) / (facing - facing_in_full));
     for (int i = 0; i < nodes; ++i) own_[i] = plane.project(slave_.x[i]), opposite_[i] = plane.project(master_.x[i]);
     if (!cut()) return Overlap::none;
-    Point2 middle{0.0, 0.0};
-    for (int i = 0; i < overlap_.n; ++i)
-      middle.x += overlap_.corner[i].x / overlap_.n, middle.y += overlap_.corner[i].y / overlap_.n;
-    const double gap = find_gap(middle);
+    const double gap = find_gap(middle_);
     if (gap > limits.reach) return Overlap::apart;
     if (gap < -limits.depth) return Overlap::too_deep;
     return Overlap::found;
@@ -182,13 +179,16 @@ class Facing {
 
   // Points of the rule, appended.
   void list_points(std::vector<RulePoint>& points) const {
-    static const auto rule = Tri3::rule < nodes == 3 ? 3 : 6 > ();
-    const auto& p = overlap_.corner;
-    for (int i = 1; i + 1 < overlap_.n; ++i) {
-      const double twice = (p[i].x - p[0].x) * (p[i + 1].y - p[0].y) - (p[i].y - p[0].y) * (p[i + 1].x - p[0].x);
+    static const auto rule = Tri3::rule<(nodes == 3 ? 3 : 6)>();
+    // about the middle: quadrilaterals are not integrated exactly, and what is left must not jump with the corners
+    const int n = overlap_.n, first = nodes == 3 ? 1 : 0;
+    const Point2 o = nodes == 3 ? overlap_.corner[0] : middle_;
+    for (int i = first; i < n - first; ++i) {
+      const Point2 &p = overlap_.corner[i], &q = overlap_.corner[(i + 1) % n];
+      const double twice = (p.x - o.x) * (q.y - o.y) - (p.y - o.y) * (q.x - o.x);
       for (const auto& [place, weight] : rule) {
         const double r = place[0], s = place[1], rest = 1.0 - r - s;
-        const Point2 at{rest * p[0].x + r * p[i].x + s * p[i + 1].x, rest * p[0].y + r * p[i].y + s * p[i + 1].y};
+        const Point2 at{rest * o.x + r * p.x + s * q.x, rest * o.y + r * p.y + s * q.y};
         RulePoint point;
         point.weight = share * weight * twice / locate(own_, at, point.slave);
         locate(opposite_, at, point.master);
@@ -207,11 +207,16 @@ class Facing {
     }
     overlap_.n = nodes;
     for (int i = nodes; i-- > 0 && overlap_.n > 2;) clip(overlap_, opposite_[(i + 1) % nodes], opposite_[i]);
-    for (int i = 0; i < overlap_.n; ++i) {
-      const auto &p = overlap_.corner[i], &q = overlap_.corner[(i + 1) % overlap_.n];
-      left += 0.5 * (p.x * q.y - p.y * q.x);
+    if (overlap_.n < 3) return false;
+    const Point2& o = overlap_.corner[0];
+    middle_ = {0.0, 0.0};
+    for (int i = 1; i + 1 < overlap_.n; ++i) {
+      const Point2 &p = overlap_.corner[i], &q = overlap_.corner[i + 1];
+      const double area = 0.5 * ((p.x - o.x) * (q.y - o.y) - (p.y - o.y) * (q.x - o.x));
+      left += area, middle_.x += area * (o.x + p.x + q.x) / 3.0, middle_.y += area * (o.y + p.y + q.y) / 3.0;
     }
-    return overlap_.n > 2 && left > 1e-9 * whole;
+    middle_.x /= left, middle_.y /= left;
+    return left > 1e-9 * whole;
   }
 
   double find_gap(const Point2& at) const {
@@ -223,7 +228,7 @@ class Facing {
   }
 
   const Corners<nodes>&slave_, &master_;
-  Point2 own_[nodes], opposite_[nodes];
+  Point2 own_[nodes], opposite_[nodes], middle_;
   Polygon overlap_;
 
  public:

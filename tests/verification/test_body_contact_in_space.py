@@ -48,7 +48,7 @@ def two_blocks(element, law="frictionless", **friction) -> Model:
             initial_increment=0.5,
             max_increment=0.5,
             symmetric=False,
-            force_tolerance=1e-10,
+            force_tolerance=1e-8,
             displacement_tolerance=1e-9,
         ),
         output=OutputSettings(steps=1),
