@@ -48,6 +48,7 @@ PYTHON_ROOMS = {
         "remesh",
         "text_file",
     },
+    "deck": {"case", "mesh", "model", "text_file"},
     "examples": {"case"},
     "fields": {"evolution", "formability", "law", "mesh", "model"},
     "results": {"fields", "formability", "geometry", "model"},
@@ -89,6 +90,7 @@ PYTHON_ROOMS = {
     "cli": {
         "fields",
         "case",
+        "deck",
         "examples",
         "law",
         "material",

@@ -28,14 +28,18 @@ COMMANDS = {
     "onestep": "Find the flat blank of a finished part: outline, thinning, formability, punch force.",
     "calibrate": "Find a parameter from measured tests.",
     "material": "Sheet materials at a point.",
+    "import": "Make a case of another program's deck, and say line by line what was kept, changed and dropped.",
 }
 """First paragraph of each command's help by its name. A command is the function of that name in the module of that name
 in this package; a group of commands is the Typer `app` of its module."""
 
+_MODULES = {"import": "import_deck"}
+"""Of commands whose name is no name of a module."""
+
 
 def load(name: str) -> Any:
     """Import a command and return it, as typer's own command or group; EPILOG of its module ends its help."""
-    module = import_module(f"presswork.cli.{name}")
+    module = import_module(f"presswork.cli.{_MODULES.get(name, name)}")
     if hasattr(module, "app"):
         return typer.main.get_command(module.app)
     alone = typer.Typer(add_completion=False)

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `import`."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from presswork.case.errors import CaseError, Problem, suggest
+from presswork.cli.terminal import exit_on
+from presswork.deck.dyna.read import DynaDeck
+from presswork.deck.notes import Notes
+from presswork.deck.stamping import make_stamping
+from presswork.deck.units import SYSTEMS, find_units
+from presswork.deck.write import write_case
+
+app = typer.Typer(add_completion=False)
+_ENDINGS = (".k", ".key", ".dyn", ".dyna")
+
+
+@app.command("import")
+def import_deck(
+    deck: Annotated[Path, typer.Argument(help="A deck of LS-DYNA (.k, .key, .dyn) with a sheet and rigid tools.")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder of the case; without it: named as the deck.")
+    ] = None,
+    units: Annotated[
+        str, typer.Option(help=f"Units of the deck: {', '.join(SYSTEMS)}; without it: by density and stiffness.")
+    ] = "",
+    drop: Annotated[
+        list[str] | None, typer.Option(help="A keyword that carries physics and is left out all the same.")
+    ] = None,
+) -> None:
+    """Make a case of another program's deck, and say line by line what was kept, changed and dropped."""
+    with exit_on(CaseError, OSError):
+        _import(deck, output or deck.with_suffix(""), units, drop or [])
+
+
+def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
+    """Read a deck, write the case, and tell what became of the lines. Raises CaseError."""
+    notes = Notes(deck, frozenset(f"*{each.lstrip('*').upper()}" for each in drop))
+    if deck.suffix.lower() not in _ENDINGS:
+        problem = Problem(
+            "", f"no deck that is read: {deck.suffix or 'no ending'}", f"give one of {', '.join(_ENDINGS)}"
+        )
+        raise CaseError([problem], deck)
+    if (folder / "case.toml").exists():
+        raise CaseError([Problem("--output", "a case is there already", "give another folder", str(folder))], deck)
+    read = DynaDeck(deck, notes).read()
+    notes.check()
+    if units and units not in SYSTEMS:
+        raise CaseError([Problem("--units", "unknown units", suggest(units, SYSTEMS, "units"), units)], deck)
+    sheets = [material for material in read.materials.values() if not material.is_rigid]
+    found = SYSTEMS[units] if units else find_units(sheets)
+    if found is None:
+        fault = "density and stiffness of the sheet are those of a metal in no units, or in several"
+        raise CaseError([Problem("--units", fault, f"give one of {', '.join(SYSTEMS)}")], deck)
+    imported = make_stamping(read, found, notes)
+    notes.check()
+    case = write_case(imported, notes, folder)
+    for note in notes.in_order():
+        if note.fate != "dropped":
+            typer.echo(str(note))
+    counts = Counter(note.fate for note in notes.notes)
+    typer.echo(
+        f"units: {found.name}; {', '.join(f'{n} {fate}' for fate, n in counts.items())} ({folder / 'import.txt'})"
+    )
+    typer.echo(f"{case}\npresswork check {case}")

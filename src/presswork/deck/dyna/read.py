@@ -1,0 +1,293 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A deck of LS-DYNA, read: nodes, shells, parts, materials, curves, motions, forces and contacts of a forming job.
+
+What only steers numerics or output is dropped and noted; what carries physics and has no counterpart is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from presswork.deck.contents import Contact, Deck, Held, Motion, PartCard, Push, SectionCard, Shells
+from presswork.deck.dyna.blocks import Block, BlocksOfDeck
+from presswork.deck.dyna.fields import FieldError, read_table
+from presswork.deck.dyna.materials import read_material
+from presswork.deck.notes import Notes
+from presswork.model import IndexArray
+
+_SILENT = ("KEYWORD", "COMMENT")
+_NUMERICS = ("CONTROL_", "DATABASE_", "HOURGLASS", "INTERFACE_", "TITLE", "DAMPING_", "DEFINE_BOX", "CASE", "SENSOR_")
+"""What steers numerics and output."""
+_FULL = {16, 6, 7, 20, -16}
+"""ELFORM of shells with several points in their plane."""
+_VELOCITY, _ACCELERATION, _DISPLACEMENT = 0, 1, 2
+_FOREVER = 1e20
+
+
+class DynaDeck:
+    """Reads one deck; what is in it, and the notes on it."""
+
+    def __init__(self, path: Path, notes: Notes) -> None:
+        self.deck = Deck()
+        self.notes = notes
+        self._path = path
+        self._labels: list[IndexArray] = []
+        self._points: list[np.ndarray] = []
+        self._shells: list[np.ndarray] = []
+        self._own_thickness: list[np.ndarray] = []
+        self._set_contacts: list[tuple[Block, list[float], list[float]]] = []
+        self._set_supports: list[tuple[Block, int, tuple[bool, ...]]] = []
+
+    def read(self) -> Deck:
+        """Read it all. Raises CaseError."""
+        for block in BlocksOfDeck(self._path).read():
+            try:
+                self._take(block)
+            except (FieldError, IndexError) as error:
+                text = str(error) if isinstance(error, FieldError) else "the rows below it are cut short"
+                raise self.notes.fail(block.place, f"*{block.name}: {text}", "check the rows below it") from error
+        self._finish()
+        return self.deck
+
+    def _take(self, block: Block) -> None:
+        for start, handler in _HANDLERS.items():
+            if block.name == start or block.name.startswith(f"{start}_"):
+                handler(self, block)
+                return
+        if block.name.startswith(_SILENT):
+            return
+        if block.name.startswith(_NUMERICS):
+            self.notes.drop(
+                block.place, f"*{block.name}", "steers numerics or output: the program's own take its place"
+            )
+            return
+        self.notes.refuse(block.place, f"*{block.name}", "carries physics that has no counterpart here")
+
+    # --- the mesh ----------------------------------------------------------------------------------------------------
+
+    def _nodes(self, block: Block) -> None:
+        label, number = (20, 20) if block.is_long else (10 if block.has_wide_labels else 8, 16)
+        for rows in block.pieces():
+            table = read_table(rows, (label, number, number, number), block.parameters)
+            self._labels.append(table[:, 0].astype(np.intp))
+            self._points.append(table[:, 1:])
+
+    def _shell_elements(self, block: Block) -> None:
+        options = block.name.removeprefix("ELEMENT_SHELL").split("_")[1:]
+        if unknown := set(options) - {"THICKNESS"}:
+            what = ", ".join(sorted(unknown))
+            self.notes.refuse(block.place, f"*{block.name}", f"shells with options of their own: {what}")
+            return
+        width = 20 if block.is_long else 10 if block.has_wide_labels else 8
+        for rows in block.pieces():
+            thickness = np.full(len(rows), np.nan)
+            if "THICKNESS" in options:
+                first = read_table(rows[1::2], (16, 16, 16, 16), block.parameters)
+                rows, thickness = rows[::2], first.mean(axis=1)
+            table = read_table(rows, (width,) * 6, block.parameters).astype(np.intp)
+            table[:, 5] = np.where(table[:, 5] == 0, table[:, 4], table[:, 5])
+            self._shells.append(table[:, 1:])
+            self._own_thickness.append(thickness[: len(rows)])
+
+    # --- parts -------------------------------------------------------------------------------------------------------
+
+    def _part(self, block: Block) -> None:
+        options = set(block.name.removeprefix("PART").split("_")[1:])
+        more = 3 * ("INERTIA" in options) + ("CONTACT" in options) + ("PRINT" in options)
+        if unknown := options - {"INERTIA", "CONTACT", "PRINT"}:
+            self.notes.refuse(block.place, f"*{block.name}", f"a part of another kind: {', '.join(sorted(unknown))}")
+            return
+        rows = block.rows()
+        for i in range(0, len(rows) - 1, 2 + more):
+            title = rows[i].decode("latin-1").strip()
+            number, section, material, state, *_ = (int(value) for value in block.numbers(rows[i + 1]))
+            self.deck.parts[number] = PartCard(title or f"part {number}", section, material, block.place)
+            if state:
+                self.notes.refuse(block.place, f"*{block.name}", f"an equation of state in part {number}")
+
+    def _section(self, block: Block) -> None:
+        rows = block.rows()
+        step = 3 if block.name.endswith("_TITLE") else 2
+        for i in range(step - 2, len(rows) - 1, step):
+            number, form, _, n_points, *_ = block.numbers(rows[i])
+            sides = block.numbers(rows[i + 1])[:4]
+            thickness = sides[0]
+            if any(side and abs(side - thickness) > 1e-9 * thickness for side in sides[1:]):
+                self.notes.refuse(block.place, f"*{block.name}", "a thickness that differs from corner to corner")
+            is_full = int(form) in _FULL
+            self.deck.sections[int(number)] = SectionCard(thickness, int(n_points) or 2, is_full, block.place)
+
+    def _material(self, block: Block) -> None:
+        name = block.name.removeprefix("MAT_").removesuffix("_TITLE")
+        found = read_material(block, name, block.name.endswith("_TITLE"), self.notes)
+        if found is not None:
+            self.deck.materials[found[0]] = found[1]
+
+    def _curve(self, block: Block) -> None:
+        if block.name not in ("DEFINE_CURVE", "DEFINE_CURVE_TITLE"):
+            self.notes.refuse(block.place, f"*{block.name}", "a curve of another kind", "give it by *DEFINE_CURVE")
+            return
+        rows = block.rows()[block.name.endswith("_TITLE") :]
+        number, _, x_scale, y_scale, x_offset, y_offset, *_ = block.numbers(rows[0])
+        points = read_table([row for row in rows[1:] if row.strip()], (20, 20), block.parameters)
+        scale, offset = (x_scale or 1.0, y_scale or 1.0), (x_offset, y_offset)
+        self.deck.curves[int(number)] = (points + np.array(offset)) * np.array(scale)
+
+    # --- what tools do -----------------------------------------------------------------------------------------------
+
+    def _motion(self, block: Block) -> None:
+        rows = block.rows()
+        if block.name.endswith("_ID"):
+            rows = rows[1::2]
+        kinds = {_VELOCITY: "velocity", _ACCELERATION: "acceleration", _DISPLACEMENT: "displacement"}
+        for row in rows:
+            part, freedom, kind, curve, scale, _, death, birth = block.numbers(row)
+            axis = {1: 0, 2: 1, 3: 2, 5: 3, 6: 4, 7: 5}.get(int(freedom))
+            if axis is None or int(kind) not in kinds:
+                text = "a motion along a vector, of a node, or in a frame of its own"
+                self.notes.refuse(block.place, f"*{block.name}", text, "give it along x, y or z (DOF 1, 2, 3)")
+                continue
+            self.deck.motions.append(
+                Motion(
+                    int(part),
+                    axis,
+                    kinds[int(kind)],  # type: ignore[arg-type]
+                    int(curve),
+                    scale or 1.0,
+                    birth,
+                    death or _FOREVER,
+                    block.place,
+                    f"*{block.name}",
+                )
+            )
+
+    def _push(self, block: Block) -> None:
+        for row in block.rows():
+            part, freedom, curve, scale, *_ = block.numbers(row)
+            if int(freedom) not in (1, 2, 3):
+                self.notes.refuse(
+                    block.place, f"*{block.name}", "a force that follows, or a moment", "take DOF 1, 2 or 3"
+                )
+                continue
+            self.deck.pushes.append(
+                Push(int(part), int(freedom) - 1, int(curve), scale or 1.0, block.place, f"*{block.name}")
+            )
+
+    def _contact(self, block: Block) -> None:
+        if "FORMING" not in block.name and "SURFACE_TO_SURFACE" not in block.name:
+            self.notes.refuse(
+                block.place, f"*{block.name}", "a contact of another kind", "take one of *CONTACT_FORMING"
+            )
+            return
+        rows = block.rows()[block.name.endswith(("_ID", "_TITLE")) :]
+        self._set_contacts.append((block, block.numbers(rows[0]), block.numbers(rows[1])))
+
+    # --- what holds --------------------------------------------------------------------------------------------------
+
+    def _support(self, block: Block) -> None:
+        if not block.name.startswith(("BOUNDARY_SPC_SET", "BOUNDARY_SPC_NODE")) or "BIRTH" in block.name:
+            self.notes.refuse(block.place, f"*{block.name}", "a support of another kind", "take *BOUNDARY_SPC_SET")
+            return
+        rows = block.rows()
+        for row in rows[1::2] if block.name.endswith("_ID") else rows:
+            number, frame, *fixed = block.numbers(row)
+            if frame:
+                self.notes.refuse(block.place, f"*{block.name}", "a support in a frame of its own")
+                continue
+            held = tuple(bool(each) for each in fixed[:6])
+            if "_NODE" in block.name:
+                nodes = np.array([int(number)], dtype=np.intp)
+                self.deck.held.append(Held(nodes, held, block.place, f"*{block.name}"))
+            else:
+                self._set_supports.append((block, int(number), held))
+
+    def _node_set(self, block: Block) -> None:
+        number, values = self._read_set(block)
+        self.deck.node_sets[number] = np.array(values, dtype=np.intp)
+
+    def _part_set(self, block: Block) -> None:
+        number, values = self._read_set(block)
+        self.deck.part_sets[number] = tuple(values)
+
+    def _read_set(self, block: Block) -> tuple[int, list[int]]:
+        rows = block.rows()[block.name.endswith("_TITLE") :]
+        number = int(block.numbers(rows[0])[0])
+        values = [int(value) for row in rows[1:] for value in block.numbers(row) if value]
+        if "GENERATE" in block.name:
+            pairs = zip(values[::2], values[1::2], strict=True)
+            values = [label for first, last in pairs for label in range(first, last + 1)]
+        return number, values
+
+    def _end(self, block: Block) -> None:
+        self.deck.end = block.numbers(block.rows()[0])[0]
+        self.deck.end_place = block.place
+
+    def _adaptive(self, block: Block) -> None:
+        cards = [block.numbers(row) for row in block.rows()]
+        self.deck.levels = max(0, int(cards[0][3]) - 1)
+        self.notes.change(block.place, f"*{block.name}", "shells are split where tools bend them (blank.refine)")
+
+    def _title(self, block: Block) -> None:
+        self.deck.title = " ".join(row.decode("latin-1").strip() for row in block.rows()).strip()
+
+    def _springback(self, block: Block) -> None:
+        self.deck.springs_back = True
+        self.notes.change(block.place, f"*{block.name}", "the part is released in the same run ([springback])")
+
+    def _initial(self, block: Block) -> None:
+        what = block.name.removeprefix("INITIAL_").lower().replace("_", " ")
+        remedy = "form the sheet from its flat blank"
+        self.notes.refuse(block.place, f"*{block.name}", f"a sheet with a past ({what}) cannot begin a case", remedy)
+
+    def _finish(self) -> None:
+        deck, notes = self.deck, self.notes
+        if not self._labels:
+            raise notes.fail(None, "no *NODE in it", "give the whole deck, with the files that it includes")
+        deck.labels, deck.points = np.concatenate(self._labels), np.concatenate(self._points)
+        if self._shells:
+            table = np.concatenate(self._shells)
+            deck.shells = Shells(table[:, 0], table[:, 1:], np.concatenate(self._own_thickness))
+        for block, first, second in self._set_contacts:
+            a, b, a_kind, b_kind, *_ = first
+            parts = (self._parts_of(block, int(a), int(a_kind)), self._parts_of(block, int(b), int(b_kind)))
+            deck.contacts.append(Contact(parts, (second[0], second[1]), block.place, f"*{block.name}"))
+        for block, number, held in self._set_supports:
+            nodes = deck.node_sets.get(number)
+            if nodes is None:
+                raise notes.fail(block.place, f"*{block.name}: there is no set of nodes {number}", "check its number")
+            deck.held.append(Held(nodes, held, block.place, f"*{block.name}"))
+
+    def _parts_of(self, block: Block, number: int, kind: int) -> tuple[int, ...]:
+        """Return the parts of a side of a contact: a set of parts (2), or a part (3)."""
+        if kind == 3:
+            return (number,)
+        if kind == 2:
+            return self.deck.part_sets.get(number, ())
+        remedy = "give parts or sets of parts (SSTYP, MSTYP = 3 or 2)"
+        self.notes.refuse(block.place, f"*{block.name}", "sides that are segments or nodes", remedy)
+        return ()
+
+
+_HANDLERS: dict[str, Callable[[DynaDeck, Block], None]] = {
+    "NODE": DynaDeck._nodes,
+    "ELEMENT_SHELL": DynaDeck._shell_elements,
+    "PART": DynaDeck._part,
+    "SECTION_SHELL": DynaDeck._section,
+    "MAT": DynaDeck._material,
+    "DEFINE_CURVE": DynaDeck._curve,
+    "BOUNDARY_PRESCRIBED_MOTION_RIGID": DynaDeck._motion,
+    "LOAD_RIGID_BODY": DynaDeck._push,
+    "CONTACT": DynaDeck._contact,
+    "BOUNDARY_SPC": DynaDeck._support,
+    "SET_NODE": DynaDeck._node_set,
+    "SET_PART": DynaDeck._part_set,
+    "CONTROL_TERMINATION": DynaDeck._end,
+    "CONTROL_ADAPTIVE": DynaDeck._adaptive,
+    "TITLE": DynaDeck._title,
+    "INTERFACE_SPRINGBACK": DynaDeck._springback,
+    "INITIAL": DynaDeck._initial,
+}
+"""By the beginning of a keyword, up to an underscore."""

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A material of a deck in the words of a case, in mm, s, t, N, MPa."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from presswork.deck.contents import Deck, Hardening, MaterialCard
+from presswork.deck.notes import Notes
+from presswork.deck.units import Units
+from presswork.model import FloatArray
+
+_STRESSES = {"K", "yield_stress", "saturation_stress", "modulus"}
+
+
+def describe_material(card: MaterialCard, deck: Deck, units: Units, notes: Notes) -> dict[str, Any]:
+    """Return the keys of a material; notes what its curve was made of. Raises CaseError for a missing curve."""
+    found: dict[str, Any] = {
+        "young": card.young * units.stress,
+        "poisson": card.poisson,
+        "density": card.density * units.density,
+    }
+    assert card.hardening is not None
+    found["hardening"] = _describe_hardening(card, card.hardening, deck, units, notes)
+    if card.yield_function is not None:
+        found["yield_function"] = card.yield_function
+    if card.cowper_symonds is not None:
+        c, p = card.cowper_symonds
+        found["rate"] = {"law": "cowper_symonds", "D": c / units.time, "q": p}
+    laws = [str(found["hardening"]["law"]), *([str(card.yield_function["law"])] if card.yield_function else [])]
+    notes.keep(card.place, card.keyword, f"the sheet's material: {', '.join(laws)}")
+    return found
+
+
+def _describe_hardening(
+    card: MaterialCard, hardening: Hardening, deck: Deck, units: Units, notes: Notes
+) -> dict[str, Any]:
+    if hardening.law != "table":
+        return {"law": hardening.law} | {
+            key: value * units.stress if key in _STRESSES else value for key, value in hardening.parameters.items()
+        }
+    if hardening.curve:
+        curve = deck.curves.get(hardening.curve)
+        if curve is None:
+            remedy = "add *DEFINE_CURVE; tables of several rates are not read"
+            raise notes.fail(card.place, f"{card.keyword}: there is no curve {hardening.curve}", remedy)
+        points = curve.copy()
+    else:
+        points = np.array(list(hardening.parameters.values())).reshape(-1, 2)
+    points[:, 1] *= units.stress
+    return {"law": "table", "points": _clean(points, card, notes).tolist()}
+
+
+def _clean(points: FloatArray, card: MaterialCard, notes: Notes) -> FloatArray:
+    """Return rows that begin at zero strain, whose strain increases and whose stress does not fall."""
+    points = points[np.argsort(points[:, 0], kind="stable")]
+    points = points[np.concatenate([np.diff(points[:, 0]) > 0, [True]])]
+    points = points[points[:, 0] >= 0.0]
+    if points[0, 0] > 0.0:
+        notes.change(
+            card.place, card.keyword, f"the curve begins at strain {points[0, 0]:g}: its first stress holds from 0"
+        )
+        points = np.vstack([[0.0, points[0, 1]], points])
+    if (np.diff(points[:, 1]) < 0).any():
+        notes.change(card.place, card.keyword, "the curve falls: its largest stress so far holds on")
+        points[:, 1] = np.maximum.accumulate(points[:, 1])
+    return points

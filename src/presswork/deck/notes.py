@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What became of the lines of a deck: kept, changed, or dropped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from presswork.case.errors import CaseError, Problem
+
+Fate = Literal["kept", "changed", "dropped"]
+
+
+@dataclass(frozen=True, order=True)
+class Place:
+    """A line of a file of the deck, counted from 1."""
+
+    file: str
+    line: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}"
+
+
+@dataclass(frozen=True)
+class Note:
+    """What became of a keyword."""
+
+    place: Place
+    fate: Fate
+    keyword: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.place}  {self.fate:8}{self.keyword}: {self.text}"
+
+
+@dataclass
+class Notes:
+    """All notes on a deck, and the faults that prevent a case."""
+
+    source: Path
+    accepted: frozenset[str] = frozenset()
+    """Keywords that carry physics and may be dropped nevertheless."""
+    notes: list[Note] = field(default_factory=list)
+    faults: list[Problem] = field(default_factory=list)
+
+    def keep(self, place: Place, keyword: str, text: str) -> None:
+        """Note what was taken over as it is."""
+        self.notes.append(Note(place, "kept", keyword, text))
+
+    def change(self, place: Place, keyword: str, text: str) -> None:
+        """Note what was taken over in other words."""
+        self.notes.append(Note(place, "changed", keyword, text))
+
+    def drop(self, place: Place, keyword: str, text: str) -> None:
+        """Note what was left out, and changes nothing that the engineer asks for."""
+        self.notes.append(Note(place, "dropped", keyword, text))
+
+    def refuse(self, place: Place, keyword: str, text: str, remedy: str = "") -> None:
+        """Note what carries physics and has no counterpart: a fault, unless it may be dropped."""
+        if keyword in self.accepted:
+            self.drop(place, keyword, f"{text}; left out as asked for")
+        else:
+            remedy = remedy or f"take it out of the deck, or leave it out by --drop '{keyword}'"
+            self.faults.append(Problem(f"{place} {keyword}", text, remedy))
+
+    def fail(self, place: Place | None, text: str, remedy: str) -> CaseError:
+        """Return the error of a deck that cannot be read on."""
+        return CaseError([*self.faults, Problem(str(place or ""), text, remedy)], self.source)
+
+    def check(self) -> None:
+        """Raise CaseError if anything was refused."""
+        if self.faults:
+            raise CaseError(self.faults, self.source)
+
+    def in_order(self) -> list[Note]:
+        """Return the notes by file and line."""
+        return sorted(self.notes, key=lambda note: note.place)

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An imported case on disk: the case file, its meshes, and the list of what became of every line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import tomli_w
+
+from presswork.deck.notes import Notes
+from presswork.deck.stamping import ImportedStamping, Surface
+from presswork.mesh.triangles import double_areas
+from presswork.model import FloatArray, IndexArray
+
+
+def write_case(imported: ImportedStamping, notes: Notes, folder: Path) -> Path:
+    """Write case.toml, the meshes that it names, and import.txt into a folder; return the case."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, surface in imported.meshes.items():
+        _write_mesh(surface, folder / name)
+    lines = [f"What became of {notes.source.name}, by file and line", "", *(str(note) for note in notes.in_order())]
+    (folder / "import.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    lost = [note for note in notes.in_order() if note.fate == "changed"]
+    head = [f"# From {notes.source.name}; import.txt says what was kept, changed and dropped.", ""]
+    head[1:1] = [f"# {note.keyword} {note.place}: {note.text}" for note in lost]
+    case = folder / "case.toml"
+    case.write_text("\n".join(head) + tomli_w.dumps(imported.case), encoding="utf-8")
+    return case
+
+
+def _write_mesh(surface: Surface, path: Path) -> None:
+    quads, triangles = _split_kinds(surface.cells)
+    if path.suffix == ".stl":
+        corners = np.concatenate([triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+        corners = corners[np.linalg.norm(double_areas(surface.points, corners), axis=1) > 0.0]
+        _write_stl(surface.points, corners, path)
+        return
+    cells = [(kind, own) for kind, own in (("quad", quads), ("triangle", triangles)) if len(own)]
+    meshio.write(path, meshio.Mesh(surface.points, cells), binary=True)
+
+
+def _split_kinds(cells: IndexArray) -> tuple[IndexArray, IndexArray]:
+    """Return quadrilaterals (n, 4) and triangles (n, 3)."""
+    is_triangle = cells[:, 2] == cells[:, 3]
+    return cells[~is_triangle], cells[is_triangle][:, :3]
+
+
+def _write_stl(points: FloatArray, triangles: IndexArray, path: Path) -> None:
+    used, number = np.unique(triangles, return_inverse=True)
+    mesh = meshio.Mesh(points[used], [("triangle", number.reshape(triangles.shape))])
+    meshio.write(path, mesh, file_format="stl", binary=True)
