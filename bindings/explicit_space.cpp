@@ -126,6 +126,13 @@ void add_solids(SpaceLoop<double>& self, const std::string& element, Ints cells,
   for (int node : list) require(node >= 0 && node < self.nodes.n, "cells name a node that is not there");
   SpaceSolidLaw own = std::visit([](const auto* given) -> SpaceSolidLaw { return *given; }, law);
   if (auto* general = std::get_if<Owned<SolidLaw>>(&own)) tabulate(*general);
+  if (element == "tet4_nodal") {
+    require(!list.empty() && list.size() % 4 == 0, "cells must have shape (n > 0, 4)");
+    const auto& volumes = self.add_nodal_volumes(list);
+    self.add_solids(
+        make_nodal_tetrahedra(std::move(list), self.nodes, std::move(own), density, hourglass_fraction, volumes));
+    return;
+  }
   self.add_solids(make_space_solids(element, std::move(list), self.nodes, std::move(own), density, hourglass_fraction));
 }
 
@@ -241,11 +248,10 @@ void bind_explicit_space(nb::module_& m) {
   auto loop =
       bind_space<double>(m, "SpaceLoop", "Central differences for shells and solids in space; mm, s, t, N, MPa.");
   bind_walls(loop);
-  loop.def(
-      "add_solids", &add_solids, nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"),
-      nb::arg("hourglass_fraction") = 0.05,
-      "Add cells (n, nodes) of hex8, hex8_fbar or hex8_1pt; they are numbered as they come. hourglass_fraction: of "
-      "the shear modulus, of hex8_1pt.");
+  loop.def("add_solids", &add_solids, nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"),
+           nb::arg("hourglass_fraction") = 0.05,
+           "Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. "
+           "hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal.");
   bind_space<float>(m, "SpaceLoopSingle",
                     "SpaceLoop in single precision, positions and work excepted; it has shells alone.");
 }

@@ -40,6 +40,7 @@ constexpr ElementType elements[] = {
     element<3, Hex8, 8>("hex8", "8-node hexahedra, full integration", true),
     element<3, Hex8, 8, Treatment::fbar>("hex8_fbar", "8-node hexahedra, F-bar", true),
     element<3, Tet4, 1, Treatment::mixed>("tet4_mini", "4-node tetrahedra, pressure at the nodes and a bubble"),
+    element<3, Tet10, 4, Treatment::fbar>("tet10", "10-node tetrahedra, mean of J over each"),
 };
 
 }  // namespace

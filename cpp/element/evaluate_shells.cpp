@@ -86,6 +86,8 @@ std::vector<ElementRow> list_elements() {
   for (const auto& element : solid_elements()) rows.push_back(element);
   rows.push_back(ElementRow{"hex8_1pt", "hex8", 8, 1, Family::space,
                             "8-node hexahedra, one point with hourglass control", false, true});
+  rows.push_back(
+      ElementRow{"tet4_nodal", "tet4", 4, 1, Family::space, "4-node tetrahedra, nodal mean of J", false, true});
   for (const auto& element : shells) rows.push_back(element);
   return rows;
 }

@@ -1,25 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tetrahedra with vertices (0,0,0) (1,0,0) (0,1,0) (0,0,1). Node order: the first three corners counter-clockwise seen
-// from the fourth; so do Abaqus, gmsh and VTK. Rules: the centroid, and the four points of degree 2 (Keast 1986);
-// weights sum to 1/6.
+// from the fourth, then the middles of the edges 01, 12, 20, 03, 13, 23; so do Abaqus and VTK (gmsh swaps the last
+// two). Rules: the centroid, and the four points of degree 2 (Keast 1986); weights sum to 1/6.
 #pragma once
 
 #include "reference/quadrature.hpp"
 
 namespace presswork {
 
-struct Tet4 {
-  static constexpr std::string_view name = "tet4";
-  static constexpr int dim = 3, nodes = 4;
-
-  static void shape(const double* at, double* N, double (*dN)[3]) {
-    N[0] = 1 - at[0] - at[1] - at[2];
-    for (int i = 0; i < 3; ++i) {
-      N[i + 1] = at[i];
-      dN[0][i] = -1;
-      for (int j = 0; j < 3; ++j) dN[i + 1][j] = i == j ? 1 : 0;
-    }
-  }
+struct Tetrahedron {
+  static constexpr int dim = 3;
 
   template <int n>
   static std::array<QuadraturePoint<3>, n> rule() {
@@ -33,6 +23,40 @@ struct Tet4 {
         points[k] = {{k == 1 ? near : far, k == 2 ? near : far, k == 3 ? near : far}, 1.0 / 24};
     }
     return points;
+  }
+};
+
+struct Tet4 : Tetrahedron {
+  static constexpr std::string_view name = "tet4";
+  static constexpr int nodes = 4;
+
+  static void shape(const double* at, double* N, double (*dN)[3]) {
+    N[0] = 1 - at[0] - at[1] - at[2];
+    for (int i = 0; i < 3; ++i) {
+      N[i + 1] = at[i];
+      dN[0][i] = -1;
+      for (int j = 0; j < 3; ++j) dN[i + 1][j] = i == j ? 1 : 0;
+    }
+  }
+};
+
+struct Tet10 : Tetrahedron {
+  static constexpr std::string_view name = "tet10";
+  static constexpr int nodes = 10;
+
+  static void shape(const double* at, double* N, double (*dN)[3]) {
+    constexpr int ends[6][2] = {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}};
+    double L[4], dL[4][3];
+    Tet4::shape(at, L, dL);
+    for (int a = 0; a < 4; ++a) {
+      N[a] = L[a] * (2 * L[a] - 1);
+      for (int j = 0; j < 3; ++j) dN[a][j] = (4 * L[a] - 1) * dL[a][j];
+    }
+    for (int m = 0; m < 6; ++m) {
+      const auto [a, b] = ends[m];
+      N[4 + m] = 4 * L[a] * L[b];
+      for (int j = 0; j < 3; ++j) dN[4 + m][j] = 4 * (dL[a][j] * L[b] + L[a] * dL[b][j]);
+    }
   }
 };
 

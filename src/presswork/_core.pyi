@@ -1146,7 +1146,7 @@ class SpaceLoop:
 
     def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: VonMises | SolidLaw, density: float, hourglass_fraction: float = 0.05) -> None:
         """
-        Add cells (n, nodes) of hex8, hex8_fbar or hex8_1pt; they are numbered as they come. hourglass_fraction: of the shear modulus, of hex8_1pt.
+        Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal.
         """
 
 class SpaceLoopSingle:

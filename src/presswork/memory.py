@@ -73,9 +73,10 @@ def estimate_rectangle(cells: int, element: str, layers: int, *, explicit: bool)
 def estimate_box(cells: int, element: str) -> float:
     """Estimate the bytes for a box of so many hexahedra, or of six tetrahedra in each, before it is meshed."""
     row = model.ELEMENTS[element]
-    iterates = row.freedoms == 3 and 3 * cells >= model.LARGE
-    count = 6 * cells if row.cell == "tet4" else cells
-    return _estimate_block(count, element, 0, float(cells), row.freedoms, with_matrix=True, iterates=iterates)
+    count = 6 * cells if row.cell.startswith("tet") else cells
+    nodes = float(8 * cells if row.cell == "tet10" else cells)
+    iterates = row.freedoms == 3 and 3 * nodes >= model.LARGE
+    return _estimate_block(count, element, 0, nodes, row.freedoms, with_matrix=True, iterates=iterates)
 
 
 def check_memory(problem: model.Model) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.explicit.blocks import Hexahedra, Shells
+from presswork.explicit.blocks import Shells, Solids
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space import SpaceDynamics
 from presswork.law.elastic_plastic import make_hardening, make_sheet_law, make_solid_law
@@ -45,9 +45,9 @@ def shells_of(cells: np.ndarray) -> Shells:
     return Shells(connectivity=cells, thickness=0.8, law=make_sheet_law(STEEL), density=STEEL.density)
 
 
-def solids_of(cells: np.ndarray, element: str, general: bool = False) -> Hexahedra:
+def solids_of(cells: np.ndarray, element: str, general: bool = False) -> Solids:
     law = make_solid_law(STEEL) if general else MISES
-    return Hexahedra(connectivity=cells, law=law, density=STEEL.density, element=element)
+    return Solids(connectivity=cells, law=law, density=STEEL.density, element=element)
 
 
 def set_going(run: SpaceDynamics, points: np.ndarray) -> None:
@@ -110,7 +110,7 @@ def test_a_rod_of_hexahedra_swings_in_its_first_period(element: str) -> None:
     """Fixed at one end, without lateral contraction: 4 L/c, c^2 = E/density (Timoshenko, Vibration Problems)."""
     length = 20.0
     points, cells = bar((20, 1, 1), (length, 1.0, 1.0))
-    solids = Hexahedra(connectivity=cells, law=ELASTIC, density=7.83e-9, element=element)
+    solids = Solids(connectivity=cells, law=ELASTIC, density=7.83e-9, element=element)
     run = SpaceDynamics(points, [solids])
     run.fix(np.flatnonzero(points[:, 0] == 0.0), "uvw")
     speed = np.zeros((len(points), 6))
@@ -131,7 +131,7 @@ def test_the_bound_of_the_step_holds_for_a_distorted_hexahedron(element: str) ->
     """Against the eigenvalues of the mass and of the stiffness by differences."""
     points, cells = bar((1, 1, 1), (1.0, 2.0, 0.7))
     points = points + np.random.default_rng(3).uniform(-0.15, 0.15, points.shape)
-    run = SpaceDynamics(points, [Hexahedra(connectivity=cells, law=MISES, density=7.83e-9, element=element)])
+    run = SpaceDynamics(points, [Solids(connectivity=cells, law=MISES, density=7.83e-9, element=element)])
     stiffness, size = np.zeros((24, 24)), 1e-7
     for node in range(8):
         for i in range(3):

@@ -4,7 +4,7 @@
 import numpy as np
 
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.mesh.box import finish_mesh, mesh_box
+from presswork.mesh.box import EDGES_OF_TET, finish_mesh, mesh_box
 from presswork.mesh.faces import face_areas
 from presswork.model import (
     FaceForce,
@@ -36,7 +36,15 @@ def box(element: SpaceElement, size: tuple[float, float, float], cells: tuple[in
     move = np.random.default_rng(7).uniform(-distort, distort, points.shape) * cell
     for axis, length in enumerate(size):
         move[(points[:, axis] == 0.0) | (points[:, axis] == length), axis] = 0.0
-    return finish_mesh(points + move, mesh.blocks[0].connectivity, {}, element, 0)
+    cells = mesh.blocks[0].connectivity
+    return finish_mesh(straighten(points + move, cells), cells, {}, element, 0)
+
+
+def straighten(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Return the points with the middles of tetrahedra of 10 nodes halfway between the ends of their edges."""
+    if cells.shape[1] == 10:
+        points[cells[:, 4:]] = points[cells[:, EDGES_OF_TET]].mean(axis=2)
+    return points
 
 
 def make_model(mesh: Mesh, supports, stages, *, material: Material = STEEL, increments: int = 10, **solver) -> Model:
@@ -72,7 +80,8 @@ def cook_mesh(element: SpaceElement, n: int, layers: int = 1) -> Mesh:
     x, y, z = mesh.points.T
     points = np.column_stack([48.0 * x, 44.0 * x + y * (44.0 - 28.0 * x), z])
     sides = {name: mesh.node_sets[name] for name in ("left", "right", "bottom", "top", "back", "front")}
-    return finish_mesh(points, mesh.blocks[0].connectivity, sides, element, 0)
+    cells = mesh.blocks[0].connectivity
+    return finish_mesh(straighten(points, cells), cells, sides, element, 0)
 
 
 CLAMPED = Support("left", (True, True, True))

@@ -6,8 +6,8 @@ import scipy
 
 from presswork.body.solids import Mechanics
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.mesh.box import finish_mesh, mesh_box, node_volumes
-from presswork.model import FacePressure, Hardening, Material, Model, PrescribedDisplacement, Stage, Support
+from presswork.mesh.box import EDGES_OF_TET, add_middles, finish_mesh, mesh_box, node_volumes, split_hexahedra
+from presswork.model import ELEMENTS, FacePressure, Hardening, Material, Model, PrescribedDisplacement, Stage, Support
 from presswork.timing import Timing
 from tests.problems.space_solids import make_model
 
@@ -39,6 +39,10 @@ def thick_ball(element: str, n: int, layers: int, front: float) -> Model:
     2 sigma_0 ln(b/a).
     """
     points, cells = hollow_ball(n, layers)
+    if ELEMENTS[element].nodes == 10:  # its middles lie on the spheres
+        points, cells, _ = add_middles(points, split_hexahedra(cells.astype(np.int32)), {})
+        middles, of_ends = cells[:, 4:], np.linalg.norm(points[cells[:, EDGES_OF_TET]], axis=3).mean(axis=2)
+        points[middles] *= (of_ends / np.linalg.norm(points[middles], axis=2))[:, :, None]
     radius = np.linalg.norm(points, axis=1)
     sides = {"bore": np.flatnonzero(radius < BORE + 1e-9), "outside": np.flatnonzero(radius > OUTSIDE - 1e-9)}
     sides |= {f"middle_{name}": np.flatnonzero(points[:, axis] < 1e-9) for axis, name in enumerate("xyz")}
@@ -76,10 +80,11 @@ def prandtl_slice(element: str, n: int) -> Model:
 
 
 def mean_pressure_of_punch(procedure: ImplicitProcedure, n: int) -> float:
-    """Return the pressure over k of the punch, whose last nodes carry half a cell beside it."""
+    """Return the pressure over k of the punch, whose last nodes carry half a cell beside it, quadratic ones a sixth."""
     nodes = procedure.model.mesh.node_sets["punch"]
     force = -float(procedure.state.nodes.reaction[nodes, 1].sum())
-    return force * n / (1.0 + 0.5 / n) / (YIELD / np.sqrt(3.0))
+    beside = 1.0 / 6.0 if ELEMENTS[procedure.model.mesh.blocks[0].element].nodes == 10 else 0.5
+    return force * n / (1.0 + beside / n) / (YIELD / np.sqrt(3.0))
 
 
 def inf_sup(element: str, n: int, *, with_bubble: bool = True) -> float:

@@ -18,7 +18,7 @@ from presswork.case import StampingCase, build_model
 from presswork.evolution.contract import PointChange
 from presswork.evolution.damage import DamageLaw
 from presswork.evolution.points import EvolvedArrays
-from presswork.explicit.blocks import Hexahedra
+from presswork.explicit.blocks import Solids
 from presswork.explicit.motion import SmoothStroke
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids
@@ -179,7 +179,7 @@ def test_damage_in_explicit_hexahedra_is_that_of_plane_strain_tension(element: s
     mesh = space_solids.box(element, (1.0, 1.0, 1.0), (1, 1, 1))
     law = make_law(STEEL, SolverSettings(), 6)
     cells = mesh.blocks[0].connectivity
-    run = SpaceDynamics(mesh.points, [Hexahedra(connectivity=cells, law=law, density=7.85e-9, element=element)])
+    run = SpaceDynamics(mesh.points, [Solids(connectivity=cells, law=law, density=7.85e-9, element=element)])
     for name, parameters in rates(*PATHS["plane_strain_tension"]):
         run._loop.add_damage(0, name, _core.Damage(_core.DamageCriterion[name], dict(parameters)))
     for side, freedom in (("left", "u"), ("bottom", "v"), ("back", "w"), ("front", "w")):

@@ -40,7 +40,7 @@ from tests.problems.space_solids import (
 )
 
 HEXAHEDRA = ["hex8", "hex8_fbar"]
-ELEMENTS = [*HEXAHEDRA, "tet4_mini"]
+ELEMENTS = [*HEXAHEDRA, "tet4_mini", "tet10"]
 
 
 def pull(value: float) -> Stage:

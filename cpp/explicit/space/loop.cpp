@@ -104,6 +104,16 @@ void SpaceLoop<Real>::add_solids(std::unique_ptr<ElementBlock<SpaceNodes<Real>>>
 }
 
 template <class Real>
+const NodalVolumes& SpaceLoop<Real>::add_nodal_volumes(const std::vector<int>& cells) {
+  nodal_volumes_.push_back(std::make_unique<NodalVolumes>(this->nodes.n, cells));
+  if constexpr (std::is_same_v<Real, double>) {
+    this->interactions.push_back(&nodal_volumes_.back()->of_cells);
+    this->interactions.push_back(&nodal_volumes_.back()->of_nodes);
+  }
+  return *nodal_volumes_.back();
+}
+
+template <class Real>
 void SpaceLoop<Real>::add_wall(std::shared_ptr<const contact::ToolSurface> surface, const std::uint8_t* touching,
                                double mu, double reach, const double origin[3]) {
   if constexpr (std::is_same_v<Real, double>) {

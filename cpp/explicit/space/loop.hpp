@@ -10,6 +10,7 @@
 #include "explicit/contact/tool_contact.hpp"
 #include "explicit/loop.hpp"
 #include "explicit/space/hanging.hpp"
+#include "explicit/space/nodal_tetrahedra.hpp"
 #include "explicit/space/sheet_block.hpp"
 
 namespace presswork::explicit_dynamics {
@@ -24,6 +25,8 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
 
   void add_sheet(std::unique_ptr<SheetBlock<Real>> block);
   void add_solids(std::unique_ptr<ElementBlock<SpaceNodes<Real>>> block);
+  // Measure the volumes that nodes have of cells (n, 4) after every move, for a block of them.
+  const NodalVolumes& add_nodal_volumes(const std::vector<int>& cells);
   // Let a tool hold nodes (n, marked) of the surface of solids off; they are numbered as they come.
   void add_wall(std::shared_ptr<const contact::ToolSurface> surface, const std::uint8_t* touching, double mu,
                 double reach, const double origin[3]);
@@ -66,6 +69,7 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   // Springs of squeezed shells (n_elements); 0 of solids.
   std::vector<double> springs() const;
 
+  std::vector<std::unique_ptr<NodalVolumes>> nodal_volumes_;
   std::vector<SheetBlock<Real>*> sheets_;  // of blocks; null: solids
   std::unique_ptr<SheetBeads> sheet_beads_;
   std::unique_ptr<SheetTools> sheet_tools_;

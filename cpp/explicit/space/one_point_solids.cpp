@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "element/hex_one_point.hpp"
-#include "explicit/gather.hpp"
 #include "explicit/space/solids.hpp"
 
 namespace presswork::explicit_dynamics {
@@ -13,12 +12,12 @@ class OnePointBlock final : public SpaceSolids {
 
  public:
   OnePointBlock(std::vector<int> cells, const Nodes& nodes, Owned<Law> law, double density, double fraction)
-      : SpaceSolids(std::move(cells), HexOnePoint::point, 1, kept_values(law.view), HexOnePoint::work,
+      : SpaceSolids(count, std::move(cells), HexOnePoint::point, 1, kept_values(law.view), HexOnePoint::work,
                     HexOnePoint::hourglass_work),
         law_(std::move(law)),
         fraction_(fraction) {
     if constexpr (std::is_same_v<Law, SolidLaw>) set_axes();
-    set_masses(nodes, density);
+    set_masses<Hex8, 8>(nodes, density);
   }
 
   int advance(const Nodes& nodes, double dt, double, int first, int last, double* force) override {

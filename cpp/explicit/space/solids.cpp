@@ -2,10 +2,8 @@
 #include "explicit/space/solids.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 #include "element/solid.hpp"
-#include "explicit/gather.hpp"
 #include "material/umat.hpp"
 
 namespace presswork::explicit_dynamics {
@@ -47,10 +45,10 @@ class Block final : public SpaceSolids {
     fields.push_back(rows_field(owner, "force", force_row, 3 * count));
   }
   Block(std::vector<int> cells, const Nodes& nodes, Owned<Law> law, double density)
-      : SpaceSolids(std::move(cells), first_point, n_points, kept_values(law.view), work_row, -1),
+      : SpaceSolids(count, std::move(cells), first_point, n_points, kept_values(law.view), work_row, -1),
         law_(std::move(law)) {
     if constexpr (std::is_same_v<Law, SolidLaw>) set_axes();
-    set_masses(nodes, density);
+    set_masses<Cell, n_points>(nodes, density);
   }
 
   int advance(const Nodes& nodes, double dt, double, int first, int last, double* force) override {
@@ -111,25 +109,6 @@ class Block final : public SpaceSolids {
 };
 
 }  // namespace
-
-void SpaceSolids::set_masses(const Nodes& nodes, double density) {
-  using Body = SolidSpace<Hex8, 8, Pack>;
-  for (int pack = 0; pack < n_packs(); ++pack) {
-    Pack x[Hex8::nodes][3];
-    gather_positions<Hex8::nodes>(nodes, pack_nodes(pack), x);
-    for (int q = 0; q < 8; ++q) {
-      Body::Point g;
-      const Pack::Mask bad = Body::measure_reference({}, x, q, g);
-      if (any(bad))
-        throw std::invalid_argument("cell " + std::to_string(name_failed(pack, bad, true) / reasons) +
-                                    " is turned inside out: give its nodes in the order of the element");
-      for (int lane = 0; lane < std::min(lanes, n_ - pack * lanes); ++lane)
-        for (int a = 0; a < Hex8::nodes; ++a)
-          nodal_mass_[(std::size_t(pack) * lanes + lane) * Hex8::nodes + a] +=
-              density * g.volume_t[lane] * Body::table().N[q][a];
-    }
-  }
-}
 
 void SpaceSolids::list_state(const std::string& owner, std::vector<StateField>& fields) {
   fields.push_back(row_field(owner, "mass_factor", mass_factor_.data(), mass_factor_.size()));

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Solids in space of one kind, law and density in the explicit loop: the fully integrated elements of
 // element/solid.hpp, evaluated without a tangent, on state that is kept by packs, and hexahedra of one point
-// (element/hex_one_point.hpp).
+// (element/hex_one_point.hpp), and tetrahedra with the nodal mean of J (nodal_tetrahedra.hpp).
 //
 // The internal energy of fully integrated ones is the work of the nodal forces over the cycles, which is that of the
 // stresses to the order of the step; so the forces of the last cycle are part of the state.
 #pragma once
 
 #include <memory>
+#include <stdexcept>
 #include <string_view>
 #include <variant>
 
 #include "element/solid_space.hpp"
 #include "explicit/element_block.hpp"
+#include "explicit/gather.hpp"
 #include "explicit/space/nodes.hpp"
 #include "material/elastic_plastic.hpp"
 #include "material/law_data.hpp"
@@ -44,15 +46,18 @@ class SpaceSolids : public ElementBlock<SpaceNodes<double>> {
  protected:
   // Rows from first_point on: of each point stress (6), equivalent plastic strain and what the law keeps.
   // hourglass_row: -1 where there are no hourglass forces.
-  SpaceSolids(std::vector<int> cells, int first_point, int n_points, int kept, int work_row, int hourglass_row)
-      : ElementBlock<Nodes>(Hex8::nodes, std::move(cells), first_point + n_points * (7 + kept), work_row, hourglass_row,
+  SpaceSolids(int nodes_each, std::vector<int> cells, int first_point, int n_points, int kept, int work_row,
+              int hourglass_row)
+      : ElementBlock<Nodes>(nodes_each, std::move(cells), first_point + n_points * (7 + kept), work_row, hourglass_row,
                             n_points),
         first_point_(first_point),
         n_points_(n_points),
         point_rows_(7 + kept),
         nodal_mass_(connectivity_.size()),
         mass_factor_(n_, 1.0) {}
-  // Row sums of the consistent mass. Throws std::invalid_argument for a cell that is turned inside out.
+  // Row sums of the consistent mass, by the rule of n points. Throws std::invalid_argument for a cell that is turned
+  // inside out.
+  template <class Cell, int n>
   void set_masses(const Nodes& nodes, double density);
   // Let a law begin whose x and y are those of space.
   void set_axes() {
@@ -67,10 +72,10 @@ class SpaceSolids : public ElementBlock<SpaceNodes<double>> {
     return reasons * std::min(pack * lanes + lane, n_ - 1) + static_cast<int>(why);
   }
   // Masses of the nodes of a pack's cells [t].
-  void load_masses(int pack, Pack mass[Hex8::nodes]) const {
+  void load_masses(int pack, Pack* mass) const {
     for (int lane = 0; lane < lanes; ++lane) {
       const std::size_t e = std::min(pack * lanes + lane, n_ - 1);
-      for (int a = 0; a < Hex8::nodes; ++a) mass[a].set(lane, mass_factor_[e] * nodal_mass_[e * Hex8::nodes + a]);
+      for (int a = 0; a < nodes_each_; ++a) mass[a].set(lane, mass_factor_[e] * nodal_mass_[e * nodes_each_ + a]);
     }
   }
 
@@ -78,6 +83,26 @@ class SpaceSolids : public ElementBlock<SpaceNodes<double>> {
   std::vector<double> nodal_mass_;   // (n, nodes): density times int N_a dV [t]
   std::vector<double> mass_factor_;  // (n) of mass scaling, from 1
 };
+
+template <class Cell, int n>
+void SpaceSolids::set_masses(const Nodes& nodes, double density) {
+  using Body = SolidSpace<Cell, n, Pack>;
+  for (int pack = 0; pack < n_packs(); ++pack) {
+    Pack x[Cell::nodes][3];
+    gather_positions<Cell::nodes>(nodes, pack_nodes(pack), x);
+    for (int q = 0; q < n; ++q) {
+      typename Body::Point g;
+      const Pack::Mask bad = Body::measure_reference({}, x, q, g);
+      if (any(bad))
+        throw std::invalid_argument("cell " + std::to_string(name_failed(pack, bad, true) / reasons) +
+                                    " is turned inside out: give its nodes in the order of the element");
+      for (int lane = 0; lane < std::min(lanes, n_ - pack * lanes); ++lane)
+        for (int a = 0; a < Cell::nodes; ++a)
+          nodal_mass_[(std::size_t(pack) * lanes + lane) * Cell::nodes + a] +=
+              density * g.volume_t[lane] * Body::table().N[q][a];
+    }
+  }
+}
 
 // cells (n, nodes) of element "hex8", "hex8_fbar" or "hex8_1pt" at the nodes' positions; density [t/mm3];
 // hourglass_fraction: of the shear modulus, of hex8_1pt. Throws std::invalid_argument for another element, or for a

@@ -11,10 +11,11 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.evolution.damage import DamageLaw
-from presswork.explicit.input_checks import check_density, check_hexahedra, check_shells
+from presswork.explicit.input_checks import check_density, check_shells, check_space_solids
 from presswork.explicit.options import ShellOptions, layer_rule
 from presswork.law.umat import SheetLaw, SheetUmat
 from presswork.mesh.topology import is_triangle, with_four_nodes
+from presswork.model import ELEMENTS
 
 Array = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int32]
@@ -87,27 +88,28 @@ class Shells:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Hexahedra:
-    """8-node solids of one law and density: element "hex8" or "hex8_fbar", or "hex8_1pt" of one point.
+class Solids:
+    """Solids of one law and density: hexahedra "hex8" or "hex8_fbar", "hex8_1pt" of one point, tetrahedra "tet4_nodal".
 
-    connectivity (n, 8), as cpp/reference/hex.hpp has the nodes; law in space; density [t/mm3]. hourglass_fraction: of
-    the shear modulus, that resists hourglass modes of hex8_1pt. Tools do not touch them.
+    connectivity (n, 8 | 4), as cpp/reference has the nodes; law in space; density [t/mm3]. hourglass_fraction: of the
+    shear modulus, that resists hourglass modes of hex8_1pt, and cells of tet4_nodal whose volume changes while that of
+    their nodes stays. Tools do not touch them.
     """
 
     connectivity: npt.ArrayLike
     law: _core.VonMises | _core.SolidLaw
     density: float
-    element: Literal["hex8", "hex8_fbar", "hex8_1pt"] = "hex8_fbar"
+    element: Literal["hex8", "hex8_fbar", "hex8_1pt", "tet4_nodal"] = "hex8_fbar"
     hourglass_fraction: float = 0.05
 
     @property
     def cells(self) -> Ints:
-        """The nodes (n, 8)."""
+        """The nodes (n, 8 | 4)."""
         return np.array(self.connectivity, dtype=np.int32)
 
     def check(self, points: Array) -> None:
         """Raise ExplicitError for what no run can start from."""
-        check_hexahedra(points, self.cells)
+        check_space_solids(points, self.cells, ELEMENTS[self.element].nodes)
         check_density(self.density)
 
     def split(self, curve: npt.NDArray[np.intp]) -> Parts:

@@ -64,9 +64,9 @@ def check_numbers(cells: npt.NDArray[np.int32], n_nodes: int, corners: int, name
         )
 
 
-def check_hexahedra(points: Array, cells: npt.NDArray[np.int32]) -> None:
-    """Raise ExplicitError for hexahedra that no run can start from; those inside out the kernel refuses."""
-    check_numbers(cells, len(points), 8, "cell")
+def check_space_solids(points: Array, cells: npt.NDArray[np.int32], nodes: int) -> None:
+    """Raise ExplicitError for cells of so many nodes that no run can start from; the kernel refuses inverted ones."""
+    check_numbers(cells, len(points), nodes, "cell")
 
 
 def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, density: float, axes: Array) -> None:

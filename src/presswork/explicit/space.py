@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Explicit dynamics in space: shells and solids in one model, with tools and drawbeads that hold the shells.
 
-    run = SpaceDynamics(points, [Shells(...), Hexahedra(...)])
+    run = SpaceDynamics(points, [Shells(...), Solids(...)])
     run.fix(nodes, "uvw")
     run.advance(1000)
     run.energies().error_percent
@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
-from presswork.explicit.blocks import Hexahedra, Shells
+from presswork.explicit.blocks import Shells, Solids
 from presswork.explicit.drawbeads import BeadsOfRun
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.input_checks import ExplicitError, check_points
@@ -72,7 +72,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, Dynamics):
     def __init__(
         self,
         points: npt.ArrayLike,
-        blocks: Sequence[Shells | Hexahedra],
+        blocks: Sequence[Shells | Solids],
         *,
         precision: Precision = "double",
         hanging: npt.ArrayLike = (),
@@ -134,7 +134,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, Dynamics):
 
     def solid_state(self, block: int) -> SolidState:
         """Return the state of a block of solids, by its number among the blocks."""
-        if not isinstance(self.blocks[block], Hexahedra):
+        if not isinstance(self.blocks[block], Solids):
             raise ExplicitError(f"block {block} has shells: their layers are properties of the run")
         inside = self._loop.state()[f"block_{self._first_of[block]}"]["points"]
         first = sum(len(each.cells) for each in self.blocks[:block])

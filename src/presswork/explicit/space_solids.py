@@ -19,10 +19,10 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.evolution.damage import DamageLaw
-from presswork.explicit.blocks import Hexahedra
+from presswork.explicit.blocks import Solids
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space import SpaceDynamics
-from presswork.model import Mesh
+from presswork.model import ELEMENTS, Mesh
 
 Array = npt.NDArray[np.float64]
 EQPS, HEAT_RISE = 6, 7
@@ -77,11 +77,11 @@ class SpaceWall:
 
 
 class ExplicitSpaceSolids(SpaceDynamics):
-    """A body of hex8_1pt, hex8_fbar or hex8 in explicit dynamics.
+    """A body of hex8_1pt, hex8_fbar, hex8 or tet4_nodal in explicit dynamics.
 
     mesh: points (n_nodes, 3) [mm], one block of cells; law: in space; density [t/mm3]. hourglass_fraction: of the shear
-    modulus, that resists hourglass modes of hex8_1pt. damage: criteria whose damage grows. start: temperature at the
-    start [degrees C]; heats: whether the law heats.
+    modulus, that resists hourglass modes of hex8_1pt and what the nodal mean of tet4_nodal does not see. damage:
+    criteria whose damage grows. start: temperature at the start [degrees C]; heats: whether the law heats.
     """
 
     def __init__(
@@ -98,8 +98,8 @@ class ExplicitSpaceSolids(SpaceDynamics):
         if len(mesh.blocks) != 1:
             raise ExplicitError("an explicit solid in space has cells of one material")
         self.mesh, self._start, self._heats = mesh, start, heats
-        self._n_points = 8 if mesh.blocks[0].element != "hex8_1pt" else 1
-        body = Hexahedra(
+        self._n_points = ELEMENTS[mesh.blocks[0].element].points
+        body = Solids(
             connectivity=mesh.blocks[0].connectivity,
             law=law,
             density=density,

@@ -10,6 +10,10 @@ The multiplier is the force that the converged increment before has left, so wha
 what its change of force takes, and the next one gives it back. An increment that leaves more than PENETRATION of h
 takes the multipliers over and iterates on. Several tools may touch one node, as at the edge of a die's cavity, which
 constraints of a node would have to tell apart. Simo & Laursen 1992, Computers & Structures 42.
+
+Faces of six nodes touch at the middles of their sides. These are the points of the rule of degree 2 for a triangle, so
+nodal forces there are a quadrature of the contact pressure; the corners, which an even pressure does not load, follow
+from the body.
 """
 
 from __future__ import annotations
@@ -42,7 +46,8 @@ class SolidContact(SpaceContact):
         self._young = max(material.young for material in model.materials)
         self._needs_shear = any(t.friction.law in ("shear", "coulomb_capped") for t in model.space_tools)
         n = len(model.mesh.points)
-        outer = np.unique(model.mesh.boundary_faces)
+        faces = model.mesh.boundary_faces
+        outer = np.unique(faces[:, 3:] if faces.shape[1] == 6 else faces)
         self._inside = np.ones(n, dtype=bool)
         self._inside[outer] = False
         self._length = np.ones(n)

@@ -17,7 +17,12 @@ from presswork.mesh.raw import RawMesh
 from presswork.model import IntArray
 
 _FLAT = re.compile(r"^(?:CAX|CGAX|CPE|CPS|CPEG|M3D|S|STRI|R3D|RAX|MAX|SAX)(\d+)")
-_SOLIDS = {"hex8": re.compile(r"^C3D8[RIHT]*$"), "tet4": re.compile(r"^C3D4[HT]*$")}
+_SOLIDS = {
+    "hex8": re.compile(r"^C3D8[RIHT]*$"),
+    "tet4": re.compile(r"^C3D4[HT]*$"),
+    "tet10": re.compile(r"^C3D10[MHTS]*$"),
+}
+_NODES_OF_SOLID = {"hex8": 8, "tet4": 4, "tet10": 10}
 _LINE = re.compile(r"^(?:T2D|T3D|B2|B3|SAX|RAX|MAX)(\d)")
 _KINDS = {3: "tri3", 6: "tri6", 4: "quad4", 8: "quad8", 9: "quad9"}
 
@@ -67,7 +72,7 @@ def _read_elements(
     if kind is None:
         other.add(element_type)
         return []
-    n_nodes = int(kind[-1])
+    n_nodes = _NODES_OF_SOLID.get(kind) or int(kind[-1])
     values = [int(word) for row in rows for word in row if word]
     if len(values) % (n_nodes + 1):
         raise MeshError(
@@ -82,7 +87,7 @@ def _read_elements(
 
 
 def _kind_of(element_type: str) -> str | None:
-    """Return tri3 ... quad9, hex8, tet4, line2 or line3 for an Abaqus element type, None for any other."""
+    """Return tri3 ... quad9, hex8, tet4, tet10, line2 or line3 for an Abaqus element type, None for any other."""
     line = _LINE.match(element_type)
     if line:
         digit = int(line.group(1))
@@ -149,7 +154,7 @@ def _to_raw(
     for kind in sorted(kinds):
         if kind in _SOLIDS:
             raw.add_volumes(kind, connect(list(elements), kind))
-            raw.other_kinds.add("C3D8" if kind == "hex8" else "C3D4")
+            raw.other_kinds.add(f"C3D{_NODES_OF_SOLID[kind]}")
         elif not kind.startswith("line"):
             raw.add_cells(kind, connect(list(elements), kind))
     for name, labels in element_sets.items():

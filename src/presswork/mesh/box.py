@@ -17,8 +17,11 @@ from presswork.model import ELEMENTS, CellBlock, FloatArray, IntArray, Mesh, Spa
 
 SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))
 """Names of the lower and upper sides normal to x, y and z."""
-_KINDS = {"hex8": "hexahedra of 8 nodes", "tet4": "tetrahedra of 4 nodes"}
-_NAMES_IN_FILES = {"hex8": {"hexahedron", "C3D8"}, "tet4": {"tetra", "C3D4"}}
+EDGES_OF_TET = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
+"""Ends of the edges of a tetrahedron, in the order of their middle nodes."""
+_KINDS = {"hex8": "hexahedra of 8 nodes", "tet4": "tetrahedra of 4 nodes", "tet10": "tetrahedra of 10 nodes"}
+_TURNED_OVER = {4: [0, 2, 1, 3], 8: [4, 5, 6, 7, 0, 1, 2, 3], 10: [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]}
+_NAMES_IN_FILES = {"hex8": {"hexahedron", "C3D8"}, "tet4": {"tetra", "C3D4"}, "tet10": {"tetra10", "C3D10"}}
 
 
 def mesh_box(
@@ -94,10 +97,13 @@ def finish_mesh(
 ) -> Mesh:
     """Return the mesh with its boundary faces and sets; to `node_sets` the sides of the box are added.
 
-    Hexahedra are split where the element is a tetrahedron.
+    Hexahedra are split where the element is a tetrahedron, and edges get a node in the middle where it has 10 nodes;
+    that node joins every set that has both ends.
     """
-    if ELEMENTS[element].cell == "tet4" and cells.shape[1] == 8:
+    if ELEMENTS[element].cell.startswith("tet") and cells.shape[1] == 8:
         cells = split_hexahedra(cells)
+    if ELEMENTS[element].nodes == 10 and cells.shape[1] == 4:
+        points, cells, node_sets = add_middles(points, cells, node_sets)
     faces, _ = find_boundary_faces([cells])
     sets = dict(node_sets)
     tolerance = 1e-9 * float(np.linalg.norm(np.ptp(points, axis=0)))
@@ -133,6 +139,26 @@ def split_hexahedra(cells: IntArray) -> IntArray:
     return np.concatenate([own, triangles[far]], axis=1).astype(np.int32)
 
 
+def add_middles(
+    points: FloatArray, cells: IntArray, node_sets: dict[str, IntArray]
+) -> tuple[FloatArray, IntArray, dict[str, IntArray]]:
+    """Return points, tetrahedra (n_cells, 10) and node sets with a node in the middle of every edge."""
+    ends = np.sort(cells[:, EDGES_OF_TET].astype(np.int64), axis=2)
+    edges, number = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
+    middles = len(points) + number.reshape(len(cells), 6)
+    sets = {}
+    for name, nodes in node_sets.items():
+        inside = np.zeros(len(points), dtype=bool)
+        inside[nodes] = True
+        own = len(points) + np.flatnonzero(inside[edges].all(axis=1))
+        sets[name] = np.concatenate([nodes, own]).astype(np.int32)
+    return (
+        np.concatenate([points, points[edges].mean(axis=1)]),
+        np.concatenate([cells, middles], axis=1).astype(np.int32),
+        sets,
+    )
+
+
 def _number_sets(raw: RawMesh, number: IntArray) -> dict[str, IntArray]:
     """Return the node sets of a file in the new numbers of its points."""
     found = {}
@@ -146,20 +172,29 @@ def _number_sets(raw: RawMesh, number: IntArray) -> dict[str, IntArray]:
 def corner_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
     """Return the triple product of the three edges at each corner (n_cells, 8) [mm3]: the Jacobian's sign there.
 
-    A tetrahedron has one (n_cells, 1), six times its volume.
+    A tetrahedron of 4 nodes has one (n_cells, 1), six times its volume; one of 10 nodes has that of its corners and
+    those at its four points of integration (n_cells, 5).
     """
     x = points[cells]
-    if cells.shape[1] == 4:
-        return np.asarray(np.linalg.det(x[:, 1:] - x[:, :1]))[:, None]
+    if cells.shape[1] in (4, 10):
+        of_corners = np.asarray(np.linalg.det(x[:, 1:4] - x[:, :1]))[:, None]
+        return of_corners if cells.shape[1] == 4 else np.column_stack([of_corners, _jacobians_inside(x)])
     next_ones = np.array([[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]])
     edges = x[:, next_ones] - x[:, :, None]
     return np.asarray(np.linalg.det(edges))
 
 
 def node_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
-    """Return the volume that each node of each cell stands for, int N dV (n_cells, 8 | 4) [mm3]."""
+    """Return the volume that each node of each cell stands for, int N dV (n_cells, 8 | 4) [mm3].
+
+    Of a tetrahedron of 10 nodes, whose corners would stand for less than nothing, in proportion to int N^2 dV
+    (n_cells, 10): a corner for 1/36, a middle for 4/27 (Hinton, Rock & Zienkiewicz 1976).
+    """
     if cells.shape[1] == 4:
         return np.tile(corner_volumes(points, cells) / 24.0, (1, 4))
+    if cells.shape[1] == 10:
+        volume = corner_volumes(points, cells)[:, 1:].sum(axis=1) / 24.0
+        return np.outer(volume, [1.0 / 36.0] * 4 + [4.0 / 27.0] * 6)
     lower = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     corner = np.column_stack([np.tile(lower, (2, 1)), np.repeat([-1.0, 1.0], 4)])
     volumes = np.zeros(cells.shape)
@@ -171,13 +206,25 @@ def node_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
     return volumes
 
 
+def _jacobians_inside(x: FloatArray) -> FloatArray:
+    """Return the Jacobian of tetrahedra (n_cells, 10, 3) at the four points of their rule (n_cells, 4) [mm3]."""
+    slopes, found = np.array([[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), []
+    for near in range(4):
+        share = np.full(4, 0.13819660112501051518)
+        share[near] = 0.58541019662496845446
+        middles = [4.0 * (slopes[a] * share[b] + share[a] * slopes[b]) for a, b in EDGES_OF_TET]
+        dN = np.concatenate([slopes * (4.0 * share - 1.0)[:, None], middles])
+        found.append(np.linalg.det(np.einsum("aj,cai->cij", dN, x)))
+    return np.stack(found, axis=1)
+
+
 def _wind_outwards(points: FloatArray, cells: IntArray) -> tuple[IntArray, bool]:
     """Return the cells the right way out, and whether all of them were turned over. Raises MeshError."""
     volumes = corner_volumes(points, cells)
     if (volumes > 0.0).all():
         return cells, False
     if (volumes < 0.0).all():
-        return np.ascontiguousarray(cells[:, [0, 2, 1, 3] if cells.shape[1] == 4 else [4, 5, 6, 7, 0, 1, 2, 3]]), True
+        return np.ascontiguousarray(cells[:, _TURNED_OVER[cells.shape[1]]]), True
     wrong = np.flatnonzero(~(volumes > 0.0).all(axis=1))
     centre = ", ".join(f"{c:.6g}" for c in points[cells[wrong[0]]].mean(axis=0))
     raise MeshError(

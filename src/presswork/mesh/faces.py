@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Boundary faces of solids in space: quadrilaterals of hexahedra, triangles of tetrahedra, wound outwards."""
+"""Boundary faces of solids in space: quadrilaterals of hexahedra, triangles of tetrahedra, wound outwards.
+
+The faces of 10-node tetrahedra have their corners first, then the middles of the sides 01, 12 and 20. Integrals over
+them take the values there, a third of the area each (exact to degree 2 on flat faces): an even pressure loads the
+mid-side nodes alone, and corners stand for no area.
+"""
 
 from __future__ import annotations
 
@@ -11,27 +16,43 @@ from presswork.model import FloatArray, IntArray
 
 FACES_OF_HEX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 FACES_OF_TET = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
-"""Corners of the faces of a hexahedron and of a tetrahedron, counter-clockwise seen from outside."""
+FACES_OF_TET10 = ((0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (2, 0, 3, 6, 7, 9))
+"""Nodes of the faces of a hexahedron and of tetrahedra, counter-clockwise seen from outside."""
+_FACES_OF_CELL = {4: FACES_OF_TET, 8: FACES_OF_HEX, 10: FACES_OF_TET10}
 _GAUSS_2 = (-np.sqrt(1 / 3), np.sqrt(1 / 3))
 
 
 def list_cell_faces(connectivity: IntArray) -> IntArray:
     """Return the faces of every cell one after the other: six of a hexahedron (6 n_cells, 4), four of a tetrahedron
-    (4 n_cells, 3).
+    (4 n_cells, 3 | 6).
     """
-    faces = np.array(FACES_OF_TET if connectivity.shape[1] == 4 else FACES_OF_HEX)
+    faces = np.array(_FACES_OF_CELL[connectivity.shape[1]])
     return connectivity[:, faces].reshape(-1, faces.shape[1])
 
 
 def find_boundary_faces(connectivities: Sequence[IntArray]) -> tuple[IntArray, IntArray]:
-    """Return the faces that one cell only has (n, 3 | 4), and the number of that cell, counted through the blocks (n,).
+    """Return the faces that one cell only has (n, 3 | 4 | 6), and the number of that cell (n,), through the blocks.
 
     All blocks are of one kind of cell.
     """
     faces = np.concatenate([list_cell_faces(connectivity) for connectivity in connectivities])
     _, index, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     own = np.sort(index[count == 1])
-    return np.ascontiguousarray(faces[own], dtype=np.int32), (own // (4 if faces.shape[1] == 3 else 6)).astype(np.int32)
+    faces_of_cell = 6 if faces.shape[1] == 4 else 4
+    return np.ascontiguousarray(faces[own], dtype=np.int32), (own // faces_of_cell).astype(np.int32)
+
+
+def take_corners(faces: IntArray) -> IntArray:
+    """Return the corners of faces (n, 3 | 4)."""
+    return faces[:, :3] if faces.shape[1] == 6 else faces
+
+
+def find_face_middles(points: FloatArray, faces: IntArray) -> FloatArray:
+    """Return where the middles of faces are (n_faces, 3) [mm]."""
+    corners = points[take_corners(faces)].mean(axis=1)
+    if faces.shape[1] != 6:
+        return np.asarray(corners)
+    return np.asarray((4.0 * points[faces[:, 3:]].mean(axis=1) - corners) / 3.0)
 
 
 def select_faces(faces: IntArray, nodes: IntArray) -> IntArray:
@@ -40,7 +61,7 @@ def select_faces(faces: IntArray, nodes: IntArray) -> IntArray:
 
 
 def face_areas(points: FloatArray, faces: IntArray) -> FloatArray:
-    """Return the area that each node of each face stands for, int N dA (n_faces, 3 | 4) [mm2]."""
+    """Return the area that each node of each face stands for, int N dA (n_faces, 3 | 4 | 6) [mm2]."""
     areas = np.zeros(faces.shape)
     for N, dN in _rule(faces):
         first, second = np.einsum("ja,fai->jfi", dN, points[faces])
@@ -78,12 +99,30 @@ def _rule(faces: IntArray) -> list[tuple[FloatArray, FloatArray]]:
     """Return shape functions (k,) times the weight and their derivatives (2, k) at the points of the faces' rule."""
     if faces.shape[1] == 3:
         return [(np.full(3, 1.0 / 6.0), np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]]))]
+    if faces.shape[1] == 6:
+        return _rule_of_middles()
     corner = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     found = []
     for r in _GAUSS_2:
         for s in _GAUSS_2:
             one, two = 0.5 * (1 + corner[:, 0] * r), 0.5 * (1 + corner[:, 1] * s)
             found.append((one * two, 0.5 * np.stack([corner[:, 0] * two, corner[:, 1] * one])))
+    return found
+
+
+def _rule_of_middles() -> list[tuple[FloatArray, FloatArray]]:
+    """Return the same for the middles of the sides of 6-node triangles, where only their own nodes count."""
+    found = []
+    slopes = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])  # of the corners' shares
+    for middle, ends in enumerate(((0, 1), (1, 2), (2, 0))):
+        share, dN = np.zeros(3), np.zeros((2, 6))
+        share[list(ends)] = 0.5
+        dN[:, :3] = (slopes * (4.0 * share - 1.0)[:, None]).T
+        for side, (a, b) in enumerate(((0, 1), (1, 2), (2, 0))):
+            dN[:, 3 + side] = 4.0 * (slopes[a] * share[b] + share[a] * slopes[b])
+        N = np.zeros(6)
+        N[3 + middle] = 1.0 / 6.0
+        found.append((N, dN))
     return found
 
 

@@ -36,6 +36,7 @@ def read_ideas(path: Path) -> RawMesh:
     datasets = _split_datasets(path)
     if not any(number == 2411 for number, _ in datasets) or not any(number == 2412 for number, _ in datasets):
         raise MeshError("the file has no nodes or no elements (datasets 2411, 2412)", "write it again from the mesher")
+    _refuse_long_rows(next(lines for number, lines in datasets if number == 2412))
     file = pyuff.UFF(str(path))
     types = [int(number) for number in file.get_set_types()]
     nodes = file.read_sets(types.index(2411))
@@ -67,6 +68,19 @@ def _split_datasets(path: Path) -> list[tuple[int, list[str]]]:
         raise MeshError("the file is cut short: its last dataset does not end", "write it again from the mesher")
     pairs = zip(marks[::2], marks[1::2], strict=True)
     return [(int(lines[start + 1].split()[0]), lines[start + 2 : end]) for start, end in pairs]
+
+
+def _refuse_long_rows(lines: list[str]) -> None:
+    """Raise MeshError for elements whose nodes take two rows, which pyuff does not read."""
+    row = 0
+    while row < len(lines):
+        _, descriptor, _, _, _, n_nodes = (int(word) for word in lines[row].split()[:6])
+        if n_nodes > 8:
+            named = _SOLIDS.get(descriptor, f"element type {descriptor}")
+            raise MeshError(
+                f"elements of {n_nodes} nodes ({named}) are not read from this format", "save it as .inp, .msh or .vtk"
+            )
+        row += 3 if descriptor in _LINES else 2
 
 
 def _read_elements(

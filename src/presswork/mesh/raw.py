@@ -21,8 +21,8 @@ class RawMesh:
     other_kinds: set[str] = field(default_factory=set)
     """Names of kinds in the file that are no 2D cells, lines or points."""
     volumes: dict[str, list[IntArray]] = field(default_factory=dict)
-    """Connectivity of hexahedra of 8 nodes and tetrahedra of 4 by kind: hex8, tet4; their names are among other_kinds,
-    too."""
+    """Connectivity of hexahedra of 8 nodes and tetrahedra of 4 and 10 by kind: hex8, tet4, tet10; their names are among
+    other_kinds, too."""
     node_sets: dict[str, list[IntArray]] = field(default_factory=dict)
     """Node indices by name, from groups of nodes, points and cells."""
     line_sets: dict[str, list[IntArray]] = field(default_factory=dict)

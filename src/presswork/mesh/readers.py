@@ -26,7 +26,7 @@ _MESHIO_KINDS = {
     "triangle": "tri3", "triangle6": "tri6", "quad": "quad4", "quad8": "quad8", "quad9": "quad9",
     "line": "line2", "line3": "line3", "vertex": "point",
 }  # fmt: skip
-_VOLUMES = {"hexahedron": "hex8", "tetra": "tet4"}
+_VOLUMES = {"hexahedron": "hex8", "tetra": "tet4", "tetra10": "tet10"}
 
 
 def read_mesh(

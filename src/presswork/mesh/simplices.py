@@ -20,8 +20,8 @@ def list_simplices(mesh: Mesh) -> IndexArray:
     parts = []
     for block in mesh.blocks:
         cells = block.connectivity
-        if ELEMENTS[block.element].cell == "tet4":
-            parts.append(cells)
+        if ELEMENTS[block.element].cell.startswith("tet"):
+            parts.append(cells[:, :4])
         elif ELEMENTS[block.element].cell == "hex8":
             parts.append(cells[:, _TETRAHEDRA].reshape(-1, 4))
         else:

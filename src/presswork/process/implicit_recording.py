@@ -38,6 +38,7 @@ from presswork.interaction.solid_contact import SolidContact
 from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, ToolArrays
 from presswork.interaction.tool_course import find_turning
 from presswork.mesh.edges import edge_areas
+from presswork.mesh.faces import take_corners
 from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Model
 from presswork.process.die_fill import DieFill
 from presswork.process.heat_quantities import heat_columns, measure_heat, show_dies, summarise_heat, warn_of_tables
@@ -375,7 +376,8 @@ class ImplicitRecording(IncrementRecording):
 
     def _shortest_edge(self) -> float:
         mesh, points = self.model.mesh, self.model.mesh.points
-        sides = np.stack([mesh.boundary_faces, np.roll(mesh.boundary_faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+        corners = take_corners(mesh.boundary_faces)
+        sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2)
         edges = np.concatenate([mesh.boundary_edges[:, :2], sides])
         return float(np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1).min(initial=np.inf))
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from presswork.geometry.polygon import contains, measure_distance
 from presswork.mesh.edges import edge_shape_functions
+from presswork.mesh.faces import find_face_middles, take_corners
 from presswork.model import FloatArray, IntArray, Mesh
 from presswork.process.limits import Measure
 
@@ -88,17 +89,22 @@ class Penetration:
     ) -> Measure | None:
         """Do the same for a solid in space: at the corners and in the middle of its boundary faces.
 
+        Faces of six nodes have their contact in the middle of their sides: their corners count as places between.
+
         points: of the nodes now (n_points, 3) [mm]; tools: names. find_gaps: of places from each tool
         (n_tools, n) [mm].
         """
         faces = mesh.boundary_faces
         if not tools or not len(faces):
             return None
-        along = np.concatenate([points[faces], points[faces].mean(axis=1, keepdims=True)], axis=1)
+        corners = take_corners(faces)
+        touching = faces[:, 3:] if faces.shape[1] == 6 else faces
+        between = [points[corners]] if faces.shape[1] == 6 else []
+        along = np.concatenate([points[touching], *between, find_face_middles(points, faces)[:, None]], axis=1)
         depth = np.maximum(-find_gaps(along.reshape(-1, 3)).reshape(len(tools), *along.shape[:2]), 0.0)
-        self.node = max(self.node, float(depth[:, :, :-1].max()))
+        self.node = max(self.node, float(depth[:, :, : touching.shape[1]].max()))
         self.edge = max(self.edge, float(depth.max()))
-        sides = mesh.points[faces] - mesh.points[np.roll(faces, -1, axis=1)]
+        sides = mesh.points[corners] - mesh.points[np.roll(corners, -1, axis=1)]
         length = np.linalg.norm(sides, axis=2).min(axis=1)
         share = depth / length[:, None]
         tool, face, place = (int(i) for i in np.unravel_index(np.argmax(share), share.shape))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.mesh.faces import select_faces
+from presswork.mesh.faces import select_faces, take_corners
 from presswork.model import Body, BoolArray, FloatArray, IntArray, Mesh, Model
 from presswork.process.recording import Row
 
@@ -150,7 +150,7 @@ def _gauge_faces(mesh: Mesh, holder: Holder, axis: int) -> FloatArray | None:
     faces = select_faces(mesh.boundary_faces, mesh.node_sets[holder.node_set])
     if not len(faces):
         return None
-    x = mesh.points[faces]
+    x = mesh.points[take_corners(faces)]
     normal = 0.5 * np.cross(x[:, 2] - x[:, 0], x[:, -1] - x[:, 1])
     along = mesh.points[:, axis]
     side = 1.0 if 2.0 * x[..., axis].mean() > along.min() + along.max() else -1.0

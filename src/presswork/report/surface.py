@@ -33,8 +33,8 @@ class Surface:
     boundary: Indices
     """Ends of the lines around a section or a sheet (n, 2), mid-side nodes between; the body on the left."""
     hexahedra: Indices
-    """Nodes of the cells of a solid in space (n_cells, 8), as numbered here; of a tetrahedron 0 1 2 2 3 3 3 3. None
-    without the inside."""
+    """Nodes of the cells of a solid in space (n_cells, 8), as numbered here; of a tetrahedron its corners, 0 1 2 2 3 3
+    3 3. None without the inside."""
     owners: Indices
     """The face or cell in `cells` that is each hexahedron, or one of its faces (n_cells,)."""
 
@@ -83,7 +83,7 @@ def find_surface(mesh: ResultMesh, *, has_inside: bool = False) -> Surface:
 
 def _as_hexahedra(cells: Indices) -> Indices:
     """Return tetrahedra as hexahedra whose corners coincide; hexahedra as they are."""
-    return cells[:, [0, 1, 2, 2, 3, 3, 3, 3]] if cells.shape[1] == 4 else cells
+    return cells if cells.shape[1] == 8 else cells[:, [0, 1, 2, 2, 3, 3, 3, 3]]
 
 
 def _find_lines(blocks: list[Indices], n_nodes: int) -> Indices:

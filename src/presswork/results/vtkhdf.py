@@ -42,7 +42,7 @@ from presswork.results.vtkhdf_tools import (
 )
 from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
-VTK_TYPES = {"tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28, "hex8": 12, "tet4": 10}
+VTK_TYPES = {"tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28, "hex8": 12, "tet4": 10, "tet10": 24}
 """VTK's number of each kind of cell."""
 
 _ROWS_PER_CHUNK = 16384

@@ -90,6 +90,9 @@ def _check_bodies(case: HeatCase) -> Iterator[Problem]:
         if body.material not in case.materials:
             remedy = suggest(body.material, case.materials, "materials")
             yield Problem(f"{key}.material", "no such material", remedy, body.material)
+        if element == "tet10":
+            fault = "tetrahedra of 10 nodes conduct no heat: their corners would have to store less than nothing"
+            yield Problem(f"{key}.element", fault, "take tet4_mini or hex8", element)
         if family != _FAMILY[case.geometry]:
             remedy = "take hex8" if case.geometry == "solid" else 'take quad4, or geometry = "solid"'
             yield Problem(f"{key}.element", f"no element of geometry = {case.geometry}", remedy, element)

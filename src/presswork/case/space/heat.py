@@ -43,6 +43,9 @@ def check_space_heat(case: SpaceCase) -> Iterator[Problem]:
     if isinstance(material, UmatMaterial):
         yield Problem(f"materials.{name}.umat", "in space a UMAT knows no heat, so far", "give a law of presswork")
         return
+    if case.workpiece.element == "tet10":
+        fault = "tetrahedra of 10 nodes conduct no heat: their corners would have to store less than nothing"
+        yield Problem("workpiece.element", fault, "take tet4_mini or hex8_fbar", case.workpiece.element)
     yield from check_material(name, material)
     for key, tool in case.tools.items():
         if tool.heat is not None and tool.heat.mesh is not None:

@@ -13,6 +13,7 @@ from presswork.geometry.pose import SpacePose
 from presswork.geometry.segments import CENTRE, TURN, X0
 from presswork.geometry.swept_tool import triangulate
 from presswork.geometry.tool_surface import make_surface
+from presswork.mesh.faces import take_corners
 from presswork.mesh.triangles import find_rims
 from presswork.model import FloatArray, Mesh, Plane, SweptProfile, Tool, Triangulation
 
@@ -34,13 +35,13 @@ LOOKS = (-0.6, 0.0, 0.6)
 
 def mean_edge(mesh: Mesh) -> float:
     """Return the mean length of the edges of boundary faces [mm]."""
-    corners = mesh.points[mesh.boundary_faces]
+    corners = mesh.points[take_corners(mesh.boundary_faces)]
     return float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
 
 
 def look_inside_faces(mesh: Mesh) -> FloatArray:
     """Return places inside the boundary faces, and on their edges (n, 3) [mm]."""
-    corners = mesh.points[mesh.boundary_faces]
+    corners = mesh.points[take_corners(mesh.boundary_faces)]
     edges = 0.5 * (corners + np.roll(corners, -1, axis=1))
     places = [edges.reshape(-1, 3), corners.mean(axis=1)]
     if corners.shape[1] == 4:
