@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 from presswork.case import StampingCase, build_model
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Model, PrescribedDisplacement
-from presswork.process.springback import make_springback_model
+from presswork.process.released_model import make_springback_model
 from presswork.process.stamping import ExplicitStamping
 from presswork.process.transfer import begin_with, carry_to_explicit
 from presswork.recorder import run_model

@@ -10,7 +10,7 @@ import pytest
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Material, Mesh, Stage, TrimLine
-from presswork.process.springback import ELEMENTS, hold_rigidly
+from presswork.process.released_model import ELEMENTS, hold_rigidly
 from presswork.process.transfer import (
     SheetBlock,
     SheetState,

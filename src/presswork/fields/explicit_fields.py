@@ -51,13 +51,15 @@ class OnePointFields:
         stress: FloatArray,
         pressure: FloatArray,
         eqps: FloatArray,
+        axis: FloatArray | None = None,
     ) -> dict[str, FloatArray]:
         """Return the fields.
 
         points (n, 3) and thickness (n_cells) now; stress as it flows (n_cells, q, k, 3), pressure (n_cells, q), eqps
-        (n_cells, q, k).
+        (n_cells, q, k). axis: x of the law now (n_cells, 3); None: as it has turned since the sheet was undeformed.
         """
-        direction = np.repeat(self._direction(points)[:, None, None], stress.shape[2], axis=2)
+        along = self._direction(points) if axis is None else self._direction_from(points, axis)
+        direction = np.repeat(along[:, None, None], stress.shape[2], axis=2)
         return layer_fields(
             self._geometry,
             points,
@@ -76,6 +78,12 @@ class OnePointFields:
         gradient = inside @ self._inverse
         angle = np.arctan2(gradient[:, 1, 0] - gradient[:, 0, 1], gradient[:, 0, 0] + gradient[:, 1, 1])
         return np.asarray(np.column_stack([np.cos(angle), -np.sin(angle)]))
+
+    def _direction_from(self, points: FloatArray, axis: FloatArray) -> FloatArray:
+        """Return the first base vector in the frame of the law, whose x is given (n_cells, 3), (n_cells, 2)."""
+        base = self._base(points)
+        along = _components(base, *_plane_frame(base, axis))[:, :, 0]
+        return np.asarray(along / np.linalg.norm(along, axis=1, keepdims=True))
 
     def _base(self, points: FloatArray) -> FloatArray:
         """Return the base vectors at the centres (n_cells, 2, 3)."""

@@ -116,6 +116,28 @@ def draw_holder(
     return SweptProfile(half_widths, corner_radius, np.array([face, *edge, wall]))
 
 
+def draw_ring(inner: tuple[float, float], outer: tuple[float, float], height: float, *, works_up: bool) -> SweptProfile:
+    """Draw a round ring with a flat face at z = 0, or a post where it has no opening.
+
+    inner, outer: radius of its opening and of its outer wall, each with the radius of the edge to the face [mm]; an
+    opening of radius 0 is none. height: of its walls from the face [mm].
+    """
+    (hole, r), (rim, ro) = inner, outer
+    if not hole and not works_up:
+        return draw_punch((rim, rim), rim, ro, height)
+    plan = hole or rim  # s = 0
+    s = rim - plan
+    wall, edge = [_line(0.0, -height, 0.0, -r)], [_arc(0.0, -r, r, 0.0, r, -r)] if r > 0.0 else []
+    begin = r if hole else -rim
+    face = [_line(begin, 0.0, s - ro, 0.0)] if s - ro > begin else []
+    rows = [*(wall if hole else []), *(edge if hole else []), *face]
+    rows += [_arc(s - ro, 0.0, s, -ro, s - ro, -ro)] if ro > 0.0 else []
+    segments = np.array([*rows, _line(s, -ro, s, -height)])
+    if not works_up:  # upside down, and run the other way, its metal on the right again
+        segments = segments[::-1][:, [2, 3, 0, 1, 4, 5, 6]] * [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0]
+    return SweptProfile((plan, plan), plan, segments)
+
+
 def draw_block(
     half_widths: tuple[float, float], corner_radius: float, height: float, edge_radius: float
 ) -> SweptProfile:

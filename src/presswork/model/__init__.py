@@ -56,6 +56,7 @@ from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
 from presswork.model.mesh_change import change_mesh, choose_slave, list_sets, mean_edge
 from presswork.model.model import Analysis, Model
 from presswork.model.onestep import OneStepModel, PartBead
+from presswork.model.operation import Operation, PartPlace
 from presswork.model.press import Blow, Crank, Drive, SpeedTable
 from presswork.model.remeshing import Remeshing, SizeWindow
 from presswork.model.settings import (
@@ -164,8 +165,10 @@ __all__ = [
     "Mesh",
     "Model",
     "OneStepModel",
+    "Operation",
     "OutputSettings",
     "PartBead",
+    "PartPlace",
     "Plane",
     "PointForce",
     "PowerLaw",

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ from presswork.model.limits import Limits
 from presswork.model.marked_point import MarkedPoint
 from presswork.model.material import Material
 from presswork.model.mesh import Mesh, Section
+from presswork.model.operation import Operation
 from presswork.model.remeshing import Remeshing
 from presswork.model.settings import LARGE, ExplicitSheet, ExplicitSolid, OutputSettings, SolverSettings
 from presswork.model.sheet import Refinement, Springback, TrimLine
@@ -23,6 +24,10 @@ from presswork.model.stage import Stage, Support
 from presswork.model.tool import Drawbead, Profile, Tool
 
 Analysis = Literal["axisymmetric", "plane_strain", "solid", "shell", "stamping"]
+
+
+_OF_THE_LINE = ("name", "place", "laid", "spaced")
+"""What an operation says beside what a Model of one operation has."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,10 @@ class Model:
     """Stampings: lines along which the part is cut after the last stage."""
     springback: Springback | None = None
     """Stampings: springback after the last stage and the trimming; None: the part stays as it is."""
+    operation: str = ""
+    """Stampings: name of the operation that tools, beads, stages, trim and springback describe; empty: there is one."""
+    following: tuple[Operation, ...] = ()
+    """Stampings: the operations after it, in turn."""
     heat: Heat | None = None
     """Conduction of heat; None: temperatures are those of the materials' own heating."""
     series: Series | None = None
@@ -72,6 +81,19 @@ class Model:
     """Solids in the plane or in axisymmetry: new meshes in the run; None: one mesh to the end."""
     case_text: str = ""
     """The case file as read, kept with the results."""
+
+    @property
+    def operations(self) -> list[str]:
+        """Names of all operations of a line, in turn; of one operation without a name that is empty."""
+        return [self.operation, *(each.name for each in self.following)]
+
+    def of_operation(self, number: int) -> Model:
+        """Return the Model of an operation of a line alone, on the mesh of the blank."""
+        if number == 0:
+            return replace(self, following=())
+        own = self.following[number - 1]
+        parts = {each.name: getattr(own, each.name) for each in fields(own) if each.name not in _OF_THE_LINE}
+        return replace(self, operation=own.name, following=(), **parts)
 
     @property
     def dimension(self) -> int:

@@ -26,6 +26,10 @@ def begin(model: Model, threads: int) -> Recording:
 
 
 def _begin(model: Model, threads: int) -> Recording:
+    if model.following:
+        from presswork.process.press_line import PressLine
+
+        return PressLine(model, threads=threads)
     if model.trim or model.springback is not None:
         from presswork.process.springback import ReleasedStamping
 

@@ -57,7 +57,7 @@ from presswork.process.stamping_tools import (
     tool_text,
     way_of,
 )
-from presswork.process.transfer import SheetState, keep_heated, sheet_of_implicit
+from presswork.process.transfer import SheetState, begin_with, keep_heated, sheet_of_implicit
 
 CLOCK_TIMES = 1000
 """Of each stage, at which the smooth motion is tabulated."""
@@ -125,8 +125,12 @@ class ImplicitStamping(IncrementRecording):
 
     model: Model
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
+    def __init__(self, model: Model, *, threads: int = 0, begin: SheetState | None = None) -> None:
+        """begin: the sheet that an operation before has left, on the model's mesh; None: the blank."""
         super().__init__(model, ImplicitProcedure(make_shell_model(model), threads=threads))
+        self._begins_formed = begin is not None
+        if begin is not None:
+            begin_with(begin, self.procedure)
         self._judged = model.sheet[1].formability
         self.reactions = Reactions(model, 6, [t.name for t in model.tools])
 
@@ -245,6 +249,10 @@ class ImplicitStamping(IncrementRecording):
         deep = [measure_sheet_penetration(tool.name, float(depth), thickness) for tool, depth in each]
         return Watched((*strained.measures, *deep), strained.margin, self.find_peaks())
 
+    def judge(self) -> FormingVerdict:
+        """Return the verdict on the present sheet."""
+        return self._judge(self.show().sheet)
+
     def sheet(self) -> SheetState:
         """Return the converged state of the sheet."""
         return replace(sheet_of_implicit(self.procedure), heated=keep_heated(self.show()))
@@ -285,7 +293,8 @@ class ImplicitStamping(IncrementRecording):
         energy = self.procedure.energy_balance()
         untouched = find_never_touched([t.name for t in self.model.tools], history)
         warnings = [f"the tool {name} never touched the blank" for name in untouched]
-        warnings += warn_of_holders(self.model, history, float(fields["thickness"].max()))
+        if not self._begins_formed:
+            warnings += warn_of_holders(self.model, history, float(fields["thickness"].max()))
         if abs(energy["error_percent"]) > WORTH_A_WARNING:
             error = f"the energy balance is off by {energy['error_percent']:.3g} %"
             warnings.append(f"{error}: set implicit.max_increment lower")

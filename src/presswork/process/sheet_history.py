@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from presswork.explicit.shells import ExplicitShells
 from presswork.law.elastic_plastic import temperature
 from presswork.model import FloatArray, Mesh, Model
 from presswork.process.row_history import BlockPoints, RowHistory
+from presswork.process.transfer import SheetBlock, at_points
 
 
 class SheetHistory:
@@ -33,6 +34,13 @@ class SheetHistory:
         history = shells.history_at_points
         degrees = temperature(self._material, history, shells.given_temperature) if self._knows else None
         return [BlockPoints(shells.stress_at_points, history[..., 0], degrees)]
+
+    def take(self, blocks: Sequence[SheetBlock]) -> None:
+        """Take the quantities of a sheet, a block of triangles after one of quadrilaterals, where it has them."""
+        for name, (own,) in self._rows.values.items():
+            if all(name in block.evolved for block in blocks):
+                q = own.shape[1]
+                own[:] = np.concatenate([at_points(block.evolved[name], q) for block in blocks])
 
     def begin_row(self, shells: ExplicitShells) -> None:
         """Keep what a row of cycles begins with."""

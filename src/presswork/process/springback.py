@@ -23,37 +23,22 @@ from presswork.geometry.best_fit import measure_deviation
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.mesh.checks import MeshError
-from presswork.model import (
-    FloatArray,
-    Mesh,
-    Model,
-    OutputSettings,
-    ShellElement,
-    SolverSettings,
-    Springback,
-    Stage,
-    Support,
-)
+from presswork.model import FloatArray, Mesh, Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.epochs import EpochRecording, NamedArrays
 from presswork.process.implicit_stamping import ImplicitStamping
 from presswork.process.limits import Watched
 from presswork.process.recording import Meta, Report, Row, Snapshot
+from presswork.process.released_model import ELEMENTS, NAME, make_springback_model
 from presswork.process.stamping import ExplicitStamping
-from presswork.process.transfer import TEMPERATURE, TransferError, begin_with
+from presswork.process.transfer import TEMPERATURE, SheetState, TransferError, begin_with, sheet_of_implicit
 from presswork.process.trim import Cut, TrimError, explain_beside, trim_sheet
 
-TRIM, NAME, DEVIATION = "trim", "springback", "deviation"
+TRIM, DEVIATION = "trim", "deviation"
 FORMING, FORMED, ELASTIC = "forming.", "formed", "elastic"
 """Names in a checkpoint: the prefix of the formed part, and what _Released keeps."""
 HEATED = "heated."
 """Prefix in a checkpoint of SheetState.heated."""
-ELEMENTS: dict[int, ShellElement] = {3: "shell3_mitc_plus", 4: "shell4_mitc_plus"}
-"""By number of nodes."""
-SYMMETRY = tuple(tuple(i in held for i in range(6)) for held in ((0, 4, 5), (1, 3, 5)))
-"""What planes normal to x and y hold: a displacement and two rotations."""
-APART = 0.2
-"""Least distance of the nodes that hold the sheet, over the blank's length and width."""
 STORED = ("internal_energy", "external_energy", "elastic_energy", "external_work")
 """Columns of the history that lose the elastic energy which springback sets free."""
 WORTH_A_WARNING = 0.2
@@ -80,53 +65,6 @@ class SpringbackReport:
     is_save_point: bool
 
 
-def hold_rigidly(points: FloatArray, symmetry: tuple[bool, bool]) -> dict[int, tuple[bool, bool, bool]]:
-    """Return the nodes, and which of their displacements, that hold a blank against the rigid motions left.
-
-    points: undeformed (n_points, 3), about z = 0; symmetry: whether planes normal to x and y hold it already.
-    """
-    x, y = points[:, 0], points[:, 1]
-    middle = [0.0 if cut else 0.5 * (p.min() + p.max()) for p, cut in zip((x, y), symmetry, strict=True)]
-    first = int(np.argmin((x - middle[0]) ** 2 + (y - middle[1]) ** 2))
-    away = points[:, :2] - points[first, :2]
-    far = np.abs(away) >= APART * np.ptp(points[:, :2], axis=0)
-    along_x, along_y = (int(np.argmin(np.where(far[:, i], (away**2).sum(axis=1), np.inf))) for i in (0, 1))
-    held = {first: np.array([not symmetry[0], not symmetry[1], True])}
-    # rotation about y, x and z: each is held by a distance from the first node, unless a plane holds it
-    for node, direction, free in (
-        (along_x, 2, not symmetry[0]),
-        (along_y, 2, not symmetry[1]),
-        (along_x, 1, not any(symmetry)),
-    ):
-        if free:
-            held.setdefault(node, np.zeros(3, dtype=bool))[direction] = True
-    return {node: (bool(h[0]), bool(h[1]), bool(h[2])) for node, h in held.items()}
-
-
-def make_springback_model(model: Model, mesh: Mesh) -> Model:
-    """Return the Model of the released sheet; mesh: undeformed."""
-    springback = model.springback or Springback()
-    planes = [s for s in model.supports if s.fix in SYMMETRY]
-    blocks = tuple(replace(block, element=ELEMENTS[block.connectivity.shape[1]]) for block in mesh.blocks)
-    node_sets = dict(mesh.node_sets)
-    supports = list(planes)
-    for node, fixed in hold_rigidly(mesh.points, model.symmetry).items():
-        name = f"held_{node}"
-        node_sets[name] = np.array([node], dtype=np.int32)
-        supports.append(Support(name, (*fixed, False, False, False)))
-    size = 1.0 / springback.increments
-    return Model(
-        title=model.title,
-        analysis="shell",
-        mesh=replace(mesh, blocks=blocks, node_sets=node_sets),
-        materials=model.materials,
-        supports=tuple(supports),
-        stages=(Stage(NAME, duration=model.stages[-1].duration),),
-        solver=SolverSettings(initial_increment=size, max_increment=size),
-        output=OutputSettings(steps=1),
-    )
-
-
 @dataclass(frozen=True)
 class _Released:
     """The part without its tools."""
@@ -141,22 +79,45 @@ class _Released:
     """As of SheetState."""
 
 
+@dataclass(frozen=True)
+class LaidPart:
+    """A formed part as it lies on the tools of its next operation."""
+
+    state: SheetState
+    turned: FloatArray
+    """Rotation from the undeformed sheet to how it lies (3, 3)."""
+
+
 class ReleasedStamping(EpochRecording):
-    """A stamping after which the part is trimmed, or springs back, or both: with that the last epoch begins."""
+    """A stamping after which the part is trimmed, or springs back, or both: with that the last epoch begins.
+
+    An operation of a line need not have either: then it ends as its tools have left the part.
+    """
 
     model: Model
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
+    def __init__(
+        self, model: Model, *, threads: int = 0, begin: LaidPart | None = None, shows_springback: bool = False
+    ) -> None:
+        """begin: of a later operation, the part that it takes; None: the blank.
+
+        shows_springback: whether the fields of springback are saved though this operation has none.
+        """
         super().__init__(model)
         procedure = ImplicitStamping if model.explicit is None else ExplicitStamping
-        self.forming: ExplicitStamping | ImplicitStamping = procedure(model, threads=threads)
+        state = None if begin is None else begin.state
+        self._turned = None if begin is None else begin.turned
+        self.forming: ExplicitStamping | ImplicitStamping = procedure(model, threads=threads, begin=state)
         self.timing = self.forming.timing
         self._threads = threads
+        self._shows_springback = shows_springback or model.springback is not None
         self._released: _Released | None = None
 
     def advance(self) -> Iterator[Report]:
         """Form the part row after row, cut it, then let it go. Raises GaveUpError."""
         yield from self.forming.advance()
+        if not self._is_released_at_last:
+            return
         if self._released is None:
             self._released = self._release()
             if self.model.trim:
@@ -167,6 +128,29 @@ class ReleasedStamping(EpochRecording):
         for report in self._released.implicit.advance():
             yield SpringbackReport(before + report.number, report, report.is_save_point)
 
+    @property
+    def time(self) -> float:
+        """Since the operation began [s]."""
+        return self.forming.time if self._released is None else self._time()
+
+    @property
+    def first_mesh(self) -> Mesh:
+        """The undeformed mesh that the operation has begun with."""
+        return self._first_mesh
+
+    @property
+    def _is_released_at_last(self) -> bool:
+        return bool(self.model.trim) or self.model.springback is not None
+
+    def sheet(self) -> SheetState:
+        """Return the part at the end of the operation, on `mesh`; in an explicit one no node of it hangs any more."""
+        if self._released is not None:
+            state = sheet_of_implicit(self._released.implicit)
+            return replace(state, heated=self._released.heated)
+        if isinstance(self.forming, ExplicitStamping):
+            self.forming.split_evenly()
+        return self.forming.sheet()
+
     def _release(self) -> _Released:
         """Begin the epoch of the part without its tools: the implicit procedure knows no hanging nodes."""
         if isinstance(self.forming, ExplicitStamping):
@@ -176,7 +160,8 @@ class ReleasedStamping(EpochRecording):
             if self.model.trim:
                 trimmed = trim_sheet(mesh, state, self.model.trim, ELEMENTS, self.model.symmetry)
                 mesh, state, cut = trimmed.mesh, trimmed.state, trimmed.cut
-            implicit = ImplicitProcedure(make_springback_model(self.model, mesh), threads=self._threads)
+            springback = make_springback_model(self.model, mesh, self._turned)
+            implicit = ImplicitProcedure(springback, threads=self._threads)
             begin_with(state, implicit)
         except TrimError as error:
             raise GaveUpError(str(error)) from error
@@ -188,6 +173,8 @@ class ReleasedStamping(EpochRecording):
 
     def remaining(self) -> float:
         """Return the part of the whole process still to be computed; springback counts as a small one."""
+        if not self._is_released_at_last:
+            return self.forming.remaining()
         left = 1.0 if self._released is None else 0.0
         if self._released is not None and self.model.springback is not None:
             left = self._released.implicit.remaining()
@@ -271,14 +258,14 @@ class ReleasedStamping(EpochRecording):
         """
         now = self.forming.show()
         if self._released is None:
-            if self.model.springback is not None:
+            if self._shows_springback:
                 now.springback, now.deviation = np.zeros_like(self.mesh.points), np.zeros(len(self.mesh.points))
             return self.forming.snapshot(now)
         snapshot = self.forming.snapshot(now)
         now = self._released.implicit.mechanics.show(self._released.implicit.state)
         now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.sheet[1].formability
         now.heated, now.temperature = self._released.heated, self._released.heated.get(TEMPERATURE)
-        if self.model.springback is not None:
+        if self._shows_springback:
             now.springback, now.deviation = self._moved(), self._deviation()
         points, cells = compute_fields(now)
         common = {name: cells[name] for name in snapshot.cell_data}  # what both procedures have
@@ -307,7 +294,8 @@ class ReleasedStamping(EpochRecording):
         if not self.epoch:
             self._released = None
             return
-        implicit = ImplicitProcedure(make_springback_model(self.model, self.model.mesh), threads=self._threads)
+        springback = make_springback_model(self.model, self.model.mesh, self._turned)
+        implicit = ImplicitProcedure(springback, threads=self._threads)
         heated = {name.removeprefix(HEATED): v for name, v in epoch.items() if name.startswith(HEATED)}
         self._released = _Released(implicit, None, epoch[FORMED], float(epoch[ELASTIC]), heated)
 
@@ -338,36 +326,41 @@ class ReleasedStamping(EpochRecording):
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what a stamping's summary says, how it was cut, and how far which point has sprung."""
         summary = self.forming.summary(history)
+        told, warnings = self.tell_release()
+        return summary | told | {"warnings": [*summary["warnings"], *warnings]}
+
+    def tell_release(self) -> tuple[dict[str, Any], list[str]]:
+        """Return what the summary says of trimming and springback, and its warnings."""
         if self._released is None:
-            return summary
+            return {}, []
+        told: dict[str, Any] = {}
+        warnings: list[str] = []
         cut = self._released.cut
         if cut is not None:
-            cells = sum(len(block.connectivity) for block in self.mesh.blocks)
             miss = cut.off_line
-            summary[TRIM] = {
-                "cells": cells,
+            told[TRIM] = {
+                "cells": sum(len(block.connectivity) for block in self.mesh.blocks),
                 "off_line_mm": miss,
                 "beside_sheet": {name: asdict(each) for name, each in cut.beside.items()},
             }
-            summary["warnings"] = [*summary["warnings"], *explain_beside(cut)]
+            warnings += explain_beside(cut)
             if miss > WORTH_A_WARNING * cut.element_size:
-                text = f"the trimmed outline is up to {miss:.3g} mm off its line: refine the blank there"
-                summary["warnings"] = [*summary["warnings"], text]
-        if self.model.springback is None:
-            return summary
+                warnings.append(f"the trimmed outline is up to {miss:.3g} mm off its line: refine the blank there")
+        if self.model.springback is not None:
+            told[NAME] = self._tell_springback(self._released.implicit)
+        return told, warnings
+
+    def _tell_springback(self, implicit: ImplicitProcedure) -> dict[str, Any]:
         way = np.linalg.norm(self._moved(), axis=1)
         at, deviation = int(np.argmax(way)), self._deviation()
-        progress = self._released.implicit.state[Progress]
-        return summary | {
-            NAME: {
-                "largest_mm": float(way[at]),
-                "at_mm": [
-                    float(x) for x in self.mesh.points[at] + self._released.implicit.state.nodes.displacement[at, :3]
-                ],
-                "at_blank_mm": [float(x) for x in self.mesh.points[at]],
-                "deviation_mm": [float(deviation.min()), float(deviation.max())],
-                "increments": progress.increments,
-                "iterations": progress.iterations,
-                "cutbacks": progress.cutbacks,
-            }
+        progress = implicit.state[Progress]
+        place = self.mesh.points[at] + implicit.state.nodes.displacement[at, :3]
+        return {
+            "largest_mm": float(way[at]),
+            "at_mm": [float(x) for x in place],
+            "at_blank_mm": [float(x) for x in self.mesh.points[at]],
+            "deviation_mm": [float(deviation.min()), float(deviation.max())],
+            "increments": progress.increments,
+            "iterations": progress.iterations,
+            "cutbacks": progress.cutbacks,
         }

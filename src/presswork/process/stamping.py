@@ -34,12 +34,14 @@ from presswork.process.rows import STAGE
 from presswork.process.sheet_history import SheetHistory
 from presswork.process.stamping_recording import ADDED_MASS, CYCLES, SHELL_CYCLES, StampingRecording
 from presswork.process.stamping_tools import StampingTools, mean_speeds
-from presswork.process.transfer import SheetState, keep_heated, sheet_of_explicit
+from presswork.process.transfer import SheetState, ShellStart, fill_layers, keep_heated, sheet_of_explicit
 
 ELEMENT_CYCLES_A_CALL = 2_000_000
 """Between two looks at the keyboard: about a second."""
 SAMPLES = 10
 """Of the tools' forces in a row, at least: single cycles are noisy."""
+START = "start."
+"""Prefix in a checkpoint of what the shells of a later operation start from."""
 LOOKS = 50
 """A stage, at shells that may have to be split: once in 2 % of it."""
 
@@ -49,14 +51,18 @@ class ExplicitStamping(StampingRecording):
 
     model: Model
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
+    def __init__(self, model: Model, *, threads: int = 0, begin: SheetState | None = None) -> None:
+        """begin: the sheet that an operation before has left, on the model's mesh; None: the blank."""
         assert isinstance(model.explicit, ExplicitSheet)
         super().__init__(model, threads, 6, (*PHASES, "rest"))
+        self._start = None if begin is None else ShellStart.of(begin)
         self.settings = model.explicit
         self._sheet = SplitMesh.begin(model.cells, len(model.mesh.points))
         self._judged = model.sheet[1].formability
         self._damage_laws = make_damage(model.sheet[1].damage, model.sheet[1].umat, is_solid=False)
         self.shells = self._make_shells()
+        if begin is not None:
+            fill_layers(self.shells, begin)
         self._mass = float(self.shells.mass[:, 0].sum())
         self.reactions = Reactions(model, 6, [t.name for t in model.tools])
         self._reaction = np.zeros((len(model.mesh.points), 6))
@@ -69,6 +75,8 @@ class ExplicitStamping(StampingRecording):
         self.tools = StampingTools(model, self.shells)
         self.heat = ExplicitHeat(model, self.shells, self.tools.at_work) if model.heat else None
         self.layers = SheetHistory(model, self.shells)
+        if begin is not None:
+            self.layers.take(begin.blocks)
         self.marked = MarkedPoints(model)
         self._begin_stage()
         self.shells.find_contact()
@@ -78,15 +86,16 @@ class ExplicitStamping(StampingRecording):
         model = self.model
         section, material = model.sheet
         assert section.rule != "simpson"
-        rolling, self._cells = model.rolling_direction, model.cells
-        self._fields = OnePointFields(model.mesh, self._cells, section, np.asarray(rolling), model.symmetry)
+        rolling, self._cells = np.asarray(model.rolling_direction), model.cells
+        self._fields = OnePointFields(model.mesh, self._cells, section, rolling, model.symmetry)
+        start = self._start
         return ExplicitShells(
-            model.mesh.points,
+            model.mesh.points if start is None else start.position,
             self._cells,
-            section.thickness,
+            section.thickness if start is None else start.thickness,
             open_sheet_law(material),
             material.density,
-            axis=rolling,
+            axis=rolling if start is None else start.axis,
             damage=self._damage_laws,
             heating=(material.heating.start if material.heating else 20.0, heats(material)),
             options=ShellOptions(
@@ -170,6 +179,9 @@ class ExplicitStamping(StampingRecording):
         planes, tools = find_planes(self.mesh), self.tools.placed()
         position = place_nodes(self._sheet, step, old.position, old.thickness, planes, tools)
         self._sheet = step.mesh
+        if (start := self._start) is not None:
+            place, parent = step.interpolate(start.position), step.parent
+            self._start = ShellStart(place, start.thickness[parent], start.axis[parent])
         self._begin_epoch(step.apply(self.mesh))
         self._make_again()
         self._begin_stage()
@@ -226,13 +238,19 @@ class ExplicitStamping(StampingRecording):
         return replace(sheet_of_explicit(self.shells, self.layers.values), heated=keep_heated(self.show()))
 
     def _epoch_arrays(self) -> NamedArrays:
-        sheet = self._sheet
-        return {"level": sheet.level, "side": sheet.side, "middle": sheet.middle} if self.epoch else {}
+        sheet, start = self._sheet, self._start
+        if not self.epoch:
+            return {}
+        begun = {} if start is None else {f"{START}{name}": values for name, values in vars(start).items()}
+        return {"level": sheet.level, "side": sheet.side, "middle": sheet.middle, **begun}
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         sheet = SplitMesh.begin(self.model.cells, len(self.mesh.points))
         if self.epoch:
             sheet = replace(sheet, level=epoch["level"], side=epoch["side"], middle=epoch["middle"])
+        if self.epoch and self._start is not None:
+            begun = {name: values for name, values in epoch.items() if name.startswith(START)}
+            self._start = ShellStart(**{name.removeprefix(START): values for name, values in begun.items()})
         self._sheet = sheet
         self._make_again()
         self.layers.start(self.shells)

@@ -32,6 +32,7 @@ from presswork.process.rows import LAST_COLUMNS, RowRecording, RowReport, last_e
 from presswork.process.sheet_history import SheetHistory
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.stamping_tools import StampingTools, describe_stamping
+from presswork.process.transfer import ShellStart, law_axes
 
 CYCLES, ADDED_MASS, SHELL_CYCLES = range(2, 5)
 """Of the progress, after stage and row."""
@@ -55,6 +56,8 @@ class StampingRecording(RowRecording):
     _reaction: FloatArray
     _mass: float
     _formed: float
+    _start: ShellStart | None
+    """What the shells of a later operation start from; None: the blank."""
 
     @property
     def columns(self) -> list[str]:
@@ -139,7 +142,12 @@ class StampingRecording(RowRecording):
     def _cell_fields(self) -> dict[str, FloatArray]:
         shells, history = self.shells, self.shells.history_at_points
         fields = self._fields.cell_fields(
-            shells.position, shells.thickness, shells.flow_stress_at_points, shells.pressure_at_points, history[..., 0]
+            shells.position,
+            shells.thickness,
+            shells.flow_stress_at_points,
+            shells.pressure_at_points,
+            history[..., 0],
+            axis=None if self._start is None else law_axes(shells),
         )
         material = self.model.sheet[1]
         degrees = temperature_field(material, history, self.shells.given_temperature)
@@ -187,6 +195,14 @@ class StampingRecording(RowRecording):
         }
         return self.row(report) | gone | self.reactions.nothing() | self._ram_at_rest() | {"kinetic_energy": 0.0}
 
+    def _warn_of_holders(self, history: Mapping[str, NDArray[Any]], thickest: float) -> list[str]:
+        """Return warnings of holders on a flat blank."""
+        return list(warn_of_holders(self.model, history, thickest)) if self._start is None else []
+
+    def judge(self) -> FormingVerdict:
+        """Return the verdict on the present sheet."""
+        return self._judge(self._cell_fields())
+
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are beyond their limits."""
         shells = self.shells
@@ -210,7 +226,7 @@ class StampingRecording(RowRecording):
             "formability": verdict.to_summary(),
             "warnings": [
                 *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
-                *warn_of_holders(self.model, history, float(fields["thickness"].max())),
+                *self._warn_of_holders(history, float(fields["thickness"].max())),
                 *warn_of_energies(history),
                 *verdict.warnings(),
                 *(warn_of_tables(self.model, history) if self.heat else ()),

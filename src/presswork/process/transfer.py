@@ -170,13 +170,13 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
         own.direction[i][:] = np.stack(
             [(along * first).sum(axis=-1), (along * np.cross(normal, first)).sum(axis=-1)], axis=-1
         )
-        state.cells.history[i][:] = _at_points(block.history, q)
-        state.cells.stress[i].reshape(cells, q, k, 3)[:] = _at_points(block.stress, q)
+        state.cells.history[i][:] = at_points(block.history, q)
+        state.cells.stress[i].reshape(cells, q, k, 3)[:] = at_points(block.stress, q)
         state.cells.eqps[i].reshape(cells, q, k)[:] = state.cells.history[i][..., 0]
         for name, values in block.evolved.items():
-            state[EvolvedArrays].values[name][i][:] = _at_points(values, q).reshape(cells, q * k)
+            state[EvolvedArrays].values[name][i][:] = at_points(values, q).reshape(cells, q * k)
         if state.cells.temperature[i].size and block.temperature is not None:
-            state.cells.temperature[i].reshape(cells, q, k)[:] = _at_points(block.temperature, q)
+            state.cells.temperature[i].reshape(cells, q, k)[:] = at_points(block.temperature, q)
 
     trial = state.duplicate()
     force = mechanics.evaluate(state, trial, np.zeros_like(state.nodes.displacement), with_stiffness=False)
@@ -204,25 +204,49 @@ def carry_to_explicit(
         raise TransferError('explicit shells have no Simpson rule: give the section rule = "lobatto" or "gauss"')
     sheet, material = sheet_of_implicit(procedure), procedure.model.materials[procedure.model.mesh.blocks[0].material]
     options = replace(options or ShellOptions(), n_points=section.points, rule=section.rule)
+    start = ShellStart.of(sheet)
     shells = ExplicitShells(
-        sheet.position,
+        start.position,
         np.concatenate([with_four_nodes(block.connectivity) for block in sheet.blocks]),
-        np.concatenate([block.thickness.mean(axis=1) for block in sheet.blocks]),
+        start.thickness,
         open_sheet_law(material),
         material.density,
-        axis=np.concatenate([block.axis.mean(axis=1) for block in sheet.blocks]),
+        axis=start.axis,
         options=options,
         precision=precision,
     )
+    fill_layers(shells, sheet)
+    return shells
+
+
+@dataclass(frozen=True)
+class ShellStart:
+    """What explicit shells of a deformed sheet are made of."""
+
+    position: FloatArray
+    """(n_nodes, 3) [mm]."""
+    thickness: FloatArray
+    """(n_cells,) [mm]."""
+    axis: FloatArray
+    """x of the law (n_cells, 3)."""
+
+    @classmethod
+    def of(cls, sheet: SheetState) -> ShellStart:
+        """Return the start of a sheet's shells, means of their points."""
+        thickness = np.concatenate([block.thickness.mean(axis=1) for block in sheet.blocks])
+        return cls(sheet.position, thickness, np.concatenate([block.axis.mean(axis=1) for block in sheet.blocks]))
+
+
+def fill_layers(shells: ExplicitShells, sheet: SheetState) -> None:
+    """Give the layers of explicit shells, which start from a sheet, its stress, history and temperature."""
     q = shells.stress_at_points.shape[1]
     shells.set_layers(
-        np.concatenate([_at_points(block.stress, q) for block in sheet.blocks]),
-        np.concatenate([_at_points(block.history, q) for block in sheet.blocks]),
+        np.concatenate([at_points(block.stress, q) for block in sheet.blocks]),
+        np.concatenate([at_points(block.history, q) for block in sheet.blocks]),
     )
-    degrees = [_at_points(block.temperature, q) for block in sheet.blocks if block.temperature is not None]
+    degrees = [at_points(block.temperature, q) for block in sheet.blocks if block.temperature is not None]
     if degrees:
         shells.given_temperature = np.concatenate(degrees)
-    return shells
 
 
 def law_axes(shells: ExplicitShells) -> FloatArray:
@@ -302,7 +326,7 @@ def _layer_bases(block: CellBlock, points: FloatArray, director: FloatArray, thi
     return np.asarray(a[:, :, None] + z[..., None, None] * b[:, :, None])
 
 
-def _at_points(values: FloatArray, q: int) -> FloatArray:
+def at_points(values: FloatArray, q: int) -> FloatArray:
     """Return values (n_cells, any, ...) at q points in the plane: as they are, or their means."""
     if values.shape[1] == q:
         return values

@@ -51,7 +51,7 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
         history = result.history
     except OutputError:  # one step has none
         history = {}
-    ways = {} if result.is_stamping else _find_ways(history)
+    ways = {} if result.is_stamping and not result.is_line else _find_ways(history)
     columns = []
     for name, values in {**history, **ways}.items():
         if name == "stage":
@@ -134,7 +134,7 @@ def _choose_curves(result: Result, history: dict[str, Any]) -> list[tuple[str, s
     moving, turning = find_moving_tools(history), find_turning_tools(history)
     if turning:
         return [(f"{tool}.angle", f"{tool}.{what}") for tool in turning for what in ("force", "torque")]
-    if result.is_stamping and moving:  # holders hardly move: all over the stroke of the one that does
+    if result.is_stamping and moving and not result.is_line:  # holders hardly move: all over one stroke
         main = max(moving, key=lambda tool: float(np.abs(history[f"{tool}.stroke"]).max()))
         return [(f"{main}.stroke", f"{tool}.force") for tool in moving]
     temperatures = [("time", name) for name in history if name.startswith("temperature_")]

@@ -164,8 +164,12 @@ class Result:
             saved = file["presswork"].get("surfaces", {})
             return {name: (tool["points"][()], tool["triangles"][()]) for name, tool in saved.items()}
 
+    def tools_at_work(self, step: int = -1) -> list[str]:
+        """Return the tools in space of the operation that a saved step belongs to; of one operation all."""
+        return [name for name in self.surfaces if np.isfinite(self.surface_displacement(name, step)).all()]
+
     def surface_displacement(self, tool: str, step: int = -1) -> FloatArray:
-        """Return how far a tool in space has moved since the start [mm], shape (3,)."""
+        """Return how far a tool in space has moved since the start [mm], shape (3,); NaN where it is not at work."""
         return self.surface_motion(tool, step)[0]
 
     def surface_motion(self, tool: str, step: int = -1) -> tuple[FloatArray, FloatArray]:
@@ -302,6 +306,11 @@ class Result:
     def is_onestep(self) -> bool:
         """Whether this is a one-step run: the first step is the blank, the second the part."""
         return self.info.get("analysis") == "onestep"
+
+    @property
+    def is_line(self) -> bool:
+        """Whether the part goes through several operations with tools of their own."""
+        return bool(self.info.get("operations"))
 
     @property
     def is_stamping(self) -> bool:

@@ -77,8 +77,8 @@ def append_step(
     holds each tool's segments, shape (n_segments, 7) as in model.Tool, `tool_centre` the point about which it turns,
     `tool_displacement` its displacement, shape (2,) [mm], and `tool_angle` its angle [rad]; a tool not named has not
     moved. `surfaces` holds the points (n, 3) and triangles (n, 3) of tools in space, whose centre and displacement have
-    shape (3,), and `tool_rotation` what they have turned about their centres: a vector along the axis with the angle as
-    its length, shape (3,) [rad].
+    shape (3,), the latter NaN where a tool is not at work, and `tool_rotation` what they have turned about their
+    centres: a vector along the axis with the angle as its length, shape (3,) [rad].
     `tools`, `tool_centre`, `surfaces` and `info` (title, analysis and the like, stored as attributes) are stored with
     the first step only. `dies` holds the mesh of tools that conduct heat, where they start: points (n, 2), cells (m, k)
     and, of this step, temperatures (n,).

@@ -80,7 +80,9 @@ def append_tool_steps(file: h5py.File) -> None:
         _append_step(file[_path(file, name)], moved)
     for name, tool in extras.get("surfaces", {}).items():
         moved = np.broadcast_to(tool["displacement"][-1], tool["points"].shape)
-        if tool["rotation"][-1].any():
+        if np.isnan(moved).any():  # a tool that is not at work shrinks to a point that no one sees
+            moved = tool["points"][0] - tool["points"][()]
+        elif tool["rotation"][-1].any():
             points = tool["points"][()]
             moved = find_pose_since(tool["centre"][()], moved[0], tool["rotation"][-1]).carry(points) - points
         _append_step(file[_path(file, name)], moved)

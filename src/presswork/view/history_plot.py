@@ -173,7 +173,7 @@ def _choose_columns(
         pairs = [(x or [*ways, "time"][0], y)]
     else:
         moving = find_moving_tools(history)
-        if result.is_stamping and moving:  # holders hardly move: all over the stroke of the one that does
+        if result.is_stamping and moving and not result.is_line:  # holders hardly move: all over one stroke
             main = max(moving, key=lambda tool: float(np.abs(history[f"{tool}.stroke"]).max()))
             beads = [name for name in history if name.startswith("bead_") and name.endswith(".force")]
             return [(x or f"{main}.stroke", name) for name in (*(f"{tool}.force" for tool in moving), *beads)]

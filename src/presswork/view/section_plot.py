@@ -44,7 +44,7 @@ def plot_section(
         raise ResultError(f"the section from ({start[0]:g}, {start[1]:g}) mm at {angle:g} degrees misses the blank")
     lines = sheet.line
     thickness = result.field("thickness", step)[sheet.cell]
-    for colour, tool in zip(_TOOL_COLOURS, result.surfaces, strict=False):
+    for colour, tool in zip(_TOOL_COLOURS, result.tools_at_work(step), strict=False):
         cut = cut_tool(result, tool, radians, step, start=start)
         upper.add_collection(LineCollection(list(cut), colors=colour, linewidths=1.0))
         upper.plot([], [], color=colour, label=tool)
@@ -94,7 +94,10 @@ def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
     ax = figure.subplots()
     steps = [step for step in range(len(result.times)) if result.mesh_at(step) is result.mesh]
     steps = [step for step in steps if not is_released(result, step)]
-    way = {name: float(np.linalg.norm(result.surface_displacement(name))) for name in result.surfaces}
+    way = {
+        name: float(np.linalg.norm(result.surface_displacement(name, steps[-1])))
+        for name in result.tools_at_work(steps[-1])
+    }
     tool = max(way, key=lambda name: way[name])
     stroke = [float(np.linalg.norm(result.surface_displacement(tool, step))) for step in steps]
     found = {

@@ -111,7 +111,7 @@ def _cut_tools(result: Result, step: int, low: FloatArray, high: FloatArray) -> 
     """Return lines (n, 2, 3) and colours where planes through the middle of the sheet's frame cut the tools."""
     margin = 0.15 * float((high - low).max())
     found = []
-    for grey, tool in zip(_TOOL_GREYS, result.surfaces, strict=False):
+    for grey, tool in zip(_TOOL_GREYS, result.tools_at_work(step), strict=False):
         for angle in np.radians(_TOOL_SECTIONS):
             lines = cut_tool(result, tool, float(angle), step)
             space = np.concatenate([lines[..., :1] * (np.cos(angle), np.sin(angle)), lines[..., 1:]], axis=2)

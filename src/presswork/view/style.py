@@ -126,10 +126,10 @@ def find_working_tool(result: Result, step: int) -> str | None:
     At the first step it is the one that moves first. None if no tool moves in the whole run.
     """
     place = result.surface_displacement if result.surfaces else result.tool_displacement
-    names = list(result.surfaces or result.tools)
     at = step % len(result.times)
+    names = result.tools_at_work(at) if result.surfaces else list(result.tools)
     for now in [*range(at, 0, -1), *range(at + 1, len(result.times))]:
-        way = {name: float(np.linalg.norm(place(name, now) - place(name, now - 1))) for name in names}
+        way = {name: float(np.nan_to_num(np.linalg.norm(place(name, now) - place(name, now - 1)))) for name in names}
         strokes, before = find_strokes(result, now), find_strokes(result, now - 1)
         if strokes is not None and before is not None:  # what placing moves does no work
             anew = find_operation(result, now) != find_operation(result, now - 1)
@@ -191,10 +191,12 @@ def describe_step(result: Result, step: int) -> str:
     if result.surfaces and (tool := find_working_tool(result, step)) is not None:
         strokes = find_strokes(result, step)
         way = abs(strokes[tool]) if strokes else np.linalg.norm(result.surface_displacement(tool, step))
-        stroke = f"{tool} stroke {way:.2f} mm"
+        stroke = f"{tool} stroke {way:.2f} mm" if way or not result.is_line else _describe_laid(result, step)
         return f"{stroke}, after springback" if is_released(result, step) else stroke
     if (roll := find_turning_tool(result)) is not None:
         return f"{roll} turned by {np.degrees(turned_by(result, roll, step)):.1f} degrees"
+    if result.is_line:
+        return _describe_laid(result, step)
     progress = measure_progress(result, step)
     if progress is None:
         return _describe_load(result, step)
@@ -202,6 +204,12 @@ def describe_step(result: Result, step: int) -> str:
     if progress.reduction < 0.005:
         return text
     return f"{text}, {progress.direction} of the workpiece reduced by {100 * progress.reduction:.1f} %"
+
+
+def _describe_laid(result: Result, step: int) -> str:
+    """Return the stage of a part that lies on tools that have not moved, in words."""
+    row = find_history_row(result, step) if step % len(result.times) else {}
+    return str(row.get("stage", "start")).replace("_", " ")
 
 
 def _describe_load(result: Result, step: int) -> str:

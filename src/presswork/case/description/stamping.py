@@ -15,7 +15,18 @@ from presswork.case.stamping.clashes import find_closing_stroke
 from presswork.geometry.tool_radius import find_least_radius
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.flange import find_held_area
-from presswork.model import Dwell, ExplicitSheet, FloatArray, Model, Stage, SweptProfile, Tool, Triangulation
+from presswork.model import (
+    Dwell,
+    ExplicitSheet,
+    FloatArray,
+    Model,
+    Operation,
+    PartPlace,
+    Stage,
+    SweptProfile,
+    Tool,
+    Triangulation,
+)
 
 EDGE = 5.0
 """Elements along an edge of a tool from which on its radius counts."""
@@ -59,14 +70,50 @@ def describe_stamping(problem: Model) -> Iterator[str]:
         yield from describe_heat_of_forming(problem, problem.heat)
         yield f"heat of the sheet: {problem.heat.levels} temperatures through the thickness of every node"
     yield f"ironing: {_describe_ironing(problem)}"
+    numbers = range(len(problem.operations))
+    for number in numbers:
+        if problem.following:
+            yield f'operation {number + 1} "{problem.operations[number]}"'
+        own = problem.of_operation(number)
+        yield from _describe_operation(own, problem.following[number - 1] if number else None)
+    if explicit is None:
+        settings = problem.solver
+        yield (
+            f"increments: {settings.min_increment:g} to {settings.max_increment:g} of a stage, cut back and grown by "
+            f"the iterations they take; {6 * len(mesh.points)} freedoms"
+        )
+        return
+    speed = np.sqrt(material.young / material.density / (1 - material.poisson**2))
+    assert isinstance(explicit, ExplicitSheet)
+    step = explicit.target_step or explicit.safety * WAVE * shortest * finest / speed
+    stages = [stage for number in numbers for stage in problem.of_operation(number).stages]
+    cycles = sum(stage.duration for stage in stages if stage.dwell is None) / step
+    how = "by mass scaling" if explicit.target_step else "without mass scaling"
+    seconds = cycles * len(problem.cells) * SECONDS
+    split = f", up to {1 / finest**2:g} times as long where all is split" if problem.refinement else ""
+    time = f"about {seconds:.2g} s on one core (an estimate){split}"
+    yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, {time}"
+    if cycles > MANY_CYCLES:
+        yield 'hint: that many cycles mean slow tools or small elements; velocities are mm/s, and "2 m/s" is usual'
+
+
+def _describe_operation(problem: Model, following: Operation | None) -> Iterator[str]:
+    """Describe tools, beads, supports, stages and what follows them; following: of a later operation, how it begins."""
+    if following is not None and following.place != PartPlace():
+        place = following.place
+        over = f"turned over about {place.over}, " if place.over else ""
+        x, y, z = place.move
+        degrees = np.degrees(place.turn)
+        yield f"the part is laid in {over}turned by {degrees:g} degrees, moved by ({x:g}, {y:g}, {z:g}) mm"
     for tool in problem.tools:
-        yield f"tool {tool.name}: {_describe_tool(tool)}"
+        yield f"tool {tool.name}: {_describe_tool(tool, following)}"
     for bead in problem.beads:
         length = problem.whole * float(bead.length.sum())
         closing = f", {bead.closing_force:g} N/mm to close it" if bead.closing_force else ""
         stages = ", ".join(s.name for s in problem.stages if s.bead_share[bead.name][:, 1].any()) or "no stage"
         yield f"{bead.name}: {length:.4g} mm, {bead.force:g} N/mm{closing}, in {stages}"
-    yield from _describe_closing(problem)
+    if following is None:
+        yield from _describe_closing(problem)
     yield from _hint_at_coarse_mesh(problem)
     for support in problem.supports:
         names = (name for name, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), support.fix, strict=True) if fixed)
@@ -85,24 +132,6 @@ def describe_stamping(problem: Model) -> Iterator[str]:
         yield f"then trim {line.name}: what lies {line.keep} of a line over {reach} stays"
     if problem.springback is not None:
         yield f"then springback: tools and boundaries away, implicit, in {problem.springback.increments} increments"
-    if explicit is None:
-        settings = problem.solver
-        yield (
-            f"increments: {settings.min_increment:g} to {settings.max_increment:g} of a stage, cut back and grown by "
-            f"the iterations they take; {6 * len(mesh.points)} freedoms"
-        )
-        return
-    speed = np.sqrt(material.young / material.density / (1 - material.poisson**2))
-    assert isinstance(explicit, ExplicitSheet)
-    step = explicit.target_step or explicit.safety * WAVE * shortest * finest / speed
-    cycles = sum(stage.duration for stage in problem.stages if stage.dwell is None) / step
-    how = "by mass scaling" if explicit.target_step else "without mass scaling"
-    seconds = cycles * len(problem.cells) * SECONDS
-    split = f", up to {1 / finest**2:g} times as long where all is split" if problem.refinement else ""
-    time = f"about {seconds:.2g} s on one core (an estimate){split}"
-    yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, {time}"
-    if cycles > MANY_CYCLES:
-        yield 'hint: that many cycles mean slow tools or small elements; velocities are mm/s, and "2 m/s" is usual'
 
 
 def _describe_dwell(dwell: Dwell) -> str:
@@ -184,8 +213,14 @@ def _describe_ironing(problem: Model) -> str:
     return f"none, {why}: tools sink into a sheet that is thicker than the room between them, at forces no press has"
 
 
-def _describe_tool(tool: Tool) -> str:
+def _describe_tool(tool: Tool, following: Operation | None) -> str:
     x, y, z = tool.position
+    place = f"at ({x:g}, {y:g}, {z:g}) mm"
+    if following is not None and tool.name in following.laid:
+        place = f"at ({x:g}, {y:g}) mm where it touches the part"
+    elif following is not None and tool.name in following.spaced:
+        other, above = following.spaced[tool.name]
+        place = f"at ({x:g}, {y:g}) mm, {above:g} mm over {other}"
     if isinstance(tool.shape, SweptProfile):
         widths = " x ".join(f"{2 * w:g}" for w in tool.shape.half_widths)
         edge = _edge_radius(tool.shape)
@@ -193,7 +228,7 @@ def _describe_tool(tool: Tool) -> str:
     else:
         assert isinstance(tool.shape, Triangulation)
         shape = f"{len(tool.shape.triangles)} triangles"
-    return f"{tool.kind}, {shape}, at ({x:g}, {y:g}, {z:g}) mm, friction {tool.friction.mu:g}"
+    return f"{tool.kind}, {shape}, {place}, friction {tool.friction.mu:g}"
 
 
 def _describe_stage(problem: Model, stage: Stage) -> Iterator[str]:

@@ -11,7 +11,8 @@ import scipy
 
 from presswork import _core
 from presswork.case.errors import Problem, suggest
-from presswork.case.stamping.schema import StampingBead, StampingCase, StampingStage
+from presswork.case.stamping.schema import StampingCase
+from presswork.case.stamping.stage import StampingBead, StampingStage
 from presswork.model import BoolArray, Drawbead, FloatArray, Mesh, Tool
 
 logger = logging.getLogger(__name__)

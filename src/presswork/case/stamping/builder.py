@@ -7,6 +7,7 @@ import logging
 from dataclasses import replace
 from math import cos, radians, sin
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,9 +33,11 @@ from presswork.case.stamping.checks import (
 )
 from presswork.case.stamping.clashes import check_clashes
 from presswork.case.stamping.heat import add_heat, build_sheet_heat, check_sheet_heat
+from presswork.case.stamping.line import build_operation, check_operations, name_operation, name_parts, view_operation
 from presswork.case.stamping.place import build_tools, find_way
 from presswork.case.stamping.plan_line import LineFile, draw_line
-from presswork.case.stamping.schema import VELOCITY, StampingCase, StampingStage
+from presswork.case.stamping.schema import StampingCase
+from presswork.case.stamping.stage import VELOCITY, StampingStage
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.polygon import polygon_area
 from presswork.mesh import MeshError
@@ -56,59 +59,101 @@ def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> m
 
     run_user_code: try the shared libraries that it names.
     """
+    if not case.operations:
+        return _build_first(case, _check_first(case), run_user_code)
+    _stop_at(check_operations(case), case)
+    views = [view_operation(case, number) for number in range(len(case.operations))]
+    checked = []
+    for number, view in enumerate(views):
+        with name_operation(number):
+            checked.append(_check_first(view))
+    with name_operation(0):
+        first = _build_first(views[0], checked[0], run_user_code)
+    following, before = [], _sum_strokes(views[0])
+    for number in range(1, len(views)):
+        view, given = views[number], case.operations[number]
+        with name_operation(number):
+            parts = _build_parts(view, checked[number], first.mesh, before, is_moved=given.place is not None)
+        following.append(build_operation(given, name_parts(replace(first, **parts), given.name)))
+        before += _sum_strokes(view)
+    return replace(name_parts(first, case.operations[0].name), following=tuple(following))
+
+
+def _sum_strokes(case: StampingCase) -> float:
+    return sum(abs(action.stroke) for stage in case.stages for action in stage.tools.values() if action.stroke)
+
+
+def _check_first(case: StampingCase) -> tuple[model.Stage, ...]:
+    """Raise CaseError for what shows without geometry; return the stages."""
     _stop_at(check_names(case) + check_bead_stages(case), case)
     _stop_at(check_sheet_heat(case), case)
     _stop_at(check_tools(case) + check_ways(case), case)
     stages, problems = _build_stages(case)
     _stop_at(problems, case)
     _stop_at(check_target_step(case, stages) + check_speeds(case, stages), case)
-    mesh = _build_mesh(case)
+    return stages
+
+
+def _build_parts(
+    case: StampingCase, stages: tuple[model.Stage, ...], mesh: model.Mesh, before: float | None, *, is_moved: bool
+) -> dict[str, Any]:
+    """Return what an operation has of its own, as fields of a Model; before: as of build_tools."""
     uses = [(f"boundary.{name}.set", entry.set, False) for name, entry in case.boundary.items()]
     for index, stage in enumerate(case.stages):
         uses += [(f"stages.{index}.displacement.{i}.set", e.set, False) for i, e in enumerate(stage.displacement)]
     _stop_at(check_set_names(uses, mesh), case)
-    tools, problems = build_tools(case, mesh)
+    tools, problems = build_tools(case, mesh, before)
     _stop_at(problems, case)
-    _stop_at(check_fit(case, mesh, tools), case)
-    _stop_at(check_clashes(case, mesh, tools), case)
+    if before is None:  # later, what the part looks like is not known yet
+        _stop_at(check_fit(case, mesh, tools), case)
+        _stop_at(check_clashes(case, mesh, tools), case)
     beads, problems = build_beads(case, mesh, tools)
     _stop_at(problems, case)
     _stop_at(check_closing(case, beads, 2 ** len(set(case.blank.symmetry))), case)
-    trim, problems = _build_trim(case, mesh)
+    trim, problems = _build_trim(case, None if is_moved else mesh)
     _stop_at(problems, case)
-    taken = {*case.tools, *SYMMETRY_SETS, *case.boundary, *(e.set for stage in case.stages for e in stage.displacement)}
-    points, problems = build_points(case.points, mesh, taken)
-    _stop_at(problems, case)
-    blank = case.blank
-    sheets = build_sheets(case.materials, blank.material, blank.thickness, case.source, run_user_code)
-    angle = radians(blank.rolling_direction)
     symmetry = ("x" in case.blank.symmetry, "y" in case.blank.symmetry)
     supports = [
         model.Support(name, tuple(freedom in HOLDS[name] for freedom in FREEDOMS), name)
         for name, is_cut in zip(SYMMETRY_SETS, symmetry, strict=True)
         if is_cut
     ]
+    return {
+        "tools": tools,
+        "supports": (*supports, *(entry.build(name) for name, entry in case.boundary.items())),
+        "stages": stages,
+        "beads": beads,
+        "trim": trim,
+        "springback": model.Springback(**case.springback.model_dump()) if case.springback else None,
+    }
+
+
+def _build_first(case: StampingCase, stages: tuple[model.Stage, ...], run_user_code: bool) -> model.Model:
+    """Build the Model of one operation."""
+    mesh = _build_mesh(case)
+    parts = _build_parts(case, stages, mesh, None, is_moved=False)
+    taken = {*case.tools, *SYMMETRY_SETS, *case.boundary, *(e.set for stage in case.stages for e in stage.displacement)}
+    points, problems = build_points(case.points, mesh, taken)
+    _stop_at(problems, case)
+    blank = case.blank
+    sheets = build_sheets(case.materials, blank.material, blank.thickness, case.source, run_user_code)
+    angle = radians(blank.rolling_direction)
     return model.Model(
         title=case.title,
         analysis="stamping",
         mesh=mesh,
         rolling_direction=(cos(angle), sin(angle), 0.0),
         materials=tuple(add_heat(sheet, case) for sheet in sheets),
-        tools=tools,
-        symmetry=symmetry,
-        supports=(*supports, *(entry.build(name) for name, entry in case.boundary.items())),
-        stages=stages,
+        symmetry=("x" in case.blank.symmetry, "y" in case.blank.symmetry),
         explicit=model.ExplicitSheet(**case.explicit.model_dump()) if case.procedure == "explicit" else None,
         solver=case.implicit.build(),
         output=model.OutputSettings(**case.output.model_dump()),
-        beads=beads,
-        trim=trim,
-        springback=model.Springback(**case.springback.model_dump()) if case.springback else None,
         refinement=model.Refinement(blank.refine.levels, radians(blank.refine.angle)) if blank.refine else None,
         heat=build_sheet_heat(case),
         limits=case.limits.build(),
         points=points,
         case_text=case.text,
+        **parts,
     )
 
 
@@ -155,8 +200,11 @@ def _mesh_outline(case: StampingCase, blank: OutlinedBlank, symmetry: list[bool]
         raise CaseError([Problem("blank.path", error.fault, error.remedy, blank.path)], case.source) from error
 
 
-def _build_trim(case: StampingCase, mesh: model.Mesh) -> tuple[tuple[model.TrimLine, ...], list[Problem]]:
-    """Draw or read the trim lines, and hold them against the blank, beyond which no part reaches."""
+def _build_trim(case: StampingCase, mesh: model.Mesh | None) -> tuple[tuple[model.TrimLine, ...], list[Problem]]:
+    """Draw or read the trim lines, and hold them against the blank, beyond which no part reaches.
+
+    mesh: of the blank; None of a part that is placed elsewhere.
+    """
     folder = case.source.parent if case.source is not None else Path()
     lines, problems = [], []
     for name, trim in case.trim.items():
@@ -165,7 +213,8 @@ def _build_trim(case: StampingCase, mesh: model.Mesh) -> tuple[tuple[model.TrimL
             problems.append(polygon)
             continue
         try:
-            check_meets(mesh.points, polygon, trim.keep)
+            if mesh is not None:
+                check_meets(mesh.points, polygon, trim.keep)
         except MeshError as error:
             problems.append(Problem(f"trim.{name}", error.fault.replace("the sheet", "the blank"), error.remedy))
         lines.append(model.TrimLine(name, polygon, trim.keep))

@@ -13,8 +13,9 @@ from presswork.case.material.library import list_keys
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import check_in_explicit, check_timing
 from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank
-from presswork.case.stamping.schema import VELOCITY, StampingCase, StampingStage, TrimFile
+from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.shapes import clearance
+from presswork.case.stamping.stage import VELOCITY, StampingStage, TrimFile
 from presswork.case.stamping.tools import DrawnTool, ToolFile
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.tool_surface import make_surface
@@ -278,6 +279,7 @@ def check_fit(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> list[P
         width = getattr(tool, "face_width", None)
         if width is None:
             continue
+        assert isinstance(tool, DrawnTool)
         half = np.array(tool.half_size()) + width
         beyond = np.abs(corner) - half
         if isinstance(case.blank, CircularBlank | OutlinedBlank) and tool.shape == "round":

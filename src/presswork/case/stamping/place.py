@@ -24,11 +24,17 @@ BEYOND = 1.5
 """Times the blank's radius: as far as a face reaches that is given no width."""
 
 
-def build_tools(case: StampingCase, mesh: Mesh) -> tuple[tuple[ToolModel, ...], list[Problem]]:
-    """Draw, read and place the tools."""
+def build_tools(
+    case: StampingCase, mesh: Mesh, before: float | None = None
+) -> tuple[tuple[ToolModel, ...], list[Problem]]:
+    """Draw, read and place the tools.
+
+    before: sum of the strokes of operations before [mm], after which a tool without position stands at the origin;
+    None: there are none, and it is laid on the flat blank.
+    """
     radius = float(np.linalg.norm(mesh.points[:, :2], axis=1).max())
     strokes = [abs(a.stroke) for stage in case.stages for a in stage.tools.values() if a.stroke]
-    depth = sum(strokes) + 10.0 * case.blank.thickness
+    depth = sum(strokes) + 10.0 * case.blank.thickness + (before or 0.0)
     folder = case.source.parent if case.source is not None else Path()
     tools, problems = [], []
     for name, tool in case.tools.items():
@@ -36,7 +42,7 @@ def build_tools(case: StampingCase, mesh: Mesh) -> tuple[tuple[ToolModel, ...], 
         if isinstance(shape, Problem):
             problems.append(shape)
             continue
-        position = _place(name, tool, shape, case, mesh)
+        position = _place(name, tool, shape, case, mesh) if before is None else tool.position or (0.0, 0.0, 0.0)
         if isinstance(position, Problem):
             problems.append(position)
             continue
@@ -82,13 +88,13 @@ def _place(
         remedy = f"give tools.{name}.position = [x, y, z]"
         return Problem(f"tools.{name}", "the blank is not flat, so the tool cannot be laid on it", remedy)
     side = -1.0 if tool.kind == "die" else 1.0
-    height = float(z[0]) + side * 0.5 * case.blank.thickness - _face(tool, shape)
+    height = float(z[0]) + side * 0.5 * case.blank.thickness - find_face(tool, shape)
     if tool.gap is not None:
         height += tool.gap - case.blank.thickness
     return (0.0, 0.0, height)
 
 
-def _face(tool: Tool, shape: Surface) -> float:
+def find_face(tool: Tool, shape: Surface) -> float:
     """Return how high the working face lies over the tool's origin."""
     if isinstance(shape, SweptProfile):
         return 0.0

@@ -3,13 +3,11 @@
 
 from __future__ import annotations
 
-import itertools
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 from pydantic.config import JsonDict
 
-from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
@@ -19,25 +17,24 @@ from presswork.case.material.transformation import Transformation
 from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
-from presswork.case.press.builder import Timing
-from presswork.case.press.schema import Press, StagePress
+from presswork.case.press.schema import Press
 from presswork.case.shell.material import HeavyShellMaterial
-from presswork.case.shell.schema import ShellBoundary, ShellDisplacement
-from presswork.case.stamping.bead import Bead
+from presswork.case.shell.schema import ShellBoundary
 from presswork.case.stamping.blank import Blank
-from presswork.case.stamping.heat import Dwell, StampingHeat
-from presswork.case.stamping.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
+from presswork.case.stamping.heat import StampingHeat
+from presswork.case.stamping.operation import Operation
+from presswork.case.stamping.stage import Springback, StampingBead, StampingStage, Trim, Whole
 from presswork.case.stamping.tools import Tool
-from presswork.case.units import Force, Length, LineForce, Number, Point3, Rate, Time, Velocity, fault
+from presswork.case.units import Number, Point3, Rate, Time, fault
 from presswork.model import ExplicitElement, ExplicitSheet, SolverSettings
 
-VELOCITY = 2000.0
-"""Of what moves farthest where a stage says nothing [mm/s]."""
-
 _EXPLICIT = ExplicitSheet()
-_SPRINGBACK = model.Springback()
 _SOLVER = SolverSettings()
-Whole = Annotated[int, Field(strict=True, ge=1)]
+
+
+OWN = ("tools", "beads", "boundary", "stages", "trim", "springback")
+"""Keys that every operation of a line has of its own."""
+OWN_TEXT = "operations.N." + ", operations.N.".join(OWN)
 
 
 class StampingMaterial(HeavyShellMaterial):
@@ -61,91 +58,6 @@ StampingTable = Annotated[
     Discriminator(kind_of_material),
     Field(json_schema_extra={"discriminator": {"mapping": _TABLES}}),
 ]
-ForceRow = tuple[Length, Force]
-
-
-class ToolAction(Part):
-    """What a tool does in a stage."""
-
-    stroke: Length | None = Field(
-        default=None, description="moves so far: punch and holder down, die up; negative: back [mm]"
-    )
-    force: Force | tuple[ForceRow, ...] | None = Field(
-        default=None,
-        description="instead: pushes with this force on the whole part [N], or a table of rows [stroke of the punch in "
-        "this stage, force]",
-    )
-
-    @model_validator(mode="after")
-    def _check_one_action(self) -> Self:
-        if (self.stroke is None) == (self.force is None):
-            raise fault("give either stroke or force", "for instance stroke = 25", key="stroke")
-        rows = self.force if isinstance(self.force, tuple) else ((0.0, self.force or 0.0),)
-        if not rows or min(force for _, force in rows) < 0:
-            raise fault("expected forces >= 0", "a tool pushes, it does not pull", key="force")
-        if any(later[0] <= row[0] for row, later in itertools.pairwise(rows)):
-            raise fault("the strokes of the table do not increase", "sort its rows", key="force")
-        return self
-
-
-class StampingStage(Part):
-    """A part of the process; all that moves starts and stops smoothly with it."""
-
-    name: Name = Field(description="name of the stage")
-    tools: dict[str, ToolAction] = Field(default={}, description="what each tool does; one not named stands still")
-    displacement: tuple[ShellDisplacement, ...] = Field(default=(), description="prescribed displacements of the blank")
-    velocity: Velocity | None = Field(
-        default=None,
-        gt=0,
-        description="largest velocity of what moves farthest [mm/s]; without it and without duration: 2 m/s, a hundred "
-        "times a press's, at which inertia is still small (see the energies)",
-    )
-    duration: Time | None = Field(default=None, gt=0, description="instead of velocity: how long the stage takes [s]")
-    press: StagePress | None = Field(
-        default=None, description="instead of velocity: the press that moves the tools, one of [presses]"
-    )
-    ramp: Time | None = Field(
-        default=None, gt=0, description="time of the smooth start and of the smooth end [s]; without it: a tenth"
-    )
-    process_time: Time | None = Field(
-        default=None,
-        gt=0,
-        description="how long the stage takes in the press [s], by which heat flows and strain rates are taken, "
-        "while explicit dynamics drives the tools faster; without it: as long as it is computed",
-    )
-    dwell: Dwell | None = Field(default=None, description="nothing moves, and heat alone flows")
-
-    @model_validator(mode="after")
-    def _check_one_way_of_timing(self) -> Self:
-        if self.velocity is not None and self.duration is not None:
-            raise fault("velocity and duration both time the stage", "give one of them", key="duration")
-        if self.press is not None and self.ramp is not None:
-            raise fault("a press neither starts nor stops smoothly", "leave it out", key="ramp")
-        if self.press is not None and self.process_time is not None:
-            raise fault("the press gives the time", "leave it out", key="process_time")
-        return self
-
-    def find_timing(self, number: int) -> Timing:
-        """Return what this stage, with its number from 0, says of its press."""
-        has_time = self.duration is not None or self.velocity is not None
-        way = max((abs(action.stroke) for action in self.tools.values() if action.stroke), default=0.0)
-        return Timing(f"stages.{number}", None, self.press, has_time, way)
-
-
-class StampingBead(Bead):
-    """A drawbead between die and holder."""
-
-    closing_force: LineForce = Field(
-        default=0.0,
-        ge=0,
-        description="what closing it takes per length [N/mm]: so much of the holder's force does not press the sheet",
-    )
-    stages: tuple[str, ...] | None = Field(
-        default=None,
-        min_length=1,
-        description="names of the stages in which die and holder are closed on it; without it: those in which no "
-        "stroke moves the holder to or from the die",
-    )
 
 
 class Explicit(Part):
@@ -176,39 +88,6 @@ class Explicit(Part):
         description="whether two tools that leave the sheet less room than it is thick squeeze it thinner (the "
         "pressure is stress through the thickness); without it they sink into the sheet",
     )
-
-
-class Springback(Part):
-    """The formed part is released after the last stage: tools and boundaries away, symmetry planes kept."""
-
-    increments: Whole = Field(default=_SPRINGBACK.increments, description="in which the tools' forces are taken away")
-
-
-class _Trim(Part):
-    """A line that the formed part is cut along after the last stage, seen along z."""
-
-    keep: Literal["inside", "outside"] = Field(
-        default="inside", description="which side of the line stays: inside; or outside, which cuts a hole"
-    )
-
-
-class RectangularTrim(_Trim, RectangularLine):
-    """A rectangle with sides along x and y."""
-
-
-class CircularTrim(_Trim, CircularLine):
-    """A circle."""
-
-
-class PolygonTrim(_Trim, PolygonLine):
-    """A polygon, whose corners may be rounded."""
-
-
-class TrimFile(_Trim, LineFile):
-    """A line from a file."""
-
-
-Trim = Annotated[RectangularTrim | CircularTrim | PolygonTrim | TrimFile, Field(discriminator="shape")]
 
 
 class Implicit(Part):
@@ -290,7 +169,7 @@ class StampingCase(CaseFile):
     boundary: dict[Name, ShellBoundary] = Field(
         default={}, description="what holds the blank beside the tools, by name"
     )
-    stages: tuple[StampingStage, ...] = Field(min_length=1, description="the process, stage by stage")
+    stages: tuple[StampingStage, ...] = Field(default=(), description="the process, stage by stage")
     explicit: Explicit = Field(default=Explicit(), description="how the explicit procedure steps through time")
     trim: dict[Name, Trim] = Field(
         default={}, description="lines that the part is cut along after the last stage, by name, one after the other"
@@ -298,6 +177,11 @@ class StampingCase(CaseFile):
     springback: Springback | None = Field(
         default=None,
         description="an empty table lets the part go after the last stage and the trimming, by the implicit procedure",
+    )
+    operations: tuple[Operation, ...] = Field(
+        default=(),
+        description="instead of tools, beads, boundary, stages, trim and springback: operations with their own, one "
+        "after another",
     )
     implicit: Implicit = Field(default=Implicit(), description="how the implicit procedure goes and iterates")
     output: StampingOutput = Field(default=StampingOutput(), description="what is saved, and when")
@@ -311,6 +195,16 @@ class StampingCase(CaseFile):
     @classmethod
     def _prepare(cls, data: Any) -> Any:
         return add_library_materials(data, "blank") if isinstance(data, dict) else data
+
+    def check_together(self) -> None:
+        """Raise where the process is given twice, or not at all."""
+        if not self.operations:
+            if not self.stages:
+                raise fault("expected at least one stage", "add [[stages]], or [[operations]] of a line", key="stages")
+            return
+        twice = [key for key in OWN if key in self.model_fields_set]
+        if twice:
+            raise fault("every operation has its own", f"move it into one of [[operations]]: {OWN_TEXT}", key=twice[0])
 
     @property
     def irons(self) -> bool:

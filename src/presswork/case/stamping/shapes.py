@@ -5,16 +5,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.case.stamping.tools import DrawnTool, HemisphericalTool, RectangularTool, RoundTool
-from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_holder, draw_punch
+from presswork.case.stamping.tools import DrawnTool, HemisphericalTool, RectangularTool, RingTool, RoundTool
+from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_holder, draw_punch, draw_ring
 from presswork.model import SweptProfile
 
 
-def draw_shape(tool: DrawnTool, depth: float, face_width: float) -> SweptProfile:
+def draw_shape(tool: DrawnTool | RingTool, depth: float, face_width: float) -> SweptProfile:
     """Return the surface of a drawn tool.
 
     depth: height of its wall beyond the radius [mm]. face_width: of a die or holder [mm].
     """
+    if isinstance(tool, RingTool):
+        inner, outer = (0.5 * tool.inner_diameter, tool.inner_radius), (0.5 * tool.outer_diameter, tool.outer_radius)
+        return draw_ring(inner, outer, max(inner[1], outer[1]) + depth, works_up=tool.kind == "die")
     half = tool.half_size()
     if isinstance(tool, HemisphericalTool):
         return draw_hemispherical_punch(half[0], half[0] + depth)

@@ -158,6 +158,31 @@ class HemisphericalTool(_Tool):
         return self
 
 
+class RingTool(_Tool):
+    """A round ring with a flat face, or a round post: flanging dies and punches, pads, sleeves for redrawing."""
+
+    shape: Literal["ring"] = Field(
+        description="a round ring with a flat face and walls away from the sheet inside and outside, or a post"
+    )
+    outer_diameter: Length = Field(gt=0, description="diameter of its outer wall [mm]")
+    inner_diameter: Length = Field(default=0.0, ge=0, description="diameter of its opening [mm]; 0: a post without one")
+    outer_radius: Length = Field(default=0.0, ge=0, description="radius of the outer edge of its face [mm]")
+    inner_radius: Length = Field(default=0.0, ge=0, description="radius of the inner edge of its face [mm]")
+
+    @model_validator(mode="after")
+    def _check_size(self) -> Self:
+        width = 0.5 * (self.outer_diameter - self.inner_diameter)
+        if width <= 0:
+            text = f"the opening of {self.inner_diameter:g} mm is not smaller than the ring"
+            raise fault(text, f"take less than outer_diameter, {self.outer_diameter:g} mm", key="inner_diameter")
+        if self.inner_radius > 0 and self.inner_diameter == 0:
+            raise fault("a post has no inner edge", "leave it out, or give inner_diameter", key="inner_radius")
+        if self.inner_radius + self.outer_radius > width:
+            text = f"the radii of the edges do not fit a face {width:g} mm wide"
+            raise fault(text, f"take at most {width:g} mm for both together", key="outer_radius")
+        return self
+
+
 class ToolFile(_Tool):
     """A tool's surface from an STL or STEP file, its normals out of the metal."""
 
@@ -182,4 +207,6 @@ class ToolFile(_Tool):
 
 
 DrawnTool = RoundTool | RectangularTool | StripTool | HemisphericalTool
-Tool = Annotated[RoundTool | RectangularTool | StripTool | HemisphericalTool | ToolFile, Field(discriminator="shape")]
+Tool = Annotated[
+    RoundTool | RectangularTool | StripTool | HemisphericalTool | RingTool | ToolFile, Field(discriminator="shape")
+]

@@ -176,6 +176,7 @@ export class RunScene {
     }
     this.run.steps[step].tools.forEach((place, i) => {
       const { group, pivot } = this.tools[i];
+      pivot.visible = place[0] !== null;  // a tool of another operation has no place
       const isSolid = this.run.dimension === 3, [cx, cy, cz = 0] = this.run.tools[i].centre;
       const [dx, dy, dz] = isSolid ? place : [place[0], place[1], 0];
       const axis = new Vector3(...(isSolid ? place.slice(3) : [0, 0, place[2]])), angle = axis.length();

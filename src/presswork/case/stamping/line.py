@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From a case with operations to a Model of a press line: each operation is checked and built as a case of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import TypeVar
+
+from presswork import model
+from presswork.case.errors import CaseError, Problem
+from presswork.case.stamping.operation import Operation, Place
+from presswork.case.stamping.place import find_face
+from presswork.case.stamping.schema import OWN, StampingCase
+
+Value = TypeVar("Value")
+
+
+def view_operation(case: StampingCase, number: int) -> StampingCase:
+    """Return the case of an operation alone, as of one operation."""
+    given = case.operations[number]
+    return case.model_copy(update={"operations": (), **{key: getattr(given, key) for key in OWN}})
+
+
+@contextmanager
+def name_operation(number: int) -> Iterator[None]:
+    """Let the keys of an operation's problems begin with its own."""
+    try:
+        yield
+    except CaseError as error:
+        raise CaseError([_rename(problem, number) for problem in error.problems], error.source) from None
+
+
+def _rename(problem: Problem, number: int) -> Problem:
+    own = problem.key.partition(".")[0] in OWN
+    return replace(problem, key=f"operations.{number}.{problem.key}") if own else problem
+
+
+def check_operations(case: StampingCase) -> list[Problem]:
+    """Return the problems of operations beside each other."""
+    problems = []
+    names = [each.name for each in case.operations]
+    for number, given in enumerate(case.operations):
+        key = f"operations.{number}"
+        if given.name in names[:number]:
+            problems.append(Problem(f"{key}.name", "two operations have this name", "give each its own", given.name))
+        if number == 0 and given.place is not None:
+            fault = "the first operation takes the flat blank, as it is meshed"
+            problems.append(Problem(f"{key}.place", fault, "leave it out, or place the tools"))
+        if given.place is not None:
+            problems += _check_place(f"{key}.place", given.place, case)
+    if case.heat is not None:
+        fault = "heat is not carried from one operation to the next"
+        problems.append(Problem("heat", fault, "leave it out, or compute one operation alone"))
+    if case.points:
+        fault = "points are not followed from one operation to the next"
+        problems.append(Problem("points", fault, "leave them out, or compute one operation alone"))
+    taken: dict[str, str] = {}
+    for number, given in enumerate(case.operations):
+        beads = {f"bead_{i + 1}": f"beads.{i}" for i in range(len(given.beads))}
+        for name, key in {**{tool: f"tools.{tool}" for tool in given.tools}, **beads}.items():
+            whole = f"{given.name}_{name}"
+            if whole in taken:
+                fault, remedy = f"is called {whole} in the results, as {taken[whole]} is", "give it another name"
+                problems.append(Problem(f"operations.{number}.{key}", fault, remedy))
+            taken[whole] = f"operations.{number}.{key}"
+    return problems
+
+
+def _check_place(key: str, place: Place, case: StampingCase) -> list[Problem]:
+    """Return the problems of a part with symmetry planes that is moved off them."""
+    problems = []
+    remedy = "leave it out, or compute the whole part (blank.symmetry)"
+    for axis, plane in enumerate("xy"):
+        if plane in case.blank.symmetry and place.move[axis] != 0.0:
+            fault = f"the part would be moved off its symmetry plane {plane} = 0"
+            problems.append(Problem(f"{key}.move", fault, remedy, list(place.move)))
+    if case.blank.symmetry and place.turn % 180.0 != 0.0:
+        fault = f"the part would be turned off its symmetry plane {case.blank.symmetry[0]} = 0"
+        problems.append(Problem(f"{key}.turn", fault, remedy, place.turn))
+    return problems
+
+
+def build_operation(given: Operation, own: model.Model) -> model.Operation:
+    """Return the Model's operation. own: the Model of this operation alone, as `name_parts` gives it."""
+    laid, spaced = [], {}
+    dies = [name for name, tool in given.tools.items() if tool.kind == "die"]
+    shapes = {tool.name: tool.surface for tool in own.tools}
+    for name, tool in given.tools.items():
+        whole = f"{given.name}_{name}"
+        if tool.position is None and tool.gap is not None:
+            die = f"{given.name}_{dies[0]}"
+            above = tool.gap + find_face(given.tools[dies[0]], shapes[die]) - find_face(tool, shapes[whole])
+            spaced[whole] = (die, above)
+        elif tool.position is None:
+            laid.append(whole)
+    place = given.place or Place()
+    return model.Operation(
+        name=given.name,
+        tools=own.tools,
+        supports=own.supports,
+        stages=own.stages,
+        beads=own.beads,
+        trim=own.trim,
+        springback=own.springback,
+        place=place.build(),
+        laid=tuple(laid),
+        spaced=spaced,
+    )
+
+
+def name_parts(own: model.Model, name: str) -> model.Model:
+    """Return the Model of an operation, its name before those of its tools, beads, stages and trim lines."""
+
+    def whole(part: str) -> str:
+        return f"{name}_{part}"
+
+    def by_whole(values: Mapping[str, Value]) -> dict[str, Value]:
+        return {whole(part): value for part, value in values.items()}
+
+    stages = tuple(
+        replace(
+            stage,
+            name=whole(stage.name),
+            tool_motion=by_whole(stage.tool_motion),
+            bead_share=by_whole(stage.bead_share),
+        )
+        for stage in own.stages
+    )
+    return replace(
+        own,
+        operation=name,
+        tools=tuple(replace(tool, name=whole(tool.name)) for tool in own.tools),
+        beads=tuple(replace(b, name=whole(b.name), tool=whole(b.tool) if b.tool else None) for b in own.beads),
+        stages=stages,
+        trim=tuple(replace(line, name=whole(line.name)) for line in own.trim),
+    )

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stages of a stamping, its drawbeads, and trimming and springback after the last. Units as in schema.py."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from presswork import model
+from presswork.case.names import Name
+from presswork.case.part import Part
+from presswork.case.press.builder import Timing
+from presswork.case.press.schema import StagePress
+from presswork.case.shell.schema import ShellDisplacement
+from presswork.case.stamping.bead import Bead
+from presswork.case.stamping.heat import Dwell
+from presswork.case.stamping.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
+from presswork.case.units import Force, Length, LineForce, Time, Velocity, fault
+
+VELOCITY = 2000.0
+"""Of what moves farthest where a stage says nothing [mm/s]."""
+_SPRINGBACK = model.Springback()
+Whole = Annotated[int, Field(strict=True, ge=1)]
+ForceRow = tuple[Length, Force]
+
+
+class ToolAction(Part):
+    """What a tool does in a stage."""
+
+    stroke: Length | None = Field(
+        default=None, description="moves so far: punch and holder down, die up; negative: back [mm]"
+    )
+    force: Force | tuple[ForceRow, ...] | None = Field(
+        default=None,
+        description="instead: pushes with this force on the whole part [N], or a table of rows [stroke of the punch in "
+        "this stage, force]",
+    )
+
+    @model_validator(mode="after")
+    def _check_one_action(self) -> Self:
+        if (self.stroke is None) == (self.force is None):
+            raise fault("give either stroke or force", "for instance stroke = 25", key="stroke")
+        rows = self.force if isinstance(self.force, tuple) else ((0.0, self.force or 0.0),)
+        if not rows or min(force for _, force in rows) < 0:
+            raise fault("expected forces >= 0", "a tool pushes, it does not pull", key="force")
+        if any(later[0] <= row[0] for row, later in itertools.pairwise(rows)):
+            raise fault("the strokes of the table do not increase", "sort its rows", key="force")
+        return self
+
+
+class StampingStage(Part):
+    """A part of the process; all that moves starts and stops smoothly with it."""
+
+    name: Name = Field(description="name of the stage")
+    tools: dict[str, ToolAction] = Field(default={}, description="what each tool does; one not named stands still")
+    displacement: tuple[ShellDisplacement, ...] = Field(default=(), description="prescribed displacements of the blank")
+    velocity: Velocity | None = Field(
+        default=None,
+        gt=0,
+        description="largest velocity of what moves farthest [mm/s]; without it and without duration: 2 m/s, a hundred "
+        "times a press's, at which inertia is still small (see the energies)",
+    )
+    duration: Time | None = Field(default=None, gt=0, description="instead of velocity: how long the stage takes [s]")
+    press: StagePress | None = Field(
+        default=None, description="instead of velocity: the press that moves the tools, one of [presses]"
+    )
+    ramp: Time | None = Field(
+        default=None, gt=0, description="time of the smooth start and of the smooth end [s]; without it: a tenth"
+    )
+    process_time: Time | None = Field(
+        default=None,
+        gt=0,
+        description="how long the stage takes in the press [s], by which heat flows and strain rates are taken, "
+        "while explicit dynamics drives the tools faster; without it: as long as it is computed",
+    )
+    dwell: Dwell | None = Field(default=None, description="nothing moves, and heat alone flows")
+
+    @model_validator(mode="after")
+    def _check_one_way_of_timing(self) -> Self:
+        if self.velocity is not None and self.duration is not None:
+            raise fault("velocity and duration both time the stage", "give one of them", key="duration")
+        if self.press is not None and self.ramp is not None:
+            raise fault("a press neither starts nor stops smoothly", "leave it out", key="ramp")
+        if self.press is not None and self.process_time is not None:
+            raise fault("the press gives the time", "leave it out", key="process_time")
+        return self
+
+    def find_timing(self, number: int) -> Timing:
+        """Return what this stage, with its number from 0, says of its press."""
+        has_time = self.duration is not None or self.velocity is not None
+        way = max((abs(action.stroke) for action in self.tools.values() if action.stroke), default=0.0)
+        return Timing(f"stages.{number}", None, self.press, has_time, way)
+
+
+class StampingBead(Bead):
+    """A drawbead between die and holder."""
+
+    closing_force: LineForce = Field(
+        default=0.0,
+        ge=0,
+        description="what closing it takes per length [N/mm]: so much of the holder's force does not press the sheet",
+    )
+    stages: tuple[str, ...] | None = Field(
+        default=None,
+        min_length=1,
+        description="names of the stages in which die and holder are closed on it; without it: those in which no "
+        "stroke moves the holder to or from the die",
+    )
+
+
+class Springback(Part):
+    """The formed part is released after the last stage: tools and boundaries away, symmetry planes kept."""
+
+    increments: Whole = Field(default=_SPRINGBACK.increments, description="in which the tools' forces are taken away")
+
+
+class _Trim(Part):
+    """A line that the formed part is cut along after the last stage, seen along z."""
+
+    keep: Literal["inside", "outside"] = Field(
+        default="inside", description="which side of the line stays: inside; or outside, which cuts a hole"
+    )
+
+
+class RectangularTrim(_Trim, RectangularLine):
+    """A rectangle with sides along x and y."""
+
+
+class CircularTrim(_Trim, CircularLine):
+    """A circle."""
+
+
+class PolygonTrim(_Trim, PolygonLine):
+    """A polygon, whose corners may be rounded."""
+
+
+class TrimFile(_Trim, LineFile):
+    """A line from a file."""
+
+
+Trim = Annotated[RectangularTrim | CircularTrim | PolygonTrim | TrimFile, Field(discriminator="shape")]

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Operations of a press line: what a stamped part goes through after its first tools."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from presswork.model.sheet import Springback, TrimLine
+from presswork.model.stage import Stage, Support
+from presswork.model.tool import Drawbead, Tool
+
+
+@dataclass(frozen=True)
+class PartPlace:
+    """How a part is laid into an operation: turned over, then turned, then moved, from where the one before left it."""
+
+    over: Literal["x", "y"] | None = None
+    """Axis through the origin about which it is turned by 180 degrees; None: it is not turned over."""
+    turn: float = 0.0
+    """Angle about z, counter-clockwise [rad]."""
+    move: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """[mm]"""
+
+
+@dataclass(frozen=True)
+class Operation:
+    """An operation of a press line after the first one, with tools of its own.
+
+    Names of its tools, beads, stages and trim lines begin with its own.
+    """
+
+    name: str
+    tools: tuple[Tool, ...]
+    supports: tuple[Support, ...]
+    stages: tuple[Stage, ...]
+    beads: tuple[Drawbead, ...] = ()
+    trim: tuple[TrimLine, ...] = ()
+    springback: Springback | None = None
+    place: PartPlace = PartPlace()
+    laid: tuple[str, ...] = ()
+    """Names of tools whose height is where they just touch the part; their position gives x and y."""
+    spaced: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+    """By name of tool: another one, and how much higher its position is than that of the other [mm]."""

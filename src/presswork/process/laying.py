@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A part is laid into its next operation: it is turned over, turned and moved, and the tools are brought to it.
+
+A tool that the case gives no height comes along its way until it touches the part; so the part rests on its die under
+its weight as far as it moves along the press, and does not tilt.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from presswork import _core
+from presswork.geometry.pose import turn_about
+from presswork.geometry.tool_surface import make_surface
+from presswork.mesh.tool_clearance import sample_tool
+from presswork.model import FloatArray, Operation, PartPlace, Tool
+from presswork.process.transfer import SheetState
+
+WITHIN = 1e-4
+"""Part of the thickness that is left between a tool and the part that it touches."""
+MOST_ADVANCES = 20_000
+CLEAR = 0.01
+"""Part of the thickness by which a tool may start in the part."""
+
+
+class LayingError(ValueError):
+    """A part that does not lie on the tools of its operation."""
+
+
+def find_turn(place: PartPlace) -> FloatArray:
+    """Return the rotation of a part that is laid so (3, 3)."""
+    over = np.eye(3)
+    if place.over is not None:
+        over = -over
+        axis = "xy".index(place.over)
+        over[axis, axis] = 1.0
+    return np.asarray(turn_about(np.array([0.0, 0.0, place.turn])) @ over)
+
+
+def lay_part(state: SheetState, place: PartPlace) -> SheetState:
+    """Return the state of a part that is turned over, turned and moved; stresses turn with it."""
+    if place == PartPlace():
+        return state
+    turn = find_turn(place)
+    blocks = tuple(replace(block, axis=block.axis @ turn.T) for block in state.blocks)
+    return replace(state, position=state.position @ turn.T + np.asarray(place.move), blocks=blocks)
+
+
+def find_half_thickness(state: SheetState) -> FloatArray:
+    """Return half the mean thickness of the cells round each node (n_points,) [mm]."""
+    total, count = np.zeros((2, len(state.position)))
+    for block in state.blocks:
+        np.add.at(total, block.connectivity, block.thickness.mean(axis=1)[:, None])
+        np.add.at(count, block.connectivity, 1.0)
+    return np.asarray(0.5 * total / np.maximum(count, 1.0))
+
+
+def lay_tools(operation: Operation, state: SheetState) -> tuple[Tool, ...]:
+    """Return the operation's tools where they start on a part. Raises LayingError, naming the key of the case."""
+    half = find_half_thickness(state)
+    placed: dict[str, Tool] = {}
+    for tool in operation.tools:
+        placed[tool.name] = _touch(operation, tool, state.position, half) if tool.name in operation.laid else tool
+    for name, (other, above) in operation.spaced.items():
+        x, y, _ = placed[name].position
+        placed[name] = replace(placed[name], position=(x, y, placed[other].position[2] + above))
+    for tool in placed.values():
+        _check_clear(operation, tool, state, half)
+    return tuple(placed.values())
+
+
+def _touch(operation: Operation, tool: Tool, points: FloatArray, half: FloatArray) -> Tool:
+    """Return a tool moved along its way, from beyond the part, until it touches it."""
+    way = np.asarray(tool.way)
+    ahead, own = points @ way - half, sample_tool(tool.surface, 2.0 * float(half.max())) @ way
+    begin = np.asarray(tool.position) * (way == 0.0) + float(ahead.min() - own.max() - half.max()) * way
+    travel = find_touch(make_surface(tool.surface), points - begin, half, way, float(np.ptp(ahead) + np.ptp(own)))
+    if travel is None:
+        raise LayingError(
+            f"{key_of(operation, tool.name)}: the {tool.kind} goes past the part without touching it, so its height is "
+            "not known: give it a position = [x, y, z], or move the part (place.move)"
+        )
+    x, y, z = (float(each) for each in begin + travel * way)
+    return replace(tool, position=(x, y, z))
+
+
+def find_touch(
+    surface: _core.ToolSurface, points: FloatArray, half: FloatArray, way: FloatArray, farthest: float
+) -> float | None:
+    """Return how far a tool goes along `way` until it touches a sheet; None where it does not within `farthest`.
+
+    points: nodes in the tool's frame (n, 3), half the thickness there (n,) [mm]. No gap falls by more than the tool
+    advances: it advances by the least, and asks again those that may be small.
+    """
+    tolerance = WITHIN * float(half.mean())
+    gaps = surface.nearest(points)[0] - half
+    travel = 0.0
+    for _ in range(MOST_ADVANCES):
+        least = float(gaps.min())
+        if least < tolerance:
+            return travel
+        travel += least
+        if travel > farthest + tolerance or not math.isfinite(travel):
+            return None
+        gaps = gaps - least
+        near = gaps < least
+        gaps[near] = surface.nearest(np.ascontiguousarray(points[near] - travel * way))[0] - half[near]
+    return None
+
+
+def _check_clear(operation: Operation, tool: Tool, state: SheetState, half: FloatArray) -> None:
+    """Raise LayingError where a tool starts in the part."""
+    gap = make_surface(tool.surface).nearest(state.position - np.asarray(tool.position))[0] - half
+    worst = int(np.argmin(gap))
+    if gap[worst] >= -2.0 * CLEAR * half[worst]:
+        return
+    place, key = _written(state.position[worst]), f"{key_of(operation, tool.name)}.position"
+    raise LayingError(
+        f"{key} = {_written(tool.position)}: the part does not fit the {tool.kind}: {int((gap < 0).sum())} of its "
+        f"{len(gap)} nodes lie in it, half the thickness counted, the deepest {-gap[worst]:.4g} mm at {place}; move "
+        "the tool off or make it fit, or place the part otherwise (place)"
+    )
+
+
+def key_of(operation: Operation, tool: str) -> str:
+    """Return the key by which the case has a tool of an operation."""
+    return f"operations.{operation.name}.tools.{tool.removeprefix(f'{operation.name}_')}"
+
+
+def _written(place: Sequence[float] | FloatArray) -> str:
+    return f"[{', '.join(f'{each:.4g}' for each in place)}]"
