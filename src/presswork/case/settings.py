@@ -46,7 +46,8 @@ class Solver(Part):
     terms: Terms = Field(default=Terms(), description='parts of the tangent with tangent = "thesis"')
     symmetric: bool | None = Field(
         default=None,
-        description="factorise the tangent's symmetric part; without it: unless Coulomb's law acts or bodies touch",
+        description="factorise the tangent's symmetric part; without it: unless Coulomb's law acts, bodies touch, or a "
+        "solid in space with [remesh] meets shear friction",
     )
     pressure_stiffness: bool = Field(default=_SOLVER.pressure_stiffness, description="follower stiffness of pressures")
     friction_tangent: model.FrictionTangent = Field(

@@ -19,20 +19,29 @@ from the body.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from presswork import _core
 from presswork.body.solids import Mechanics
 from presswork.fields.instant import NodalContact
+from presswork.geometry.pose import find_space_pose
+from presswork.geometry.rounded_surface import RoundedSurface
+from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.space_contact import SpaceContact, SpaceForces, TouchingNodes, limit_friction
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.faces import nodal_normals
-from presswork.model import Model
+from presswork.model import FloatArray, Model, Tool, Triangulation, find_held_side
 from presswork.state import State
 
 PENETRATION = 1e-3
 """Of the root of a node's share of the surface: more than that takes another iteration."""
+OF_SMALLEST = 0.5
+"""Of the smallest cell: spacing of the lattice by which edges of tools are rounded where meshes change."""
+WITHIN = 1e-3
+"""Of that spacing: what lies closer to a symmetry plane is looked at there, since tools may end at the plane."""
 ROUNDING = 1e-4
 """Gap, over the same length, below which a node begins to touch."""
 
@@ -54,6 +63,32 @@ class SolidContact(SpaceContact):
         self._shear = np.zeros((len(model.space_tools), n))
         self._area = np.zeros((len(model.space_tools), n))
         self._multiplier = np.zeros((len(model.space_tools), n))
+
+    def _make_surface(self, tool: Tool, depth: float) -> _core.ToolSurface | RoundedSurface:
+        remeshing = self._model.remeshing
+        if remeshing is None or remeshing.keeps_first or not isinstance(tool.surface, Triangulation):
+            return super()._make_surface(tool, depth)
+        spacing = OF_SMALLEST * remeshing.smallest_size
+        return RoundedSurface(make_surface(tool.surface, depth), spacing, self._fold_at_planes(tool, WITHIN * spacing))
+
+    def _fold_at_planes(self, tool: Tool, least: float) -> Callable[[FloatArray], FloatArray]:
+        """Return the map of places in a tool's frame to their mirror image where they lie beyond a symmetry plane.
+
+        A tool that such a plane cuts ends there or a little beyond, and moves along it.
+        """
+        start = find_space_pose(tool, np.zeros(3))
+        levels = {a: find_held_side(self._model, a) for a in range(3) if tool.mirrored_across[a]}
+        middle = self._model.mesh.points.mean(axis=0)
+
+        def fold(points: FloatArray) -> FloatArray:
+            places = start.carry(points)
+            for axis, level in levels.items():
+                if level is not None:
+                    away = np.maximum(np.abs(places[:, axis] - level), least)
+                    places[:, axis] = level + np.sign(middle[axis] - level) * away
+            return np.ascontiguousarray(start.to_frame(places))
+
+        return fold
 
     def begin_increment(self, state_n: State) -> None:
         """Take surface, shear flow stress and multipliers as they are when the increment begins."""

@@ -20,12 +20,13 @@ import numpy as np
 
 from presswork import _core
 from presswork.geometry.pose import SpacePose, find_axis, find_space_pose, turn_about
+from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.contract import Forces
 from presswork.interaction.coulomb import return_to_limit
 from presswork.interaction.drawbeads import BeadForces
 from presswork.interaction.tool_arrays import SpaceToolArrays
-from presswork.model import FloatArray, Friction, IndexArray, IntArray, Model
+from presswork.model import FloatArray, Friction, IndexArray, IntArray, Model, Tool
 from presswork.state import Arrays, State
 
 TANGENTIAL = 0.1
@@ -67,7 +68,7 @@ class TouchingNodes:
 class PlacedSurface:
     """A tool's surface where it stands; answers as _core.ToolSurface does, in space."""
 
-    surface: _core.ToolSurface
+    surface: _core.ToolSurface | RoundedSurface
     pose: SpacePose
 
     def nearest(self, points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
@@ -174,7 +175,10 @@ class SpaceContact:
     def __init__(self, model: Model, depth: float) -> None:
         """Take the tools of a model. depth: that a node of a guess may lie in a tool and be found [mm]."""
         self._model = model
-        self._surfaces = [make_surface(tool.surface, depth, smooth=True) for tool in model.space_tools]
+        self._surfaces = [self._make_surface(tool, depth) for tool in model.space_tools]
+
+    def _make_surface(self, tool: Tool, depth: float) -> _core.ToolSurface | RoundedSurface:
+        return make_surface(tool.surface, depth, smooth=True)
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return the arrays of tools that have not moved and touch nothing."""

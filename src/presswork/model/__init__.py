@@ -38,6 +38,7 @@ from presswork.model.heat import (
     Thermal,
     ToolHeat,
 )
+from presswork.model.held_side import find_held_side
 from presswork.model.limits import Limits
 from presswork.model.marked_point import MarkedPoint
 from presswork.model.material import (
@@ -216,6 +217,7 @@ __all__ = [
     "change_mesh",
     "choose_slave",
     "find_direction",
+    "find_held_side",
     "list_names",
     "list_sets",
     "mean_edge",

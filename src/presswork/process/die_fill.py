@@ -13,7 +13,7 @@ from presswork import _core
 from presswork.geometry.cavity_wall import CavityWall, find_cavity_wall
 from presswork.geometry.polygon import measure_distance
 from presswork.geometry.pose import start_profile
-from presswork.model import FloatArray, Mesh, Model
+from presswork.model import FloatArray, Mesh, Model, find_held_side
 from presswork.process.recording import Row
 from presswork.process.tool_quantities import find_way
 
@@ -115,13 +115,4 @@ def _tolerance(die: _Die) -> float:
 
 def _find_plane(model: Model, axis: int) -> float | None:
     """Return the place of the axis of rotation or of an outermost side that supports hold along an axis [mm]."""
-    points = model.mesh.points
-    if model.analysis == "axisymmetric" and axis == 0:
-        return 0.0
-    low, high = points[:, axis].min(), points[:, axis].max()
-    for support in model.supports:
-        held = points[model.mesh.node_sets[support.node_set], axis]
-        is_flat = len(held) > 1 and np.ptp(held) < 1e-9 * (high - low)
-        if support.fix[axis] and is_flat and (held[0] == low or held[0] == high):
-            return float(held[0])
-    return None
+    return 0.0 if model.analysis == "axisymmetric" and axis == 0 else find_held_side(model, axis)

@@ -87,7 +87,7 @@ class Penetration:
     def note_in_space(
         self, mesh: Mesh, points: FloatArray, tools: Sequence[str], find_gaps: Callable[[FloatArray], FloatArray]
     ) -> Measure | None:
-        """Do the same for a solid in space: at the corners and in the middle of its boundary faces.
+        """Do the same for a solid in space: at corners and in the middle of its boundary faces, by their longest edge.
 
         Faces of six nodes have their contact in the middle of their sides: their corners count as places between.
 
@@ -105,7 +105,7 @@ class Penetration:
         self.node = max(self.node, float(depth[:, :, : touching.shape[1]].max()))
         self.edge = max(self.edge, float(depth.max()))
         sides = mesh.points[corners] - mesh.points[np.roll(corners, -1, axis=1)]
-        length = np.linalg.norm(sides, axis=2).min(axis=1)
+        length = np.linalg.norm(sides, axis=2).max(axis=1)
         share = depth / length[:, None]
         tool, face, place = (int(i) for i in np.unravel_index(np.argmax(share), share.shape))
         cut = _Cut(f"the tool {tools[tool]}", float(depth[tool, face, place]), float(length[face]), along[face, place])

@@ -68,6 +68,9 @@ MOST_GIVEN_BACK = 1e-3
 class RemeshedForming(ImplicitRecording):
     """An implicit procedure at work on bodies in the plane, each meshed anew where its mesh would fail."""
 
+    parts: tuple[float, ...] = PARTS
+    """Of the size that is asked for, in meshes tried one after the other."""
+
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         super().__init__(model, threads=threads)
         assert model.remeshing is not None
@@ -257,7 +260,7 @@ class RemeshedForming(ImplicitRecording):
         found: list[_NewEpoch] = []
         faults: list[str] = []
         self._stayed = False
-        for part in PARTS:
+        for part in self.parts:
             try:
                 found.append(self._try_mesh(old, own, part, may_yield=again))
             except (MeshError, GaveUpError) as error:

@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork.body.solids import Mechanics
 from presswork.implicit.epochs import Epoch, new_epoch
@@ -15,6 +17,7 @@ from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.model import CellBlock, FloatArray, IndexArray, IntArray, Mesh, Model, Remeshing, list_sets
 from presswork.process.carrying import carry_state, carry_surface, find_undeclared
+from presswork.process.epochs import NamedArrays
 from presswork.process.mesh_reasons import LAST_CUT
 from presswork.process.remeshing import RemeshedForming
 from presswork.process.space_surfaces import draw_tool
@@ -24,8 +27,20 @@ from presswork.remesh.space.fill import REMEDY
 from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.size_field import EdgeSizes
 from presswork.remesh.space.tools import PlacedTool
-from presswork.remesh.space.triggers import TOO_DEEP, TOO_LONG, find_cut_edge, find_flat_cell, find_long_edge
+from presswork.remesh.space.triggers import (
+    TOO_DEEP,
+    TOO_LONG,
+    WORSE,
+    find_cut_edge,
+    find_flat_cell,
+    find_long_edge,
+    measure_cut,
+)
 
+PARTS = (1.0, 0.9, 0.8)
+"""Of the size that is asked for, in meshes tried one after the other: the last has twice as many cells."""
+LEFT = "left"
+"""Name in a checkpoint."""
 CHORD = 0.05
 """Of the smallest edge of cells, by which the triangles that stand for a tool may leave it."""
 
@@ -33,11 +48,15 @@ CHORD = 0.05
 class RemeshedSpaceForming(RemeshedForming):
     """An implicit procedure at work on a body of tetrahedra, meshed anew where its mesh would fail."""
 
+    parts = PARTS
+
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         assert model.remeshing is not None
         chord = CHORD * model.remeshing.smallest_size
         self._drawn = [draw_tool(tool, model.mesh.points, chord) for tool in model.space_tools]
         super().__init__(model, threads=threads)
+        self._left = 0.0
+        """Depth of a tool in an edge, over its length, when the present mesh was made."""
 
     def _find_obstacle(self) -> str:
         undeclared = find_undeclared(self.procedure.state)
@@ -82,7 +101,20 @@ class RemeshedSpaceForming(RemeshedForming):
             return find_flat_cell(old, self._last_moves(), self.settings.quality) or find_cut_edge(
                 old, deepest=LAST_CUT, sharp_counts=True
             )
-        return find_reason(old, self._last_moves(), self.settings, wait)
+        return find_reason(old, self._last_moves(), self.settings, wait, left=self._left)
+
+    def _remesh(self, reason: str, bodies: set[int] | None = None, *, must: bool = False, again: bool = False) -> bool:
+        is_new = super()._remesh(reason, bodies, must=must, again=again)
+        if is_new:
+            self._left = max(measure_cut(body) for body in self._sections())
+        return is_new
+
+    def _epoch_arrays(self) -> NamedArrays:
+        return super()._epoch_arrays() | {LEFT: np.array([self._left])}
+
+    def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        super()._load_epoch(epoch)
+        self._left = float(epoch[LEFT][0])
 
     def _last_moves(self) -> FloatArray:
         return self.procedure.state.nodes.increment[:, :3]
@@ -129,11 +161,14 @@ def hold_on_tools(arrays: SpaceToolArrays, new: NewBody, tools: Sequence[PlacedT
         arrays.force[t, nodes] = push[nodes, None] * normal + drag
 
 
-def find_reason(old: OldBody, moves: FloatArray, settings: Remeshing, wait: float) -> str | None:
-    """Return why a body's mesh should not go on; wait: factor on the triggers."""
+def find_reason(old: OldBody, moves: FloatArray, settings: Remeshing, wait: float, *, left: float = 0.0) -> str | None:
+    """Return why a body's mesh should not go on.
+
+    wait: factor on the triggers. left: depth of a tool in an edge, over its length, when the mesh was made.
+    """
     return (
         find_flat_cell(old, moves, settings.quality / wait)
-        or find_cut_edge(old, deepest=wait * TOO_DEEP)
+        or find_cut_edge(old, deepest=wait * max(TOO_DEEP, WORSE * left))
         or find_long_edge(old, list_sizes(settings), longest=wait * TOO_LONG)
     )
 

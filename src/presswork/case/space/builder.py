@@ -79,11 +79,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         tools=tools,
         supports=supports,
         stages=stages,
-        solver=build_solver(
-            case.solver,
-            with_coulomb=any(tool.contact.startswith("coulomb") for tool in case.tools.values()),
-            with_body_contact=bool(contacts),
-        ),
+        solver=build_solver(case.solver, with_coulomb=_depends_on_pushes(case), with_body_contact=bool(contacts)),
         output=build_output(case.output),
         bodies=bodies,
         contacts=contacts,
@@ -93,6 +89,18 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         heat=build_space_heat(case),
         remeshing=build_space_remeshing(case, mesh),
         case_text=case.text,
+    )
+
+
+def _depends_on_pushes(case: SpaceCase) -> bool:
+    """Say whether friction follows the pushes of nodes so that the symmetric part of the tangent does not settle.
+
+    Constant shear friction does so at nodes that hardly push, of which flash and new meshes have many.
+    """
+    is_meshed_anew = case.remesh is not None and case.remesh.enabled
+    return any(
+        tool.contact.startswith("coulomb") or (is_meshed_anew and tool.contact == "shear" and tool.m > 0.0)
+        for tool in case.tools.values()
     )
 
 

@@ -73,7 +73,8 @@ def _find_factor(body: OldBody, size: FloatArray, sizes: EdgeSizes) -> float:
 def measure_thickness(body: OldBody, reach: float) -> FloatArray:
     """Return how thick the metal is beneath each face (k,) [mm]; infinite beyond reach, and for faces in planes.
 
-    The thickness is the distance along the normal of the nearest face that looks the other way.
+    The thickness is the distance along the normal of the nearest face that looks the other way, or of its own image
+    beyond a plane.
     """
     faces = np.flatnonzero(~body.in_plane)
     corners = body.points[body.faces[faces]]
@@ -89,6 +90,11 @@ def measure_thickness(body: OldBody, reach: float) -> FloatArray:
     counts = (depth > 0.0) & (aside < radius[pairs[:, 0]] + radius[pairs[:, 1]])
     found = np.full(len(faces), np.inf)
     np.minimum.at(found, pairs[counts, 0], depth[counts])
+    for axis, level, _ in body.planes:
+        away = np.abs(middle[:, axis] - level)
+        outwards = normal[:, axis] * np.sign(middle[:, axis] - level)
+        own = (outwards > _OPPOSITE) & (2.0 * away < reach)
+        found[own] = np.minimum(found[own], 2.0 * away[own])
     result[faces] = found
     return result
 

@@ -119,6 +119,7 @@ def place_skin(
         on_tool[t, skin] = (share > 0.5 - 1e-6) & close | (gap < 0.0)
     points = put_on_tools(points, body.tools, on_tool, in_plane, longest)
     points = _keep_sharp_edges(body.tools, points, edges, around, on_tool, in_plane)
+    points = put_on_tools(points, body.tools, on_tool, in_plane, longest)  # sharp edges may be rounded a little
     target = body.volume * (1.0 + body.lost)
     return _give_volume_back(body, points, faces, on_tool, in_plane, target, float(length.mean()))
 

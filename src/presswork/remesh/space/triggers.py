@@ -13,12 +13,12 @@ from presswork.remesh.space.tetrahedra import list_edges, measure_quality
 
 TOO_LONG = 2.2
 """Edge of the skin over the size wanted there."""
-TOO_DEEP = 0.08
+TOO_DEEP = 0.12
 """Depth to which a tool cuts an edge, over its length."""
 BESIDE = 0.75
 """Distance of an edge's middle from a sharp edge of a tool, over its length, within which that cuts it on any mesh."""
-OF_SHARP = 2.0
-"""Times the depth that is allowed beside sharp edges of tools."""
+WORSE = 1.3
+"""Times the depth that a new mesh has left, beyond which another one is made."""
 
 
 def find_flat_cell(body: OldBody, increment: FloatArray, least: float) -> str | None:
@@ -47,24 +47,36 @@ def find_long_edge(body: OldBody, sizes: EdgeSizes, *, longest: float = TOO_LONG
 def find_cut_edge(body: OldBody, *, deepest: float = TOO_DEEP, sharp_counts: bool = False) -> str | None:
     """Say which edge of the skin lies too deep in a tool between its nodes.
 
-    Round a sharp edge of a tool every edge does, until a new mesh has nodes on it: unless sharp_counts, OF_SHARP times
-    as much is allowed there.
+    Beside a sharp edge of a tool every edge does, on any mesh: unless sharp_counts, those do not count.
     """
+    depth, middle, part = _find_deepest(body, sharp_counts)
+    if part <= deepest:
+        return None
+    return f"a tool {depth:.2g} mm deep in an edge near {_name_place(middle)}"
+
+
+def measure_cut(body: OldBody) -> float:
+    """Return how deep a tool lies in an edge of the skin at most, over its length; sharp edges do not count."""
+    return _find_deepest(body, False)[2]
+
+
+def _find_deepest(body: OldBody, sharp_counts: bool) -> tuple[float, FloatArray, float]:
+    """Return the depth of a tool in an edge [mm], the edge's middle (3,), and the depth over its length, at worst."""
     edges = list_edges(body.faces)
     ends = body.points[edges]
     middle, length = ends.mean(axis=1), np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    worst = 0.0, middle[0], 0.0
     for tool in body.tools:
         gap, _ = tool.touch(middle, float(length.max()))
-        depth = np.where(np.isfinite(gap), -gap / length, 0.0)
-        cut = np.flatnonzero(depth > deepest)
+        part = np.where(np.isfinite(gap), -gap / length, 0.0)
+        cut = np.flatnonzero(part > worst[2])
         if len(cut) and len(tool.sharp_edges) and not sharp_counts:
             _, away = nearest_on_segments(tool.sharp_edges, middle[cut], float(length[cut].max()))
-            shallow = depth[cut] < OF_SHARP * deepest
-            depth[cut[shallow & (away < BESIDE * length[cut])]] = 0.0
-        worst = int(np.argmax(depth))
-        if depth[worst] > deepest:
-            return f"a tool {-gap[worst]:.2g} mm deep in an edge near {_name_place(middle[worst])}"
-    return None
+            part[cut[away < BESIDE * length[cut]]] = 0.0
+        deepest = int(np.argmax(part))
+        if part[deepest] > worst[2]:
+            worst = float(-gap[deepest]), middle[deepest], float(part[deepest])
+    return worst
 
 
 def _name_place(place: FloatArray) -> str:

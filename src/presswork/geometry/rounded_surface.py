@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tools whose edges and corners are rounded to a radius that cells can follow.
+
+The signed distance is sampled on a lattice and read as the coefficients of cubic B-splines (de Boor 1978, A Practical
+Guide to Splines). That field is twice continuously differentiable, exact where the tool is flat, and lies off the tool
+by no more than a part of the lattice's spacing where it has an edge: edges that point into the metal lose their tip,
+and edges that metal flows into get a fillet. The lattice is sampled where it is asked for, and no sample depends on the
+order of the questions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from presswork import _core
+from presswork.model import BoolArray, FloatArray, IndexArray
+
+BAND = 4.0
+"""Of the spacing: a point farther from the tool is told the distance of the tool as it is drawn. So is one beside the
+open rim of a tool, where samples find no tool."""
+_BITS = 21
+_OFFSETS = np.stack(np.meshgrid(*3 * [np.arange(4)], indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+class RoundedSurface:
+    """A tool's surface with rounded edges, in the tool's own frame; answers as _core.ToolSurface does."""
+
+    def __init__(
+        self, surface: _core.ToolSurface, spacing: float, fold: Callable[[FloatArray], FloatArray] | None = None
+    ) -> None:
+        """Round a surface; spacing: of the lattice [mm]; fold: takes places beyond symmetry planes to this side."""
+        self._surface, self._spacing, self._fold = surface, spacing, fold
+        self._keys: IndexArray = np.zeros(0, dtype=np.int64)
+        self._values: FloatArray = np.zeros(0)
+
+    def nearest(self, points: FloatArray, reach: float = np.inf) -> tuple[FloatArray, FloatArray, None, None]:
+        """Return the gap of points (n, 3) closer than reach [mm], infinite of others, and the normal there (n, 3)."""
+        gap, normal, _, _ = self._surface.nearest(points, reach + self._spacing)
+        near, samples = self._sample_near(points, gap)
+        if len(near):
+            value, slope, _ = self._evaluate(points[near], samples)
+            steepness = np.linalg.norm(slope, axis=1)
+            gap[near], normal[near] = value / steepness, slope / steepness[:, None]
+        gap[gap > reach] = np.inf
+        return gap, normal, None, None
+
+    def slopes(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the derivatives of gap (n, 3) and normal (n, 3, 3) [1/mm] to points (n, 3)."""
+        rise, bend = self._surface.slopes(points)
+        gap, *_ = self._surface.nearest(points, (BAND + 1.0) * self._spacing)
+        near, samples = self._sample_near(points, gap)
+        if len(near):
+            value, slope, curve = self._evaluate(points[near], samples)
+            steepness = np.linalg.norm(slope, axis=1)
+            normal = slope / steepness[:, None]
+            along = np.eye(3) - normal[:, :, None] * normal[:, None, :]
+            bend[near] = along @ curve / steepness[:, None, None]
+            turning = np.einsum("ni,nij->nj", normal, curve)
+            rise[near] = normal - (value / steepness**2)[:, None] * turning
+        return rise, bend
+
+    def _sample_near(self, points: FloatArray, gap: FloatArray) -> tuple[IndexArray, FloatArray]:
+        """Return which points (n, 3) of a gap (n,) are near the tool, and the samples round them (m, 4, 4, 4)."""
+        near = np.flatnonzero(np.abs(gap) < BAND * self._spacing)
+        first = np.floor(points[near] / self._spacing).astype(np.int64)
+        samples = self._sample(first[:, None] + _OFFSETS - 1)
+        known = np.isfinite(samples).all(axis=1)
+        return near[known], samples[known].reshape(-1, 4, 4, 4)
+
+    def _evaluate(self, points: FloatArray, samples: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the field at points, its gradient and its second derivatives."""
+        within = points / self._spacing - np.floor(points / self._spacing)
+        weights = [_weigh(within[:, axis]) for axis in range(3)]
+
+        def contract(*orders: int) -> FloatArray:
+            x, y, z = (weights[axis][order] for axis, order in enumerate(orders))
+            total = np.einsum("nijk,ni,nj,nk->n", samples, x, y, z, optimize=["einsum_path", (0, 3), (0, 2), (0, 1)])
+            return np.asarray(total / self._spacing ** sum(orders))
+
+        value = contract(0, 0, 0)
+        slope = np.stack([contract(*np.eye(3, dtype=int)[axis]) for axis in range(3)], axis=-1)
+        curve = np.empty((len(points), 3, 3))
+        for i in range(3):
+            for j in range(i, 3):
+                curve[:, i, j] = curve[:, j, i] = contract(*(np.eye(3, dtype=int)[i] + np.eye(3, dtype=int)[j]))
+        return value, slope, curve
+
+    def _sample(self, numbers: IndexArray) -> FloatArray:
+        """Return the signed distance at points of the lattice (n, 64, 3) (n, 64)."""
+        half = 1 << (_BITS - 1)
+        shifted = numbers + half
+        keys = (shifted[..., 0] << 2 * _BITS) | (shifted[..., 1] << _BITS) | shifted[..., 2]
+        wanted, place = np.unique(keys, return_inverse=True)
+        missing = wanted[~_are_among(wanted, self._keys)]
+        if len(missing):
+            mask = (1 << _BITS) - 1
+            at = np.stack([missing >> 2 * _BITS, (missing >> _BITS) & mask, missing & mask], axis=-1) - half
+            points = self._spacing * at
+            found, *_ = self._surface.nearest(points if self._fold is None else self._fold(points))
+            keys_now, values = np.concatenate([self._keys, missing]), np.concatenate([self._values, found])
+            order = np.argsort(keys_now)
+            self._keys, self._values = keys_now[order], values[order]
+        return np.asarray(self._values[np.searchsorted(self._keys, wanted)][place].reshape(numbers.shape[:2]))
+
+
+def _are_among(wanted: IndexArray, keys: IndexArray) -> BoolArray:
+    """Say which wanted numbers are among keys, both in order."""
+    if not len(keys):
+        return np.zeros(len(wanted), dtype=bool)
+    return np.asarray(keys[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)] == wanted)
+
+
+def _weigh(t: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the cubic B-splines of four neighbours at t (n,) from the second to the third, and their derivatives."""
+    s = 1.0 - t
+    value = np.stack([s**3, 3 * t**3 - 6 * t**2 + 4, 3 * s**3 - 6 * s**2 + 4, t**3], axis=-1) / 6.0
+    slope = np.stack([-(s**2), 3 * t**2 - 4 * t, 4 * s - 3 * s**2, t**2], axis=-1) / 2.0
+    curve = np.stack([s, 3 * t - 2, 3 * s - 2, t], axis=-1)
+    return value, slope, curve
