@@ -23,8 +23,9 @@ from scipy import ndimage
 from presswork import build_model
 from presswork.case.space.schema import SpaceCase
 from presswork.geometry.tool_surface import make_surface
-from presswork.model import FloatArray, Triangulation
+from presswork.model import FloatArray, IntArray, Triangulation
 from presswork.recorder import run_model
+from presswork.remesh.space.tetrahedra import find_skin
 from presswork.results import Result
 from validation.closed_dies import FILLED, STEEL
 
@@ -125,26 +126,30 @@ def choose_billet(
     return float(a), float(b), volume / float(a * b)
 
 
-def write_stl(path: Path, line: FloatArray, height: FloatArray) -> None:
-    """Write a die as a binary STL file, its normals downwards, out of its metal."""
-    n = len(line)
-    x, y = np.meshgrid(line, line, indexing="ij")
-    points = np.stack([x, y, height], axis=-1).reshape(-1, 3)
-    first = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
+def join_points(x: FloatArray, y: FloatArray, height: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return points and facets of a die of a height over x and y, its normals downwards, out of its metal."""
+    n = len(y)
+    points = np.stack([*np.meshgrid(x, y, indexing="ij"), height], axis=-1).reshape(-1, 3)
+    first = (np.arange(len(x) - 1)[:, None] * n + np.arange(n - 1)).ravel()
     a, b, c, d = first, first + n, first + n + 1, first + 1
     # the diagonal that bends less follows the die
     straight = np.abs(points[a, 2] - points[c, 2]) <= np.abs(points[b, 2] - points[d, 2])
     one = np.where(straight[:, None], np.column_stack([a, c, b]), np.column_stack([a, d, b]))
     two = np.where(straight[:, None], np.column_stack([a, d, c]), np.column_stack([b, d, c]))
-    facets = np.zeros(2 * len(first), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("tag", "<u2")])
-    facets["corners"] = points[np.concatenate([one, two])]
+    return points, np.concatenate([one, two]).astype(np.int32)
+
+
+def write_stl(path: Path, points: FloatArray, triangles: IntArray) -> None:
+    """Write facets as a binary STL file."""
+    facets = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("tag", "<u2")])
+    facets["corners"] = points[triangles]
     path.write_bytes(bytes(80) + np.uint32(len(facets)).tobytes() + facets.tobytes())
 
 
 def make_case(die: SpaceDie, folder: Path, **changes: Any) -> SpaceCase:
     """Return the job: the die comes down from where it touches the billet."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_stl(folder / "die.stl", die.line, die.height)
+    write_stl(folder / "die.stl", *join_points(die.line, die.line, die.height))
     edge = 0.16 * float(np.cbrt(np.prod(die.billet)) + die.billet[2])
     cells = [max(3, round(extent / edge)) for extent in die.billet]
     case: dict[str, Any] = {
@@ -199,7 +204,8 @@ class Outcome:
 
 def measure_fill(die: SpaceDie, result: Result) -> float:
     """Return the part of the cavity's wall that metal has reached."""
-    skin = Triangulation(result.points(-1), result.mesh_at(-1).boundary_faces, True)
+    faces, _ = find_skin(result.mesh_at(-1).blocks[0].connectivity.astype(np.intp))
+    skin = Triangulation(result.points(-1), faces.astype(np.int32), True)
     corners = result.placed_surface("die")[result.surfaces["die"][1]]
     middle = corners.mean(axis=1)
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
