@@ -95,9 +95,7 @@ def test_a_resumed_run_and_two_threads_give_the_same_bits(model, result, tmp_pat
 def test_metal_that_rises_into_a_die_gets_meshes_that_follow_its_radius(tmp_path):
     """The first third of the example, in which the edges of the first mesh come to span the die's radius of 3 mm."""
     copy_example("deep_spike_forging", tmp_path)
-    case = SpaceCase.from_toml(
-        tmp_path / "deep_spike_forging.toml", ["stages.0.tools.die.stroke=2", "output.steps=1"]
-    )
+    case = SpaceCase.from_toml(tmp_path / "deep_spike_forging.toml", ["stages.0.tools.die.stroke=2", "output.steps=1"])
     result = run_model(build_model(case), tmp_path / "out", threads=1).result
     assert result.history["remeshes"][-1] >= 1
     assert result.history["die.force"][-1] == pytest.approx(299e3, rel=0.03)

@@ -19,7 +19,6 @@ from the body.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +26,7 @@ import numpy as np
 from presswork import _core
 from presswork.body.solids import Mechanics
 from presswork.fields.instant import NodalContact
+from presswork.geometry.mirrored import add_mirror_image
 from presswork.geometry.pose import find_space_pose
 from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.geometry.tool_surface import make_surface
@@ -41,7 +41,7 @@ PENETRATION = 1e-3
 OF_SMALLEST = 0.5
 """Of the smallest cell: spacing of the lattice by which edges of tools are rounded where meshes change."""
 WITHIN = 1e-3
-"""Of that spacing: what lies closer to a symmetry plane is looked at there, since tools may end at the plane."""
+"""Of that spacing: how far a tool that ends at a symmetry plane may end beside it."""
 ROUNDING = 1e-4
 """Gap, over the same length, below which a node begins to touch."""
 
@@ -69,26 +69,25 @@ class SolidContact(SpaceContact):
         if remeshing is None or remeshing.keeps_first or not isinstance(tool.surface, Triangulation):
             return super()._make_surface(tool, depth)
         spacing = OF_SMALLEST * remeshing.smallest_size
-        return RoundedSurface(make_surface(tool.surface, depth), spacing, self._fold_at_planes(tool, WITHIN * spacing))
-
-    def _fold_at_planes(self, tool: Tool, least: float) -> Callable[[FloatArray], FloatArray]:
-        """Return the map of places in a tool's frame to their mirror image where they lie beyond a symmetry plane.
-
-        A tool that such a plane cuts ends there or a little beyond, and moves along it.
-        """
-        start = find_space_pose(tool, np.zeros(3))
-        levels = {a: find_held_side(self._model, a) for a in range(3) if tool.mirrored_across[a]}
-        middle = self._model.mesh.points.mean(axis=0)
+        start, middle = find_space_pose(tool, np.zeros(3)), self._model.mesh.points.mean(axis=0)
+        shape = replace(tool.surface, points=start.carry(tool.surface.points))
+        planes = []
+        for axis in range(3):
+            level = find_held_side(self._model, axis) if tool.mirrored_across[axis] else None
+            if level is not None:
+                inward = float(np.sign(middle[axis] - level))
+                shape = add_mirror_image(shape, axis, level, inward, WITHIN * spacing)
+                planes.append((axis, level, inward))
 
         def fold(points: FloatArray) -> FloatArray:
+            """Return places in the tool's frame, those beyond a symmetry plane as their mirror image."""
             places = start.carry(points)
-            for axis, level in levels.items():
-                if level is not None:
-                    away = np.maximum(np.abs(places[:, axis] - level), least)
-                    places[:, axis] = level + np.sign(middle[axis] - level) * away
+            for axis, level, inward in planes:
+                places[:, axis] = level + inward * np.abs(places[:, axis] - level)
             return np.ascontiguousarray(start.to_frame(places))
 
-        return fold
+        shape = replace(shape, points=np.ascontiguousarray(start.to_frame(shape.points)))
+        return RoundedSurface(make_surface(shape, depth), spacing, fold)
 
     def begin_increment(self, state_n: State) -> None:
         """Take surface, shear flow stress and multipliers as they are when the increment begins."""

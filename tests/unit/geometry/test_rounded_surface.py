@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull
 
+from presswork.geometry.mirrored import add_mirror_image
 from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.geometry.tool_surface import make_surface
 from presswork.model import Triangulation
@@ -63,13 +64,19 @@ def test_the_answer_does_not_depend_on_earlier_questions():
     assert np.array_equal(at_once.nearest(places)[0], later.nearest(places)[0])
 
 
-def test_a_tool_that_ends_at_a_symmetry_plane_is_the_half_of_one_that_goes_on():
-    def fold(points):
-        return np.column_stack([points[:, :2], np.maximum(np.abs(points[:, 2]), 1e-4)])
+@pytest.mark.parametrize("walled", [False, True])
+def test_a_tool_that_ends_at_a_symmetry_plane_is_the_half_of_one_that_goes_on(walled):
+    half = make_cube(cut_at=0.0)
+    if not walled:
+        open_ = half.triangles[~(half.points[half.triangles, 2] == 0.0).all(axis=1)]
+        half = Triangulation(half.points, open_, False)
+    completed = add_mirror_image(half, 2, 0.0, 1.0, 1e-6)
+    places = np.array([[5.02, 1.3, 0.0], [5.0, 5.0, 0.0], [4.9, 4.95, 0.1], [4.9, 4.95, -0.1]])
+    for one, other in zip(
+        round_off(make_cube()).nearest(places)[:2], round_off(completed).nearest(places)[:2], strict=True
+    ):
+        np.testing.assert_allclose(one, other, atol=1e-12)
 
-    whole, half = round_off(make_cube()), make_cube(cut_at=0.0)
-    walls = half.triangles[~(half.points[half.triangles, 2] == 0.0).all(axis=1)]
-    ended = round_off(Triangulation(half.points, walls, False), fold)
-    places = np.array([[5.02, 1.3, 0.0], [5.0, 5.0, 0.0], [4.9, 4.95, 0.1]])
-    for one, other in zip(whole.nearest(places)[:2], ended.nearest(places)[:2], strict=True):
-        np.testing.assert_allclose(one, other, atol=1e-9)
+
+def test_a_tool_that_goes_on_beyond_a_plane_stays_as_it_is():
+    assert add_mirror_image(make_cube(), 2, 0.0, 1.0, 1e-6).points.shape == make_cube().points.shape
