@@ -11,6 +11,7 @@ import typer
 
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.cli.terminal import exit_on
+from presswork.deck.abaqus.read import AbaqusDeck
 from presswork.deck.dyna.read import DynaDeck
 from presswork.deck.notes import Notes
 from presswork.deck.stamping import make_stamping
@@ -18,12 +19,12 @@ from presswork.deck.units import SYSTEMS, find_units
 from presswork.deck.write import write_case
 
 app = typer.Typer(add_completion=False)
-_ENDINGS = (".k", ".key", ".dyn", ".dyna")
+_READERS = dict.fromkeys((".k", ".key", ".dyn", ".dyna"), DynaDeck) | {".inp": AbaqusDeck}
 
 
 @app.command("import")
 def import_deck(
-    deck: Annotated[Path, typer.Argument(help="A deck of LS-DYNA (.k, .key, .dyn) with a sheet and rigid tools.")],
+    deck: Annotated[Path, typer.Argument(help="A deck of LS-DYNA (.k, .key, .dyn) or Abaqus (.inp) of a stamping.")],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder of the case; without it: named as the deck.")
     ] = None,
@@ -42,14 +43,14 @@ def import_deck(
 def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
     """Read a deck, write the case, and tell what became of the lines. Raises CaseError."""
     notes = Notes(deck, frozenset(f"*{each.lstrip('*').upper()}" for each in drop))
-    if deck.suffix.lower() not in _ENDINGS:
+    if deck.suffix.lower() not in _READERS:
         problem = Problem(
-            "", f"no deck that is read: {deck.suffix or 'no ending'}", f"give one of {', '.join(_ENDINGS)}"
+            "", f"no deck that is read: {deck.suffix or 'no ending'}", f"give one of {', '.join(_READERS)}"
         )
         raise CaseError([problem], deck)
     if (folder / "case.toml").exists():
         raise CaseError([Problem("--output", "a case is there already", "give another folder", str(folder))], deck)
-    read = DynaDeck(deck, notes).read()
+    read = _READERS[deck.suffix.lower()](deck, notes).read()
     notes.check()
     if units and units not in SYSTEMS:
         raise CaseError([Problem("--units", "unknown units", suggest(units, SYSTEMS, "units"), units)], deck)

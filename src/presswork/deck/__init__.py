@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Decks of other programs: what they hold, and the case that says the same.
 
-`dyna/` reads decks of LS-DYNA into a Deck (contents.py); `stamping.py` finds blank, tools and stages in it; `write.py`
-leaves the case with its meshes, and every line of the deck that was changed or dropped.
+`dyna/` and `abaqus/` read decks into a Deck (contents.py); `stamping.py` finds blank, tools and stages in it;
+`write.py` leaves the case with its meshes, and every line of the deck that was changed or dropped.
 """

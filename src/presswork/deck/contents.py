@@ -32,6 +32,7 @@ class PartCard:
     section: int
     material: int
     place: Place
+    keyword: str = "*PART"
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class SectionCard:
     is_full: bool
     """Whether shells have more than one point in their plane."""
     place: Place
+    keyword: str = "*SECTION_SHELL"
 
 
 @dataclass(frozen=True)
@@ -131,6 +133,8 @@ class Deck:
     title: str = ""
     end: float | None = None
     end_place: Place | None = None
+    breaks: list[float] = field(default_factory=list)
+    """Times at which the deck itself ends a step."""
     labels: IndexArray = field(default_factory=lambda: np.empty(0, dtype=np.intp))
     points: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     shells: Shells | None = None

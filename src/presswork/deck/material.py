@@ -20,8 +20,9 @@ def describe_material(card: MaterialCard, deck: Deck, units: Units, notes: Notes
     found: dict[str, Any] = {
         "young": card.young * units.stress,
         "poisson": card.poisson,
-        "density": card.density * units.density,
     }
+    if card.density:
+        found["density"] = card.density * units.density
     assert card.hardening is not None
     found["hardening"] = _describe_hardening(card, card.hardening, deck, units, notes)
     if card.yield_function is not None:

@@ -39,11 +39,11 @@ def sample_times(end: float, curves: Sequence[FloatArray]) -> FloatArray:
     return np.unique(own[(own >= 0.0) & (own <= end)])
 
 
-def find_breaks(times: FloatArray, ways: Sequence[FloatArray]) -> list[float]:
-    """Return where stages begin and end: where a tool starts, stops, or turns back."""
+def find_breaks(times: FloatArray, ways: Sequence[FloatArray], own: Sequence[float] = ()) -> list[float]:
+    """Return where stages begin and end: where a tool starts, stops, or turns back, and at the deck's own breaks."""
     whole = float(times[-1])
     longest = max((float(np.ptp(way)) for way in ways), default=0.0)
-    breaks = {0.0, whole}
+    breaks = {0.0, whole, *own}
     for way in ways:
         speed = np.diff(way) / np.diff(times)
         limit = _STILL * longest / whole

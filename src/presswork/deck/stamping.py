@@ -77,7 +77,7 @@ class _Reader:
         for number, part in deck.parts.items():
             material = deck.materials.get(part.material)
             if number not in used:
-                self.notes.drop(part.place, "*PART", f"part {number} ({part.title}) has no shells")
+                self.notes.drop(part.place, part.keyword, f"part {number} ({part.title}) has no shells")
             elif material is None:
                 remedy = "give its material in the deck, or leave the part out"
                 raise self.notes.fail(
@@ -106,7 +106,7 @@ class _Reader:
             )
         for number in used - set(touched) - {self.blank}:
             part = self.deck.parts[number]
-            self.notes.drop(part.place, "*PART", f"part {number} ({part.title}) touches nothing")
+            self.notes.drop(part.place, part.keyword, f"part {number} ({part.title}) touches nothing")
         return touched
 
     def _points_of(self, part: int) -> tuple[FloatArray, IndexArray]:
@@ -212,7 +212,7 @@ def make_stamping(deck: Deck, units: Units, notes: Notes) -> ImportedStamping:
     tools: dict[str, Any] = {}
     for number, name in names.items():
         meshes[f"{name}.stl"] = reader.surface(number)
-        place = deck.parts[number].place
+        part = deck.parts[number]
         tools[name] = {
             "kind": kinds[number],
             "shape": "file",
@@ -220,7 +220,7 @@ def make_stamping(deck: Deck, units: Units, notes: Notes) -> ImportedStamping:
             "position": [0.0, 0.0, 0.0],
             "mu": _find_friction(reader, number),
         }
-        notes.keep(place, "*PART", f"part {number} ({deck.parts[number].title}) is the tool {name}, a {kinds[number]}")
+        notes.keep(part.place, part.keyword, f"part {number} ({part.title}) is the tool {name}, a {kinds[number]}")
     material = describe_material(reader.material, deck, units, notes)
     blank = _describe_blank(reader)
     if text := reader.seat.describe():
@@ -301,8 +301,8 @@ def _describe_blank(reader: _Reader) -> dict[str, Any]:
         "points": max(2, section.n_points),
         "symmetry": list(reader.symmetry),
     }
-    notes.keep(part.place, "*PART", f"part {reader.blank} ({part.title}) is the blank")
-    notes.keep(section.place, "*SECTION_SHELL", f"{blank['thickness']:g} mm, {blank['points']} points through it")
+    notes.keep(part.place, part.keyword, f"part {reader.blank} ({part.title}) is the blank")
+    notes.keep(section.place, section.keyword, f"{blank['thickness']:g} mm, {blank['points']} points through it")
     if not reader.symmetry:
         del blank["symmetry"]
     if deck.levels:
@@ -335,7 +335,7 @@ def _describe_stages(reader: _Reader, names: dict[int, str], kinds: dict[int, st
     """Return the stages: strokes and forces between the times at which tools start, stop or turn back."""
     times, ways = reader.times, reader.ways
     notes, pushes = reader.notes, {push.part: push for push in reader.deck.pushes if push.part in reader.tools}
-    breaks = find_breaks(times, list(ways.values()))
+    breaks = find_breaks(times, list(ways.values()), [reader.units.time * each for each in reader.deck.breaks])
     stages = []
     for number, (begin, end) in enumerate(itertools.pairwise(breaks), start=1):
         tools: dict[str, Any] = {}

@@ -60,7 +60,7 @@ def find_units(materials: Iterable[MaterialCard]) -> Units | None:
         for units in SYSTEMS.values()
         if all(
             _YOUNG[0] <= card.young * units.stress <= _YOUNG[1]
-            and _DENSITY[0] <= card.density * units.density <= _DENSITY[1]
+            and (not card.density or _DENSITY[0] <= card.density * units.density <= _DENSITY[1])
             for card in cards
         )
     ]

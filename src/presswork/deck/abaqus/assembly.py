@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Parts, and the instances of them that an assembly is made of: nodes and shells of all, under labels of their own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from presswork.deck.abaqus.blocks import Block, DataError
+from presswork.model import FloatArray, IndexArray
+
+Name = tuple[str, str]
+"""Of an instance, empty for the assembly itself, and of a set or surface in it."""
+_SHELLS = ("S4", "S4R", "S4RS", "S4RSW", "S3", "S3R", "S3RS", "R3D4", "R3D3")
+_POINTS = ("MASS", "ROTARYI")
+_LOOSE = 1 << 40
+"""What is added to labels of the assembly's own nodes and cells: more than any instance has."""
+
+
+@dataclass
+class PartMesh:
+    """What a part, or the assembly, is made of."""
+
+    nodes: list[FloatArray] = field(default_factory=list)
+    """Rows of label, x, y, z."""
+    shells: list[FloatArray] = field(default_factory=list)
+    """Rows of label and four labels of nodes."""
+    node_sets: dict[str, list[int]] = field(default_factory=dict)
+    cell_sets: dict[str, list[int]] = field(default_factory=dict)
+    surfaces: dict[str, list[str]] = field(default_factory=dict)
+    """Sets of cells that a surface lies on."""
+    others: dict[str, Block] = field(default_factory=dict)
+    """Kinds of elements that are not read."""
+
+    def take(self, block: Block) -> bool:
+        """Take nodes, elements, sets and surfaces; return whether the block was one. Raises DataError."""
+        match block.name:
+            case "NODE":
+                table = block.table(4)
+                self.nodes.append(table)
+                self._add(self.node_sets, block.name_of("NSET"), table[:, 0].astype(int).tolist())
+            case "ELEMENT":
+                self._take_elements(block)
+            case "NSET":
+                self._add(self.node_sets, block.name_of("NSET"), _read_labels(block, self.node_sets))
+            case "ELSET":
+                self._add(self.cell_sets, block.name_of("ELSET"), _read_labels(block, self.cell_sets))
+            case "SURFACE":
+                names = [row[0].upper() for row in block.rows() if row[0]]
+                self.surfaces.setdefault(block.name_of("NAME"), []).extend(names)
+            case _:
+                return False
+        return True
+
+    def _take_elements(self, block: Block) -> None:
+        kind = block.name_of("TYPE")
+        if kind in _POINTS:
+            return
+        if kind not in _SHELLS:
+            self.others.setdefault(kind, block)
+            return
+        table = block.table(5)
+        table[:, 4] = np.where(table[:, 4] == 0, table[:, 3], table[:, 4])
+        self.shells.append(table)
+        self._add(self.cell_sets, block.name_of("ELSET"), table[:, 0].astype(int).tolist())
+
+    @staticmethod
+    def _add(sets: dict[str, list[int]], name: str, labels: list[int]) -> None:
+        if name:
+            sets.setdefault(name, []).extend(labels)
+
+
+def _read_labels(block: Block, sets: dict[str, list[int]]) -> list[int]:
+    if "GENERATE" in block.parameters:
+        table = block.table(3).astype(int)
+        return [label for first, last, step in table for label in range(first, last + 1, max(1, step))]
+    labels: list[int] = []
+    for word in block.labels():
+        if word.lstrip("-").isdigit():
+            labels.append(int(word))
+        elif word.upper() in sets:
+            labels += sets[word.upper()]
+        else:
+            raise DataError(f"there is no set {word}")
+    return labels
+
+
+@dataclass(frozen=True)
+class Instance:
+    """A part in its place: its rows have labels of their own in the assembly."""
+
+    mesh: PartMesh
+    turn: FloatArray
+    """(3, 3)."""
+    shift: FloatArray
+    """(3,)."""
+    first_node: int
+    first_cell: int
+    """What is added to its labels."""
+
+
+def make_pose(rows: list[list[str]]) -> tuple[FloatArray, FloatArray]:
+    """Return rotation (3, 3) and shift (3,) of an instance by its rows of data: x -> turn x + shift.
+
+    The first row is a translation, the second two points of an axis and an angle [degree], which turns what was moved.
+    """
+    values = [[float(word) for word in row if word] for row in rows]
+    shift = np.array((values[0] + [0.0, 0.0, 0.0])[:3]) if values else np.zeros(3)
+    if len(values) < 2:
+        return np.eye(3), shift
+    a, b, angle = np.array(values[1][:3]), np.array(values[1][3:6]), np.radians(values[1][6])
+    x, y, z = (b - a) / np.linalg.norm(b - a)
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+    return turn, turn @ (shift - a) + a
+
+
+class Assembly:
+    """All instances, and the nodes, shells and sets that are in none."""
+
+    def __init__(self) -> None:
+        self.parts: dict[str, PartMesh] = {}
+        self.loose = PartMesh()
+        self.instances: dict[str, Instance] = {"": Instance(self.loose, np.eye(3), np.zeros(3), _LOOSE, _LOOSE)}
+        self._sets: dict[tuple[str, str], list[int]] = {}
+
+    def add(self, name: str, part: str, rows: list[list[str]]) -> None:
+        """Put an instance of a part in its place. Raises KeyError for an unknown part."""
+        mesh = self.parts[part]
+        before = [i for i in self.instances.values() if i.mesh is not self.loose]
+        turn, shift = make_pose(rows)
+        node = max((i.first_node + _largest(i.mesh.nodes) for i in before), default=0)
+        cell = max((i.first_cell + _largest(i.mesh.shells) for i in before), default=0)
+        self.instances[name] = Instance(mesh, turn, shift, node, cell)
+
+    def add_set(self, block: Block) -> None:
+        """Take a set of the assembly whose labels are those of an instance. Raises DataError, KeyError."""
+        instance = self.instances[block.name_of("INSTANCE")]
+        is_nodes = block.name == "NSET"
+        sets = instance.mesh.node_sets if is_nodes else instance.mesh.cell_sets
+        first = instance.first_node if is_nodes else instance.first_cell
+        labels = [first + label for label in _read_labels(block, sets)]
+        self._sets.setdefault((block.name, block.name_of(block.name)), []).extend(labels)
+
+    def nodes_of(self, name: str) -> list[int]:
+        """Return the labels of a set of nodes, or of one node, by its name in the assembly. Raises KeyError."""
+        return self._find("NSET", name)
+
+    def cells_of(self, name: str) -> list[int]:
+        """Return the labels of a set of cells, or of a surface on one. Raises KeyError."""
+        instance, _, own = name.rpartition(".")
+        surfaces = self.instances[instance].mesh.surfaces
+        if own in surfaces:
+            prefix = f"{instance}." if instance else ""
+            return [label for each in surfaces[own] for label in self._find("ELSET", f"{prefix}{each}")]
+        return self._find("ELSET", name)
+
+    def _find(self, kind: str, name: str) -> list[int]:
+        if (kind, name) in self._sets:
+            return self._sets[kind, name]
+        instance_name, _, own = name.rpartition(".")
+        instance = self.instances[instance_name]
+        first = instance.first_node if kind == "NSET" else instance.first_cell
+        if own.isdigit():
+            return [first + int(own)]
+        sets = instance.mesh.node_sets if kind == "NSET" else instance.mesh.cell_sets
+        return [first + label for label in sets[own]]
+
+    def sets_in_instances(self, part: str, name: str) -> list[int]:
+        """Return the cells of a part's set in all instances of it; of the assembly's own set for an empty part."""
+        if not part:
+            return self.cells_of(name)
+        own = self.parts[part]
+        return [i.first_cell + label for i in self.instances.values() if i.mesh is own for label in own.cell_sets[name]]
+
+    def all_nodes(self) -> tuple[IndexArray, FloatArray]:
+        """Return labels (n,) and points (n, 3)."""
+        labels, points = [], []
+        for instance in self.instances.values():
+            for table in instance.mesh.nodes:
+                labels.append(table[:, 0].astype(np.intp) + instance.first_node)
+                points.append(table[:, 1:] @ instance.turn.T + instance.shift)
+        return np.concatenate(labels), np.concatenate(points)
+
+    def all_shells(self) -> IndexArray:
+        """Return rows of label and four labels of nodes (n, 5)."""
+        rows = [np.empty((0, 5), dtype=np.intp)]
+        for instance in self.instances.values():
+            for table in instance.mesh.shells:
+                own = table.astype(np.intp)
+                own[:, 0] += instance.first_cell
+                own[:, 1:] += instance.first_node
+                rows.append(own)
+        return np.concatenate(rows)
+
+
+def _largest(tables: list[FloatArray]) -> int:
+    return max((int(table[:, 0].max()) for table in tables if len(table)), default=0)

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A deck of Abaqus as a row of blocks: a keyword with its parameters, and the rows of data below it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from presswork.case.errors import CaseError, Problem
+from presswork.deck.notes import Place
+from presswork.model import FloatArray
+from presswork.text_file import UnreadableError, read_bytes
+
+_KEYWORD = re.compile(rb"^\*[^*\r\n][^\r\n]*(?:,\s*\r?\n[^*\r\n][^\r\n]*)*", re.MULTILINE)
+"""A keyword line, and lines that go on with it after a comma at its end."""
+_LARGEST = 4 << 30
+"""Bytes of a deck."""
+_DEEPEST = 20
+
+
+class DataError(ValueError):
+    """Data that are no numbers, or too few of them."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A keyword, its parameters, and the data below it."""
+
+    name: str
+    """Upper case, with single blanks, without the asterisk."""
+    parameters: dict[str, str]
+    """By their names in upper case; those without a value have an empty one."""
+    place: Place
+    data: bytes
+
+    def rows(self) -> list[list[str]]:
+        """Return the fields of each row of data."""
+        lines = (line.strip() for line in self.data.decode("latin-1").splitlines())
+        return [[word.strip() for word in line.split(",")] for line in lines if line and not line.startswith("**")]
+
+    def table(self, width: int) -> FloatArray:
+        """Return rows of `width` numbers, missing ones 0 (n, width). Raises DataError."""
+        rows = [row for row in self.data.replace(b"\r", b"").split(b"\n") if row.strip() and not row.startswith(b"**")]
+        fields = [(row.strip().rstrip(b",").split(b",") + [b"0"] * width)[:width] for row in rows]
+        try:
+            return np.array(fields, dtype=object).astype(np.float64).reshape(len(rows), width)
+        except ValueError as error:
+            raise DataError(str(error)) from None
+
+    def labels(self) -> list[str]:
+        """Return all fields of all rows, one after the other."""
+        return [word for row in self.rows() for word in row if word]
+
+    def name_of(self, parameter: str) -> str:
+        """Return a parameter that names something, in upper case; empty without it."""
+        return self.parameters.get(parameter, "").upper()
+
+
+def read_blocks(path: Path, source: Path, depth: int = 0) -> Iterator[Block]:
+    """Yield the blocks of a deck and of the files that it includes. Raises CaseError for files that cannot be read."""
+    try:
+        data = read_bytes(path, most=_LARGEST)
+    except FileNotFoundError as error:
+        raise CaseError([Problem("", "no such file", "check the path")], path) from error
+    except UnreadableError as error:
+        raise CaseError([Problem("", error.fault, error.remedy)], path) from error
+    if depth > _DEEPEST:
+        fault = "files that include each other, one within the other without end"
+        raise CaseError([Problem("*INCLUDE", fault, "take one of the includes out")], path)
+    found = list(_KEYWORD.finditer(data))
+    if not found:
+        remedy = "give a deck whose lines of keywords begin with an asterisk"
+        raise CaseError([Problem("", "no keyword of Abaqus in it", remedy)], path)
+    line, counted = 1, 0
+    for number, match in enumerate(found):
+        line += data.count(b"\n", counted, match.start())
+        counted = match.start()
+        end = found[number + 1].start() if number + 1 < len(found) else len(data)
+        words = [word.strip() for word in match.group().decode("latin-1")[1:].split(",")]
+        pairs = [word.partition("=") for word in words[1:] if word]
+        parameters = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
+        block = Block(" ".join(words[0].upper().split()), parameters, Place(path.name, line), data[match.end() : end])
+        if block.name == "INCLUDE":
+            yield from read_blocks(path.parent / parameters.get("INPUT", ""), source, depth + 1)
+        elif block.name == "PARAMETER":
+            fault = "parameters are expressions, which are not evaluated"
+            raise CaseError([Problem(f"{block.place} *PARAMETER", fault, "write their values into the deck")], source)
+        else:
+            yield block

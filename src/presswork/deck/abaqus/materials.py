@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Materials of Abaqus: elastic, plastic by a table, Hill's ratios, rates by a power law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from presswork.deck.abaqus.blocks import Block
+from presswork.deck.contents import Hardening, MaterialCard
+from presswork.deck.notes import Notes, Place
+
+_KEYWORDS = ("MATERIAL", "DENSITY", "ELASTIC", "PLASTIC", "POTENTIAL", "RATE DEPENDENT", "DAMPING")
+
+
+@dataclass
+class _Material:
+    place: Place
+    density: float = 0.0
+    young: float = 0.0
+    poisson: float = 0.0
+    points: np.ndarray | None = None
+    ratios: np.ndarray | None = None
+    rate: tuple[float, float] | None = None
+    options: list[str] = field(default_factory=list)
+
+
+class MaterialReader:
+    """Gathers the materials of a deck."""
+
+    def __init__(self, notes: Notes) -> None:
+        self._notes = notes
+        self._found: dict[str, _Material] = {}
+        self._now: _Material | None = None
+
+    @property
+    def rigid(self) -> int:
+        """Number of the material of rigid bodies."""
+        return len(self._found) + 1
+
+    def take(self, block: Block) -> bool:
+        """Take a keyword of a material; return whether it was one."""
+        if block.name not in _KEYWORDS:
+            return False
+        if block.name == "MATERIAL":
+            self._now = self._found.setdefault(block.name_of("NAME"), _Material(block.place))
+        elif self._now is not None:
+            self._take(block, self._now)
+        return True
+
+    def _take(self, block: Block, material: _Material) -> None:
+        rows = block.table(6)
+        match block.name:
+            case "DENSITY":
+                material.density = float(rows[0, 0])
+            case "ELASTIC":
+                if block.name_of("TYPE") not in ("", "ISOTROPIC"):
+                    self._notes.refuse(block.place, "*ELASTIC", "elasticity that depends on direction")
+                material.young, material.poisson = float(rows[0, 0]), float(rows[0, 1])
+            case "PLASTIC":
+                self._take_plastic(block, rows, material)
+            case "POTENTIAL":
+                material.ratios = rows[0]
+            case "RATE DEPENDENT":
+                if block.name_of("TYPE") not in ("", "POWER LAW"):
+                    self._notes.refuse(block.place, "*RATE DEPENDENT", "rates by another law", "give TYPE=POWER LAW")
+                material.rate = (float(rows[0, 0]), float(rows[0, 1]))
+            case _:
+                self._notes.drop(block.place, f"*{block.name}", "steers numerics: presswork has its own")
+
+    def _take_plastic(self, block: Block, rows: np.ndarray, material: _Material) -> None:
+        if block.name_of("HARDENING") not in ("", "ISOTROPIC") or "RATE" in block.parameters:
+            self._notes.refuse(block.place, "*PLASTIC", "hardening of another kind, or tables of several rates")
+            return
+        if len(np.unique(rows[:, 2])) > 1:
+            self._notes.refuse(block.place, "*PLASTIC", "a flow stress that depends on temperature")
+        material.points = rows[:, [1, 0]]
+
+    def make_rigid(self, place: Place) -> MaterialCard:
+        """Return the material of rigid bodies."""
+        return MaterialCard("*RIGID BODY", 0.0, 0.0, 0.0, place, is_rigid=True)
+
+    def finish(self) -> tuple[dict[int, MaterialCard], dict[str, int]]:
+        """Return the materials by number, and the numbers by name."""
+        cards, numbers = {}, {}
+        for number, (name, material) in enumerate(self._found.items(), start=1):
+            numbers[name] = number
+            points = material.points if material.points is not None else np.array([[0.0, 1e12]])
+            hardening = Hardening("table", {f"{i}": float(value) for i, value in enumerate(points.ravel())})
+            cards[number] = MaterialCard(
+                "*MATERIAL",
+                material.density,
+                material.young,
+                material.poisson,
+                material.place,
+                hardening=hardening,
+                yield_function=None if material.ratios is None else hill_of_ratios(material.ratios),
+                cowper_symonds=material.rate,
+            )
+        return cards, numbers
+
+
+def hill_of_ratios(ratios: np.ndarray) -> dict[str, object]:
+    """Return Hill's yield function of the ratios R11, R22, R33, R12 of yield stresses, R11 = 1."""
+    r11, r22, r33, r12 = ratios[:4]
+    f = 0.5 * (r22**-2 + r33**-2 - r11**-2)
+    g = 0.5 * (r33**-2 + r11**-2 - r22**-2)
+    h = 0.5 * (r11**-2 + r22**-2 - r33**-2)
+    n = 1.5 * r12**-2
+    values = {"r00": h / g, "r45": n / (f + g) - 0.5, "r90": h / f}
+    return {"law": "hill1948"} | {name: float(value) for name, value in values.items()}

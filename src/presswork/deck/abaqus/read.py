@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A deck of Abaqus, read: parts and instances, shells, rigid bodies, materials, steps and contact of a forming job."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from presswork.deck.abaqus.assembly import Assembly, PartMesh
+from presswork.deck.abaqus.blocks import Block, DataError, read_blocks
+from presswork.deck.abaqus.materials import MaterialReader
+from presswork.deck.abaqus.steps import Steps
+from presswork.deck.contents import Contact, Deck, PartCard, SectionCard, Shells
+from presswork.deck.notes import Notes, Place
+
+_SILENT = (
+    "PREPRINT",
+    "END PART",
+    "END INSTANCE",
+    "END ASSEMBLY",
+    "ASSEMBLY",
+    "SYSTEM",
+    "CONTACT",
+    "CONTACT INCLUSIONS",
+)
+_NUMERICS = (
+    "OUTPUT",
+    "NODE OUTPUT",
+    "ELEMENT OUTPUT",
+    "CONTACT OUTPUT",
+    "ENERGY OUTPUT",
+    "INCREMENTATION OUTPUT",
+    "RESTART",
+    "MONITOR",
+    "BULK VISCOSITY",
+    "FIXED MASS SCALING",
+    "VARIABLE MASS SCALING",
+    "SECTION CONTROLS",
+    "CONTROLS",
+    "SOLUTION CONTROLS",
+    "CONTACT CONTROLS",
+    "FILE OUTPUT",
+    "EL FILE",
+    "NODE FILE",
+    "EL PRINT",
+    "NODE PRINT",
+    "DIAGNOSTICS",
+    "MASS",
+    "ROTARY INERTIA",
+    "SURFACE BEHAVIOR",
+    "TRANSVERSE SHEAR STIFFNESS",
+)
+"""What steers numerics and output; hard contact."""
+_USUAL_POINTS = 5
+
+
+class AbaqusDeck:
+    """Reads one deck; what is in it, and the notes on it."""
+
+    def __init__(self, path: Path, notes: Notes) -> None:
+        self.notes = notes
+        self._path = path
+        self._assembly = Assembly()
+        self._part = ""
+        self._materials = MaterialReader(notes)
+        self._steps = Steps(notes)
+        self._title = ""
+        self._sections: list[tuple[str, Block]] = []
+        self._rigid: list[tuple[str, Block]] = []
+        self._pairs: list[tuple[Block, list[str]]] = []
+        self._general: Block | None = None
+        self._frictions: dict[str, float] = {}
+        self._interaction = ""
+        self._assigned = ""
+
+    def read(self) -> Deck:
+        """Read it all. Raises CaseError."""
+        for block in read_blocks(self._path, self._path):
+            try:
+                self._take(block)
+            except (DataError, IndexError, ValueError, KeyError) as error:
+                raise self._explain(block.place, block.name, error) from error
+        return self._finish()
+
+    def _explain(self, place: Place, name: str, error: Exception) -> Exception:
+        if isinstance(error, KeyError):
+            return self.notes.fail(place, f"*{name}: there is no {error.args[0]}", "check its name")
+        text = "the rows below it are cut short" if isinstance(error, IndexError) else str(error)
+        return self.notes.fail(place, f"*{name}: {text}", "check the rows below it")
+
+    def _take(self, block: Block) -> None:
+        handler = _HANDLERS.get(block.name)
+        if handler is not None:
+            handler(self, block)
+        elif block.name in ("NSET", "ELSET") and "INSTANCE" in block.parameters:
+            self._assembly.add_set(block)
+        elif self._mesh().take(block) or self._materials.take(block) or self._steps.take(block):
+            return
+        elif block.name in _NUMERICS:
+            self.notes.drop(block.place, f"*{block.name}", "steers numerics or output: presswork has its own")
+        elif block.name not in _SILENT:
+            self.notes.refuse(block.place, f"*{block.name}", "carries physics that has no counterpart here")
+
+    def _mesh(self) -> PartMesh:
+        return self._assembly.parts[self._part] if self._part else self._assembly.loose
+
+    # --- keywords ----------------------------------------------------------------------------------------------------
+
+    def _heading(self, block: Block) -> None:
+        self._title = " ".join(word for row in block.rows() for word in row if word)
+
+    def _begin_part(self, block: Block) -> None:
+        self._part = block.name_of("NAME")
+        self._assembly.parts[self._part] = PartMesh()
+
+    def _end_part(self, block: Block) -> None:
+        self._part = ""
+
+    def _instance(self, block: Block) -> None:
+        self._assembly.add(block.name_of("NAME"), block.name_of("PART"), block.rows())
+
+    def _section(self, block: Block) -> None:
+        if "COMPOSITE" in block.parameters:
+            self.notes.refuse(block.place, f"*{block.name}", "a sheet of several layers")
+            return
+        self._sections.append((self._part, block))
+
+    def _rigid_body(self, block: Block) -> None:
+        if "ANALYTICAL SURFACE" in block.parameters:
+            self.notes.refuse(
+                block.place, "*RIGID BODY", "an analytical surface", "mesh the tool (R3D4), or give an STL"
+            )
+            return
+        self._rigid.append((self._part, block))
+
+    def _surface_interaction(self, block: Block) -> None:
+        self._interaction = block.name_of("NAME")
+        self._frictions.setdefault(self._interaction, 0.0)
+
+    def _friction(self, block: Block) -> None:
+        rows = block.rows()
+        self._frictions[self._interaction] = float(rows[0][0]) if rows and rows[0][0] else 0.0
+        if len(rows) > 1 or "TAUMAX" in block.parameters:
+            self.notes.change(block.place, "*FRICTION", "one coefficient of friction: the first")
+
+    def _contact_pair(self, block: Block) -> None:
+        self._pairs += [(block, row) for row in block.rows()]
+
+    def _property(self, block: Block) -> None:
+        self._general = block
+        self._assigned = next((row[2].upper() for row in block.rows() if len(row) > 2), "")
+
+    # --- the whole ---------------------------------------------------------------------------------------------------
+
+    def _finish(self) -> Deck:
+        try:
+            labels, points = self._assembly.all_nodes()
+        except ValueError as error:
+            raise self.notes.fail(None, "no *NODE in it", "give the whole deck, with its files") from error
+        order = np.argsort(labels)
+        labels, points = labels[order], points[order]
+        shells = self._assembly.all_shells()
+        deck = Deck(title=self._title, labels=np.arange(1, len(labels) + 1), points=points)
+        deck.materials, numbers = self._materials.finish()
+        nodes = np.searchsorted(labels, shells[:, 1:]) + 1
+        is_known = np.asarray(np.isin(shells[:, 1:], labels)).all(axis=1)
+        part = np.zeros(len(shells), dtype=np.intp)
+        self._number_sheets(deck, shells[:, 0], part, numbers)
+        bodies = self._number_tools(deck, shells[:, 0], part)
+        if not np.asarray(is_known)[part > 0].all():
+            raise self.notes.fail(None, "shells of nodes that the deck does not have", "the deck is cut short")
+        own = part > 0
+        deck.shells = Shells(part[own], nodes[own], np.full(int(own.sum()), np.nan))
+        self._add_contacts(deck, shells[:, 0], part)
+        self._steps.finish(deck, self._assembly, bodies, labels)
+        return deck
+
+    def _number_sheets(self, deck: Deck, cells: np.ndarray, part: np.ndarray, numbers: dict[str, int]) -> None:
+        for owner, block in self._sections:
+            number = len(deck.parts) + 1
+            try:
+                own = self._assembly.sets_in_instances(owner, block.name_of("ELSET"))
+                material = numbers[block.name_of("MATERIAL")]
+            except KeyError as error:
+                raise self._explain(block.place, block.name, error) from error
+            part[np.isin(cells, own)] = number
+            first = block.rows()[0]
+            n_points = int(first[1]) if len(first) > 1 and first[1] else _USUAL_POINTS
+            title = owner or block.name_of("ELSET")
+            deck.parts[number] = PartCard(title.lower(), number, material, block.place, f"*{block.name}")
+            deck.sections[number] = SectionCard(float(first[0]), n_points, False, block.place, f"*{block.name}")
+
+    def _number_tools(self, deck: Deck, cells: np.ndarray, part: np.ndarray) -> dict[int, list[int]]:
+        """Give rigid bodies numbers of parts; return the labels of their reference nodes by number."""
+        rigid = self._materials.rigid
+        deck.materials[rigid] = self._materials.make_rigid(self._rigid[0][1].place if self._rigid else Place("", 0))
+        bodies: dict[int, list[int]] = {}
+        for owner, block in self._rigid:
+            number = len(deck.parts) + 1
+            try:
+                own = self._assembly.sets_in_instances(owner, block.name_of("ELSET"))
+                reference = block.name_of("REF NODE")
+                if owner:
+                    mesh = self._assembly.parts[owner]
+                    instances = [(n, i) for n, i in self._assembly.instances.items() if i.mesh is mesh]
+                    bodies[number] = [
+                        node for n, _ in instances for node in self._assembly.nodes_of(f"{n}.{reference}")
+                    ]
+                    title = owner if len(instances) == 1 else instances[0][0]
+                else:
+                    bodies[number] = self._assembly.nodes_of(reference)
+                    title = block.name_of("ELSET").rpartition(".")[2]
+            except KeyError as error:
+                raise self._explain(block.place, block.name, error) from error
+            is_own = np.isin(cells, own)
+            for replaced in np.unique(part[is_own]):
+                deck.parts.pop(int(replaced), None)
+            part[is_own] = number
+            deck.parts[number] = PartCard(title.lower(), 0, rigid, block.place, f"*{block.name}")
+        return bodies
+
+    def _add_contacts(self, deck: Deck, cells: np.ndarray, part: np.ndarray) -> None:
+        for block, row in self._pairs:
+            try:
+                sides = [np.unique(part[np.isin(cells, self._assembly.cells_of(name.upper()))]) for name in row[:2]]
+            except KeyError as error:
+                raise self._explain(block.place, block.name, error) from error
+            friction = self._frictions.get(block.name_of("INTERACTION"), 0.0)
+            parts = (tuple(sides[0].tolist()), tuple(sides[1].tolist()))
+            deck.contacts.append(Contact(parts, (friction, 0.0), block.place, "*CONTACT PAIR"))
+        if self._general is not None:
+            everything = tuple(deck.parts)
+            friction = self._frictions.get(self._assigned, 0.0)
+            contact = Contact((everything, everything), (friction, 0.0), self._general.place, "*CONTACT")
+            deck.contacts.append(contact)
+
+
+_HANDLERS: dict[str, Callable[[AbaqusDeck, Block], None]] = {
+    "HEADING": AbaqusDeck._heading,
+    "PART": AbaqusDeck._begin_part,
+    "END PART": AbaqusDeck._end_part,
+    "INSTANCE": AbaqusDeck._instance,
+    "SHELL SECTION": AbaqusDeck._section,
+    "SHELL GENERAL SECTION": AbaqusDeck._section,
+    "RIGID BODY": AbaqusDeck._rigid_body,
+    "SURFACE INTERACTION": AbaqusDeck._surface_interaction,
+    "FRICTION": AbaqusDeck._friction,
+    "CONTACT PAIR": AbaqusDeck._contact_pair,
+    "CONTACT PROPERTY ASSIGNMENT": AbaqusDeck._property,
+}
