@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrays.hpp"
 #include "assembly/assembler.hpp"
+#include "assembly/dissection.hpp"
 #include "assembly/krylov.hpp"
 
 namespace presswork::bindings {
@@ -109,6 +110,22 @@ void bind_assembly(nb::module_& m) {
       "Solution (n,) of a sparse system by conjugate gradients to a residual of tolerance times that of rhs; None if "
       "it "
       "is far.\n\nsymmetric: only one triangle is stored.");
+  m.def(
+      "dissect",
+      [](Doubles points, Ints indptr, Ints indices) {
+        require(points.ndim() == 2 && points.shape(1) == 2, "points must have shape (n, 2)");
+        const std::size_t n = points.shape(0), rows = indptr.size() - 1;
+        require(n > 0 && rows % n == 0, "as many rows of the pattern at every point");
+        int* order;
+        auto result = new_array({n}, &order);
+        const auto found =
+            dissect(points.data(), static_cast<int>(n), indptr.data(), indices.data(), static_cast<int>(rows / n));
+        std::copy(found.begin(), found.end(), order);
+        return result;
+      },
+      nb::arg("points"), nb::arg("indptr"), nb::arg("indices"),
+      "Nodes of a mesh in the plane in an order of elimination (n,) that keeps factors sparse: nested dissection by "
+      "coordinates.\n\npoints (n, 2); indptr, indices: the pattern of a matrix, as many rows at every node.");
 }
 
 }  // namespace presswork::bindings

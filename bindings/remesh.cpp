@@ -83,6 +83,27 @@ std::tuple<NewArray<int>, NewDoubles, NewDoubles> fit(const BoundDonors& self, D
   return result;
 }
 
+NewArray<bool> find_peaks(const BoundDonors& self, Doubles places, Ints home, Doubles values, Ints candidates) {
+  const std::size_t n_old = count_places(places), n = candidates.size();
+  require_cells(home, n_old, self.n_cells);
+  require(values.size() == n_old, "one value a point");
+  for (std::size_t i = 0; i < n; ++i)
+    require(candidates.data()[i] >= 0 && static_cast<std::size_t>(candidates.data()[i]) < n_old, "points must exist");
+  bool* peak;
+  auto result = new_array({n}, &peak);
+  nb::gil_scoped_release release;
+#pragma omp parallel if (n > 2000)  // waking a thread takes longer than a short loop
+  {
+    auto scratch = self.donors.make_scratch();
+#pragma omp for schedule(static)
+    for (std::size_t i = 0; i < n; ++i) {
+      const int point = candidates.data()[i];
+      peak[i] = self.donors.is_peak(point, home.data()[point], places.data(), values.data(), scratch);
+    }
+  }
+  return result;
+}
+
 NewDoubles apply(Ints donor, Doubles weight, Doubles linear_weight, Doubles values) {
   require(donor.ndim() == 2 && donor.shape(1) == most_donors && weight.size() == donor.size() &&
               linear_weight.size() == donor.size() && values.ndim() == 2,
@@ -150,7 +171,10 @@ void bind_remesh(nb::module_& m) {
           nb::arg("position"), nb::arg("cell_of"), nb::arg("cells"))
       .def("fit", &fit, nb::arg("places"), nb::arg("home"),
            "Donors of new points (n, 2), whose cells home (n,) are, the nearest first, and their weights in the "
-           "quadratic and the linear fit, each (n, most_donors).");
+           "quadratic and the linear fit, each (n, most_donors).")
+      .def("find_peaks", &find_peaks, nb::arg("places"), nb::arg("home"), nb::arg("values"), nb::arg("candidates"),
+           "Which candidates (n,) among these points have a value above those of all their other donors (n,).\n\n"
+           "places (n_old, 2), home (n_old,), values (n_old,): of all points, as they were given.");
   m.def("apply_fit", &apply, nb::arg("donor"), nb::arg("weight"), nb::arg("linear_weight"), nb::arg("values"),
         "Values (n, m) at new points by the fits of Donors from values at old ones (n_old, m).");
 }

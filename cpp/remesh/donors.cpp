@@ -119,6 +119,15 @@ int Donors::find(const double* at, int home, Scratch& scratch, Near* found) cons
   return count;
 }
 
+bool Donors::is_peak(int point, int home, const double* position, const double* values, Scratch& scratch) const {
+  Near found[most_donors];
+  const int count = find(position + 2 * static_cast<std::size_t>(point), home, scratch, found);
+  return std::all_of(found, found + count, [&](const Near& near) {
+    const int other = of_cell_.value[near.place];
+    return other == point || values[other] < values[point];
+  });
+}
+
 void Donors::fit(const double* at, const int* home, int n, Scratch& scratch, Fit* fits) const {
   Donated x, y, weight;
   int count[pack_width];

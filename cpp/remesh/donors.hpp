@@ -37,6 +37,9 @@ class Donors {
   // Fits at pack_width new points (n, 2) at most; home: the cell in or beside which each lies.
   void fit(const double* at, const int* home, int n, Scratch& scratch, Fit* fits) const;
 
+  // Says whether the value of a point (values: of all of them) is above those of all its other donors.
+  bool is_peak(int point, int home, const double* position, const double* values, Scratch& scratch) const;
+
  private:
   struct Box {
     double low[2], high[2];

@@ -834,6 +834,13 @@ def solve_iteratively(indptr: Annotated[NDArray[numpy.int32], dict(order='C', de
     symmetric: only one triangle is stored.
     """
 
+def dissect(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], indptr: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], indices: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.int32]:
+    """
+    Nodes of a mesh in the plane in an order of elimination (n,) that keeps factors sparse: nested dissection by coordinates.
+
+    points (n, 2); indptr, indices: the pattern of a matrix, as many rows at every node.
+    """
+
 class Energies:
     """Energies of an explicit run [N mm]."""
 
@@ -1753,6 +1760,13 @@ class Donors:
     def fit(self, places: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], home: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Donors of new points (n, 2), whose cells home (n,) are, the nearest first, and their weights in the quadratic and the linear fit, each (n, most_donors).
+        """
+
+    def find_peaks(self, places: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], home: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], values: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], candidates: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.bool_]:
+        """
+        Which candidates (n,) among these points have a value above those of all their other donors (n,).
+
+        places (n_old, 2), home (n_old,), values (n_old,): of all points, as they were given.
         """
 
 def apply_fit(donor: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], linear_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], values: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:

@@ -15,9 +15,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import scipy
 
 from presswork import _core
+from presswork.geometry.cubic_spline import CubicSpline
 from presswork.geometry.polygon import list_sides
 from presswork.geometry.profile_way import ProfileWay
 from presswork.mesh.checks import MeshError
@@ -237,7 +237,7 @@ class _Curve:
         """Fit a cubic to each row of free edges between corners and other kinds."""
         ends = (np.roll(self.kind, 1) != self.kind) | self._is_corner | self._firm
         starts = np.flatnonzero(ends & (self.kind == FREE))
-        self._cubics: list[tuple[int, scipy.interpolate.CubicSpline, FloatArray]] = []
+        self._cubics: list[tuple[int, CubicSpline, FloatArray]] = []
         self._cubic_of = np.full(self.n, -1)
         if not len(starts) and (self.kind == FREE).all():
             starts = np.array([0])
@@ -250,7 +250,7 @@ class _Curve:
             edges = (start + np.arange(count)) % self.n
             nodes = (start + np.arange(count + 1)) % self.n
             way = np.concatenate([[0.0], np.cumsum(self._chord[edges])])
-            cubic = scipy.interpolate.CubicSpline(way, self.old.points[nodes])
+            cubic = CubicSpline(way, self.old.points[nodes])
             middle = cubic(0.5 * (way[1:] + way[:-1])) - 0.5 * (
                 self.old.points[nodes[1:]] + self.old.points[nodes[:-1]]
             )

@@ -248,16 +248,31 @@ def _join(points: FloatArray, triangles: IndexArray) -> IndexArray:
     place = points[corners]
     sides = np.linalg.norm(np.roll(place, -1, axis=1) - place, axis=2)
     sine = (corner_jacobians(points, corners.astype(np.int32)) / (sides * np.roll(sides, 1, axis=1))).min(axis=1)
+    best = np.argsort(-np.round(sine, 6), kind="stable")
+    best = best[sine[best] >= _LEAST_JOINED]
+    pairs = np.stack([left[best], right[best]], axis=1) // 3
+    chosen = best[_choose_disjoint(pairs, n)]
+    return np.concatenate([np.stack([left[chosen], right[chosen]], axis=1) // 3, corners[chosen]], axis=1)
+
+
+def _choose_disjoint(pairs: IndexArray, n: int) -> IndexArray:
+    """Return which of pairs of numbers below n (k, 2) are taken, the first ones first, each number once.
+
+    In each round all pairs go that no earlier one shares a number with.
+    """
+    left = np.arange(len(pairs))
+    taken: list[IndexArray] = []
     free = np.ones(n, dtype=bool)
-    pairs = []
-    for k in np.argsort(-np.round(sine, 6), kind="stable").tolist():
-        if sine[k] < _LEAST_JOINED:
-            break
-        a, b = int(left[k]) // 3, int(right[k]) // 3
-        if free[a] and free[b]:
-            free[a] = free[b] = False
-            pairs.append((a, b, *corners[k].tolist()))
-    return np.array(pairs, dtype=np.intp).reshape(-1, 6)
+    while len(left):
+        own = pairs[left]
+        first = np.full(n, len(pairs))
+        np.minimum.at(first, own.ravel(), np.repeat(left, 2))
+        goes = (first[own] == left[:, None]).all(axis=1)
+        taken.append(left[goes])
+        free[own[goes]] = False
+        left = left[~goes]
+        left = left[free[pairs[left]].all(axis=1)]
+    return np.sort(np.concatenate(taken)) if taken else left
 
 
 def _split(

@@ -74,11 +74,11 @@ class OldPoints:
         at_top = given == highest[self.cell_of]
         np.add.at(own, self.cell_of[at_top], 1)
         peaks = np.flatnonzero(at_top & (own[self.cell_of] == 1) & (given != 0.0))
+        position, home = np.ascontiguousarray(self.position), _to_int(self.cell_of)
+        peaks = peaks[self._donors.find_peaks(position, home, np.ascontiguousarray(given), _to_int(peaks))]
         fit = self.find_transfer(self.position[peaks], self.cell_of[peaks])
-        others = np.where(fit.donor != peaks[:, None], given[fit.donor], -np.inf)
         missed = np.abs(given[peaks] - (fit.weight * given[fit.donor]).sum(axis=1))
-        is_lost = (given[peaks] > others.max(axis=1, initial=-np.inf)) & (missed > _MISSED * np.abs(given[peaks]))
-        return np.asarray(peaks[is_lost])
+        return np.asarray(peaks[missed > _MISSED * np.abs(given[peaks])])
 
 
 class DonorsOfPoints(Protocol):

@@ -5,19 +5,29 @@ from __future__ import annotations
 
 from functools import partial
 
+import numpy as np
+
+from presswork import _core
 from presswork.implicit.linear.contract import LinearSolver
 from presswork.implicit.linear.direct import Pardiso, SuperLU
-from presswork.model import IntArray
+from presswork.model import FloatArray, IntArray
 
 
 def make_solver(
-    indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int, freedoms: int = 0
+    indptr: IntArray,
+    indices: IntArray,
+    *,
+    symmetric: bool,
+    threads: int,
+    freedoms: int = 0,
+    points: FloatArray | None = None,
 ) -> LinearSolver:
     """Return a solver for this pattern (upper triangle only if symmetric).
 
-    By factors, from the best library installed; freedoms: of a node, by iteration.
+    By factors, from the best library installed; freedoms: of a node, by iteration. points: of the nodes, all of which
+    have as many rows, of a mesh in the plane (n_points, 2), whose coordinates give the order of elimination.
     """
-    direct = partial(_make_direct, indptr, indices, symmetric=symmetric, threads=threads)
+    direct = partial(_make_direct, indptr, indices, symmetric=symmetric, threads=threads, points=points)
     if not freedoms:
         return direct()
     from presswork.implicit.linear.multigrid import Multigrid
@@ -25,8 +35,18 @@ def make_solver(
     return Multigrid(indptr, indices, symmetric=symmetric, freedoms=freedoms, make_direct=direct)
 
 
-def _make_direct(indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int) -> LinearSolver:
+def _make_direct(
+    indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int, points: FloatArray | None
+) -> LinearSolver:
     try:
-        return Pardiso(indptr, indices, symmetric=symmetric, threads=threads)
+        order = None if points is None else find_order(points, indptr, indices)
+        return Pardiso(indptr, indices, symmetric=symmetric, threads=threads, order=order)
     except ImportError:
         return SuperLU(indptr, indices, symmetric=symmetric)
+
+
+def find_order(points: FloatArray, indptr: IntArray, indices: IntArray) -> IntArray:
+    """Return the rows of a pattern in an order of elimination (n,) by the coordinates of its nodes (n_points, 2)."""
+    nodes = _core.dissect(np.ascontiguousarray(points), indptr, indices)
+    rows = (len(indptr) - 1) // len(nodes)
+    return np.asarray((rows * nodes[:, None] + np.arange(rows, dtype=np.int32)).reshape(-1))

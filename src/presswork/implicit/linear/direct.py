@@ -128,7 +128,10 @@ class Pardiso:
     name = "MKL PARDISO"
     iterations = None
 
-    def __init__(self, indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int) -> None:
+    def __init__(
+        self, indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int, order: IntArray | None = None
+    ) -> None:
+        """order: of elimination (n,); None: METIS finds one."""
         loaded = _load_mkl()
         if loaded is None:
             raise ImportError("MKL PARDISO is not installed")
@@ -142,8 +145,11 @@ class Pardiso:
         self._finalizer = weakref.finalize(self, _release, self._pardiso, self._handle, self._type, self._n)
         self._iparm = np.zeros(64, dtype=np.int32)
         settings = {0: 1, 1: 2, 7: 0, 9: 8 if symmetric else 13, 10: 0, 17: -1, 20: 1, 34: 1}
+        if order is not None:
+            settings[4] = 1
         for position, value in settings.items():
             self._iparm[position] = value
+        self._order = np.ascontiguousarray(order if order is not None else [], dtype=np.int32)
         empty = np.zeros(self._n)
         self._call(11, empty, empty)  # the analysis; without scaling and matching it asks for no values
 
@@ -155,7 +161,7 @@ class Pardiso:
             self._data.ctypes.data,
             self._indptr.ctypes.data,
             self._indices.ctypes.data,
-            _integer(0),
+            self._order.ctypes.data,
             _integer(1),
             self._iparm.ctypes.data,
             _integer(0),

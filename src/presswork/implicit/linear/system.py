@@ -91,7 +91,11 @@ class LinearSystem:
         if self._solver is None:
             started, assembler, symmetric = perf_counter(), self._analysed, self._model.solver.symmetric
             make = partial(make_solver, assembler.indptr, assembler.indices, symmetric=symmetric, threads=self._threads)
-            self._solver = make(freedoms=self._model.freedoms) if self._model.takes_multigrid else make()
+            if self._model.takes_multigrid:
+                self._solver = make(freedoms=self._model.freedoms)
+            else:
+                points = self._model.mesh.points
+                self._solver = make(points=points if points.shape[1] == 2 else None)
             self._timing.add("analysis", started)
         return self._solver
 
