@@ -154,6 +154,15 @@ class HeatOfForming:
         """Return the heat that the bodies have stored since the start [N mm]."""
         return float(self._gain(arrays)[: self._n_points].sum())
 
+    def stored_in_bodies(self, arrays: HeatArrays) -> FloatArray:
+        """Return the heat that each body has stored since the start (n_bodies,) [N mm]."""
+        gain = self._gain(arrays)
+        return np.array([gain[own.start : own.stop].sum() for own in self._bodies()])
+
+    def _bodies(self) -> list[range]:
+        """Return the nodes of each body."""
+        return [body.points for body in self._model.bodies] or [range(self._n_points)]
+
     def stored_in_dies(self, arrays: HeatArrays) -> float:
         """Return the heat that the tools with meshes have stored since the start [N mm]."""
         return float(self._gain(arrays)[self._n_points :].sum())
@@ -168,11 +177,12 @@ class HeatOfForming:
         """Return temperatures of the nodes (n_points,) at a block's points (n_cells, p) [degrees C]."""
         return self._shapes.to_points(block, temperature)
 
-    def keep_stored(self, arrays: HeatArrays, stored: float, new: BoolArray) -> None:
-        """Bring temperatures carried to this mesh to a heat stored since the start [N mm]; new: nodes (n_points,).
+    def keep_stored(self, arrays: HeatArrays, stored: FloatArray, new: BoolArray) -> None:
+        """Bring temperatures carried to this mesh to the heat that each body has stored since the start.
 
-        What is missing goes to the nodes in proportion to the range of temperature in the cells round them, where
-        carrying errs: an even temperature stays.
+        stored: (n_bodies,) [N mm]; new: nodes (n_points,). What a body lacks goes to its nodes in proportion to the
+        range of temperature in the cells round them, where carrying errs: an even temperature stays. A body that keeps
+        its mesh keeps its temperatures; its mass is counted anew as it lies, and the others make up for the difference.
         """
         conduction, carried = self._equation.conduction, arrays.temperature.copy()
         span = np.zeros(len(carried))
@@ -180,11 +190,17 @@ class HeatOfForming:
             own = carried[block.connectivity]
             np.maximum.at(span, block.connectivity, np.ptp(own, axis=1)[:, None])
         span *= new
-        change = 0.0
+        bodies = [slice(own.start, own.stop) for own in self._bodies()]
+        change = np.zeros(len(bodies))
         for _ in range(_CONTENT_ROUNDS if span.max() > 0.0 else 0):
             _, slope = conduction.content(_together(arrays))
-            change += (stored - self.stored(arrays)) / float(slope[: len(span)] @ span)
-            arrays.temperature = carried + change * span
+            lacking = stored - self.stored_in_bodies(arrays)
+            answer = np.array([slope[own] @ span[own] for own in bodies])
+            able = answer > 0.0
+            lacking[able] += float(lacking[~able].sum()) * answer[able] / float(answer.sum())
+            change[able] += lacking[able] / answer[able]
+            for own, more in zip(bodies, change.tolist(), strict=True):
+                arrays.temperature[own] = carried[own] + more * span[own]
 
     @staticmethod
     def begin_stage(arrays: HeatArrays) -> None:

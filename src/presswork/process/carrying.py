@@ -54,7 +54,7 @@ def carry_state(before: Epoch, after: Epoch, carrier: Carrier) -> None:
     after.run.evolution.clip(after.state)
     _return_to_law(after, {part.block for part in carrier.parts if part.surface is not None})
     if after.run.heat is not None and before.run.heat is not None:
-        stored = before.run.heat.forming.stored(before.state[HeatArrays])
+        stored = before.run.heat.forming.stored_in_bodies(before.state[HeatArrays])
         after.run.heat.forming.keep_stored(after.state[HeatArrays], stored, carrier.is_new())
         after.run.heat.spread(after.state)
 

@@ -131,7 +131,7 @@ class HeatOfRows:
                 first = (np.moveaxis(a, becomes.axis, 0) for a in (values, rest))
                 values = np.ascontiguousarray(np.moveaxis(carrier.surface(*first), 0, becomes.axis))
             setattr(own, name, copy(values))
-        self.forming.keep_stored(own, before.forming.stored(given), carrier.is_new())
+        self.forming.keep_stored(own, before.forming.stored_in_bodies(given), carrier.is_new())
         self._give()
 
     # --- what is recorded --------------------------------------------------------------------------------------------

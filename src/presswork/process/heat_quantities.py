@@ -89,6 +89,7 @@ def warn_of_tables(model: Model, history: Mapping[str, NDArray[Any]]) -> list[st
     if not len(history["time"]):
         return []
     low, high = float(history["temperature_min"].min()), float(history["temperature_max"].max())
+    whose = "temperatures of all bodies" if len(model.materials) > 1 else "temperatures"
     warnings = []
     for material in model.materials:
         if material.thermal is None:
@@ -101,7 +102,7 @@ def warn_of_tables(model: Model, history: Mapping[str, NDArray[Any]]) -> list[st
             first, last = table[0, 0], table[-1, 0]
             if len(table) > 1 and (low < first - 1.0 or high > last + 1.0):
                 warnings.append(
-                    f"{material.name}: {name} is given from {first:g} to {last:g} degrees C, and the temperatures went "
+                    f"{material.name}: {name} is given from {first:g} to {last:g} degrees C, and the {whose} went "
                     f"from {low:.4g} to {high:.4g}: beyond its ends it was taken as constant"
                 )
     return warnings

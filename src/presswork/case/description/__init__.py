@@ -38,7 +38,8 @@ def describe(problem: model.Model | OneStepModel) -> str:
             _describe_memory(problem),
         ]
         return "\n".join(lines)
-    lines += [f"material {material.name}: {describe_material(material)}" for material in problem.materials]
+    cold = problem.heat is None  # else the bodies' temperatures are told
+    lines += [f"material {material.name}: {describe_material(material, starts=cold)}" for material in problem.materials]
     lines += [f"tool {tool.name}: {_describe_tool(tool)}" for tool in problem.plane_tools]
     lines += [f"tool {tool.name}: {_describe_space_tool(tool)}" for tool in problem.space_tools]
     lines += [f"contact {contact.name}: {_describe_contact(problem, contact)}" for contact in problem.contacts]

@@ -8,7 +8,8 @@ import math
 from presswork import model
 
 
-def describe_material(material: model.Material) -> str:
+def describe_material(material: model.Material, *, starts: bool = True) -> str:
+    """Return what is said of a material; starts: at its own temperature, too."""
     if material.gtn:
         g = material.gtn
         elastic = f"E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}"
@@ -33,10 +34,10 @@ def describe_material(material: model.Material) -> str:
     if material.heating:
         h = material.heating
         if h.melting is None:
-            parts += [f"starts at {h.start:g} degrees C"]
+            parts += [f"starts at {h.start:g} degrees C"] if starts else []
         else:
             softens = f"softens with temperature from {h.reference:g} to {h.melting:g} degrees C"
-            parts += [f"{softens}, starts at {h.start:g}"]
+            parts += [f"{softens}, starts at {h.start:g}" if starts else softens]
         if h.heat_capacity is not None:
             parts += [f"heated by {h.plastic_fraction:g} of its plastic work"]
     if material.transformation:
