@@ -102,6 +102,29 @@ def test_a_new_mesh_keeps_momentum_and_work():
     assert after.external == pytest.approx(energies.external, rel=1e-3)
 
 
+def test_a_new_mesh_keeps_the_peaks_of_plastic_strain_and_damage():
+    """Values of a single cell: the largest stays to the bit, the mean over the volume within 2 %."""
+    recording = begin(build_model(upsetting(remesh={})), 1)
+    reports = recording.advance()
+    for _ in range(50):
+        next(reports)
+    names = [f"block_0.{name}" for name in ("eqps", "damage_damage_cockcroft_latham")]
+    dump = recording.solids.dump()
+    for name in names:
+        dump[name][100] = 1.3 * dump[name].max()
+    recording.solids.restore(dump)
+
+    def find_means():
+        volume = recording._find_volumes()
+        return [(recording.solids.dump()[name][:, 0] * volume).sum() / volume.sum() for name in names]
+
+    means = find_means()
+    assert recording._remesh("asked for")
+    for name in names:
+        assert recording.solids.dump()[name].max() == dump[name].max() > 0.0
+    assert find_means() == pytest.approx(means, rel=0.02)
+
+
 def test_resumed_between_meshes_gives_the_same_bits(remeshed, tmp_path):
     model = build_model(upsetting(remesh={}))
     half = int(np.flatnonzero(np.diff(read_history(remeshed / "history.csv")["remeshes"]))[1]) + 3

@@ -190,17 +190,17 @@ class HeatOfForming:
             own = carried[block.connectivity]
             np.maximum.at(span, block.connectivity, np.ptp(own, axis=1)[:, None])
         span *= new
-        bodies = [slice(own.start, own.stop) for own in self._bodies()]
+        bodies = [slice(nodes.start, nodes.stop) for nodes in self._bodies()]
         change = np.zeros(len(bodies))
         for _ in range(_CONTENT_ROUNDS if span.max() > 0.0 else 0):
             _, slope = conduction.content(_together(arrays))
             lacking = stored - self.stored_in_bodies(arrays)
-            answer = np.array([slope[own] @ span[own] for own in bodies])
+            answer = np.array([slope[nodes] @ span[nodes] for nodes in bodies])
             able = answer > 0.0
             lacking[able] += float(lacking[~able].sum()) * answer[able] / float(answer.sum())
             change[able] += lacking[able] / answer[able]
-            for own, more in zip(bodies, change.tolist(), strict=True):
-                arrays.temperature[own] = carried[own] + more * span[own]
+            for nodes, more in zip(bodies, change.tolist(), strict=True):
+                arrays.temperature[nodes] = carried[nodes] + more * span[nodes]
 
     @staticmethod
     def begin_stage(arrays: HeatArrays) -> None:

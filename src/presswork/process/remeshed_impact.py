@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
+from presswork.evolution.of_material import BY_NAME
 from presswork.explicit.energy import EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.solids import ExplicitSolids
@@ -204,6 +205,8 @@ class RemeshedImpact(ExplicitImpact):
                 found[name] = work * given.sum(axis=0) / np.where(work.sum(axis=0) == 0.0, 1.0, work.sum(axis=0))
             elif owner.startswith("block_") and what not in BEGIN_ANEW:
                 found[name] = _carry_cells(carrier, given, self.solids.stress)
+                if given.size and _has_peaks(what):
+                    found[name] = _keep_peaks(carrier, given, found[name], self._find_volumes())
         found["nodes.velocity"] = self._carry_velocity(carrier.nodes(dump["nodes.velocity"]), momentum)
         material = self.model.materials[self.model.mesh.blocks[0].material]
         if (kept := found[KEPT]).size and material.umat is None:  # the last two are the direction of the law's axes
@@ -252,6 +255,19 @@ def _carry_cells(carrier: Carrier, values: FloatArray, stress: FloatArray) -> Fl
         return np.zeros((len(stress), *values.shape[1:]))
     (found,) = carrier.points([values[:, None]], [np.zeros((len(stress), 1, *values.shape[1:]))])
     return found[:, 0]
+
+
+def _has_peaks(name: str) -> bool:
+    """Say whether the largest value of an array of cells in a dump decides: plastic strain, damage."""
+    quantity = BY_NAME.get(name.removeprefix("damage_"))
+    return name == "eqps" or (quantity is not None and quantity.peak_counts)
+
+
+def _keep_peaks(carrier: Carrier, values: FloatArray, found: FloatArray, volumes: FloatArray) -> FloatArray:
+    """Return a field carried by _carry_cells from values of old cells (n, ...) with the peaks that it had."""
+    shape = found.shape
+    (kept,) = carrier.peaks([values.reshape(-1, 1)], [found.reshape(-1, 1)], [volumes[:, None]])
+    return kept.reshape(shape)
 
 
 def _kinetic_energy(solids: ExplicitSolids) -> float:
