@@ -71,6 +71,18 @@ void bind_films(nb::module_& m) {
             return HeatFilm{PairFilm{copy_nodes(pairs), copy(factor)}};
           },
           nb::arg("pairs"), nb::arg("factor"), "Pairs of nodes (n, 2) and their conductances (n,) [N mm/(s K)].")
+      .def_static(
+          "martensite",
+          [](Ints nodes, Doubles heat, Doubles free, Doubles before, double start, double rate) {
+            require(heat.size() == nodes.size() && free.size() == nodes.size() && before.size() == nodes.size(),
+                    "one value a node");
+            return HeatFilm{MartensiteFilm{copy_nodes(nodes), copy(heat), copy(free), copy(before), start, rate}};
+          },
+          nb::arg("nodes"), nb::arg("heat"), nb::arg("free"), nb::arg("before"), nb::kw_only(), nb::arg("start"),
+          nb::arg("rate"),
+          "Heat of the martensite that forms at nodes (n,) in a step: heat [N mm/s] of all of each, fractions of what "
+          "may "
+          "form and has formed (n,), start [degrees C], rate [1/K].")
       .def("evaluate", &evaluate, nb::arg("temperature"),
            "Heat given to the nodes [N mm/s] and minus its derivative by their own temperatures [N mm/(s K)].");
 }

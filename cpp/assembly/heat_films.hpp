@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <variant>
 #include <vector>
 
@@ -93,6 +94,26 @@ struct PairFilm {
   }
 };
 
-using HeatFilm = std::variant<NodeFilm, ConvectionFilm, RadiationFilm, FluxFilm, PairFilm>;
+// Martensite that austenite becomes below `start`, free (1 - exp(-rate (start - T))), and never less than before
+// (Koistinen & Marburger 1959).
+struct MartensiteFilm {
+  std::vector<int> nodes;
+  std::vector<double> heat, free, before;  // set free by all of a node in the step [N mm/s]; fractions
+  double start, rate;                      // [degrees C], [1/K]
+
+  int n_nodes() const { return nodes.empty() ? 0 : *std::max_element(nodes.begin(), nodes.end()) + 1; }
+  void add(const double* temperature, double* power, double* slope) const {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const double below = start - temperature[nodes[i]];
+      if (below <= 0.0) continue;
+      const double left = std::exp(-rate * below), formed = free[i] * (1.0 - left);
+      if (formed < before[i]) continue;
+      power[nodes[i]] += heat[i] * (formed - before[i]);
+      slope[nodes[i]] += heat[i] * rate * free[i] * left;
+    }
+  }
+};
+
+using HeatFilm = std::variant<NodeFilm, ConvectionFilm, RadiationFilm, FluxFilm, PairFilm, MartensiteFilm>;
 
 }  // namespace presswork

@@ -1619,6 +1619,12 @@ class HeatFilm:
     def between(pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], factor: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> HeatFilm:
         """Pairs of nodes (n, 2) and their conductances (n,) [N mm/(s K)]."""
 
+    @staticmethod
+    def martensite(nodes: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], heat: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], free: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], before: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, start: float, rate: float) -> HeatFilm:
+        """
+        Heat of the martensite that forms at nodes (n,) in a step: heat [N mm/s] of all of each, fractions of what may form and has formed (n,), start [degrees C], rate [1/K].
+        """
+
     def evaluate(self, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Heat given to the nodes [N mm/s] and minus its derivative by their own temperatures [N mm/(s K)].

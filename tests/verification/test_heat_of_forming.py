@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Heat in forming against closed solutions: adiabatic upsetting, softening by its own heat, a cold tool, friction."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from presswork.case import build_model
+from presswork.case import CaseError, build_model
 from presswork.case.solid.schema import Case
 from presswork.evolution.points import EvolvedArrays
 from presswork.implicit.energy import Work
@@ -154,7 +155,7 @@ def test_friction_heat_is_shared_by_effusivity_and_all_heat_balances() -> None:
         },
         stages=[{"name": "upset", "duration": 1, "tools": {"punch": {"stroke": 4, "direction": [0, -1]}}}],
     )
-    plastic, friction, tools, convection, radiation = done.state[HeatArrays].heat
+    plastic, friction, tools, convection, radiation, _ = done.state[HeatArrays].heat
     assert friction == pytest.approx(done.state[Work].friction_work / 3, rel=1e-9), (
         "1 : 2 with four times the conductivity"
     )
@@ -236,7 +237,7 @@ def test_two_bodies_pressed_together_exchange_heat(time, hot, cold, columns) -> 
     )
 
 
-WELL = {"conductivity": 3e4, "specific_heat": "650 J/(kg*K)"}
+WELL = {"conductivity": 1e5, "specific_heat": "650 J/(kg*K)"}
 STEEL: dict[str, Any] = {"poisson": 0.3, "magnitudes": "any", "young": "200 GPa",
                          "hardening": {"law": "linear", "yield_stress": 5000, "modulus": 0}}  # fmt: skip
 
@@ -373,3 +374,69 @@ def test_phases_follow_the_temperatures_of_a_solid() -> None:
     assert values["martensite"][0].min() > 0.5
     assert values["cooling_rate"][0].min() > 20.0
     assert 350 < values["hardness"][0].min() < values["hardness"][0].max() < 500
+
+
+@pytest.mark.parametrize("steps", [200, 400])
+def test_martensite_slows_the_cooling_of_a_solid(steps: int) -> None:
+    """Even temperature: dt = (c + L a exp(-a (Ms - T))) rho V / (h A (T - Ta)) dT, to first order."""
+    start, rate, latent, h, ambient, radius, height = 410.0, 0.011, 81.5e9, 2.0, 20.0, 10.0, 15.0
+    done = compute(
+        law={
+            "transformation": {"ms": start},
+            "thermal": {"conductivity": 1e5, "specific_heat": "586 J/(kg*K)"},
+        },
+        tools={},
+        heat={"initial_temperature": 500, "tolerance": 0.005, "surroundings": {"ambient": 20, "coefficient": h}},
+        stages=[{"name": "cool", "duration": 12}],
+        max_increment=1 / steps,
+    )
+    arrays = done.state[HeatArrays]
+    assert np.ptp(arrays.temperature) < 0.1
+    end = float(arrays.temperature.mean())
+    assert 100.0 < end < 300.0, "far into the transformation"
+    degrees = np.linspace(end, 500.0, 200_001)
+    below = np.maximum(start - degrees, 0.0)
+    capacity = 586e6 + np.where(below > 0.0, latent * rate * np.exp(-rate * below), 0.0)
+    area, volume = 2 * np.pi * radius * height + np.pi * radius**2, np.pi * radius**2 * height
+    time = np.trapezoid(capacity * 7833e-12 * volume / (h * area * (degrees - ambient)), degrees)
+    assert abs(time / 12.0 - 1.0) < 0.6 / steps
+    martensite = 1.0 - np.exp(-rate * (start - end))
+    set_free = float(arrays.heat[5])
+    assert set_free == pytest.approx(martensite * latent * 7833e-12 * volume, rel=1e-3)
+    stored = done.heat.forming.stored(arrays)
+    assert abs(stored - arrays.heat.sum()) < 1e-8 * abs(stored)
+
+
+def test_bainite_warms_a_solid_that_loses_no_heat() -> None:
+    """c (T - T0) = L X."""
+    case = upset(
+        law={"transformation": {"steel": "22MnB5"}},
+        tools={},
+        heat={"initial_temperature": 900},
+        stages=[{"name": "hold", "duration": 20}],
+        max_increment=0.01,
+    )
+    model = build_model(case)
+    assert model.heat is not None
+    procedure = ImplicitProcedure(replace(model, heat=replace(model.heat, initial=(500.0,))), threads=1)
+    for _ in procedure.advance():
+        pass
+    arrays = procedure.state[HeatArrays]
+    formed = arrays.phases.sum(axis=1)
+    assert formed.min() > 0.3
+    assert arrays.phases[:, 2] == pytest.approx(formed)
+    assert arrays.temperature - 500.0 == pytest.approx(formed * 75.2e9 / 586e6, rel=1e-6)
+    assert procedure.heat is not None
+    assert procedure.heat.forming.stored(arrays) == pytest.approx(float(arrays.heat[5]), rel=1e-8)
+
+
+def test_latent_heat_is_not_counted_twice() -> None:
+    twice = {
+        "conductivity": 30,
+        "specific_heat": "586 J/(kg*K)",
+        "latent_heat": {"heat": "77 kJ/kg", "start": 690, "end": 780},
+    }
+    with pytest.raises(CaseError, match="the transformation has a latent heat, too"):
+        build_model(
+            upset(law={"transformation": {"steel": "22MnB5"}, "thermal": twice}, heat={"initial_temperature": 900})
+        )

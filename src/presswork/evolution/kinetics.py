@@ -116,6 +116,11 @@ class Kinetics:
         return np.asarray(np.tensordot(self._latent, fractions, axes=1))
 
     @property
+    def martensite_law(self) -> tuple[float, float]:
+        """Its start [degrees C] and rate [1/K]."""
+        return self._steel.martensite_start, self._steel.martensite_rate
+
+    @property
     def heat_of_martensite(self) -> float:
         """Heat per mass that martensite sets free [mm2/s2]."""
         return float(self._latent[3])

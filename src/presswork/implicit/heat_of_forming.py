@@ -17,6 +17,8 @@ import numpy as np
 from presswork.body.heat import Conduction, PointShapes
 from presswork.implicit.heat_equation import PRESCRIBED, HeatEquation, HeatProblem, HeatStep
 from presswork.implicit.heat_made import HeatSources
+from presswork.implicit.heat_of_phases import KIND as LATENT
+from presswork.implicit.heat_of_phases import PhasesAtNodes
 from presswork.interaction.chilled_tool import CELLS, Column, ColumnFilm
 from presswork.interaction.forming_instant import FormingInstant, Poses
 from presswork.interaction.heat_films import Film, ToolFilm
@@ -27,7 +29,7 @@ from presswork.outcome import Failed, GaveUpError, IterationLog
 from presswork.state import NODE, RUN, Arrays, OnNewMesh
 from presswork.timing import Timing
 
-KINDS = ("plastic", "friction", "tools", "convection", "radiation")
+KINDS = ("plastic", "friction", "tools", "convection", "radiation", LATENT)
 """What heats and cools bodies that are formed; what flows between them adds up to nothing."""
 DIE_KINDS = ("friction", "contact", "convection", "radiation", PRESCRIBED)
 """What heats and cools tools with a mesh."""
@@ -53,6 +55,7 @@ class HeatArrays(Arrays):
         "dies": RUN,
         "die_rate": RUN,
         "die_heat": RUN,
+        "phases": NODE,
         "last_step": RUN,
         "next_step": RUN,
     }
@@ -61,7 +64,7 @@ class HeatArrays(Arrays):
     rate: FloatArray
     """Over the last time step of heat (n_points,) [K/s]."""
     heat: FloatArray
-    """Since the start, by KINDS (5,) [N mm]."""
+    """Since the start, by KINDS (6,) [N mm]."""
     columns: FloatArray
     """Of the steel of every tool behind every node, from the surface on (n_tools, n_points, CELLS) [degrees C]; no
     tools where none warms up."""
@@ -71,6 +74,8 @@ class HeatArrays(Arrays):
     """Over the last time step of heat (n_die_points,) [K/s]."""
     die_heat: FloatArray
     """Heat come into all of them since the start, by DIE_KINDS (5,) [N mm]."""
+    phases: FloatArray
+    """Ferrite, pearlite, bainite and martensite at the nodes (n_points, 4); no rows where no steel transforms."""
     last_step: float = 0.0
     """Last time step of heat [s]; 0 where a stage begins."""
     next_step: float = 0.0
@@ -84,6 +89,7 @@ class _Instant:
     temperature: FloatArray
     rate: FloatArray
     columns: FloatArray
+    phases: FloatArray
     last_step: float
     next_step: float
 
@@ -100,6 +106,7 @@ class HeatOfForming:
         self._equation = HeatEquation(self._dies.join(), none, timing, threads, iterative=True)
         self._surface = HeatSurface(model, model.heat, self._dies)
         self._sources = HeatSources(model, model.heat)
+        self._phases = PhasesAtNodes(model, self._equation.conduction.mass)
         self._shapes = PointShapes(model)
         self._n_points = len(model.mesh.points)
         self._skin = np.unique(
@@ -132,7 +139,8 @@ class HeatOfForming:
             if tool.name in self._columns:
                 columns[t] = self._heat.tools[tool.name].temperature
         rates = np.zeros(len(start)), np.zeros(len(dies))
-        return HeatArrays(start, rates[0], np.zeros(len(KINDS)), columns, dies, rates[1], np.zeros(len(DIE_KINDS)))
+        heat, phases = (np.zeros(len(KINDS)), np.zeros(len(DIE_KINDS))), self._phases.at_rest()
+        return HeatArrays(start, rates[0], heat[0], columns, dies, rates[1], heat[1], phases)
 
     def hottest(self, arrays: HeatArrays) -> dict[str, float]:
         """Return the highest temperature of every tool that warms up, at its surface or of its mesh [degrees C]."""
@@ -235,7 +243,7 @@ class HeatOfForming:
         found = self._take_steps(arrays, problem, [], np.zeros((len(poses), n)), heat)
         if isinstance(found, Failed):
             raise GaveUpError(f"the pause between parts: {found.reason}")
-        arrays.dies, arrays.die_heat = found.temperature[n:], arrays.die_heat + heat[1]
+        arrays.dies, arrays.die_heat = found.temperature[n:], arrays.die_heat + heat[1, : len(DIE_KINDS)]
         return arrays
 
     def advance(self, arrays_n: HeatArrays, now: FormingInstant, dt: float) -> HeatArrays | Failed:
@@ -276,7 +284,7 @@ class HeatOfForming:
         """Go through an increment in time steps that follow their error; adds up the heat (2, n_kinds) [N mm]."""
         dt, films = problem.dt, problem.films
         rate = np.concatenate([arrays.rate, arrays.die_rate])
-        now = _Instant(problem.temperature_n, rate, arrays.columns, arrays.last_step, arrays.next_step)
+        now = _Instant(problem.temperature_n, rate, arrays.columns, arrays.phases, arrays.last_step, arrays.next_step)
         done, part = 0.0, min(dt, now.next_step or FIRST_PART * dt)
         while True:
             part = dt - done if done + part > dt * (1 - 1e-9) else min(part, 0.5 * (dt - done) + 0.5 * part)
@@ -286,8 +294,9 @@ class HeatOfForming:
                 for t in touches
                 if t.tool not in chilled and t.heat.die is None
             ]
+            phases, latent = self._phases.grow(now.phases, now.temperature, part)
             asked = replace(
-                problem, temperature_n=now.temperature, dt=part, films=[*at_tools, *chilled.values(), *films]
+                problem, temperature_n=now.temperature, dt=part, films=[*at_tools, *chilled.values(), *latent, *films]
             )
             found = self._equation.solve(asked, now.temperature + part * now.rate)
             if isinstance(found, Failed):
@@ -307,7 +316,8 @@ class HeatOfForming:
             rate = (found.temperature - now.temperature) / part
             cut_short = part < now.next_step and factor >= 1.0
             wanted = max(part * factor, now.next_step) if cut_short else part * factor
-            now = _Instant(found.temperature, rate, columns, part, wanted)
+            phases = self._phases.finish(phases, found.temperature)
+            now = _Instant(found.temperature, rate, columns, phases, part, wanted)
             if done > dt * (1 - 1e-9):
                 return now
             part = wanted
@@ -329,7 +339,8 @@ class HeatOfForming:
             columns=found.columns,
             dies=found.temperature[n:],
             die_rate=found.rate[n:],
-            die_heat=before.die_heat + heat[1],
+            die_heat=before.die_heat + heat[1, : len(DIE_KINDS)],
+            phases=found.phases,
             last_step=found.last_step,
             next_step=found.next_step,
         )
@@ -361,12 +372,12 @@ def _together(arrays: HeatArrays) -> FloatArray:
 
 
 def _count(found: HeatStep) -> FloatArray:
-    """Return the power that came into bodies by KINDS and into dies by DIE_KINDS (2, 5) [N mm/s]."""
+    """Return the power that came into bodies by KINDS and into dies by DIE_KINDS, then 0 (2, 6) [N mm/s]."""
     none = np.zeros(2)
     power = {**found.power, "contact": found.power.get("dies", none)}
     into_bodies = [power.get(kind, none)[0] for kind in KINDS]
     into_bodies[2] += power["contact"][0]
-    return np.array([into_bodies, [power.get(kind, none)[1] for kind in DIE_KINDS]])
+    return np.array([into_bodies, [*(power.get(kind, none)[1] for kind in DIE_KINDS), 0.0]])
 
 
 def start_temperatures(model: Model, heat: Heat) -> FloatArray:

@@ -220,6 +220,12 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
         steel = getattr(material, "transformation", None)
         if steel is not None:
             yield from check_austenite(steel, key, start)
+            if material is not None and material.thermal is not None and material.thermal.latent_heat is not None:
+                latent, text = (
+                    f"materials.{part.material}.thermal.latent_heat",
+                    "the transformation has a latent heat, too",
+                )
+                yield Problem(latent, text, "remove it, or the transformation")
     for index, stage in enumerate(case.stages):
         if stage.velocity is None and stage.press is None and "duration" not in stage.model_fields_set:
             remedy = "add it, in seconds, or velocity, or press"
