@@ -75,7 +75,7 @@ class HeatArrays(Arrays):
     die_heat: FloatArray
     """Heat come into all of them since the start, by DIE_KINDS (5,) [N mm]."""
     phases: FloatArray
-    """Ferrite, pearlite, bainite and martensite at the nodes (n_points, 4); no rows where no steel transforms."""
+    """Ferrite, pearlite, bainite and martensite at the nodes (n_points, 4); 0 where no steel transforms."""
     last_step: float = 0.0
     """Last time step of heat [s]; 0 where a stage begins."""
     next_step: float = 0.0

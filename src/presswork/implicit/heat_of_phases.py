@@ -49,14 +49,16 @@ class PhasesAtNodes:
         self._n_points = len(model.mesh.points)
 
     def at_rest(self) -> FloatArray:
-        """Return the fractions at the start (n_points, 4): of austenite alone; no rows where no steel transforms."""
-        return np.zeros((self._n_points if self._steels else 0, 4))
+        """Return the fractions at the start (n_points, 4): of austenite alone."""
+        return np.zeros((self._n_points, 4))
 
     def grow(self, fractions: FloatArray, temperature: FloatArray, dt: float) -> tuple[FloatArray, list[Film]]:
         """Return the fractions (n_points, 4) after a step of dt [s] but for martensite, and the heat of the step.
 
         temperature: of its start (n_points,) [degrees C].
         """
+        if not self._steels:
+            return fractions, []
         after, films = fractions.copy(), list[Film]()
         for kinetics, nodes, mass in self._steels:
             before = fractions[nodes].T
@@ -74,6 +76,8 @@ class PhasesAtNodes:
 
     def finish(self, fractions: FloatArray, temperature: FloatArray) -> FloatArray:
         """Return the fractions with the martensite at the end of the step (n_points, 4)."""
+        if not self._steels:
+            return fractions
         after = fractions.copy()
         for kinetics, nodes, _ in self._steels:
             after[nodes, 3], _ = kinetics.martensite(fractions[nodes].T, temperature[nodes])

@@ -24,6 +24,13 @@ def edge_areas(points: FloatArray, edges: IntArray, thickness: float | None) -> 
     points (n_points, 2); thickness [mm]: out of the plane; None: the edges are rings about the axis.
     """
     x, n = points[edges], edges.shape[1]
+    if n == 2:
+        along = x[:, 1] - x[:, 0]
+        half = 0.5 * np.sqrt((along * along).sum(axis=1))[:, None]
+        if thickness is not None:
+            return np.repeat(half * thickness, 2, axis=1)
+        radius = x[:, :, 0]
+        return np.asarray(2.0 * np.pi / 3.0 * half * (radius + radius.sum(axis=1, keepdims=True)))
     areas = np.zeros(edges.shape)
     length = 0.5 * np.linalg.norm(x[:, 1] - x[:, 0], axis=1)  # by s, of a straight edge everywhere
     for s, weight in GAUSS_3:

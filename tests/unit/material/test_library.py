@@ -36,8 +36,10 @@ def test_library_has_the_everyday_grades_each_with_sources() -> None:
         assert sheet.material._usual_flow_stress(np.array([0.1]))[0] > least
 
 
-HOT = ("42crmo4", "aa2024_t351_hot", "aa6082_hot", "aa7075_hot", "brass_cartridge", "c45", "copper_ofhc", "inconel_718",
-       "medium_carbon_steel_hot", "steel_1006_hot", "steel_4340_hot", "ti6al4v")  # fmt: skip
+HOT = (
+    "42crmo4", "aa2024_t351_hot", "aa6082_hot", "aa7075_hot", "brass_cartridge", "c20_hot", "c45", "c45_hot",
+       "copper_ofhc", "inconel_718", "medium_carbon_steel_hot", "steel_1006_hot", "steel_4340_hot", "ti6al4v",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("key", HOT)
@@ -66,6 +68,9 @@ def test_published_flow_stresses_of_hot_grades() -> None:
     assert stress("copper_ofhc", 0.3, 100.0, 300.0) == pytest.approx(copper, rel=1e-9)
     z = np.exp(153e3 / (8.314462618 * 723.15) - 19.29)
     assert stress("aa6082_hot", 0.3, 1.0, 450.0) == pytest.approx(np.arcsinh(z ** (1 / 2.976)) / 0.045, rel=1e-6)
+    c45 = 2731.39 * np.exp(-2.68) * 0.5**0.31076 * np.exp(-0.00056 / 0.5) * 1.5**0.46 * np.exp(-0.98375 * 0.5)
+    assert stress("c45_hot", 0.5, 1.0, 1000.0) == pytest.approx(c45, rel=1e-9)
+    assert c45 == pytest.approx(111.1, abs=0.1)
     hensel = 5954 * np.exp(-3.3576e-3 * 1050) * 0.4**0.2641 * np.exp(2.2688e-4 / 0.4) * 1.4 ** (-4.2163e-4 * 1050)
     assert stress("medium_carbon_steel_hot", 0.4, 1.0, 1050.0) == pytest.approx(
         hensel * np.exp(-0.0561 * 0.4), rel=1e-9
