@@ -64,12 +64,15 @@ def mark_lap(state: State, nodes: IntArray | IndexArray, time: float) -> None:
 
 
 def list_laps(state: State, mesh: Mesh) -> list[FloatArray]:
-    """Return the middle of each lap where it is now (2,) [mm]: of marked nodes that edges of cells connect."""
+    """Return the middle of each lap where it is now (2 | 3,) [mm]: of marked nodes that edges connect."""
     if LapArrays not in state:
         return []
     marked = state[LapArrays].mark > MARKED
     points = mesh.points + state.nodes.moved
-    edges = mesh.boundary_edges[marked[mesh.boundary_edges[:, :2]].all(axis=1)]
+    sides = mesh.boundary_edges[:, :2]
+    if points.shape[1] == 3:
+        sides = np.stack([mesh.boundary_faces, np.roll(mesh.boundary_faces, -1, axis=1)], axis=-1).reshape(-1, 2)
+    edges = sides[marked[sides].all(axis=1)]
     alone = np.repeat(np.flatnonzero(marked)[:, None], 2, axis=1)
-    _, part = find_parts([np.concatenate([edges[:, :2], alone])], len(points))
+    _, part = find_parts([np.concatenate([edges, alone])], len(points))
     return [points[marked & (part == number)].mean(axis=0) for number in np.unique(part[marked])]

@@ -70,6 +70,10 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.remeshing import RemeshedForming
 
         return RemeshedForming(model, threads=threads)
+    if model.analysis == "solid" and model.solver.displacements == "large":
+        from presswork.process.folding import FoldingRecording
+
+        return FoldingRecording(model, threads=threads)
     from presswork.process.implicit_recording import ImplicitRecording
 
     return ImplicitRecording(model, threads=threads)

@@ -261,7 +261,8 @@ class ImplicitRecording(IncrementRecording):
             now.temperature = state[HeatArrays].temperature
         if interactions.space_tools is not None and isinstance(interactions.space_tools.contact, SolidContact):
             now.find_contact = functools.partial(interactions.space_tools.contact.show, state)
-        if self.model.dimension == 3 and between is not None:
+        has_fields = now.find_contact is not None or not all(c.by_itself for c in self.model.contacts)
+        if self.model.dimension == 3 and between is not None and has_fields:  # fields do not come in the run
             now.find_contact = functools.partial(add_bodies, now.find_contact, between)
         if self.model.analysis != "shell":
             now.reaction = state.nodes.reaction[:, :3] * self.reactions.mask(self.mesh, self._stage())

@@ -28,8 +28,8 @@ from presswork.mesh.topology import count_corners
 from presswork.model import Body, FloatArray, Mesh, Model, Remeshing
 from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_peaks, carry_state, carry_surface, find_undeclared
-from presswork.process.epochs import EPOCH, NamedArrays
-from presswork.process.implicit_recording import ImplicitRecording
+from presswork.process.epochs import NamedArrays
+from presswork.process.folding import FoldingRecording
 from presswork.process.mesh_reasons import (
     DUE,
     EARLY,
@@ -41,7 +41,6 @@ from presswork.process.mesh_reasons import (
 )
 from presswork.process.new_balance import balance_new_mesh, measure_jump
 from presswork.process.recording import Row
-from presswork.process.self_contact import find_folding, switch_on, touches_itself
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.section import (
     NewSection,
@@ -57,7 +56,7 @@ WAIT = 1.5
 """Factor on all triggers, up to which the present mesh goes on rather than one that changes the force too much."""
 MOST_WAITS = 3
 """Times that a mesh is put off because it changes the force: what waits longer only gets worse."""
-WAITED, ON_FIRST, FOLDED = "waited", "on_first", "folded"
+WAITED, ON_FIRST = "waited", "on_first"
 """Names in a checkpoint."""
 PARTS = (1.0, 0.7, 0.85, 0.6, 0.77)
 """Of the size that is asked for, in meshes tried one after the other."""
@@ -65,7 +64,7 @@ MOST_GIVEN_BACK = 1e-3
 """Part of the volume, lost by cells before, that one remesh gives back at most."""
 
 
-class RemeshedForming(ImplicitRecording):
+class RemeshedForming(FoldingRecording):
     """An implicit procedure at work on bodies in the plane, each meshed anew where its mesh would fail."""
 
     parts: tuple[float, ...] = PARTS
@@ -117,7 +116,7 @@ class RemeshedForming(ImplicitRecording):
 
     def _may_change_mesh(self, failure: str = "") -> bool:
         """Make another mesh if the present one should not go on, and go on with it; return whether there is one."""
-        if not failure and self.model.dimension == 2:
+        if not failure:
             self._watch_folds()
         if self._obstacle:
             return False
@@ -126,18 +125,6 @@ class RemeshedForming(ImplicitRecording):
             return self._remesh(FAILS, must=True, again=again)
         found = self._reason()
         return found is not None and self._remesh(*found)
-
-    def _watch_folds(self) -> None:
-        """Switch on contact of bodies with themselves where their outlines are about to fold onto themselves."""
-        found = find_folding(self.procedure, self._bodies())
-        if found:
-            self._go_on_with(switch_on(self.procedure, list(found)))
-            self._notes += list(found.values())
-
-    def _go_on_with(self, procedure: ImplicitProcedure) -> None:
-        """Go on with another procedure on the same mesh."""
-        self.procedure, self.model = procedure, procedure.model
-        procedure.evolution.place(self._origin)
 
     def _reason(self, wait: float = 1.0) -> tuple[str, set[int]] | None:
         """Return why the present mesh should not go on, and of which bodies; wait: factor on the triggers."""
@@ -218,10 +205,6 @@ class RemeshedForming(ImplicitRecording):
                 )
             )  # fmt: skip
         return sections
-
-    def _bodies(self) -> Sequence[Body]:
-        mesh = self.model.mesh
-        return self.model.bodies or (Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks))),)
 
     def _find_power(self, body: Body) -> FloatArray | None:
         """Return the stress power over volume in the last increment, in each cell of a body (n_cells,) [MPa]."""
@@ -320,16 +303,7 @@ class RemeshedForming(ImplicitRecording):
 
     def _epoch_arrays(self) -> NamedArrays:
         on_first = np.isin(np.arange(self._n_bodies), list(self._on_first))
-        folded = np.array([touches_itself(self.model, i) for i in range(self._n_bodies)])
-        return super()._epoch_arrays() | {WAITED: np.array([self._waited]), ON_FIRST: on_first, FOLDED: folded}
-
-    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Go back to the epoch and the state of these arrays. Raises ValueError if they belong to another model."""
-        folded = np.flatnonzero(arrays.get(f"{EPOCH}{FOLDED}", np.zeros(0)))
-        added = [int(i) for i in folded if not touches_itself(self.model, int(i))]
-        if added:
-            self._go_on_with(switch_on(self.procedure, added))
-        super().load_arrays(arrays)
+        return super()._epoch_arrays() | {WAITED: np.array([self._waited]), ON_FIRST: on_first}
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         super()._load_epoch(epoch)
@@ -355,11 +329,12 @@ class RemeshedForming(ImplicitRecording):
         laps = list_laps(self.procedure.state, self.model.mesh)
         begun = self.procedure.state[LapArrays].begun
         told["warnings"] += [
-            f"the surface has folded onto itself near ({x:.4g}, {y:.4g}), first at {begun:.4g} s: a lap, a fault of "
-            "the part (field lap)"
-            for x, y in laps
+            f"the surface has folded onto itself near ({', '.join(f'{c:.4g}' for c in place)}), first at {begun:.4g} "
+            "s: a lap, a fault of the part (field lap)"
+            for place in laps
         ]
-        return told | {"remeshes": self.epoch, "laps": [{"x_mm": float(x), "y_mm": float(y)} for x, y in laps]}
+        places = [{f"{axis}_mm": float(c) for axis, c in zip("xyz", place, strict=False)} for place in laps]
+        return told | {"remeshes": self.epoch, "laps": places}
 
 
 @dataclass(frozen=True)

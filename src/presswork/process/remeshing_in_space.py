@@ -20,6 +20,7 @@ from presswork.process.carrying import carry_state, carry_surface, find_undeclar
 from presswork.process.epochs import NamedArrays
 from presswork.process.mesh_reasons import LAST_CUT
 from presswork.process.remeshing import RemeshedForming
+from presswork.process.self_contact import touches_itself
 from presswork.process.space_surfaces import draw_tool
 from presswork.remesh.carrier import Carrier, Part, SkinPlaces
 from presswork.remesh.space.body import NewBody, OldBody
@@ -95,6 +96,14 @@ class RemeshedSpaceForming(RemeshedForming):
                 self._lost_volume(body, 0),
             )
         ]
+
+    def _may_change_mesh(self, failure: str = "") -> bool:
+        """As in the plane, but a body that has contact with itself keeps its mesh."""
+        if not failure:
+            self._watch_folds()
+        if touches_itself(self.model, 0):
+            return False
+        return super()._may_change_mesh(failure)
 
     def _reason_of(self, number: int, old: OldBody, wait: float) -> str | None:
         if number in self._on_first:

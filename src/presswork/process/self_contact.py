@@ -12,6 +12,7 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_interface import InterfaceArrays
 from presswork.model import Body, BodyContact, Model
 from presswork.remesh.section import halve_edges
+from presswork.remesh.space.closing import find_closing_faces
 from presswork.remesh.triggers import find_closing_gap
 
 
@@ -35,20 +36,24 @@ def touches_itself(model: Model, number: int) -> bool:
 
 
 def find_folding(run: ImplicitProcedure, bodies: Sequence[Body]) -> dict[int, str]:
-    """Return by number the bodies in the plane whose outlines are about to fold onto themselves, with a note of each.
+    """Return by number the bodies whose surfaces are about to fold onto themselves, with a note of each.
 
     A body that has contact with itself is not looked at.
     """
     mesh, nodes, notes = run.model.mesh, run.state.nodes, {}
-    for number, body in enumerate(bodies if run.model.dimension == 2 else ()):
+    for number, body in enumerate(bodies):
         if touches_itself(run.model, number):
             continue
-        edges = halve_edges(mesh.boundary_edges[body.owns(mesh.boundary_edges)])
-        place = find_closing_gap((mesh.points + nodes.displacement)[edges], nodes.increment[edges])
+        if run.model.dimension == 2:
+            edges = halve_edges(mesh.boundary_edges[body.owns(mesh.boundary_edges)])
+            place = find_closing_gap((mesh.points + nodes.displacement)[edges], nodes.increment[edges])
+        else:
+            faces = mesh.boundary_faces[body.owns(mesh.boundary_faces)]
+            place = find_closing_faces(mesh.points + nodes.moved, nodes.increment[:, :3], faces)
         if place is not None:
-            x, y = place
+            where = ", ".join(f"{value:.4g}" for value in place)
             notes[number] = (
-                f"{body.name} is about to fold onto itself near ({x:.4g}, {y:.4g}): contact with itself is switched on"
+                f"{body.name} is about to fold onto itself near ({where}): contact with itself is switched on"
             )
     return notes
 
