@@ -9,6 +9,8 @@ import pytest
 
 from presswork import build_model
 from presswork.case import Case
+from presswork.case.space.schema import SpaceCase
+from presswork.implicit.remedy import find_remedy
 from presswork.implicit.stepping import ImplicitProcedure
 
 HEIGHT, STROKE = 15.0, 3.0
@@ -74,3 +76,24 @@ def test_a_billet_goes_with_the_slower_of_two_tools_that_leave_it() -> None:
         pass
     height = (procedure.model.mesh.points + procedure.state.nodes.displacement)[:, 1]
     assert height.max() == pytest.approx(HEIGHT - STROKE + 2.0, abs=1e-4)
+
+
+def test_a_body_that_only_tools_hold_is_told_so() -> None:
+    """The remedy of a run in space that gives up names the axes along which nothing but tools holds the body."""
+    box = {"kind": "box", "size": [10, 10, 16], "cells": [2, 2, 2]}
+    steel = {"young": 2e5, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 300, "modulus": 500}}
+    data: dict[str, Any] = {
+        "title": "block between tools",
+        "analysis": "solid",
+        "workpiece": {"material": "steel", "mesh": box},
+        "materials": {"steel": steel},
+        "boundary": {"x": {"set": "left", "fix": ["x"]}, "y": {"set": "bottom", "fix": ["y"]}},
+        "tools": {"upper": {"shape": "plane", "normal": [0, 0, -1], "position": [0, 0, 16], "contact": "frictionless"},
+                  "lower": {"shape": "plane", "normal": [0, 0, 1], "position": [0, 0, 0], "contact": "frictionless"}},
+        "stages": [{"name": "press", "tools": {"upper": {"stroke": 1, "direction": [0, 0, -1]}}}],
+    }  # fmt: skip
+    told = find_remedy(build_model(SpaceCase.model_validate(data)), 0)
+    assert "Only tools hold the body along z" in told
+    assert "solver.inertia = 1" in told
+    held = data["boundary"] | {"z": {"set": "back", "fix": ["z"]}}
+    assert "Only tools" not in find_remedy(build_model(SpaceCase.model_validate({**data, "boundary": held})), 0)

@@ -68,7 +68,8 @@ def _check_pores_in(case: schema.Case, name: str, material: schema.Material) -> 
         return []
     problems, key = [], f"materials.{name}.gtn"
     if case.procedure == "explicit":
-        problems.append(Problem(key, "pores are for the implicit procedure alone, so far", "compute implicitly"))
+        text = "pores are for the implicit procedure alone, so far: their growth is averaged after each increment"
+        problems.append(Problem(key, text, 'set procedure = "implicit"'))
     for _, (place, body) in list_bodies(case).items():
         if body.material == name and body.element == "quad4_1pt":
             fault = "its hourglass control needs the flow stress of a dense metal"
