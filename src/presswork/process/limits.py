@@ -21,7 +21,8 @@ LimitName = Literal["penetration", "thinning", "hydrostatic_stress", "mean_press
 REMEDIES: dict[LimitName, str] = {
     "penetration": "refine the mesh where tools are narrow or curved, or shorten the stroke",
     "thinning": "the sheet has torn: ease the draw by radii, friction or holder force, or shorten the stroke",
-    "hydrostatic_stress": "shorten the stroke if the die is full; else take an element that does not lock",
+    "hydrostatic_stress": "shorten the stroke if the die is full or tools have used up the metal between them; else "
+    "take an element that does not lock",
     "mean_pressure": "the metal has no way out: shorten the stroke, make the workpiece smaller, or open the die",
 }
 NEVER_PASSED: tuple[LimitName, ...] = ("mean_pressure",)

@@ -16,7 +16,7 @@ from presswork.view.cells import triangulate
 from presswork.view.lap_mark import mark_laps
 from presswork.view.mesh_plot import draw_boundary, panel_size, prepare_section
 from presswork.view.mirror import IMAGES, Mirror
-from presswork.view.style import describe_step, new_figure
+from presswork.view.style import new_figure, title_step
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -71,7 +71,7 @@ def plot_flow_lines(result: Result, step: int = -1, ax: Axes | None = None, *, m
         for axis, word in ((0, "blue"), (1, "brown"))
     ]
     fault = mark_laps(ax, result, step)
-    ax.set_title("\n".join([describe_step(result, step), *told, *([fault] if fault else [])]), fontsize="medium")
+    ax.set_title("\n".join([title_step(ax, result, step), *told, *([fault] if fault else [])]), fontsize="medium")
     return ax
 
 

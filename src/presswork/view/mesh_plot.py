@@ -16,7 +16,7 @@ from presswork.view.extremes import describe_extremes, mark_extremes
 from presswork.view.lap_mark import mark_laps
 from presswork.view.marked_points_plot import mark_points
 from presswork.view.mirror import IMAGES, Mirror
-from presswork.view.style import COLOURS, describe_step, label_field, new_figure, require_matplotlib
+from presswork.view.style import COLOURS, describe_step, label_field, new_figure, require_matplotlib, title_step
 from presswork.view.tool_plot import draw_tools
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def plot_mesh(
     prepare_section(ax, result, step, mirror)
     if frame is not None:
         ax.set(xlim=(frame[0][0], frame[1][0]), ylim=(frame[0][1], frame[1][1]))
-    ax.set_title(describe_step(result, step), fontsize="medium")
+    ax.set_title(title_step(ax, result, step), fontsize="medium")
     points = result.points(step)
     outlines = outline_cells(result.mesh_at(step), points)
     if field is None:
@@ -75,7 +75,7 @@ def plot_contours(
     """Draw filled contours of a field on the deformed body; cell fields are averaged to the nodes."""
     ax = _axes(result, step, mirror) if ax is None else ax
     prepare_section(ax, result, step, mirror)
-    ax.set_title(describe_step(result, step), fontsize="medium")
+    ax.set_title(title_step(ax, result, step), fontsize="medium")
     points, values = result.points(step), result.scalar(field, step)
     if result.kind(field) == "cell":
         values = average_to_nodes(points, [block.connectivity for block in result.mesh_at(step).blocks], values)
@@ -116,7 +116,7 @@ def plot_mesh_and_contours(
     plot_contours(result, field, step, right, mirror=mirror)
     moved = bool(result.field("displacement", step).any())
     left.set_title("deformed mesh" if moved else "mesh", fontsize="medium")
-    extremes = right.get_title().partition("\n")[2]
+    extremes = right.get_title().removeprefix(title_step(right, result, step)).lstrip()
     right.set_title(f"{label_field(result, field).partition(' [')[0]}\n{extremes}".rstrip(), fontsize="medium")
     right.set_ylabel("")
     title = str(result.info.get("title", "")).strip()
@@ -205,7 +205,7 @@ def _label_extremes(ax: Axes, result: Result, field: str, values: FloatArray, pl
     extremes = describe_extremes(values, places)
     if ax.figure.bbox.width < _WIDE * ax.figure.dpi:
         extremes = extremes.replace(" to ", "\nto ")
-    ax.set_title(f"{describe_step(result, step)}\n{extremes}\n{faults}".rstrip(), fontsize="medium")
+    ax.set_title(f"{title_step(ax, result, step)}\n{extremes}\n{faults}".rstrip(), fontsize="medium")
 
 
 def _shade_points(ax: Axes, result: Result, values: FloatArray, step: int, mirror: Mirror) -> ScalarMappable:

@@ -26,6 +26,8 @@ ZONE_COLOURS = ("#3a9d4a", "#f2b134", "#c8102e", "#b8bcc2", "#7fb2e5", "#2b4c9b"
 DPI = 150
 MARGIN = 0.1
 """White around what is drawn [inch]."""
+_LETTER = 0.088
+"""Width of a figure that a letter of its title needs, with what stands beside the axes [inch]."""
 WHITE = 0xFFFFFFFF
 """A white pixel, of four bytes."""
 
@@ -204,6 +206,12 @@ def describe_step(result: Result, step: int) -> str:
     if progress.reduction < 0.005:
         return text
     return f"{text}, {progress.direction} of the workpiece reduced by {100 * progress.reduction:.1f} %"
+
+
+def title_step(ax: Axes, result: Result, step: int) -> str:
+    """Return what tells a step from others, in two lines where the figure is too narrow for one."""
+    text = describe_step(result, step)
+    return text.replace(", ", "\n", 1) if len(text) * _LETTER > ax.figure.bbox.width / ax.figure.dpi else text
 
 
 def _describe_laid(result: Result, step: int) -> str:

@@ -32,6 +32,7 @@ from presswork.view import (
 )
 from presswork.view.extremes import describe_extremes
 from presswork.view.flow_lines_plot import space_lines
+from presswork.view.style import new_figure
 from tests.unit.results.upset_output import DIE, make_fields, make_mesh, write_upset_output
 
 matplotlib = pytest.importorskip("matplotlib")
@@ -114,6 +115,15 @@ def test_contours_beside_the_mesh_carry_title_and_stroke(result: Result) -> None
         result.points(2), [b.connectivity for b in result.mesh.blocks], result.field("effective_stress", 2)
     )
     assert figure.axes[1].get_title().partition("\n")[2] == describe_extremes(values, result.points(2))
+
+
+def test_stroke_and_reduction_have_a_line_each_in_a_narrow_picture(result: Result) -> None:
+    ax = plot_mesh(result, ax=new_figure(5.0, 5.0).subplots())
+    assert ax.get_title().startswith("die stroke 9.00 mm\nheight of the workpiece reduced by 60.0 %\n")
+    ax.figure.canvas.draw()
+    title = ax.title.get_window_extent()
+    assert title.x0 >= 0.0
+    assert title.x1 <= ax.figure.bbox.x1
 
 
 def test_the_title_of_a_narrow_picture_is_not_wider_than_the_picture(tmp_path: Path) -> None:
