@@ -157,6 +157,13 @@ void bind_walls(nb::class_<Loop>& loop) {
            "Let a rigid tool hold the nodes marked (n_nodes) off its surface; position: of the tool's frame [mm]; "
            "reach: how far off it is looked for [mm].")
       .def(
+          "limit_wall_friction",
+          [](const Loop& self, int wall, Doubles limit) {
+            require(limit.size() == std::size_t(self.nodes.n), "limit must have shape (n_nodes)");
+            wall_of(self, wall).friction_limit.assign(limit.data(), limit.data() + limit.size());
+          },
+          nb::arg("wall"), nb::arg("limit"), "Largest friction on each node (n_nodes) [N] from now on.")
+      .def(
           "wall_force",
           [](const Loop& self, int wall) {
             double* to;

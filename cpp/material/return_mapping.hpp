@@ -168,8 +168,9 @@ struct Solver {
     }
   }
 
-  // As `iterate`, for a flow stress with corners in dp, the ends of a window, on which Newton's method for both
-  // equations can come to stand: xi of a given dp by the first equation, and dp by the second between bounds.
+  // As `iterate`, for a flow stress with corners in dp, the ends of a window or the bend where a rate begins to count,
+  // on which Newton's method for both equations can come to stand: xi of a given dp by the first equation, and dp by
+  // the second between bounds.
   Mask<T> iterate_nested(Mask<T> open) {
     constexpr int most_inside = 12;
     T low(0.0), high(0.0), x(0.0);
@@ -318,7 +319,7 @@ Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Fl
   // 3. return
   s.start(shifted, f_trial, flow_n.stress, plastic);
   auto open = s.iterate(plastic);
-  if (flow_law.hot.active() && any(open)) open = s.iterate_nested(open);
+  if (flow_law.depends_on_rate() && any(open)) open = s.iterate_nested(open);
   auto moved = both(plastic, invert(open)), kept = either(open, invert(finite));
   // 4. accept
   for (int i = 0; i < N; ++i) {

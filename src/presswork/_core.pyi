@@ -1139,6 +1139,9 @@ class SpaceLoop:
         Let a rigid tool hold the nodes marked (n_nodes) off its surface; position: of the tool's frame [mm]; reach: how far off it is looked for [mm].
         """
 
+    def limit_wall_friction(self, wall: int, limit: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Largest friction on each node (n_nodes) [N] from now on."""
+
     def wall_force(self, wall: int) -> NDArray[numpy.float64]:
         """Forces of a wall on the nodes (n_nodes, 3) in the last cycle."""
 

@@ -123,3 +123,31 @@ def test_a_turn_of_the_increment_turns_the_axes_along() -> None:
     c, s = np.cos(0.5), np.sin(0.5)
     _, after = evaluate(law, points, points @ np.array([[c, s], [-s, c]]) - points, history)
     np.testing.assert_allclose(after[..., -2:], np.broadcast_to((c, s), (1, 4, 2)), atol=1e-12)
+
+
+@pytest.mark.parametrize("law", [{"rate": "johnson_cook", "rate_parameters": {"C": 0.0089, "reference_rate": 1.0}}, {}])
+def test_the_general_law_returns_from_any_distance_in_short_steps(law) -> None:
+    """Near first flow a step of 1e-9 s begins where the rate does not count yet, and ends where it does."""
+    chosen = law | ({"rate": _core.RateLaw[law["rate"]]} if law else {})
+    general = _core.SolidLaw(
+        206.9e3,
+        0.3,
+        MISES,
+        _core.HardeningLaw.ludwik,
+        [806.0, 614.0, 0.168],
+        thermal=_core.Thermal(**THERMAL),
+        **chosen,
+    )
+    rng, n = np.random.default_rng(0), 40_000
+    history = np.column_stack([rng.uniform(0.0, 1.5, n), rng.uniform(0.0, 200.0, n)])
+    flow, _ = general.flow_stress(history[:, 0].copy(), None, 100.0 + history[:, 1])
+    deviator = rng.standard_normal((n, 6))
+    deviator[:, :3] -= deviator[:, :3].mean(axis=1, keepdims=True)
+    size = np.sqrt(1.5 * (deviator[:, :3] ** 2).sum(axis=1) + 3.0 * (deviator[:, 3:] ** 2).sum(axis=1))
+    near = 1.0 + 10.0 ** rng.uniform(-12, -1, n) * rng.choice([-1.0, 1.0], n)
+    stress = deviator * (flow * near / size)[:, None]
+    strain = 1e-4 * rng.standard_normal((n, 6)) * 10.0 ** rng.uniform(-6, 2, (n, 1))
+    for dt in (1e-9, 1.6e-8, 1e-6):
+        given = np.full(n, 100.0)
+        *_, failed = general.update(strain, stress, history, dt=dt, temperature=given, tangent=False)
+        assert not failed.any()

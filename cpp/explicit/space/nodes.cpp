@@ -91,7 +91,7 @@ template <class Real>
     if (!(inverse > 0.0) || !wall->is_awake(node)) continue;
     double w[3], normal[3], slide[3];
     for (int i = 0; i < 3; ++i) w[i] = step.velocity_scale * wall->velocity[i];
-    if (!wall->constrain(node, x, step.dt, w, free, v, normal, slide, whole)) continue;
+    if (!wall->constrain(node, x, step.dt, w, free, v, normal, slide, whole, step.push * inverse)) continue;
     any = true;
     const double mass = 1.0 / (step.push * inverse);
     for (int i = 0; i < 3; ++i) {

@@ -3,7 +3,8 @@
 //
 // The constraint is kinematic, as that of plane/rigid_wall.hpp: a node that its velocity would take into the tool gets
 // the velocity, along the tool's normal, that takes it onto the surface; the impulse is its mass times that change.
-// Coulomb friction takes away sliding by at most mu times the normal impulse. A node's own momentum towards the tool is
+// Friction takes away sliding by at most mu times the normal impulse, and by no more than what the metal beneath the
+// node can bear, where a limit is given. A node's own momentum towards the tool is
 // lost when it strikes, as in a plastic impact. On a curved tool, or in a corner, the surface is asked once more.
 //
 // A node off the tool sleeps until the way that nodes and tool have gone together has grown by 0.9 of its gap.
@@ -67,11 +68,12 @@ class SpaceWall final : public Interaction<SpaceNodes<double>> {
   }
   bool is_awake(int node) const { return wake_[node] <= travel_; }
 
-  // Correct the velocity v of a node at x over a step dt, in which the tool moves at w; free: 1 or 0 for each freedom.
+  // Correct the velocity v of a node at x over a step dt, in which the tool moves at w; free: 1 or 0 for each freedom;
+  // by_force: change of velocity by a force in this step [1/t s].
   // Returns whether it touches; normal and slide are the changes of velocity by the tool's pressure and friction.
   // whole: the step is taken, so that a node far off may sleep.
   bool constrain(int node, const double x[3], double dt, const double w[3], const double free[3], double v[3],
-                 double normal[3], double slide[3], bool whole) {
+                 double normal[3], double slide[3], bool whole, double by_force) {
     const double before[3] = {v[0], v[1], v[2]};
     double push = 0.0, out[3];
     int hint = hint_[node];
@@ -100,13 +102,15 @@ class SpaceWall final : public Interaction<SpaceNodes<double>> {
     for (int i = 0; i < 3; ++i) along[i] = v[i] - w[i] - across * out[i], size += along[i] * along[i];
     size = std::sqrt(size);
     if (!(size > 0.0)) return true;
-    const double held = std::min(size, mu * push) / size;
+    const double most = friction_limit.empty() ? size : friction_limit[node] * by_force;
+    const double held = std::min({size, mu * push, most}) / size;
     for (int i = 0; i < 3; ++i) slide[i] = -free[i] * held * along[i], v[i] += slide[i];
     return true;
   }
 
   std::string name;
-  double mu;                             // Coulomb
+  double mu;                             // of friction over pressure, infinite where nothing slides
+  std::vector<double> friction_limit;    // (n_nodes), or none [N]
   double offset[3] = {0.0, 0.0, 0.0};    // displacement since the start [mm]
   double velocity[3] = {0.0, 0.0, 0.0};  // [mm/s]
   double impulse[3] = {0.0, 0.0, 0.0};   // given to the nodes since the start [N s]

@@ -73,11 +73,11 @@ def check_material(case: Case | SpaceCase) -> list[Problem]:
     return [Problem("workpiece.velocity", fault, 'plain numbers are mm/s; "200 m/s" is 2e5', list(velocity))]
 
 
-def check_friction(key: str, tool: Tool | SpaceTool) -> list[Problem]:
-    """Return the problems of a tool's law of contact."""
+def check_friction(key: str, tool: Tool | SpaceTool, laws: Sequence[str] = CONTACTS) -> list[Problem]:
+    """Return the problems of a tool's law of contact, which must be one of these."""
     problems = []
-    if tool.contact not in CONTACTS:
-        remedy = f"take {' or '.join(CONTACTS)}"
+    if tool.contact not in laws:
+        remedy = f"take {' or '.join(laws)}"
         problems.append(Problem(f"{key}.contact", "the explicit procedure has no such law", remedy, tool.contact))
     if tool.mu > LARGEST_MU:
         problems.append(Problem(f"{key}.mu", f"expected a value <= {LARGEST_MU:g}", "steel on steel has 0.1", tool.mu))
@@ -85,7 +85,10 @@ def check_friction(key: str, tool: Tool | SpaceTool) -> list[Problem]:
 
 
 def check_time(key: str, stage: Stage | SpaceStage) -> list[Problem]:
-    """Return the problems of how long a stage takes that no ram drives, and of how it starts and stops."""
+    """Return the problems of how long a stage takes, and of how it starts and stops; a ram has a time of its own."""
+    if stage.press is not None or stage.velocity is not None:
+        fault = "a ram neither starts nor stops smoothly"
+        return [Problem(f"{key}.ramp", fault, "leave it out", stage.ramp)] if stage.ramp is not None else []
     if "duration" not in stage.model_fields_set:
         return [Problem(f"{key}.duration", "missing key", 'add it: dynamics take their time, e.g. "80 us"')]
     if stage.ramp is not None and stage.ramp > 0.5 * stage.duration * (1 + 1e-12):

@@ -52,6 +52,10 @@ class SpaceWall:
         self._velocity = (x, y, z)
         self._loop.move_wall(self._number, self._velocity)
 
+    def limit_friction(self, limit: Array) -> None:
+        """Let friction be no larger on the nodes (n_nodes,) [N] from now on."""
+        self._loop.limit_wall_friction(self._number, np.ascontiguousarray(limit[self._nodes]))
+
     @property
     def displacement(self) -> Array:
         """Displacement since the start (3,) [mm]."""

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from presswork.body.laws_of_solids import make_law
 from presswork.evolution.damage import make_damage
-from presswork.explicit.space_solids import ExplicitSpaceSolids
+from presswork.explicit.motion import Motion
+from presswork.explicit.space_solids import ExplicitSpaceSolids, SpaceWall
+from presswork.fields.solid_fields import effective_stress
 from presswork.geometry.tool_surface import make_surface
 from presswork.law.elastic_plastic import heats
 from presswork.mesh.box import node_volumes
@@ -22,11 +24,14 @@ from presswork.process.limits import Measure, Watched, measure_hydrostatic_stres
 from presswork.process.peaks import find_peaks
 from presswork.process.penetration import Penetration
 from presswork.process.recording import Snapshot
+from presswork.process.shear_friction import ShearFriction, find_coefficient
 from presswork.process.space_surfaces import cut_tools
 
 
 class ExplicitSpaceImpact(ExplicitImpact):
     """A Model of a solid in space with `explicit` at work."""
+
+    walls: list[SpaceWall]
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         model = self.model
@@ -46,11 +51,18 @@ class ExplicitSpaceImpact(ExplicitImpact):
                 tool.name,
                 make_surface(tool.surface, smooth=True),
                 position=tool.position,
-                mu=float(np.max(tool.friction.mu)),
+                mu=find_coefficient(tool.friction),
             )
             for tool in model.space_tools
         ]
         self._reaction = np.zeros(model.mesh.points.shape)
+        self._shear = ShearFriction(model.space_tools, model.mesh)
+
+    def _run_to(self, to: float, motion: Motion | None) -> None:
+        self._shear.set(
+            self.walls, self.solids.position, np.maximum(self._flow_stress(), effective_stress(self.solids.stress))
+        )
+        super()._run_to(to, motion)
 
     def _find_dies(self) -> tuple[Mesh, FloatArray, dict[str, FloatArray]]:
         return self.model.mesh, self.solids.position, {}

@@ -86,14 +86,7 @@ def _check_tool(key: str, tool: Tool) -> list[Problem]:
 
 
 def _check_stage(key: str, stage: schema.Stage) -> list[Problem]:
-    problems = []
-    if stage.press is not None or stage.velocity is not None:
-        if stage.ramp is not None:
-            fault = "a ram neither starts nor stops smoothly"
-            problems.append(Problem(f"{key}.ramp", fault, "leave it out", stage.ramp))
-    else:
-        problems += check_time(key, stage)
-    problems += check_loads(key, stage, "edge_force")
+    problems = [*check_time(key, stage), *check_loads(key, stage, "edge_force")]
     for name, motion in stage.tools.items():
         if motion.position is not None:
             fault = "in the explicit procedure a tool goes on from where it is"

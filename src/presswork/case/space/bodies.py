@@ -35,6 +35,9 @@ def check_space_bodies(case: SpaceCase) -> list[Problem]:
                 f"hexahedra and tetrahedra do not go together in one case: the workpiece has {case.workpiece.element}"
             )
             problems.append(Problem(f"{key}.element", fault, "take cells of one kind for all bodies", body.element))
+    if (case.bodies or case.contacts) and ELEMENTS[choose_element(case)].nodes == 10:
+        fault = "bodies of tetrahedra of 10 nodes do not touch each other, so far"
+        problems.append(Problem("workpiece.element", fault, "take tet4_mini", choose_element(case)))
     if case.procedure == "explicit":
         remedy = 'take procedure = "implicit"'
         for key in [*(f"bodies.{name}" for name in case.bodies), *(f"contacts.{name}" for name in case.contacts)]:

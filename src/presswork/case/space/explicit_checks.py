@@ -6,6 +6,7 @@ from __future__ import annotations
 from presswork import _core, model
 from presswork.case.errors import Problem
 from presswork.case.explicit_checks import (
+    CONTACTS,
     check_explicit_keys,
     check_friction,
     check_implicit_keys,
@@ -15,6 +16,7 @@ from presswork.case.explicit_checks import (
     check_time,
 )
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.press.builder import check_in_explicit
 from presswork.case.space.schema import SpaceCase, SpaceStage, SpaceWorkpiece
 from presswork.case.space.tools import SpaceTool
 
@@ -53,6 +55,9 @@ def _check_explicit(case: SpaceCase) -> list[Problem]:
         problems += _check_tool(f"tools.{name}", tool)
     for index, stage in enumerate(case.stages):
         problems += _check_stage(f"stages.{index}", stage)
+        if stage.press is not None and stage.press.name in case.presses:
+            press, blows = case.presses[stage.press.name], not stage.displacement
+            problems += check_in_explicit(f"stages.{index}", press, stage.press, blows=blows)
     return problems + check_explicit_keys(case)
 
 
@@ -65,7 +70,7 @@ def _check_umat(case: SpaceCase) -> list[Problem]:
 
 
 def _check_tool(key: str, tool: SpaceTool) -> list[Problem]:
-    problems = check_friction(key, tool)
+    problems = check_friction(key, tool, (*CONTACTS, "shear", "coulomb_capped"))
     for name, fault in (("spring", "a tool rests on no spring"), ("rotation", "a tool stands as it is drawn")):
         if getattr(tool, name) is not None:
             problems.append(Problem(f"{key}.{name}", f"in the explicit procedure {fault}, so far", "leave it out"))
@@ -74,10 +79,6 @@ def _check_tool(key: str, tool: SpaceTool) -> list[Problem]:
 
 def _check_stage(key: str, stage: SpaceStage) -> list[Problem]:
     problems = check_time(key, stage)
-    for name in ("press", "velocity"):
-        if getattr(stage, name) is not None:
-            fault = "the explicit procedure in space knows no ram, so far"
-            problems.append(Problem(f"{key}.{name}", fault, "give duration"))
     for tool, motion in stage.tools.items():
         for name in ("force", "turn", "position"):
             if getattr(motion, name):

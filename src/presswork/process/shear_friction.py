@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Friction of explicit solids in space that the shear flow stress of the metal limits."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork import _core
+from presswork.explicit.space_solids import SpaceWall
+from presswork.geometry.tool_surface import make_surface
+from presswork.interaction.space_contact import STEEPEST
+from presswork.mesh.faces import nodal_normals
+from presswork.model import FloatArray, Friction, Mesh, Tool
+
+
+def find_coefficient(law: Friction) -> float:
+    """Return the largest friction over the pressure."""
+    if law.law == "shear":
+        return STEEPEST if float(law.m) > 0.0 else 0.0
+    return float(np.max(law.mu)) if law.law.startswith("coulomb") else 0.0
+
+
+class ShearFriction:
+    """Limits of the friction on the walls of one run: m k A, with the shear flow stress k of the cells round a node and
+    A the part of its surface that faces the tool. They are those of the present state until they are set again.
+    """
+
+    def __init__(self, tools: tuple[Tool, ...], mesh: Mesh) -> None:
+        self._mesh = mesh
+        self._surfaces: dict[int, tuple[Tool, _core.ToolSurface]] = {
+            i: (tool, make_surface(tool.surface, smooth=True))
+            for i, tool in enumerate(tools)
+            if tool.friction.law in ("shear", "coulomb_capped")
+        }
+
+    def set(self, walls: list[SpaceWall], position: FloatArray, flow_stress: FloatArray) -> None:
+        """Set the limits; position (n_nodes, 3) [mm], flow stress of the cells (n_cells,) [MPa]."""
+        if not self._surfaces:
+            return
+        cells = self._mesh.blocks[0].connectivity
+        count = np.bincount(cells.ravel(), minlength=len(position))
+        total = np.bincount(cells.ravel(), np.repeat(flow_stress, cells.shape[1]), minlength=len(position))
+        shear = total / np.maximum(count, 1) / np.sqrt(3.0)
+        normals = nodal_normals(position, self._mesh.boundary_faces)
+        reach = float(np.linalg.norm(np.ptp(position, axis=0)))
+        for i, (tool, surface) in self._surfaces.items():
+            seen = np.ascontiguousarray(position - np.array(tool.position) - walls[i].displacement)
+            out = surface.nearest(seen, reach)[1]
+            area = np.maximum(0.0, -np.einsum("ni,ni->n", normals, out))
+            walls[i].limit_friction(float(tool.friction.m) * area * shear)
