@@ -20,6 +20,7 @@ from presswork.model import (
     Stage,
     Support,
 )
+from tests.problems.hertz_in_space import press
 from tests.problems.space_solids import box
 
 YOUNG = 200e3
@@ -73,3 +74,11 @@ def test_blocks_of_unlike_meshes_pass_the_contact_patch_test(element, law, frict
     pressure = run.state[InterfaceArrays].pressure
     assert (pressure != 0.0).sum() == 24
     assert np.abs(pressure[pressure != 0.0] + mean).max() < 10 * UNEVEN[element] * abs(mean)
+
+
+def test_an_elastic_sphere_and_block_touch_as_hertz_says():
+    """Four cells across the half-width; with six the peak is 0.3 % above Hertz."""
+    contact = press("hex8_fbar")
+    assert 4.0 * (contact.pressure * contact.area).sum() == pytest.approx(contact.load, rel=0.005)
+    assert contact.pressure.max() == pytest.approx(contact.exact_peak, rel=0.03)
+    assert contact.half_width == pytest.approx(contact.exact_half_width, rel=0.05)
