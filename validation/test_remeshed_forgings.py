@@ -56,6 +56,20 @@ def test_hub_on_sharper_corners_is_forged_to_full_die(foot, land, tmp_path):
     assert abs(result.summary["energy"]["error_percent"]) < 1.0
 
 
+@pytest.mark.parametrize("foot", [3.0, 2.0, 1.0])
+def test_cells_of_half_the_size_change_the_force_by_less_than_2_percent(foot, tmp_path):
+    """At every twentieth of the stroke, and at every two hundredth of its last seventh, while the die is filled."""
+    parts = np.concatenate([np.arange(2, 17) / 20, np.arange(172, 201) / 200])
+    force = {}
+    for size in (0.75, 0.375):
+        case = make_hub(foot, 1.5, size, tmp_path)
+        case = case.model_copy(update={"output": case.output.model_copy(update={"at": tuple(parts[15:-1])})})
+        assert run_model(build_model(case), tmp_path / f"{size:g}", threads=1).status == "completed"
+        rows = Result(tmp_path / f"{size:g}").history
+        force[size] = np.interp(parts * 5.6, rows["die.stroke"], rows["die.force"])
+    assert np.abs(force[0.75] / force[0.375] - 1.0).max() < 0.02
+
+
 def test_most_closed_dies_drawn_at_random_are_filled(tmp_path):
     """A tenth of the hundred of `python -m validation.closed_dies`."""
     found = [forge(seed, tmp_path / f"die_{seed}") for seed in range(10)]

@@ -57,18 +57,16 @@ def test_homogeneous_upsetting_does_not_know_of_its_meshes(analysis):
 
 
 def test_upsetting_with_friction_and_a_new_mesh_every_2_percent_keeps_its_force():
-    """To 60 % of the height, m = 0.15: within 0.5 % of the run on one mesh until the side folds onto the platen.
+    """To 60 % of the height, m = 0.15: within 0.5 % of a run on one mesh of half the size.
 
     From 48 % on nodes of the side come to lie on the platen one after the other, on every mesh at other strokes.
     """
-    case = {"stroke": 9.0, "cells": [20, 30], "contact": {"contact": "shear", "m": 0.15}}
-    once, _ = run(upsetting(None, **case))
-    often, recording = run(upsetting({"every": 1 / 30}, **case))
+    case = {"stroke": 9.0, "contact": {"contact": "shear", "m": 0.15}}
+    once, _ = run(upsetting(None, cells=[40, 60], **case))
+    often, recording = run(upsetting({"every": 1 / 30}, cells=[20, 30], **case))
     assert often["remeshes"][-1] >= 29
     force = np.interp(often["punch.stroke"], once["punch.stroke"], once["punch.force"])
-    error = np.abs(often["punch.force"] / force - 1)
-    assert error[often["punch.stroke"] < 0.48 * 15].max() < 0.005
-    assert error.max() < 0.01
+    assert np.abs(often["punch.force"] / force - 1).max() < 0.005
     assert abs(recording.procedure.energy_balance()["error_percent"]) < 0.5
 
 
@@ -143,7 +141,9 @@ def test_hub_on_a_sharp_corner_is_forged_to_full_die(tmp_path):
     assert abs(volume["change_percent"] - volume["elastic_part_percent"]) < 0.01
     assert abs(summary["energy"]["error_percent"]) < 1.0
     contact = summary["contact"]
-    assert contact["largest_edge_penetration_mm"] < 0.25 * contact["shortest_edge_mm"]
+    assert contact["largest_edge_penetration_mm"] < 0.045
+    assert contact["largest_penetration_of_an_edge"] < 0.1
+    assert not any("cut" in warning for warning in summary["warnings"])
     changes = re.findall(r"largest force of a tool changes by ([\d.]+)%", (tmp_path / "run" / "run.log").read_text())
     assert len(changes) == summary["remeshes"]
     assert max(map(float, changes)) < 1.0

@@ -26,8 +26,8 @@ class SizesOfCells(Part):
     smallest_size: Length | None = Field(
         default=None,
         gt=0,
-        description="smallest edge of cells, at sharp corners and small radii of tools and in thin flash [mm]; without "
-        "it: a quarter of the largest",
+        description="smallest edge of cells, at sharp corners and small radii of tools and in thin flash [mm]; in the "
+        "plane cells have half of it where the surface lands on a tool; without it: a quarter of the largest",
     )
 
     def find_size(self, mesh: model.Mesh) -> float:

@@ -38,7 +38,6 @@ from presswork.interaction.solid_contact import SolidContact
 from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, ToolArrays
 from presswork.interaction.tool_course import find_turning
 from presswork.mesh.edges import edge_areas
-from presswork.mesh.faces import take_corners
 from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Model
 from presswork.process.die_fill import DieFill
 from presswork.process.heat_quantities import heat_columns, measure_heat, show_dies, summarise_heat, warn_of_tables
@@ -56,7 +55,7 @@ from presswork.results import history_columns
 
 NEW_MESHES = "the mesh stays as it is: with [remesh] in the case it is made anew where it fails"
 CUT_EDGE = 0.25
-"""Part of the shortest boundary edge by which a tool may cut into an edge without a warning."""
+"""Part of its length by which a tool may cut into an edge without a warning."""
 
 
 class ImplicitRecording(IncrementRecording):
@@ -317,11 +316,14 @@ class ImplicitRecording(IncrementRecording):
             "initial_volume": self.procedure.initial_volume,
             "node_penetration": self.penetration.node,
             "edge_penetration": self.penetration.edge,
+            "edge_share": self.penetration.share,
         }
 
     def load_meta(self, meta: Mapping[str, Any]) -> None:
         """Take up what meta gave."""
-        self.penetration = Penetration(float(meta["node_penetration"]), float(meta["edge_penetration"]))
+        self.penetration = Penetration(
+            float(meta["node_penetration"]), float(meta["edge_penetration"]), float(meta["edge_share"])
+        )
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes, volume, contact and energies."""
@@ -335,7 +337,7 @@ class ImplicitRecording(IncrementRecording):
             "tolerance_mm": procedure.interactions.tools.contact.tolerance,
             "largest_node_penetration_mm": self.penetration.node,
             "largest_edge_penetration_mm": self.penetration.edge,
-            "shortest_edge_mm": self._shortest_edge(),
+            "largest_penetration_of_an_edge": self.penetration.share,
             "tools_never_touched": find_never_touched([t.name for t in model.tools], history),
         }
         return {
@@ -375,21 +377,14 @@ class ImplicitRecording(IncrementRecording):
             found["dies"] = summarise_heat(bodies.stored_in_dies(own), DIE_KINDS, own.die_heat)
         return {"heat": found}
 
-    def _shortest_edge(self) -> float:
-        mesh, points = self.model.mesh, self.model.mesh.points
-        corners = take_corners(mesh.boundary_faces)
-        sides = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2)
-        edges = np.concatenate([mesh.boundary_edges[:, :2], sides])
-        return float(np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1).min(initial=np.inf))
-
 
 def _warn(contact: Mapping[str, Any]) -> list[str]:
     """Return what a user should know of contact with tools."""
     warnings = [f"the tool {tool} never touched the workpiece" for tool in contact["tools_never_touched"]]
-    depth, edge = contact["largest_edge_penetration_mm"], contact["shortest_edge_mm"]
-    if depth > CUT_EDGE * edge:
+    depth, share = contact["largest_edge_penetration_mm"], contact["largest_penetration_of_an_edge"]
+    if share > CUT_EDGE:
         warnings.append(
-            f"a tool has cut {depth:.3g} mm into an edge between two nodes (the shortest has {edge:.3g} mm): contact "
-            "is at nodes, refine the mesh where tools are curved or narrow"
+            f"a tool has cut into an edge between two nodes by {share:.0%} of its length (no edge by more than "
+            f"{depth:.3g} mm): contact is at nodes, refine the mesh where tools are curved or narrow"
         )
     return warnings

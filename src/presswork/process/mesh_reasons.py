@@ -68,15 +68,23 @@ def will_land(old: OldSection, state: State, model: Model) -> bool:
     progress = state[Progress]
     if ToolArrays not in state or state[ToolArrays].force.any() or progress.last_size == 0.0:
         return False
-    motions = model.stages[progress.stage].tool_motion
-    strokes = np.array([motions.get(tool.name, ToolMotion()).move[:2] for tool in model.plane_tools])
-    moves = progress.last_size * strokes + state[ToolArrays].travel_increment
+    moves = find_tool_moves(state, model)
     nodes = np.ascontiguousarray(old.position[np.concatenate(old.chains)])
     return any(
         float(_core.touch_profile(shift_segments(profile, move), nodes)[0].min()) <= 0.0
         for profile, move in zip(old.profiles, moves, strict=True)
         if move.any()
     )
+
+
+def find_tool_moves(state: State, model: Model) -> FloatArray:
+    """Return the way of each tool in the plane in an increment like the last (n_tools, 2) [mm]."""
+    if ToolArrays not in state:
+        return np.zeros((0, 2))
+    progress = state[Progress]
+    motions = model.stages[progress.stage].tool_motion if progress.stage < len(model.stages) else {}
+    strokes = np.array([motions.get(tool.name, ToolMotion()).move[:2] for tool in model.plane_tools])
+    return progress.last_size * strokes + state[ToolArrays].travel_increment
 
 
 def _find_few_across(old: OldSection, size: SizeField, wait: float) -> str | None:

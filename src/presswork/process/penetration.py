@@ -52,10 +52,14 @@ class _Cut:
 
 @dataclass
 class Penetration:
-    """The largest penetrations of the converged states so far [mm]."""
+    """The largest penetrations of the converged states so far."""
 
     node: float = 0.0
+    """[mm]"""
     edge: float = 0.0
+    """[mm]"""
+    share: float = 0.0
+    """Depth in an edge over its length at the start."""
 
     def note(
         self,
@@ -79,6 +83,7 @@ class Penetration:
         length = _measure_length(mesh, edges)
         share = np.maximum(depth, 0.0) / length[:, None]
         tool, edge, place = (int(i) for i in np.unravel_index(np.argmax(share), share.shape))
+        self.share = max(self.share, float(share[tool, edge, place]))
         deep = float(max(depth[tool, edge, place], 0.0))
         cuts = [_Cut(f"the tool {list(tools)[tool]}", deep, float(length[edge]), along[edge, place])]
         cuts += _find_profiles_inside(along[:, [0, *range(edges.shape[1], along.shape[1]), 1]], length, tools)
@@ -108,6 +113,7 @@ class Penetration:
         length = np.linalg.norm(sides, axis=2).max(axis=1)
         share = depth / length[:, None]
         tool, face, place = (int(i) for i in np.unravel_index(np.argmax(share), share.shape))
+        self.share = max(self.share, float(share[tool, face, place]))
         cut = _Cut(f"the tool {tools[tool]}", float(depth[tool, face, place]), float(length[face]), along[face, place])
         return cut.to_measure()
 

@@ -37,17 +37,14 @@ from presswork.process.mesh_reasons import (
     find_cause,
     find_reason,
     find_reason_to_leave_first,
+    find_tool_moves,
     will_land,
 )
 from presswork.process.new_balance import balance_new_mesh, measure_jump
 from presswork.process.recording import Row
 from presswork.remesh.carrier import Carrier, Part
-from presswork.remesh.section import (
-    NewSection,
-    OldSection,
-    check_budget,
-    remesh_section,
-)
+from presswork.remesh.landing import find_closing
+from presswork.remesh.section import NewSection, OldSection, check_budget, remesh_section
 from presswork.remesh.size_field import measure_power
 
 MOST_JUMP = 0.02
@@ -139,6 +136,7 @@ class RemeshedForming(FoldingRecording):
 
     def _reason_of(self, number: int, old: Any, wait: float) -> str | None:
         """Return why the mesh of a body, as _sections has it, should not go on; wait: factor on the triggers."""
+        old = old if wait == 1.0 else replace(old, closing=None)  # small cells where nodes land can wait
         if number in self._on_first:
             return find_reason_to_leave_first(old)
         own = self.procedure.state.nodes.increment[old.points.start : old.points.stop]
@@ -194,6 +192,7 @@ class RemeshedForming(FoldingRecording):
         fixed = np.asarray(procedure.interactions.supports.fixed(procedure.present_step().stage))
         position = model.mesh.points + state.nodes.moved
         bodies = self._bodies()
+        closing = find_closing(position, state.nodes.increment[:, :2], profiles, find_tool_moves(state, model))
         sections: list[OldSection] = []
         for number, (body, mesh) in enumerate(zip(bodies, split_mesh(model.mesh, bodies), strict=True)):
             own = slice(body.points.start, body.points.stop)
@@ -202,6 +201,7 @@ class RemeshedForming(FoldingRecording):
                 OldSection(
                     mesh, position[own], on_tool[:, own], fixed[own], profiles, ring, body.points, lost,
                     self._find_power(body) if self.settings.error else None,
+                    closing=closing[:, own] if len(bodies) == 1 else None,
                 )
             )  # fmt: skip
         return sections

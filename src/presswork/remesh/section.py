@@ -16,8 +16,10 @@ from presswork.model import BoolArray, ElementName, FloatArray, IndexArray, IntA
 from presswork.remesh.boundary import NewLine, OldLine, refuse_fold, resample
 from presswork.remesh.carrier import SurfacePlaces
 from presswork.remesh.fill import close_loops, fill_with_quadrilaterals
+from presswork.remesh.landing import OF_SMALLEST, find_landings
 from presswork.remesh.size_field import (
     GradedSize,
+    SizeSources,
     along_tool,
     error_sources,
     gap_sources,
@@ -60,6 +62,8 @@ class OldSection:
     """Stress power over volume in each cell (n_cells,), in any unit; None: nothing has moved."""
     element: ElementName = "quad4_fbar"
     """Of its new mesh where the first one has triangles or quadratic cells."""
+    closing: BoolArray | None = None
+    """Nodes that have come nearer to each tool (n_tools, n_points): where they land cells are small; None: nowhere."""
 
     def corners(self) -> IndexArray:
         """Return the corners of the cells (n_cells, 3 | 4)."""
@@ -131,10 +135,29 @@ def _ask_for_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
     ]
     if settings.error and old.power is not None:
         sources.append(error_sources(old.position[old.corners()], old.corners(), old.power, settings.error))
-    size = GradedSize(sides[:, 0], join_sources(*sources), settings.size, settings.smallest_size)
+    landings, smallest = _find_landings(old, settings), settings.smallest_size
+    if len(landings.size):
+        sources = [SizeSources(s.place, np.maximum(s.size, smallest)) for s in sources]
+        sources, smallest = [*sources, landings], OF_SMALLEST * smallest
+    size = GradedSize(sides[:, 0], join_sources(*sources), settings.size, smallest)
     for window in settings.windows:
         size.limit(window.box, window.size)
     return size
+
+
+def _find_landings(old: OldSection, settings: Remeshing) -> SizeSources:
+    """Return the sizes wanted where the free surface comes to lie on tools."""
+    loose = ~old.on_tool.any(axis=0) & ~old.fixed.any(axis=1)
+    sizes = {"smallest": settings.smallest_size, "largest": settings.size}
+    closing = () if old.closing is None else old.closing
+    return join_sources(
+        SizeSources(np.zeros((0, 2)), np.zeros(0)),
+        *(
+            find_landings(old.position[chain], on_tool[chain], (loose & nearer)[chain], profile, **sizes)
+            for chain in old.chains
+            for profile, on_tool, nearer in zip(old.profiles, old.on_tool, closing, strict=False)
+        ),
+    )
 
 
 def _expect_cells(old: OldSection, size: GradedSize) -> float:

@@ -1,0 +1,62 @@
+"""Where a free surface comes to lie on a tool, and how small cells are there."""
+
+import numpy as np
+import pytest
+
+from presswork.remesh.landing import OF_GAP, OF_SMALLEST, REACH, find_closing, find_landings
+
+PLATEN = np.array([[10.0, 2.0, -10.0, 2.0, 0.0, 0.0, 0.0]])
+"""Flat, at y = 2; the metal is beneath it."""
+ROUND = np.array([[0, 0], [6, 0], [6, 1.0], [6, 1.2], [5.5, 1.6], [5, 2.0], [4, 2], [2, 2], [0, 2.0]])
+"""A block whose upper right corner leaves the platen step by step."""
+
+
+def test_a_point_comes_nearer_by_its_own_motion_or_by_that_of_the_tool():
+    points, still = np.array([[0.0, 1.0], [1.0, 1.5]]), np.zeros((2, 2))
+    up, down = still + 0.1, still - 0.1
+    assert find_closing(points, up, [PLATEN], np.zeros((1, 2))).all()
+    assert not find_closing(points, down, [PLATEN], np.zeros((1, 2))).any()
+    assert find_closing(points, down, [PLATEN], np.array([[0.0, -0.2]])).all()
+    assert not find_closing(points, still, [PLATEN], np.zeros((1, 2))).any()
+    assert find_closing(points, up, [], np.zeros((0, 2))).shape == (0, 2)
+
+
+def test_cells_are_small_from_the_end_of_contact_on_by_the_gap():
+    held = ROUND[:, 1] == 2.0
+    found = find_landings(ROUND, held, ~held & (ROUND[:, 1] > 0), PLATEN, smallest=0.5, largest=1.0)
+    by_place = {tuple(place): size for place, size in zip(found.place.tolist(), found.size.tolist(), strict=True)}
+    assert by_place == {
+        (5.0, 2.0): pytest.approx(OF_SMALLEST * 0.5),
+        (5.5, 1.6): pytest.approx(OF_SMALLEST * 0.5),
+        (6.0, 1.2): pytest.approx(OF_GAP * 0.8),
+        (6.0, 1.0): pytest.approx(OF_GAP * 1.0),
+    }
+
+
+def test_both_ends_of_a_contact_count_and_no_more_of_the_surface_than_is_near():
+    held = ROUND[:, 1] == 2.0
+    free = ~held & (ROUND[:, 1] > 0)
+    mirrored = ROUND[::-1] * [-1, 1]
+    other_way = find_landings(mirrored, held[::-1], free[::-1], PLATEN, smallest=0.5, largest=1.0)
+    assert sorted(-other_way.place[:, 0]) == [5.0, 5.5, 6.0, 6.0]
+    near = find_landings(ROUND, held, free, PLATEN, smallest=0.05, largest=0.7 / REACH)
+    assert sorted(near.place[:, 0]) == [5.0, 5.5]
+
+
+def test_a_contact_of_two_nodes_keeps_its_cells():
+    held = (ROUND[:, 1] == 2.0) & (ROUND[:, 0] > 3)
+    free = (ROUND[:, 1] < 2.0) & (ROUND[:, 1] > 0)
+    assert not len(find_landings(ROUND, held, free, PLATEN, smallest=0.5, largest=1.0).size)
+
+
+def test_a_surface_that_stands_upright_keeps_its_cells():
+    upright = ROUND[ROUND[:, 0] != 5.5] + np.where(ROUND[ROUND[:, 0] != 5.5][:, :1] == 6.0, [-1.0, 0.0], 0.0)
+    held = upright[:, 1] == 2.0
+    found = find_landings(upright, held, ~held & (upright[:, 1] > 0), PLATEN, smallest=0.5, largest=1.0)
+    assert not len(found.size)
+
+
+def test_a_surface_that_leaves_the_tool_keeps_its_cells():
+    held = ROUND[:, 1] == 2.0
+    found = find_landings(ROUND, held, np.zeros(len(ROUND), dtype=bool), PLATEN, smallest=0.5, largest=1.0)
+    assert not len(found.size)
