@@ -14,7 +14,7 @@ from presswork import Result
 from presswork.case import StampingCase, build_model
 from presswork.case.errors import CaseError
 from presswork.recorder import run_model
-from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_stamping
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_stamping, run_to_end
 
 FLAT = {"mu": 0.1, "shape": "ring", "outer_diameter": 24}
 STEEL = {
@@ -120,6 +120,19 @@ def test_a_line_that_is_stopped_goes_on_with_the_same_bits(formed, tmp_path, rep
     """Within an operation, at its end, and where the part has just been laid into the next one."""
     model = build_model(StampingCase.model_validate(cup_line()))
     assert_same_bits(run_in_two_parts(model, tmp_path / "out", reports).folder, formed.folder)
+
+
+def test_a_blank_that_is_refined_is_split_no_further_by_later_operations(tmp_path) -> None:
+    """After the first trimming there are triangles, too; a part once split to its levels stays as it is."""
+    data = cup_line()
+    data["blank"]["refine"] = {"levels": 1, "angle": 12}
+    del data["operations"][1]
+    model = build_model(StampingCase.model_validate(data))
+    run = run_to_end(model, tmp_path / "whole")
+    shells = {stage: run.history["shells"][run.history["stage"] == stage] for stage in ("draw_trim", "flange_down")}
+    assert shells["draw_trim"][0] == 4 * 72
+    assert (shells["flange_down"] == shells["flange_down"][0]).all()
+    assert_same_bits(run_in_two_parts(model, tmp_path / "parts", 15).folder, run.folder)
 
 
 def change(keys: str, value: object) -> dict[str, Any]:

@@ -129,7 +129,7 @@ def draw_ring(inner: tuple[float, float], outer: tuple[float, float], height: fl
     s = rim - plan
     wall, edge = [_line(0.0, -height, 0.0, -r)], [_arc(0.0, -r, r, 0.0, r, -r)] if r > 0.0 else []
     begin = r if hole else -rim
-    face = [_line(begin, 0.0, s - ro, 0.0)] if s - ro > begin else []
+    face = [_line(begin, 0.0, s - ro, 0.0)] if s - ro > begin + 1e-9 * rim else []
     rows = [*(wall if hole else []), *(edge if hole else []), *face]
     rows += [_arc(s - ro, 0.0, s, -ro, s - ro, -ro)] if ro > 0.0 else []
     segments = np.array([*rows, _line(s, -ro, s, -height)])

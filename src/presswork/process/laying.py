@@ -17,14 +17,17 @@ from presswork import _core
 from presswork.geometry.pose import turn_about
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.tool_clearance import sample_tool
+from presswork.mesh.topology import list_cell_edges
 from presswork.model import FloatArray, Operation, PartPlace, Tool
 from presswork.process.transfer import SheetState
 
 WITHIN = 1e-4
 """Part of the thickness that is left between a tool and the part that it touches."""
+ON_EDGES = (0.25, 0.5, 0.75)
+"""Parts of an edge of the mesh at which the part is held against tools, beside its nodes."""
 MOST_ADVANCES = 20_000
-CLEAR = 0.01
-"""Part of the thickness by which a tool may start in the part."""
+DEEPEST_START = 0.05
+"""Part of the thickness by which a node may stick in a tool at the start, as explicit contact allows it."""
 
 
 class LayingError(ValueError):
@@ -59,17 +62,34 @@ def find_half_thickness(state: SheetState) -> FloatArray:
     return np.asarray(0.5 * total / np.maximum(count, 1.0))
 
 
-def lay_tools(operation: Operation, state: SheetState) -> tuple[Tool, ...]:
-    """Return the operation's tools where they start on a part. Raises LayingError, naming the key of the case."""
+def sample_part(state: SheetState) -> tuple[FloatArray, FloatArray]:
+    """Return the nodes of a part and points on the edges between them (n, 3), and half the thickness there (n,) [mm].
+
+    Tools of small radii touch edges before nodes.
+    """
     half = find_half_thickness(state)
+    edges = np.unique(np.sort(np.concatenate([list_cell_edges(b.connectivity) for b in state.blocks]), axis=1), axis=0)
+    points, halves = [state.position], [half]
+    for part in ON_EDGES:
+        for found, values in ((points, state.position), (halves, half)):
+            found.append((1.0 - part) * values[edges[:, 0]] + part * values[edges[:, 1]])
+    return np.concatenate(points), np.concatenate(halves)
+
+
+def lay_tools(operation: Operation, state: SheetState, *, with_edges: bool) -> tuple[Tool, ...]:
+    """Return the operation's tools where they start on a part. Raises LayingError, naming the key of the case.
+
+    with_edges: whether contact may look at edges of the mesh, as in explicit dynamics, beside nodes.
+    """
+    points, half = sample_part(state) if with_edges else (state.position, find_half_thickness(state))
     placed: dict[str, Tool] = {}
     for tool in operation.tools:
-        placed[tool.name] = _touch(operation, tool, state.position, half) if tool.name in operation.laid else tool
+        placed[tool.name] = _touch(operation, tool, points, half) if tool.name in operation.laid else tool
     for name, (other, above) in operation.spaced.items():
         x, y, _ = placed[name].position
         placed[name] = replace(placed[name], position=(x, y, placed[other].position[2] + above))
     for tool in placed.values():
-        _check_clear(operation, tool, state, half)
+        _check_clear(operation, tool, state.position, half[: len(state.position)])
     return tuple(placed.values())
 
 
@@ -102,7 +122,7 @@ def find_touch(
     for _ in range(MOST_ADVANCES):
         least = float(gaps.min())
         if least < tolerance:
-            return travel
+            return travel + least
         travel += least
         if travel > farthest + tolerance or not math.isfinite(travel):
             return None
@@ -112,17 +132,17 @@ def find_touch(
     return None
 
 
-def _check_clear(operation: Operation, tool: Tool, state: SheetState, half: FloatArray) -> None:
+def _check_clear(operation: Operation, tool: Tool, points: FloatArray, half: FloatArray) -> None:
     """Raise LayingError where a tool starts in the part."""
-    gap = make_surface(tool.surface).nearest(state.position - np.asarray(tool.position))[0] - half
+    gap = make_surface(tool.surface).nearest(points - np.asarray(tool.position))[0] - half
     worst = int(np.argmin(gap))
-    if gap[worst] >= -2.0 * CLEAR * half[worst]:
+    if gap[worst] >= -2.0 * DEEPEST_START * half[worst]:
         return
-    place, key = _written(state.position[worst]), f"{key_of(operation, tool.name)}.position"
+    place, key = _written(points[worst]), f"{key_of(operation, tool.name)}.position"
     raise LayingError(
-        f"{key} = {_written(tool.position)}: the part does not fit the {tool.kind}: {int((gap < 0).sum())} of its "
-        f"{len(gap)} nodes lie in it, half the thickness counted, the deepest {-gap[worst]:.4g} mm at {place}; move "
-        "the tool off or make it fit, or place the part otherwise (place)"
+        f"{key} = {_written(tool.position)}: the part does not fit the {tool.kind}: it lies in it by up to "
+        f"{-gap[worst]:.4g} mm, half the thickness counted, at {place}; move the tool off or make it fit, or place the "
+        "part otherwise (place)"
     )
 
 

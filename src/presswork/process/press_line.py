@@ -35,7 +35,7 @@ from presswork.process.transfer import TransferError
 
 LAID = "laid"
 """What the history calls the row of a part that lies on the tools of its next operation."""
-NUMBER, BEFORE, TURNED = "number", "before", "turned"
+NUMBER, BEFORE, TURNED, LEVEL = "number", "before", "turned", "level"
 LINE, MESH, SHEET, NOW = "line.", "line.mesh.", "line.sheet.", "now."
 """Prefixes in a checkpoint: of the line, of the part that the present operation has begun with, of that operation."""
 TOLD = "line"
@@ -77,14 +77,16 @@ class PressLine(ModelRecording):
         """Return an operation at its start. Raises LayingError, StartError, ExplicitError, TransferError."""
         own = self.model.of_operation(number)
         if part is not None:
-            own = replace(own, mesh=mesh, tools=lay_tools(self.model.following[number - 1], part.state))
+            operation, with_edges = self.model.following[number - 1], own.explicit is not None
+            own = replace(own, mesh=mesh, tools=lay_tools(operation, part.state, with_edges=with_edges))
         return ReleasedStamping(own, threads=self._threads, begin=part, shows_springback=self._releases)
 
     def _begin_next(self) -> None:
         """Lay the part into the next operation. Raises GaveUpError."""
         before, next_one = self._now, self.model.following[self._operation]
         turned = np.eye(3) if self._part is None else self._part.turned
-        part = LaidPart(lay_part(before.sheet(), next_one.place), find_turn(next_one.place) @ turned)
+        state = lay_part(before.sheet(), next_one.place)
+        part = LaidPart(state, find_turn(next_one.place) @ turned, before.level)
         try:
             now = self._make(self._operation + 1, part, before.mesh)
         except (LayingError, StartError, ExplicitError, TransferError) as error:
@@ -204,7 +206,7 @@ class PressLine(ModelRecording):
             f"{LINE}{BEFORE}": np.array([self._before, self._time_before]),
         }
         if self._part is not None:
-            arrays[f"{LINE}{TURNED}"] = self._part.turned
+            arrays |= {f"{LINE}{TURNED}": self._part.turned, f"{LINE}{LEVEL}": np.array(self._part.level)}
             arrays |= {f"{MESH}{name}": values for name, values in dump_mesh(self._now.first_mesh).items()}
             arrays |= {f"{SHEET}{name}": values for name, values in dump_sheet(self._part.state).items()}
         return arrays | {f"{NOW}{name}": values for name, values in self._now.to_arrays().items()}
@@ -221,7 +223,7 @@ class PressLine(ModelRecording):
         before, self._time_before = (float(each) for each in arrays[f"{LINE}{BEFORE}"])
         self._before = int(before)
         if self._operation:
-            self._part = LaidPart(load_sheet(under(SHEET)), arrays[f"{LINE}{TURNED}"])
+            self._part = LaidPart(load_sheet(under(SHEET)), arrays[f"{LINE}{TURNED}"], int(arrays[f"{LINE}{LEVEL}"]))
             self._now = self._make(self._operation, self._part, load_mesh(under(MESH)))
             self.timing = self._now.timing
         self._now.load_arrays(under(NOW))

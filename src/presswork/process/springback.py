@@ -86,6 +86,8 @@ class LaidPart:
     state: SheetState
     turned: FloatArray
     """Rotation from the undeformed sheet to how it lies (3, 3)."""
+    level: int = 0
+    """How often its shells have been split."""
 
 
 class ReleasedStamping(EpochRecording):
@@ -104,10 +106,14 @@ class ReleasedStamping(EpochRecording):
         shows_springback: whether the fields of springback are saved though this operation has none.
         """
         super().__init__(model)
-        procedure = ImplicitStamping if model.explicit is None else ExplicitStamping
         state = None if begin is None else begin.state
         self._turned = None if begin is None else begin.turned
-        self.forming: ExplicitStamping | ImplicitStamping = procedure(model, threads=threads, begin=state)
+        self.forming: ExplicitStamping | ImplicitStamping
+        if model.explicit is None:
+            self.forming = ImplicitStamping(model, threads=threads, begin=state)
+        else:
+            level = 0 if begin is None else begin.level
+            self.forming = ExplicitStamping(model, threads=threads, begin=state, level=level)
         self.timing = self.forming.timing
         self._threads = threads
         self._shows_springback = shows_springback or model.springback is not None
@@ -132,6 +138,11 @@ class ReleasedStamping(EpochRecording):
     def time(self) -> float:
         """Since the operation began [s]."""
         return self.forming.time if self._released is None else self._time()
+
+    @property
+    def level(self) -> int:
+        """How often the shells have been split."""
+        return self.forming.level if isinstance(self.forming, ExplicitStamping) else 0
 
     @property
     def first_mesh(self) -> Mesh:

@@ -51,13 +51,17 @@ class ExplicitStamping(StampingRecording):
 
     model: Model
 
-    def __init__(self, model: Model, *, threads: int = 0, begin: SheetState | None = None) -> None:
-        """begin: the sheet that an operation before has left, on the model's mesh; None: the blank."""
+    def __init__(self, model: Model, *, threads: int = 0, begin: SheetState | None = None, level: int = 0) -> None:
+        """begin: the sheet that an operation before has left, on the model's mesh; None: the blank.
+
+        level: how often its shells have been split by then.
+        """
         assert isinstance(model.explicit, ExplicitSheet)
         super().__init__(model, threads, 6, (*PHASES, "rest"))
         self._start = None if begin is None else ShellStart.of(begin)
         self.settings = model.explicit
-        self._sheet = SplitMesh.begin(model.cells, len(model.mesh.points))
+        self._first_level = level
+        self._sheet = self._begin_split()
         self._judged = model.sheet[1].formability
         self._damage_laws = make_damage(model.sheet[1].damage, model.sheet[1].umat, is_solid=False)
         self.shells = self._make_shells()
@@ -188,6 +192,16 @@ class ExplicitStamping(StampingRecording):
         self.shells.inherit(old, position, step.node_parents(), step.parent)
         self.layers.split(step.parent)
 
+    def _begin_split(self) -> SplitMesh:
+        """Return the present mesh before this operation has split any shell."""
+        sheet = SplitMesh.begin(self.model.cells, len(self.model.mesh.points))
+        return replace(sheet, level=sheet.level + self._first_level)
+
+    @property
+    def level(self) -> int:
+        """How often the shells that were split most have been split."""
+        return int(self._sheet.level.max())
+
     def split_evenly(self) -> None:
         """Split all shells as often as those split most, so that no node hangs."""
         while len(self._sheet.hanging()):
@@ -245,7 +259,7 @@ class ExplicitStamping(StampingRecording):
         return {"level": sheet.level, "side": sheet.side, "middle": sheet.middle, **begun}
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
-        sheet = SplitMesh.begin(self.model.cells, len(self.mesh.points))
+        sheet = self._begin_split()
         if self.epoch:
             sheet = replace(sheet, level=epoch["level"], side=epoch["side"], middle=epoch["middle"])
         if self.epoch and self._start is not None:

@@ -215,9 +215,16 @@ def title_step(ax: Axes, result: Result, step: int) -> str:
 
 
 def _describe_laid(result: Result, step: int) -> str:
-    """Return the stage of a part that lies on tools that have not moved, in words."""
-    row = find_history_row(result, step) if step % len(result.times) else {}
-    return str(row.get("stage", "start")).replace("_", " ")
+    """Return the stage of a part between tools that have not moved, in words."""
+    at = step % len(result.times)
+    if at == 0:
+        return "start"
+    tools = result.tools_at_work(at)
+    if tools != result.tools_at_work(at - 1):
+        names = str(result.info["operations"]).split("\n")
+        operation = next((name for name in names if any(tool.startswith(f"{name}_") for tool in tools)), "next tools")
+        return f"laid in for {operation}"
+    return str(find_history_row(result, at).get("stage", "")).replace("_", " ")
 
 
 def _describe_load(result: Result, step: int) -> str:

@@ -177,7 +177,7 @@ class RingTool(_Tool):
             raise fault(text, f"take less than outer_diameter, {self.outer_diameter:g} mm", key="inner_diameter")
         if self.inner_radius > 0 and self.inner_diameter == 0:
             raise fault("a post has no inner edge", "leave it out, or give inner_diameter", key="inner_radius")
-        if self.inner_radius + self.outer_radius > width:
+        if self.inner_radius + self.outer_radius > width * (1 + 1e-9):
             text = f"the radii of the edges do not fit a face {width:g} mm wide"
             raise fault(text, f"take at most {width:g} mm for both together", key="outer_radius")
         return self
