@@ -133,5 +133,5 @@ def test_reverse_redraw_turns_the_cup_inside_out_and_keeps_its_volume(tmp_path) 
     heights = [float(run.points(step)[middle, 2]) for step in (2, 3, -1)]
     assert heights[1] == pytest.approx(-heights[0], abs=1e-12)
     assert heights[2] < heights[1] - 3.9
-    assert float(run.points(-1)[:, 2].max()) - heights[2] > 3.5  # a wall stands round the bottom, the other way
+    assert float(run.points(-1)[:, 2].max()) - heights[2] > 2.5  # a wall stands round the bottom, the other way
     assert measure_volume(run, -1) == pytest.approx(measure_volume(run, 0), rel=1e-3)
