@@ -19,10 +19,8 @@ SweptSurface::SweptSurface(const Plan& plan, int n, const double* segments, doub
   tolerance_ = 1e-10 * size;
   const double* last = segments + 7 * (n - 1);
   const bool closed = std::hypot(last[2] - segments[0], last[3] - segments[1]) < 1e-9 * size;
-  n_ends_ = closed ? 0 : 2;
   for (int k = 0; k < 2; ++k) {
     core_[k] = plan.half_width[k] - plan_.corner_radius;
-    ends_[0][k] = segments[k], ends_[1][k] = last[2 + k];
     low_[k] = std::numeric_limits<double>::infinity(), high_[k] = -low_[k];
   }
   for (int i = 0; i < n; ++i) {
@@ -31,7 +29,26 @@ SweptSurface::SweptSurface(const Plan& plan, int n, const double* segments, doub
       throw std::invalid_argument("each segment of a profile must start where the one before it ends");
     add_piece(segments + 7 * i, next);
   }
+  n_ends_ = 0;
+  if (!closed) {
+    add_end(segments[0], segments[1], segments, 0);
+    add_end(last[2], last[3], last, 1);
+  }
   check_inside();
+}
+
+// An end of the profile, beyond which there is no tool; at the middle of a round plan it goes on as its mirror image.
+void SweptSurface::add_end(double s, double z, const double* segment, int side) {
+  if (core_[0] > 0.0 || core_[1] > 0.0 || s > -plan_.corner_radius + slack()) {
+    ends_[n_ends_][0] = s, ends_[n_ends_++][1] = z;
+    return;
+  }
+  double normal[2];  // to the left of the way
+  profile::normal_at(segment, side, normal);
+  const double turn = (side == 0 ? -2.0 : 2.0) * normal[0] * normal[1];
+  if (std::abs(turn) < 1e-12) return;
+  const double angle = 2.0 * std::atan2(std::abs(normal[0]), std::abs(normal[1]));
+  corners_.push_back({{s, z}, {0.0, std::copysign(1.0, normal[1])}, turn < 0.0 ? 1.0 : -1.0, angle});
 }
 
 void SweptSurface::check_plan() const {

@@ -82,6 +82,7 @@ class SweptSurface {
   void check_plan() const;
   void check_inside() const;
   void add_piece(const double* segment, const double* next);
+  void add_end(double s, double z, const double* segment, int side);
 
   PlanPlace locate(double x, double y) const {
     constexpr double straight = std::numeric_limits<double>::infinity();

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.problems.examples_in_space import compare as compare_example
 from tests.problems.sectors import compare, ring, upsetting
 
 
@@ -22,3 +23,14 @@ def test_a_ring_is_that_of_axisymmetry() -> None:
     np.testing.assert_allclose(found.force_ratio, 1.0, rtol=0.01)
     assert found.radius_ratio == pytest.approx(1.0, abs=0.005)
     assert found.hole_ratio == pytest.approx(1.0, abs=0.005)
+
+
+@pytest.mark.parametrize("name", ["can_extrusion", "curved_die", "forging_h_section", "hot_upsetting"])
+def test_an_example_of_the_plane_is_the_same_in_space(name: str) -> None:
+    """The others are in validation/test_sectors.py."""
+    found = compare_example(name)
+    assert found.reached > 0.98, [course.reason for course in found.courses]
+    np.testing.assert_allclose(found.force, 0.0, atol=0.02 if name == "curved_die" else 0.01)
+    assert found.work == pytest.approx(0.0, abs=0.003)
+    assert found.profile < 0.002
+    assert found.cooling < 0.003

@@ -9,6 +9,7 @@ from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
 from presswork.interaction.body_contact import BodyContacts
 from presswork.interaction.contract import Interaction
+from presswork.interaction.cyclic import CyclicTies
 from presswork.interaction.inertia import Inertia
 from presswork.interaction.laps import LapMarks
 from presswork.interaction.loads import Loads
@@ -39,6 +40,7 @@ class Interactions:
             self.loads,
             *((self.bodies,) if model.contacts else ()),
             *((LapMarks(model, self.bodies),) if model.remeshing is not None else ()),
+            *((CyclicTies(model, cells),) if model.cyclic and isinstance(cells, Mechanics) else ()),
             *((self.tools,) if model.plane_tools else ()),
             *((self.space_tools,) if self.space_tools else ()),
             *((self.inertia,) if self.inertia else ()),

@@ -92,16 +92,21 @@ class SolidContact(SpaceContact):
     def begin_increment(self, state_n: State) -> None:
         """Take surface, shear flow stress and multipliers as they are when the increment begins."""
         places = self._model.mesh.points + state_n.nodes.moved
-        normals = nodal_normals(places, self._model.mesh.boundary_faces)
+        faces = self._model.mesh.boundary_faces
+        normals = nodal_normals(places, faces)
         self._length = np.where(self._inside, 1.0, np.sqrt(np.linalg.norm(normals, axis=1)))
         placed = state_n[SpaceToolArrays]
         self._multiplier = np.linalg.norm(placed.force - placed.friction, axis=2)
+        flow = self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0) if self._needs_shear else np.zeros(0)
         for t in range(len(self._surfaces)):
-            _, out = self.placed(t, placed).nearest(places, float(self._length.max()))
+            gap, out = self.placed(t, placed).nearest(places, float(self._length.max()))
             # the part of the node's surface that faces the tool: at an edge the other side has no contact
             self._area[t] = np.maximum(0.0, -np.einsum("ni,ni->n", normals, out))
-        if self._needs_shear:
-            self._shear = self._area * self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0)
+            if self._needs_shear:
+                # a face slides on the tool where all its nodes lie there, as in the plane
+                lies = (self._multiplier[t] > 0.0) | (gap <= ROUNDING * self._length)
+                covered = nodal_normals(places, faces[lies[faces].all(axis=1)])
+                self._shear[t] = flow * np.maximum(0.0, -np.einsum("ni,ni->n", covered, out))
 
     def touching(self, tool: int) -> TouchingNodes:
         """Return what the contact with a tool must know of the nodes; those inside the body touch nothing."""

@@ -150,6 +150,8 @@ def limit_friction(law: Friction, push: FloatArray, shear: FloatArray | None) ->
         return limit, by_push
     assert shear is not None, "the law needs the shear flow stress"
     most = float(law.m) * shear
+    if law.law == "shear":  # the symmetric part of a derivative by so steep a law would be indefinite
+        return np.minimum(limit, most), np.zeros_like(push)
     return np.minimum(limit, most), np.where(limit < most, by_push, 0.0)
 
 

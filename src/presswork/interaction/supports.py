@@ -14,6 +14,7 @@ import numpy as np
 
 from presswork.body.shell_arrays import ShellArrays
 from presswork.interaction.contract import Constraints, Interaction, Point
+from presswork.interaction.cyclic import hold_rigid_motions
 from presswork.model import Body, BodyContact, BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.outcome import StartError
 from presswork.state import State
@@ -45,6 +46,8 @@ def check_held_in_space(
         if support.normal is not None:
             own = model.mesh.node_sets[support.node_set]
             rows.append((own, np.einsum("i,nij->nj", np.array(support.normal), modes[own, :3])))
+    if model.cyclic is not None:
+        rows.append(hold_rigid_motions(model.cyclic, model.mesh, modes[:, :3]))
     if touched is not None:
         nodes, directions = touched
         rows.append((nodes, np.einsum("ni,nij->nj", directions, modes[nodes, :3])))

@@ -76,6 +76,7 @@ from presswork.model.settings import (
 from presswork.model.sheet import Refinement, Springback, TrimLine
 from presswork.model.stage import (
     BodyForce,
+    CyclicSector,
     Dwell,
     EdgeForce,
     FaceForce,
@@ -127,6 +128,7 @@ __all__ = [
     "ContactLaw",
     "Convection",
     "Crank",
+    "CyclicSector",
     "Damage",
     "DieMesh",
     "Displacements",

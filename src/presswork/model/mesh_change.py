@@ -61,6 +61,7 @@ def _choose_anew(model: Model, contact: BodyContact, mesh: Mesh, bodies: tuple[B
 def list_sets(model: Model) -> Iterator[tuple[str, str]]:
     """Yield kind (node, edge, face) and name of every set of the mesh that a model names."""
     yield from (("node", support.node_set) for support in model.supports)
+    yield from (("node", name) for name in ((model.cyclic.first, model.cyclic.last) if model.cyclic else ()))
     for stage in model.stages:
         yield from (("node", moved.node_set) for moved in stage.prescribed)
         yield from (("node", force.node_set) for force in stage.forces)

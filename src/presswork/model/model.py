@@ -20,7 +20,7 @@ from presswork.model.operation import Operation
 from presswork.model.remeshing import Remeshing
 from presswork.model.settings import LARGE, ExplicitSheet, ExplicitSolid, OutputSettings, SolverSettings
 from presswork.model.sheet import Refinement, Springback, TrimLine
-from presswork.model.stage import Stage, Support
+from presswork.model.stage import CyclicSector, Stage, Support
 from presswork.model.tool import Drawbead, Profile, Tool
 
 Analysis = Literal["axisymmetric", "plane_strain", "solid", "shell", "stamping"]
@@ -77,6 +77,8 @@ class Model:
     limits: Limits = field(default_factory=Limits)
     points: tuple[MarkedPoint, ...] = ()
     """Points of the material whose path, stress and strain the history has."""
+    cyclic: CyclicSector | None = None
+    """Solids in space: the sector that is modelled of a body of cyclic symmetry; None: it is whole, or mirrored."""
     remeshing: Remeshing | None = None
     """Solids in the plane or in axisymmetry: new meshes in the run; None: one mesh to the end."""
     case_text: str = ""

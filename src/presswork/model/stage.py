@@ -30,6 +30,17 @@ class Support:
 
 
 @dataclass(frozen=True)
+class CyclicSector:
+    """A sector of a body that is the same when it is turned about z by an n-th of a whole turn."""
+
+    first: str
+    """Node set of the face from which the other one comes by turning counter-clockwise."""
+    last: str
+    sectors: int
+    """In the whole body, at least two."""
+
+
+@dataclass(frozen=True)
 class PrescribedDisplacement:
     """A displacement component that grows linearly over the stage by `value` [mm]; of a shell also a rotation [rad]."""
 

@@ -75,7 +75,7 @@ def _measure_space_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, 
         else:
             stroke, along = 0.0, float(np.linalg.norm(force))
         motion = procedure.model.stages[stage].tool_motion.get(tool.name, ToolMotion())
-        whole = 2.0 ** sum(tool.mirrored_across)
+        whole = tool.sectors * 2.0 ** sum(tool.mirrored_across)
         torque = -float(torques[t]) * whole * (-1.0 if motion.turn < 0 else 1.0)
         quantities[tool.name] = ToolQuantities(stroke, along, force, float(placed.angle[t]), torque)
     return quantities

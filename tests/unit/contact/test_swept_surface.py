@@ -176,3 +176,21 @@ def test_distance_bound_never_exceeds_the_distance() -> None:
 def test_faults_are_named(half: tuple[float, float], corner: float, segments: list[list[float]], fault: str) -> None:
     with pytest.raises(ValueError, match=fault):
         swept(half, corner, segments)
+
+
+@pytest.mark.parametrize(
+    ("rise", "place", "gap", "normal"),
+    [
+        (-1.0, (0.0, 0.0, -1.0), -np.sqrt(0.5), None),  # a cone that points up: metal beneath its flank
+        (-1.0, (0.0, 0.0, 2.0), 2.0, (0.0, 0.0, 1.0)),
+        (1.0, (0.0, 0.0, -1.0), -1.0, (0.0, 0.0, 1.0)),  # a recess: metal beneath its tip
+        (1.0, (0.1, 0.0, -1.0), -np.hypot(0.1, 1.0), None),
+        (1.0, (0.0, 0.0, 1.0), np.sqrt(0.5), None),
+    ],
+)
+def test_a_profile_that_ends_on_the_axis_goes_on_as_its_mirror_image(rise, place, gap, normal) -> None:
+    cone = swept((20.0, 20.0), 20.0, [line((-20.0, 0.0), (0.0, 20.0 * rise))])
+    found, direction, _, _ = cone.nearest(np.array([place]))
+    assert found[0] == pytest.approx(gap, abs=1e-12)
+    if normal is not None:
+        np.testing.assert_allclose(direction[0], normal, atol=1e-12)

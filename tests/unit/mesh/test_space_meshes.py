@@ -167,3 +167,53 @@ def test_hexahedra_come_from_ideas_with_groups(tmp_path: Path) -> None:
 def test_counts_that_do_not_fit_a_disc_are_refused() -> None:
     with pytest.raises(ValueError, match="multiple of 2"):
         mesh_turned(np.ones(2), None, np.arange(2.0), angle=90.0, cells=(4, 3), element="hex8")
+
+
+def write_section(path: Path, points: np.ndarray, cells: list[list[int]]) -> Path:
+    nodes = [f"{i + 1}, {x}, {y}, 0" for i, (x, y) in enumerate(points)]
+    rows = [", ".join(str(n) for n in [i + 1, *(np.array(cell) + 1)]) for i, cell in enumerate(cells)]
+    path.write_text("\n".join(["*NODE", *nodes, "*ELEMENT, TYPE=CAX4", *rows]) + "\n")
+    return path
+
+
+def grid_section(path: Path, inner: float, m: int = 4, n: int = 3) -> Path:
+    r, z = np.meshgrid(np.linspace(inner, 10.0, m + 1), np.linspace(0.0, 6.0, n + 1))
+    first = (np.arange(n)[:, None] * (m + 1) + np.arange(m)).ravel()
+    cells = np.column_stack([first, first + 1, first + m + 2, first + m + 1])
+    return write_section(path, np.column_stack([r.ravel(), z.ravel()]), cells.tolist())
+
+
+@pytest.mark.parametrize(
+    ("inner", "angle", "around"), [(0.0, 6, 2), (0.0, 90, 8), (0.0, 360, 16), (4.0, 30, 3), (4.0, 360, 24)]
+)
+def test_a_revolved_section_has_the_volume_of_its_chords(
+    inner: float, angle: float, around: int, tmp_path: Path
+) -> None:
+    path = grid_section(tmp_path / "section.inp", inner)
+    mesh = build({"kind": "revolved", "path": str(path), "angle": angle, "around": around})
+    chord = np.radians(angle / around)
+    assert volume(mesh) == pytest.approx(0.5 * around * np.sin(chord) * (100 - inner**2) * 6, rel=1e-12)
+    assert corner_volumes(mesh.points, mesh.blocks[0].connectivity).min() > 0
+    assert ("last_plane" in mesh.node_sets) == (angle < 360)
+    if angle < 360:
+        turned = mesh.points[mesh.node_sets["last_plane"]]
+        np.testing.assert_allclose(
+            np.arctan2(turned[:, 1], turned[:, 0])[np.hypot(*turned.T[:2]) > 0], np.radians(angle)
+        )
+
+
+@pytest.mark.parametrize(
+    ("points", "angle", "around", "told"),
+    [
+        ([[-1, 0], [5, 0], [5, 5], [-1, 5]], 30, 2, "nodes at x < 0"),
+        ([[0, 0], [5, 0], [5, 5], [1, 5]], 30, 2, "touches the axis, and not by one edge"),
+        ([[0, 0], [5, 0], [5, 5], [0, 5]], 30, 3, "3 cells around 30 degrees of a body that touches the axis"),
+        ([[0, 0], [5, 0], [5, 5], [0, 5]], 360, 6, "give a multiple of 8"),
+    ],
+)
+def test_sections_that_cannot_be_revolved_are_refused(
+    points: list[list[float]], angle: float, around: int, told: str, tmp_path: Path
+) -> None:
+    path = write_section(tmp_path / "section.inp", np.array(points, dtype=float), [[0, 1, 2, 3]])
+    with pytest.raises(CaseError, match=told):
+        build({"kind": "revolved", "path": str(path), "angle": angle, "around": around})

@@ -25,6 +25,7 @@ from presswork.case.space.bodies import (
     check_space_bodies,
     list_space_bodies,
 )
+from presswork.case.space.cyclic import check_cyclic, find_cyclic
 from presswork.case.space.explicit_checks import check_space_procedure
 from presswork.case.space.heat import build_space_heat, check_space_heat
 from presswork.case.space.remesh import build_space_remeshing, check_space_remesh
@@ -44,6 +45,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     _stop_at(_check_names(case), case)
     mesh, bodies = build_space_bodies(case)
     _stop_at([*_check_sets(case, mesh), *check_space_remesh(case, mesh)], case)
+    _stop_at(check_cyclic(case, mesh), case)
     points, problems = build_points(
         case.points, mesh, {*case.boundary, *(entry.set for stage in case.stages for entry in stage.displacement)}
     )
@@ -78,6 +80,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         materials=materials,
         tools=tools,
         supports=supports,
+        cyclic=find_cyclic(case, mesh),
         stages=stages,
         solver=build_solver(case.solver, with_coulomb=_depends_on_pushes(case), with_body_contact=bool(contacts)),
         output=build_output(case.output),

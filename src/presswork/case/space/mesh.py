@@ -104,6 +104,21 @@ class Turned(Part):
         return self
 
 
+class Revolved(Part):
+    """A plane mesh turned about z; its sets are those of a box, first_plane, last_plane and the file's groups."""
+
+    kind: Literal["revolved"] = Field(description="a plane mesh of quadrilaterals, turned about z")
+    path: str = Field(
+        description="file of the half section, x its radius and y its height: .msh, .inp, .vtk, .vtu or .unv; relative "
+        "to the case file"
+    )
+    unit: str = Field(default="mm", description="length unit of the file")
+    angle: Sector = Field(default=360.0, description=_ANGLE)
+    around: Count = Field(
+        description="number of cells around; of a body with an axis a multiple of 2 in each 90 degrees"
+    )
+
+
 class Extruded(Part):
     """A body of one outline at every height; its sets are those of a box, and rim, all round."""
 
@@ -153,6 +168,6 @@ class ClosedSurface(Part):
     size: Length = Field(gt=0, description="mean edge of cells [mm]; they are smaller at small features")
 
 
-MadeMesh = Box | Cylinder | Ring | Turned | Extruded | ClosedSurface
+MadeMesh = Box | Cylinder | Ring | Turned | Revolved | Extruded | ClosedSurface
 SpaceMesh = Annotated[MadeMesh | MeshFile, Field(discriminator="kind"), BeforeValidator(assume_box)]
 """The mesh of a solid in space."""

@@ -12,7 +12,7 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.solid.workpiece import MeshFile
-from presswork.case.space.mesh import Box, ClosedSurface, Cylinder, Extruded, MadeMesh, Ring, Turned
+from presswork.case.space.mesh import Box, ClosedSurface, Cylinder, Extruded, MadeMesh, Revolved, Ring, Turned
 from presswork.case.stamping.plan_line import LineFile, PolygonLine, draw_line
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.polygon import polygon_area
@@ -24,6 +24,7 @@ from presswork.mesh.readers import read_mesh
 from presswork.mesh.space.closed_surface import mesh_closed_surface
 from presswork.mesh.space.disc import count_kites
 from presswork.mesh.space.drawn_up import mesh_extruded, mesh_turned
+from presswork.mesh.space.revolved import mesh_revolved
 from presswork.model import FloatArray, IntArray
 
 logger = logging.getLogger(__name__)
@@ -96,7 +97,10 @@ def mesh_space_body(
         return mesh_extruded(plan, quads, z_lines, element=element, material=material)
     scale = unit_factor(mesh.unit, LENGTH)
     try:
-        if isinstance(mesh, ClosedSurface):
+        if isinstance(mesh, Revolved):
+            plane, notes = read_mesh(folder / mesh.path, element="quad4", scale=scale)
+            found = mesh_revolved(plane, angle=mesh.angle, around=mesh.around, element=element, material=material)
+        elif isinstance(mesh, ClosedSurface):
             path, size = folder / mesh.path, mesh.size
             found, notes = mesh_closed_surface(path, size, element=element, scale=scale, material=material)
         else:

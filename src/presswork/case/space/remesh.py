@@ -80,7 +80,7 @@ def _find_obstacles(case: SpaceCase) -> dict[str, bool]:
     return {
         "bodies": bool(case.bodies),
         "contacts": bool(case.contacts),
-        "heat": case.heat is not None,
+        "boundary cyclic": any(entry.cyclic is not None for entry in case.boundary.values()),
         "solver.inertia": case.solver.inertia > 0.0,
         "solver.displacements": case.solver.displacements == "small",
     }

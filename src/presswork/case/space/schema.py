@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -13,6 +13,7 @@ from presswork.case.case_file import CaseFile
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
+from presswork.case.material.library import add_library_materials
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.press.builder import Timing
@@ -46,13 +47,18 @@ class SpaceWorkpiece(Part):
 
 
 class SpaceBoundary(Part):
-    """Displacement components held at zero in every stage."""
+    """Displacement components held at zero in every stage, or a face of a sector tied to the other."""
 
     set: str = Field(description="name of a node set")
     fix: tuple[Axis | Literal["normal"], ...] = Field(
-        min_length=1,
+        default=(),
         description="components held at zero, out of x, y and z; or normal alone: the direction normal to the plane "
         "that the set lies in, as the last_plane of a sector",
+    )
+    cyclic: str | None = Field(
+        default=None,
+        description="instead of fix: the set of nodes, as first_plane, that becomes this one when it is turned about z "
+        "by an n-th of a whole turn; both move alike, as they do in a body whose n sectors are the same",
     )
     symmetry: bool | None = Field(
         default=None,
@@ -61,7 +67,10 @@ class SpaceBoundary(Part):
     )
 
     @model_validator(mode="after")
-    def _check_normal(self) -> Self:
+    def _check_fix(self) -> Self:
+        if bool(self.fix) == (self.cyclic is not None):
+            remedy = 'for instance fix = ["z"], or cyclic = "first_plane"'
+            raise fault("give either fix or cyclic", remedy, key="fix")
         if "normal" in self.fix and len(set(self.fix)) > 1:
             raise fault("normal stands beside other components", 'give ["normal"] alone', key="fix")
         return self
@@ -164,7 +173,9 @@ class SpaceCase(CaseFile):
         "with explicit.target_step for forming",
     )
     workpiece: SpaceWorkpiece = Field(description="the body that is formed")
-    materials: dict[Name, MaterialTable] = Field(min_length=1, description="materials by name")
+    materials: dict[Name, MaterialTable] = Field(
+        default={}, description="materials by name; the workpiece may also name one of the library"
+    )
     tools: dict[Name, SpaceTool] = Field(default={}, description="rigid tools by name")
     bodies: dict[Name, SpaceWorkpiece] = Field(default={}, description="further deformable bodies by name")
     contacts: dict[Name, Contact] = Field(default={}, description="contacts between bodies by name")
@@ -183,3 +194,8 @@ class SpaceCase(CaseFile):
     points: dict[Name, Point3] = Field(default={}, description=POINTS)
     output: Output = Field(default=Output(), description="what is saved, and when")
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _add_library_materials(cls, data: Any) -> Any:
+        return add_library_materials(data) if isinstance(data, dict) else data

@@ -9,6 +9,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import Problem
+from presswork.case.space.cyclic import find_cyclic
 from presswork.case.space.schema import AXES, SpaceCase
 from presswork.model import FloatArray
 
@@ -30,6 +31,8 @@ def build_supports(case: SpaceCase, mesh: model.Mesh) -> tuple[tuple[model.Suppo
     """Return the Model's supports, and the problems of those that hold the normal of no plane."""
     supports, problems = [], []
     for name, entry in case.boundary.items():
+        if entry.cyclic is not None:
+            continue
         if "normal" not in entry.fix:
             supports.append(model.Support(entry.set, tuple(axis in entry.fix for axis in AXES), name))
             continue
@@ -82,7 +85,8 @@ def find_symmetry(
             axis = held[name].fix.index(True)
             planes[axis].append(float(mesh.points[mesh.node_sets[entry.set], axis].mean()))
     if not upright:
-        return Symmetry(tuple(np.unique(of_axis) for of_axis in planes), 1.0)
+        cyclic = find_cyclic(case, mesh)
+        return Symmetry(tuple(np.unique(of_axis) for of_axis in planes), cyclic.sectors if cyclic else 1.0)
     upright += [np.eye(3)[axis] for axis in range(2) for _ in planes[axis]]
     upright = _leave_out_same(upright)
     sectors = _count_sectors(mesh, upright)

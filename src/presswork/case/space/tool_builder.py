@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -54,6 +54,8 @@ logger = logging.getLogger(__name__)
 
 TOLERANCE = 1e-6
 """Of the size of the workpiece: how deep a node may lie in a tool at the start."""
+CHORD_OF_FACE = 0.05
+"""Of the mean edge of cells: how deep a tool may reach into a face whose nodes lie on it, as on a round of the tool."""
 CHORD = 1e-4
 """Of the size of the workpiece: how far the facets of a straight tool may lie off its arcs."""
 BEYOND = 5.0
@@ -94,8 +96,7 @@ def build_tool(
         warn_of_radius(name, draw_outline(tool.profile, False).segments, mean_edge(mesh))
     elif isinstance(shape, SweptProfile):
         warn_of_radius(name, shape.segments, mean_edge(mesh))
-    inside = np.concatenate([nodes, look_inside_faces(mesh)])
-    problem = _check_clear(name, inside, len(nodes), size, *nearest(inside, size))
+    problem = _check_clear(name, mesh, size, nearest)
     if problem is not None:
         return problem
     cut = _find_mirrors(drawn, start, mirrors, size)
@@ -147,17 +148,30 @@ def _explain_no_touch(name: str, way: FloatArray) -> Problem:
 
 
 def _check_clear(
-    name: str, nodes: FloatArray, own: int, size: float, gap: FloatArray, normal: FloatArray
+    name: str, mesh: Mesh, size: float, nearest: Callable[[FloatArray, float], tuple[FloatArray, FloatArray]]
 ) -> Problem | None:
-    """Return a problem where the boundary lies in a tool at the start: nodes, the first `own`, or places on faces."""
-    deepest = int(np.argmin(gap))
-    if gap[deepest] >= -TOLERANCE * size:
+    """Return a problem where the boundary lies in a tool at the start: a node, or a place on a face.
+
+    nearest: gap and normal of places (n, 3) within a reach. Faces with nodes on the tool are chords of its rounds.
+    """
+    nodes = np.unique(mesh.boundary_faces)
+    on_faces, face = look_inside_faces(mesh)
+    own, places = len(nodes), np.concatenate([mesh.points[nodes], on_faces])
+    gap, normal = nearest(places, size)
+    lies = np.zeros(len(mesh.points), dtype=bool)
+    lies[nodes] = np.abs(gap[:own]) <= TOLERANCE * size
+    is_chord = lies[mesh.boundary_faces].sum(axis=1) >= 2
+    allowed = np.full(len(places), TOLERANCE * size)
+    allowed[own:][is_chord[face]] += CHORD_OF_FACE * mean_edge(mesh)
+    is_inside = gap < -allowed
+    if not is_inside.any():
         return None
-    place = ", ".join(f"{x:.6g}" for x in nodes[deepest])
+    deepest = int(np.argmin(np.where(is_inside, gap, np.inf)))
+    place = ", ".join(f"{x:.6g}" for x in places[deepest])
     away = ", ".join(f"{x + 0.0:.6g}" for x in gap[deepest] * normal[deepest])
     return Problem(
         f"tools.{name}",
-        f"the tool starts inside the workpiece: {int((gap[:own] < -TOLERANCE * size).sum())} boundary nodes lie in "
+        f"the tool starts inside the workpiece: {int(is_inside[:own].sum())} boundary nodes lie in "
         f"it, the deepest {'' if deepest < own else 'place of a face '}{-gap[deepest]:.6g} mm at ({place})",
         f"move the tool by ({away}) mm, or turn its surface over if its metal is on the other side",
     )

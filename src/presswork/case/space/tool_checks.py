@@ -15,7 +15,7 @@ from presswork.geometry.swept_tool import triangulate
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.faces import take_corners
 from presswork.mesh.triangles import find_rims
-from presswork.model import FloatArray, Mesh, Plane, SweptProfile, Tool, Triangulation
+from presswork.model import FloatArray, IndexArray, Mesh, Plane, SweptProfile, Tool, Triangulation
 
 logger = logging.getLogger(__name__)
 
@@ -39,17 +39,19 @@ def mean_edge(mesh: Mesh) -> float:
     return float(np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean())
 
 
-def look_inside_faces(mesh: Mesh) -> FloatArray:
-    """Return places inside the boundary faces, and on their edges (n, 3) [mm]."""
+def look_inside_faces(mesh: Mesh) -> tuple[FloatArray, IndexArray]:
+    """Return places inside the boundary faces, and on their edges (n, 3) [mm], and the face of each (n,)."""
     corners = mesh.points[take_corners(mesh.boundary_faces)]
     edges = 0.5 * (corners + np.roll(corners, -1, axis=1))
-    places = [edges.reshape(-1, 3), corners.mean(axis=1)]
+    face = np.arange(len(corners))
+    places, faces = [edges.reshape(-1, 3), corners.mean(axis=1)], [np.repeat(face, corners.shape[1]), face]
     if corners.shape[1] == 4:
         for r in LOOKS:
             for s in LOOKS:
                 weights = 0.25 * np.array([(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)])
                 places.append(np.einsum("k,nki->ni", weights, corners))
-    return np.concatenate(places)
+                faces.append(face)
+    return np.concatenate(places), np.concatenate(faces)
 
 
 def check_facets(name: str, path: str, shape: Triangulation, edge: float) -> Problem | None:

@@ -96,15 +96,23 @@ def _mesh_sector(angle: float, n_radial: int, k: int) -> tuple[FloatArray, IntAr
 
 def _kite_corners(angle: float, n_radial: int, k: int) -> tuple[float, FloatArray]:
     """Return the radius of the kite's corners on the sides of the sector, and its outer corner (2,)."""
+    corner = _outer_corner(angle)
+    side = min(_CORE * k / n_radial, _WIDEST / reach_of_kite(angle))
+    return side, side * corner
+
+
+def reach_of_kite(angle: float) -> float:
+    """Return the distance of a kite's outer corner from the middle, over that of its corners on the sides."""
+    return (1 - BULGE) * float(np.linalg.norm(_outer_corner(angle))) + BULGE
+
+
+def _outer_corner(angle: float) -> FloatArray:
+    """Return the outer corner (2,) of a kite whose corners on the sides of the sector lie at 1, before it bulges."""
     inner = (2 * math.pi - angle) / 3  # the angle of the three corners
     up = math.pi - inner  # direction from the corner on the x axis to the outer one
     half = math.tan(angle / 2)
     way = half / (math.sin(up) - half * math.cos(up))
-    corner = np.array([1 + way * math.cos(up), way * math.sin(up)])
-    reach = float(np.linalg.norm(corner))
-    reach = (1 - BULGE) * reach + BULGE
-    side = min(_CORE * k / n_radial, _WIDEST / reach)
-    return side, side * corner
+    return np.array([1 + way * math.cos(up), way * math.sin(up)])
 
 
 def _grid_cells(numbers: IntArray) -> IntArray:

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every packaged example of bulk forming in the plane or in axisymmetry as a slice or a sector in space."""
+
+import numpy as np
+import pytest
+
+from tests.problems.examples_in_space import TRIALS, compare
+
+pytestmark = pytest.mark.validation
+
+FORCE = {"curved_die": 0.02, "extrusion_cone": 0.02, "warm_extrusion": 0.03, "extrusion_curved": 0.03}
+"""Where nodes land one by one at strokes that differ a little."""
+
+
+@pytest.mark.parametrize("name", TRIALS)
+def test_force_and_profile_are_those_of_the_plane(name):
+    found = compare(name)
+    assert found.reached > 0.98, [course.reason for course in found.courses]
+    assert np.abs(found.force).max() < FORCE.get(name, 0.01)
+    assert abs(found.work) < 0.01
+    assert found.profile < 0.005
+    assert found.cooling < 0.005
