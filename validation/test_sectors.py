@@ -8,7 +8,7 @@ from tests.problems.examples_in_space import TRIALS, compare
 
 pytestmark = pytest.mark.validation
 
-FORCE = {"curved_die": 0.02, "extrusion_cone": 0.02, "warm_extrusion": 0.03, "extrusion_curved": 0.03}
+FORCE = {"curved_die": 0.02, "hot_disc": 0.04, "extrusion_cone": 0.02, "warm_extrusion": 0.03, "extrusion_curved": 0.03}
 """Where nodes land one by one at strokes that differ a little."""
 
 

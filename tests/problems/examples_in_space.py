@@ -63,7 +63,7 @@ TRIALS = {
     "heading": Trial("punch.force"),
     "heading_friction": Trial("punch.force"),
     "forging_flash": Trial("die.force"),
-    "forging_hub": Trial("die.force", 0.8),
+    "forging_hub": Trial("die.force", 0.75),
     "gear_blank": Trial("blocker.force", 0.5, 2),
     "can_extrusion": Trial("punch.force", 0.09),
     "combined_extrusion": Trial("punch.force", 0.1, cut=("die", 2)),
