@@ -38,7 +38,7 @@ def touches_itself(model: Model, number: int) -> bool:
 def find_folding(run: ImplicitProcedure, bodies: Sequence[Body]) -> dict[int, str]:
     """Return by number the bodies whose surfaces are about to fold onto themselves, with a note of each.
 
-    A body that has contact with itself is not looked at.
+    A body that has contact with itself is not looked at, nor are 10-node tetrahedra, whose faces touch tools alone.
     """
     mesh, nodes, notes = run.model.mesh, run.state.nodes, {}
     for number, body in enumerate(bodies):
@@ -47,6 +47,8 @@ def find_folding(run: ImplicitProcedure, bodies: Sequence[Body]) -> dict[int, st
         if run.model.dimension == 2:
             edges = halve_edges(mesh.boundary_edges[body.owns(mesh.boundary_edges)])
             place = find_closing_gap((mesh.points + nodes.displacement)[edges], nodes.increment[edges])
+        elif mesh.boundary_faces.shape[1] == 6:
+            continue
         else:
             faces = mesh.boundary_faces[body.owns(mesh.boundary_faces)]
             place = find_closing_faces(mesh.points + nodes.moved, nodes.increment[:, :3], faces)
