@@ -63,7 +63,7 @@ def test_cells_of_half_the_size_change_the_force_by_less_than_2_percent(foot, tm
     force = {}
     for size in (0.75, 0.375):
         case = make_hub(foot, 1.5, size, tmp_path)
-        case = case.model_copy(update={"output": case.output.model_copy(update={"at": tuple(parts[15:-1])})})
+        case = case.model_copy(update={"output": case.output.model_copy(update={"at": tuple(parts[15:-1].tolist())})})
         assert run_model(build_model(case), tmp_path / f"{size:g}", threads=1).status == "completed"
         rows = Result(tmp_path / f"{size:g}").history
         force[size] = np.interp(parts * 5.6, rows["die.stroke"], rows["die.force"])
