@@ -29,6 +29,8 @@ from presswork.remesh.space.tetrahedra import find_skin
 from presswork.results import Result
 from validation.closed_dies import FILLED, STEEL
 
+OPEN = 0.1
+"""Gap that counts as filled, as in post.measure_die_fill [mm]."""
 SPACING = 0.25
 """Of the points of a die [mm]."""
 
@@ -211,7 +213,7 @@ def measure_fill(die: SpaceDie, result: Result) -> float:
     area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     inside = (measure_box(*middle[:, :2].T, die.outline, die.corner) < -0.5) & (middle[:, :2] > 0.0).all(axis=1)
     gap, area = np.abs(make_surface(skin).nearest(middle[inside])[0]), area[inside]
-    return float(area[gap < 0.004 * np.sqrt(area.sum())].sum() / area.sum())
+    return float(area[gap < OPEN].sum() / area.sum())
 
 
 def forge(seed: int, folder: Path) -> Outcome:

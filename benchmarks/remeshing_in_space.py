@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What new meshes cost in a run in space: their share of its time, and what that is spent on.
+
+A new mesh counts all from the decision on, as in benchmarks.remeshing: skin and inside (MMG), transfer, a procedure of
+its own, equilibrium with the tools at rest, and meshes that are refused; looking whether one is due counts, too.
+
+Run: python -m benchmarks.remeshing_in_space [--case CASE.toml] [--profile]
+"""
+
+from __future__ import annotations
+
+import argparse
+import cProfile
+import pstats
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import process_time
+from typing import Any
+
+from presswork import build_model, read_case
+from presswork.examples import copy_example
+from presswork.process import remeshing, remeshing_in_space
+from presswork.process.remeshing_in_space import RemeshedSpaceForming
+
+PARTS = {
+    "looking": (RemeshedSpaceForming, "_reason"),
+    "skin and inside": (remeshing_in_space, "remesh_body"),
+    "transfer": (remeshing_in_space, "carry_state"),
+    "peaks": (remeshing, "carry_peaks"),
+    "balance": (remeshing, "balance_new_mesh"),
+    "all of new meshes": (RemeshedSpaceForming, "_try_mesh"),
+}
+
+
+class Clock:
+    """Process time spent in functions."""
+
+    def __init__(self) -> None:
+        self.seconds = dict.fromkeys(PARTS, 0.0)
+        self.calls = dict.fromkeys(PARTS, 0)
+
+    def watch(self, part: str, inner: Callable[..., Any]) -> Callable[..., Any]:
+        """Return a function that does the same and is counted."""
+
+        def timed(*args: Any, **kwargs: Any) -> Any:
+            started = process_time()
+            try:
+                return inner(*args, **kwargs)
+            finally:
+                self.seconds[part] += process_time() - started
+                self.calls[part] += 1
+
+        return timed
+
+
+def measure(path: Path) -> str:
+    """Return the table of a case."""
+    clock = Clock()
+    for part, (place, name) in PARTS.items():
+        setattr(place, name, clock.watch(part, getattr(place, name)))
+    recording = RemeshedSpaceForming(build_model(read_case(path)), threads=1)
+    started = process_time()
+    increments = sum(1 for _ in recording.advance())
+    whole = process_time() - started
+    cells = sum(len(block.connectivity) for block in recording.model.mesh.blocks)
+    rows = [f"{path.stem}: {increments} increments, {recording.epoch} new meshes, {cells} cells at the end"]
+    for part, seconds in clock.seconds.items():
+        rows.append(f"  {part}: {clock.calls[part]} times, {seconds:.1f} s, {seconds / whole:.1%} of {whole:.0f} s")
+    return "\n".join(rows)
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--case", type=Path, help="without it: the example deep_spike_forging")
+    parser.add_argument("--profile", action="store_true", help="print where the time goes")
+    arguments = parser.parse_args()
+    with TemporaryDirectory() as folder:
+        path = arguments.case or copy_example("deep_spike_forging", Path(folder))
+        profile = cProfile.Profile()
+        if arguments.profile:
+            profile.enable()
+        print(measure(path))
+        if arguments.profile:
+            profile.disable()
+            pstats.Stats(profile).sort_stats("tottime").print_stats(25)
+
+
+if __name__ == "__main__":
+    main()
