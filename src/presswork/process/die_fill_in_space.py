@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from presswork import _core
-from presswork.geometry.cavity_in_space import CavityFacets, find_cavity
 from presswork.geometry.pose import find_space_pose
 from presswork.geometry.tool_surface import make_surface
+from presswork.mesh.die_cavity import CavityFacets, find_cavity
 from presswork.model import FloatArray, IntArray, Mesh, Model, Triangulation, find_held_side
 from presswork.process.recording import Row
 from presswork.process.tool_quantities import find_way

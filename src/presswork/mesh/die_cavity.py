@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The wall of a die's cavity in space: the facets that its flash land encloses.
 
-As in the plane (cavity_wall.py), a flash land is the deepest part of a die along its way where it lies across the way.
+As in the plane (geometry/cavity_wall.py), a flash land is the deepest part of a die along its way where it lies across
+the way.
 Without the land's facets the die falls into parts; the cavity is the part in front of the workpiece.
 """
 
