@@ -204,10 +204,13 @@ class ImplicitRecording(IncrementRecording):
         return [(moved, float(angle)) for moved, angle in zip(tools.displacement, tools.angle, strict=True)]
 
     def _find_dies(self) -> tuple[Mesh, FloatArray, dict[str, FloatArray]]:
-        """Return the mesh, where its nodes are, and how far the tools in the plane have moved (2,) [mm]."""
+        """Return the mesh, where its nodes are, and how far the tools have moved (2 | 3,) [mm]."""
+        model, state = self.model, self.procedure.state
+        if model.space_tools:
+            return model.mesh, model.mesh.points + state.nodes.moved, self._surface_places()[0]
         moved = [displacement for displacement, _ in self._tool_places()]
-        names = [tool.name for tool in self.model.plane_tools]
-        return self.model.mesh, find_position(self.procedure), dict(zip(names, moved, strict=False))
+        names = [tool.name for tool in model.plane_tools]
+        return model.mesh, find_position(self.procedure), dict(zip(names, moved, strict=False))
 
     def _surface_places(self) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
         """Return how far each tool in space has moved (3,) [mm] and turned (3,) [rad] since the start, by its name."""

@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Dies of facets with a flash land in runs in space: how far they are filled, and how thick the flash is."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from presswork import build_model, run_model
+from presswork.case.space.schema import SpaceCase
+from tests.unit.mesh.test_die_cavity import make_die
+
+HARDENING = {"law": "swift", "K": 500, "e0": 0.01, "n": 0.2}
+
+
+def test_a_die_in_space_tells_its_fill_and_its_flash(tmp_path):
+    """A block beneath a pocket of which it touches the floor: its top of 4 x 4 mm; the land is 3.5 mm lower."""
+    points, triangles = make_die(start=0.0)
+    corners = points[triangles]
+    lines = [
+        f"facet normal 0 0 0\nouter loop\n{''.join(f'vertex {x:.9g} {y:.9g} {z:.9g}' + chr(10) for x, y, z in facet)}"
+        "endloop\nendfacet\n"
+        for facet in corners
+    ]
+    path = str(tmp_path / "die.stl")
+    Path(path).write_text("solid die\n" + "".join(lines) + "endsolid die\n")
+    case = SpaceCase(
+        title="a block in a pocket",
+        analysis="solid",
+        workpiece={
+            "material": "steel",
+            "element": "hex8_fbar",
+            "mesh": {"kind": "box", "size": [2.0, 2.0, 6.0], "cells": [2, 2, 3]},
+        },
+        materials={"steel": {"young": 2e5, "poisson": 0.3, "hardening": HARDENING}},
+        tools={"die": {"shape": "file", "path": path, "position": [0, 0, 2], "contact": "frictionless"}},
+        boundary={name: {"set": side, "fix": [axis]} for name, side, axis in
+                  (("x", "left", "x"), ("y", "bottom", "y"), ("z", "back", "z"))},
+        stages=[{"name": "press", "tools": {"die": {"stroke": 0.1, "direction": [0, 0, -1]}}}],
+        output={"steps": 1},
+    )  # fmt: skip
+    result = run_model(build_model(case), tmp_path / "out", threads=1).result
+    floor, whole = 2.0**2, 0.25 * (5.0**2 + (12.0**2 - 5.0**2) * np.sqrt(2.0))
+    assert result.history["die.fill"][-1] == pytest.approx(floor / whole, abs=0.01)
+    assert result.history["die.flash_thickness"][-1] == pytest.approx(2 * (2.0 - 0.1 + 0.5), abs=1e-6)
+    told = result.summary["die_fill"]["die"]
+    assert told["wall_filled"] == result.history["die.fill"][-1]
+    assert told["largest_gap_mm"] > 2.0
