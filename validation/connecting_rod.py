@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A small connecting rod forged with flash, hands off: a die of facets, an upper half cut in two.
 
-With cells of 0.8 to 1.8 mm it is computed to 4.92 of 5.1 mm (flash of 2.15 mm, twelve new meshes, 10,300 cells, volume
-to 2e-6 beside its elastic part, energy to 1 %), and finds no equilibrium beyond: shorter strokes are to be given.
+With cells of 0.8 to 1.8 mm and a stroke of 4.9 mm, 98.2 % of the wall are filled, the flash is 2.2 mm thick, and ten
+new meshes lead to 9,900 cells. A stroke of 5.1 mm gives up at 4.92 mm.
 
 Run: python -m validation.connecting_rod [--folder runs/rod] [--stroke 4.9]
 """
