@@ -62,7 +62,9 @@ def test_cells_of_half_the_size_change_the_force_by_less_than_2_percent(foot, tm
     parts = np.concatenate([np.arange(2, 17) / 20, np.arange(172, 201) / 200])
     force = {}
     for size in (0.75, 0.375):
-        case = make_hub(foot, 1.5, size, tmp_path)
+        folder = tmp_path / f"case_{size:g}"
+        folder.mkdir()
+        case = make_hub(foot, 1.5, size, folder)
         case = case.model_copy(update={"output": case.output.model_copy(update={"at": tuple(parts[15:-1].tolist())})})
         assert run_model(build_model(case), tmp_path / f"{size:g}", threads=1).status == "completed"
         rows = Result(tmp_path / f"{size:g}").history

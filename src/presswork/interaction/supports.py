@@ -86,7 +86,7 @@ def _rigid_modes(points: FloatArray, middle: FloatArray, size: float | None = No
 
 def _refuse_loose(bodies: Sequence[Body], held: FloatArray) -> None:
     """Raise NotHeldError for rigid motions of bodies that the rows of `held` (n, n_bodies, 6) do not prevent."""
-    rows = held.reshape(len(held), -1)
+    rows = held.reshape(len(held), 6 * len(bodies))
     values, vectors = np.linalg.eigh(rows.T @ rows)
     loose = vectors[:, values < 1e-12 * max(float(values.max()), 1.0)]
     if loose.shape[1] == 0:

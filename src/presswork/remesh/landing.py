@@ -18,8 +18,6 @@ from presswork.geometry.pose import shift_segments
 from presswork.model import BoolArray, FloatArray
 from presswork.remesh.size_field import SizeSources
 
-OF_SMALLEST = 0.5
-"""Edge where nodes land over the smallest size."""
 OF_GAP = 0.5
 """Edge of the free surface over its gap to the tool."""
 STEEP = np.sin(np.radians(60.0))
@@ -69,4 +67,4 @@ def find_landings(
                 continue
             goes_on = free[ahead[1:]] & (way[:-1] < REACH * largest)
             lands[ahead[: 1 + int(np.argmin(np.append(goes_on, False)))]] = True
-    return SizeSources(line[lands], np.clip(OF_GAP * gap[lands], OF_SMALLEST * smallest, largest))
+    return SizeSources(line[lands], np.clip(OF_GAP * gap[lands], smallest, largest))

@@ -16,7 +16,7 @@ from presswork.model import BoolArray, ElementName, FloatArray, IndexArray, IntA
 from presswork.remesh.boundary import NewLine, OldLine, refuse_fold, resample
 from presswork.remesh.carrier import SurfacePlaces
 from presswork.remesh.fill import close_loops, fill_with_quadrilaterals
-from presswork.remesh.landing import OF_SMALLEST, find_landings
+from presswork.remesh.landing import find_landings
 from presswork.remesh.size_field import (
     GradedSize,
     SizeSources,
@@ -135,11 +135,8 @@ def _ask_for_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
     ]
     if settings.error and old.power is not None:
         sources.append(error_sources(old.position[old.corners()], old.corners(), old.power, settings.error))
-    landings, smallest = _find_landings(old, settings), settings.smallest_size
-    if len(landings.size):
-        sources = [SizeSources(s.place, np.maximum(s.size, smallest)) for s in sources]
-        sources, smallest = [*sources, landings], OF_SMALLEST * smallest
-    size = GradedSize(sides[:, 0], join_sources(*sources), settings.size, smallest)
+    sources.append(_find_landings(old, settings))
+    size = GradedSize(sides[:, 0], join_sources(*sources), settings.size, settings.smallest_size)
     for window in settings.windows:
         size.limit(window.box, window.size)
     return size

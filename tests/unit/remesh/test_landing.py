@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from presswork.remesh.landing import OF_GAP, OF_SMALLEST, REACH, find_closing, find_landings
+from presswork.remesh.landing import OF_GAP, REACH, find_closing, find_landings
 
 PLATEN = np.array([[10.0, 2.0, -10.0, 2.0, 0.0, 0.0, 0.0]])
 """Flat, at y = 2; the metal is beneath it."""
@@ -23,11 +23,11 @@ def test_a_point_comes_nearer_by_its_own_motion_or_by_that_of_the_tool():
 
 def test_cells_are_small_from_the_end_of_contact_on_by_the_gap():
     held = ROUND[:, 1] == 2.0
-    found = find_landings(ROUND, held, ~held & (ROUND[:, 1] > 0), PLATEN, smallest=0.5, largest=1.0)
+    found = find_landings(ROUND, held, ~held & (ROUND[:, 1] > 0), PLATEN, smallest=0.3, largest=1.0)
     by_place = {tuple(place): size for place, size in zip(found.place.tolist(), found.size.tolist(), strict=True)}
     assert by_place == {
-        (5.0, 2.0): pytest.approx(OF_SMALLEST * 0.5),
-        (5.5, 1.6): pytest.approx(OF_SMALLEST * 0.5),
+        (5.0, 2.0): pytest.approx(0.3),
+        (5.5, 1.6): pytest.approx(0.3),
         (6.0, 1.2): pytest.approx(OF_GAP * 0.8),
         (6.0, 1.0): pytest.approx(OF_GAP * 1.0),
     }
