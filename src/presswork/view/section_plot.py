@@ -38,6 +38,7 @@ def plot_section(
 
     figure = new_figure(7.0, 6.0) if figure is None else figure
     upper, lower = figure.subplots(2, 1, height_ratios=(2, 1))
+    figure.set_layout_engine("constrained", w_pad=0.15)  # else the wider labels of the lower axes are cut
     radians = float(np.radians(angle))
     sheet = cut_sheet(result, radians, step, start=start)
     if len(sheet.way) == 0:
