@@ -23,8 +23,6 @@ _UNIT = re.compile(rf"{_OPEN}{_FACTOR}{_CLOSE}(?:(?:[*/·]|\s){_OPEN}{_FACTOR}{_
 """Names of units with powers of one digit, multiplied and divided: all that a unit can be, and short to evaluate."""
 LARGEST_FLOAT = 1.7e308
 """Whole numbers of hundreds of digits have no float."""
-_LEAST = 1e-50
-"""Magnitude below which a quantity with a unit, unless 0, is a slip: products of such values vanish."""
 _LONGEST = 60
 """Letters of the longest text that is taken for a quantity or a unit."""
 
@@ -153,8 +151,6 @@ def to_number(value: object, dimension: Dimension) -> float:
         raise fault(f"{expected} that is finite", remedy)
     if abs(number) > dimension.largest:
         raise fault(f"expected {dimension.name} up to {dimension.largest:g} {dimension.unit}".rstrip(), remedy)
-    if dimension.unit and 0.0 < abs(number) < _LEAST:
-        raise fault(f"expected {dimension.name} that is 0, or not as small as {number:g}", remedy)
     return number
 
 

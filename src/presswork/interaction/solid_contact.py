@@ -32,7 +32,7 @@ from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.space_contact import SpaceContact, SpaceForces, TouchingNodes, limit_friction
 from presswork.interaction.tool_arrays import SpaceToolArrays
-from presswork.mesh.faces import nodal_normals
+from presswork.mesh.faces import nodal_normals, take_bearing
 from presswork.model import FloatArray, Model, Tool, Triangulation, find_held_side
 from presswork.state import State
 
@@ -56,7 +56,7 @@ class SolidContact(SpaceContact):
         self._needs_shear = any(t.friction.law in ("shear", "coulomb_capped") for t in model.space_tools)
         n = len(model.mesh.points)
         faces = model.mesh.boundary_faces
-        outer = np.unique(faces[:, 3:] if faces.shape[1] == 6 else faces)
+        outer = np.unique(take_bearing(faces))
         self._inside = np.ones(n, dtype=bool)
         self._inside[outer] = False
         self._length = np.ones(n)
@@ -103,9 +103,9 @@ class SolidContact(SpaceContact):
             # the part of the node's surface that faces the tool: at an edge the other side has no contact
             self._area[t] = np.maximum(0.0, -np.einsum("ni,ni->n", normals, out))
             if self._needs_shear:
-                # a face slides on the tool where all its nodes lie there, as in the plane
+                # a face slides on the tool where all its nodes that bear lie there, as in the plane
                 lies = (self._multiplier[t] > 0.0) | (gap <= ROUNDING * self._length)
-                covered = nodal_normals(places, faces[lies[faces].all(axis=1)])
+                covered = nodal_normals(places, faces[lies[take_bearing(faces)].all(axis=1)])
                 self._shear[t] = flow * np.maximum(0.0, -np.einsum("ni,ni->n", covered, out))
 
     def touching(self, tool: int) -> TouchingNodes:

@@ -47,6 +47,11 @@ def take_corners(faces: IntArray) -> IntArray:
     return faces[:, :3] if faces.shape[1] == 6 else faces
 
 
+def take_bearing(faces: IntArray) -> IntArray:
+    """Return the nodes of faces that stand for area (n, 3 | 4): all, or the middles of the sides of 6-node ones."""
+    return faces[:, 3:] if faces.shape[1] == 6 else faces
+
+
 def find_face_middles(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return where the middles of faces are (n_faces, 3) [mm]."""
     corners = points[take_corners(faces)].mean(axis=1)

@@ -228,6 +228,8 @@ class RemeshedForming(FoldingRecording):
             stress, volume = cells.stress[block], cells.volume[block]
             dilatation = stress[..., :3].sum(axis=-1) * (1.0 - 2.0 * material.poisson) / material.young
             unloaded += float((volume * np.exp(-dilatation)).sum())
+        if unloaded <= 0.0:  # products of its lengths vanish
+            return 0.0
         lost = self._first_volumes[number] / unloaded - 1.0
         return float(np.clip(lost, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
 
