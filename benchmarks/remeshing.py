@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a new mesh costs, over an increment on the same mesh: an upsetting that is meshed anew all along its stroke.
+"""What a new mesh costs, over an increment on the same mesh: in forgings, and in an upsetting meshed anew all along.
 
 A new mesh counts all from the decision on: sizes, boundary, cells, transfer, a procedure of its own, the order and
 pattern of its matrix, equilibrium with the tools at rest, and meshes that are refused. The rest of the run, which asks
 after every increment whether the mesh may stay, counts as increments.
 
-Run: python -m benchmarks.remeshing [--profile]
+Run: python -m benchmarks.remeshing [--forgings] [--profile]
 """
 
 from __future__ import annotations
@@ -13,12 +13,17 @@ from __future__ import annotations
 import argparse
 import cProfile
 import pstats
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import process_time
 
-from presswork import Case, build_model
+from presswork import Case, build_model, read_case
+from presswork.examples import copy_example
+from presswork.model import Model
 from presswork.process.remeshing import RemeshedForming
 
 CELLS = (16, 32, 64, 100)
+FORGINGS = ("forging_hub", "forging_h_section", "can_extrusion")
 EVERY = 1 / 31
 """Of the stroke: 30 new meshes."""
 
@@ -39,9 +44,9 @@ def upsetting(n: int) -> Case:
     )
 
 
-def measure(n: int) -> str:
-    """Return a row of the table."""
-    recording = RemeshedForming(build_model(upsetting(n)))
+def measure(model: Model, name: str = "") -> str:
+    """Return a row of the table; it begins with a name, or with the number of cells at the end."""
+    recording = RemeshedForming(model, threads=1)
     made = remesh = 0.0
     inner = recording._try_mesh
 
@@ -61,7 +66,7 @@ def measure(n: int) -> str:
     cells = len(recording.model.mesh.blocks[0].connectivity)
     per_mesh, per_increment = remesh / made, (whole - remesh) / increments
     return (
-        f"| {cells:,} | {increments} | {made:.0f} | {per_increment:.3f} | {per_mesh:.3f} | "
+        f"| {name or f'{cells:,}'} | {increments} | {made:.0f} | {per_increment:.3f} | {per_mesh:.3f} | "
         f"{per_mesh / per_increment:.2f} | {whole:.1f} |"
     )
 
@@ -70,15 +75,21 @@ def main() -> None:
     """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cells", type=int, nargs="*", default=CELLS, help="along each side")
+    parser.add_argument("--forgings", action="store_true", help="examples, each with its own increments")
     parser.add_argument("--profile", action="store_true", help="of the last mesh")
     arguments = parser.parse_args()
     print("| cells | increments | new meshes | increment [s] | new mesh [s] | ratio | whole [s] |")
     print("|---|---|---|---|---|---|---|")
+    if arguments.forgings:
+        with TemporaryDirectory() as folder:
+            for name in FORGINGS:
+                print(measure(build_model(read_case(copy_example(name, Path(folder)))), name), flush=True)
+        return
     profile = cProfile.Profile()
     for n in arguments.cells:
         if arguments.profile:
             profile.enable()
-        print(measure(n), flush=True)
+        print(measure(build_model(upsetting(n))), flush=True)
     if arguments.profile:
         pstats.Stats(profile).sort_stats("tottime").print_stats(25)
 

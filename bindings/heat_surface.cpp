@@ -74,6 +74,28 @@ auto pairs(Ints own_edge, Ints other_edge, Doubles own_shape, Doubles other_shap
   return std::make_tuple(give(found.pairs, {n_pairs, 2}), sums);
 }
 
+auto link(Doubles points, Ints pieces, Flags touching, Doubles pressure, Ints profile, Doubles gap, Doubles conductance,
+          double width, double chords, double thickness) {
+  require(points.ndim() == 2 && points.shape(1) == 2, "points must have shape (n_points, 2)");
+  require(pieces.ndim() == 2 && pieces.shape(1) == 2 && profile.ndim() == 2 && profile.shape(1) == 2,
+          "edges must have shape (n, 2)");
+  require(touching.size() > 0 && pieces.shape(0) % touching.size() == 0, "touching must have one value an edge");
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    require(pieces.data()[i] >= 0 && std::size_t(pieces.data()[i]) < std::min(pressure.size(), gap.size()),
+            "edges must be node indices");
+  for (std::size_t i = 0; i < profile.size(); ++i)
+    require(profile.data()[i] >= 0 && std::size_t(profile.data()[i]) < points.shape(0), "edges must be node indices");
+  const auto rows = add_slopes(conductance);
+  const MeshedTool tool{{static_cast<int>(profile.shape(0)), profile.data()},
+                        gap.data(),
+                        {rows.data(), static_cast<int>(conductance.shape(0))},
+                        width};
+  const auto found = link_tool(points.data(), {static_cast<int>(pieces.shape(0)), pieces.data()}, touching.data(),
+                               static_cast<int>(touching.size()), pressure.data(), tool, chords, thickness);
+  const std::size_t n = found.pairs.size() / 2;
+  return std::make_tuple(give(found.pairs, {n, 2}), give(found.sums[0], {n}), give(found.sums[1], {n}));
+}
+
 auto step_column(HeatColumn& column, Doubles temperature, double dt) {
   require(temperature.ndim() == 2 && temperature.shape(1) == column.size(), "temperature must have shape (n, cells)");
   double *still, *answer;
@@ -100,6 +122,14 @@ void bind_heat_surface(nb::module_& m) {
         nb::arg("own"), nb::arg("other"), nb::arg("amounts"),
         "Pairs of nodes (n, 2), each once, and sums over them of amounts at points of edges own that face edges other, "
         "as find_facing returns them.");
+  m.def("link_tool", &link, nb::arg("points"), nb::arg("pieces"), nb::kw_only(), nb::arg("touching"),
+        nb::arg("pressure"), nb::arg("profile"), nb::arg("gap"), nb::arg("conductance"), nb::arg("width"),
+        nb::arg("chords"), nb::arg("thickness"),
+        "What passes between pieces (m, 2) of a surface and the profile (k, 2) of a tool with a mesh: pairs of nodes "
+        "(n, 2), conductance times shared area [N mm/(s K)] and shared area [mm2].\n\ntouching: of the edges "
+        "(n_edges,), whose pieces follow each other edge by edge, once or twice; pressure [MPa], gap [mm]: at nodes; "
+        "conductance, width as find_touch has them; chords: of a piece, how far the mesh of the tool may lie off; "
+        "thickness as find_facing has it.");
   nb::class_<HeatColumn>(m, "HeatColumn", "A row of finite volumes behind a surface.")
       .def(
           "__init__",

@@ -15,10 +15,12 @@ from tests.problems.examples_in_space import TRIALS, compare
 
 def main() -> None:
     """Print a row for each example."""
-    print("example, reached [%], largest difference of the force, of its mean, profile, cooling [%]; seconds")
+    print("example, reached; largest difference of the force: of an increment, of a twentieth of the way, of all;")
+    print("profile, heat [%]; seconds")
     for name in sys.argv[1:] or TRIALS:
         found = compare(name)
-        shown = [100 * x for x in (found.reached, np.abs(found.force).max(), found.work, found.profile, found.cooling)]
+        force = (np.abs(found.force).max(), np.abs(found.part).max(), found.work)
+        shown = [100 * x for x in (found.reached, *force, found.profile, found.cooling)]
         print(name, *(f"{x:.2f}" for x in shown), *(f"{c.seconds:.1f}" for c in found.courses), flush=True)
         for course in found.courses:
             if course.reason:

@@ -22,6 +22,8 @@ PAIRS = ("3,1.5", "3,1.5,0.375", "2,1.5", "1,1.5", "1,1.5,0.375", "0,1.5", "3,0"
 FRACTIONS = (0.8, 0.9, 0.95, 0.97, 0.98, 0.99, 1.0)
 FOOT, LAND, WALL = 2, 4, 20.4
 """Points of the die's profile, and radius up to which its wall must be filled [mm]."""
+FLASH_CORNERS = (1, 2, 3)
+"""Of the forging with flash: roof of the hub, its foot, roof of the flange."""
 
 
 def make_hub(foot: float, land: float, size: float | None, folder: Path) -> Case:
@@ -34,6 +36,17 @@ def make_hub(foot: float, land: float, size: float | None, folder: Path) -> Case
     case["tools"]["die"]["profile"] = profile
     if size is not None:
         case["remesh"] = {"size": size}
+    return Case.model_validate(case)
+
+
+def make_flash(corner: float, size: float, folder: Path) -> Case:
+    """Return the packaged forging with flash with other radii of its foot and roofs, and a size of cells [mm]."""
+    case = Case.from_toml(str(copy_example("forging_flash", folder))).model_dump(exclude_unset=True)
+    profile = list(case["tools"]["die"]["profile"])
+    for number in FLASH_CORNERS:
+        profile[number] = {"to": list(profile[number]["to"]), "radius": corner}
+    case["tools"]["die"]["profile"] = profile
+    case["remesh"] = {"size": size}
     return Case.model_validate(case)
 
 

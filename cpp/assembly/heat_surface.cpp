@@ -101,4 +101,45 @@ PairSums sum_pairs(const FacingPoints& found, const int* own, const int* other,
   return result;
 }
 
+PairSums link_tool(const double* points, Edges pieces, const bool* touching, int n_edges, const double* pressure,
+                   const MeshedTool& tool, double chords, double thickness) {
+  // 1. pieces that touch or are near
+  std::vector<int> own;
+  std::vector<double> reach;
+  std::vector<std::uint8_t> holds;
+  for (int i = 0; i < pieces.n; ++i) {
+    const int *ends = pieces.nodes + 2 * i, a = ends[0], b = ends[1];
+    const bool held = touching[i % n_edges];
+    if (!held && !(std::min(tool.gap[a], tool.gap[b]) < tool.width)) continue;
+    const double x = points[2 * b] - points[2 * a], y = points[2 * b + 1] - points[2 * a + 1];
+    own.insert(own.end(), {a, b});
+    holds.push_back(held);
+    reach.push_back((held ? 0.0 : tool.width) + chords * std::sqrt(x * x + y * y));
+  }
+  // 2. what passes at the points where they face the profile
+  const auto found =
+      find_facing(points, {static_cast<int>(holds.size()), own.data()}, tool.profile, reach.data(), thickness);
+  const int n = static_cast<int>(found.size());
+  std::vector<int> edge(n), across(n);
+  std::vector<double> shape(2 * std::size_t(n)), opposite(2 * std::size_t(n)), conducted(n), area(n);
+  for (int i = 0; i < n; ++i) {
+    const Facing& at = found[i];
+    const int* ends = own.data() + 2 * at.own;
+    double part = 1.0, pushed = 0.0, conductance, slope;
+    if (holds[at.own]) {
+      pushed = at.own_shape[0] * pressure[ends[0]] + at.own_shape[1] * pressure[ends[1]];
+    } else {
+      double between = 0.0;
+      for (int k = 0; k < 2; ++k) between += at.own_shape[k] * std::min(tool.gap[ends[k]], far * tool.width + 1.0);
+      part = std::clamp(1.0 - std::max(between, 0.0) / std::max(tool.width, 1e-300), 0.0, 1.0);
+    }
+    tool.conductance.find(pushed, conductance, slope);
+    area[i] = part * at.area, conducted[i] = conductance * area[i];
+    edge[i] = at.own, across[i] = at.other;
+    for (int k = 0; k < 2; ++k) shape[2 * i + k] = at.own_shape[k], opposite[2 * i + k] = at.other_shape[k];
+  }
+  return sum_pairs({n, edge.data(), across.data(), shape.data(), opposite.data()}, own.data(), tool.profile.nodes,
+                   {conducted.data(), area.data()});
+}
+
 }  // namespace presswork

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "contact/facing.hpp"
 #include "element/heat_conduction.hpp"
 
 namespace presswork {
@@ -53,5 +54,20 @@ struct FacingPoints {
 
 PairSums sum_pairs(const FacingPoints& found, const int* own, const int* other,
                    const std::vector<const double*>& amounts);
+
+// What passes between a surface and the profile of a tool with a mesh, over the pairs of nodes that face each other:
+// sums of conductance times area [N mm/(s K)], and of area [mm2].
+//
+// Both are chords of the profile, so that a piece that touches it faces it within `chords` of its length; where it is
+// near the distance is that of the nodes from the exact profile. touching (n_edges): of the edges, whose pieces are
+// numbered through n_edges after n_edges; pressure (n_points) [MPa]; thickness as find_facing has it.
+struct MeshedTool {
+  Edges profile;
+  const double* gap;             // distance of the nodes (n_points) [mm]
+  TemperatureTable conductance;  // by pressure [MPa], [N/(mm s K)]
+  double width;                  // across which heat passes [mm]
+};
+PairSums link_tool(const double* points, Edges pieces, const bool* touching, int n_edges, const double* pressure,
+                   const MeshedTool& tool, double chords, double thickness);
 
 }  // namespace presswork

@@ -93,7 +93,7 @@ bool find_shapes(std::string_view cell, int n, double* N) {
   return copy_shapes<Tri3, 1>(cell, n, N) || copy_shapes<Tri6, 6>(cell, n, N) || copy_shapes<Tri6, 7>(cell, n, N) ||
          copy_shapes<Quad4, 4>(cell, n, N) || copy_shapes<Quad4, 1>(cell, n, N) || copy_shapes<Quad8, 9>(cell, n, N) ||
          copy_shapes<Quad8, 4>(cell, n, N) || copy_shapes<Quad9, 9>(cell, n, N) || copy_shapes<Quad9, 4>(cell, n, N) ||
-         copy_shapes<Hex8, 8>(cell, n, N) || copy_shapes<Tet4, 1>(cell, n, N);
+         copy_shapes<Hex8, 8>(cell, n, N) || copy_shapes<Hex8, 1>(cell, n, N) || copy_shapes<Tet4, 1>(cell, n, N);
 }
 
 const HeatCellType* find_heat_cell(std::string_view name) {

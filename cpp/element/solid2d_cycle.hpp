@@ -107,6 +107,7 @@ void advance_stress(const CycleUmat& law, const Pack* F, const Increment<Pack>& 
     at.coordinates[0] = place.at[0][lane], at.coordinates[1] = place.at[1][lane], at.length = place.length[lane];
     at.cell = place.first + lane + 1;
     at.time[0] = at.time[1] = place.time, at.dt = dt;
+    if (place.temperature) at.temperature[0] = (*place.temperature)[lane];
     lanes.history_n[lane] = &kept[std::size_t(lane) * extra];
     lanes.history[lane] = &kept[std::size_t(pack_width + lane) * extra];
     for (int i = 0; i < extra; ++i) kept[std::size_t(lane) * extra + i] = state[CycleRow::count + i][lane];

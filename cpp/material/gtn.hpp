@@ -12,7 +12,7 @@
 //                A = fN/(sN sqrt(2 pi)) exp(-((e - eN)/sN)^2/2)                         (Chu & Needleman 1980)
 //
 // The increment is that of Aravas (1987), solved by Newton's method for dv, dq and de; the tangent follows from one
-// more iteration in dual numbers. Contract of user_law.hpp; state: e, f, growth and nucleation of the increment.
+// more iteration in dual numbers. Contract of user_law.hpp; state: e, f, growth and nucleation since f last changed.
 #pragma once
 
 #include <algorithm>
@@ -95,7 +95,6 @@ struct Gtn {
     double flow, slope;
     evaluate_matrix(e_n, flow, slope);
     const double star = effective_porosity(f), along = 1.5 * q2 * value_of(p) / flow;
-    state[2] = T(0.0);
     T x[3] = {T(0.0), T(0.0), T(0.0)};
     const double over = value_of(q) * value_of(q) / (flow * flow) +
                         2.0 * q1 * star * std::cosh(std::min(std::fabs(along), 300.0)) - 1.0 - q3 * star * star;
@@ -105,7 +104,7 @@ struct Gtn {
       const bool pulls = value_of(p) - bulk * value_of(x[0]) > 0.0;
       const double rate = fN > 0.0 && pulls ? fN / (sN * 2.5066282746310002) * std::exp(-0.5 * far * far) : 0.0;
       state[0] = T(e_n) + x[2];
-      state[2] = T(1.0 - f) * x[0] + T(rate) * x[2];
+      state[2] += T(1.0 - f) * x[0] + T(rate) * x[2];
     }
     // 3. stress on the way back
     const T left = (q - T(3.0 * shear) * x[1]) / q;

@@ -1134,13 +1134,40 @@ class SpaceLoop:
     @ironing.setter
     def ironing(self, arg: bool, /) -> None: ...
 
-    def add_wall(self, surface: ToolSurface, touching: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], *, position: Sequence[float], mu: float, reach: float) -> None:
+    def add_wall(self, surface: ToolSurface, touching: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], *, position: Sequence[float], rotation: Sequence[Sequence[float]], centre: Sequence[float], axis: Sequence[float], turns: bool, mu: float, reach: float) -> None:
         """
-        Let a rigid tool hold the nodes marked (n_nodes) off its surface; position: of the tool's frame [mm]; reach: how far off it is looked for [mm].
+        Let a rigid tool hold the nodes marked (n_nodes) off its surface; position: of the tool's frame [mm], rotation: from it to space (3, 3); centre [mm] and axis, in space: about which it turns; turns: whether it is turned now or later; reach: how far off it is looked for [mm].
         """
 
     def limit_wall_friction(self, wall: int, limit: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Largest friction on each node (n_nodes) [N] from now on."""
+
+    def move_wall(self, wall: int, velocity: Sequence[float], spin: float = 0.0) -> None:
+        """Let a wall move [mm/s] and turn [1/s] from now on."""
+
+    def place_wall(self, wall: int, offset: Sequence[float]) -> None:
+        """Put a wall elsewhere, by a displacement since the start [mm]."""
+
+    def float_wall(self, wall: int, direction: Sequence[float], *, mass: float, drag: float, stiffness: float, rests: bool) -> None:
+        """
+        Let forces move a wall of a mass [t] along a direction, besides. drag [1/s]; stiffness: of a spring [N/mm]; rests: whether it goes no further back than to where it starts.
+        """
+
+    def push_wall(self, wall: int, force: float) -> None:
+        """Push a wall that floats along its direction from now on [N]."""
+
+    def hold_wall(self, wall: int) -> None:
+        """Let no force move a wall any more."""
+
+    def hold_along(self, node: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], along: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Prescribe velocities (k) [mm/s] of nodes (k), rising, along unit vectors (k, 3) besides those of prescribe, to which they are normal, and to each other.
+        """
+
+    def tie(self, pairs: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], angle: float) -> None:
+        """
+        Let the second node of each pair (n, 2) follow the first, turned about z by an angle [rad].
+        """
 
     def wall_force(self, wall: int) -> NDArray[numpy.float64]:
         """Forces of a wall on the nodes (n_nodes, 3) in the last cycle."""
@@ -1148,11 +1175,29 @@ class SpaceLoop:
     def wall_offset(self, wall: int) -> list[float]:
         """Displacement of a wall since the start [mm]."""
 
-    def wall_impulse(self, wall: int) -> list[float]:
-        """Impulse that a wall has given to the nodes since the start [N s]."""
+    def wall_angle(self, wall: int) -> float:
+        """By how much a wall has turned since the start [rad]."""
 
-    def move_wall(self, wall: int, velocity: Sequence[float]) -> None:
-        """Let a wall move from now on [mm/s]."""
+    def wall_travel(self, wall: int) -> float:
+        """How far forces and springs have moved a wall since the start [mm]."""
+
+    def wall_impulse(self, wall: int) -> list[float]:
+        """
+        Impulse that a wall has given to the nodes since the start [N s], and that of its moment about the wall's axis [N mm s].
+        """
+
+    def begin_wall_sums(self, wall: int) -> None:
+        """Sum up anew what a wall presses and rubs."""
+
+    def wall_pressed(self, wall: int) -> NDArray[numpy.float64]:
+        """
+        Impulse of a wall's pressure on the nodes since begin_wall_sums (n_nodes) [N s].
+        """
+
+    def wall_rubbed(self, wall: int) -> NDArray[numpy.float64]:
+        """
+        Work that friction on a wall has taken at the nodes since then (n_nodes) [N mm].
+        """
 
     def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: VonMises | SolidLaw, density: float, hourglass_fraction: float = 0.05) -> None:
         """
@@ -1707,6 +1752,13 @@ def find_touch(edges: Annotated[NDArray[numpy.int32], dict(order='C', device='cp
 def sum_pairs(own_edge: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other_edge: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], own_shape: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], other_shape: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], own: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], amounts: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> tuple[NDArray[numpy.int32], list[NDArray[numpy.float64]]]:
     """
     Pairs of nodes (n, 2), each once, and sums over them of amounts at points of edges own that face edges other, as find_facing returns them.
+    """
+
+def link_tool(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], pieces: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, touching: Annotated[NDArray[numpy.bool_], dict(order='C', device='cpu', writable=False)], pressure: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], profile: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], gap: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], conductance: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], width: float, chords: float, thickness: float) -> tuple[NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    What passes between pieces (m, 2) of a surface and the profile (k, 2) of a tool with a mesh: pairs of nodes (n, 2), conductance times shared area [N mm/(s K)] and shared area [mm2].
+
+    touching: of the edges (n_edges,), whose pieces follow each other edge by edge, once or twice; pressure [MPa], gap [mm]: at nodes; conductance, width as find_touch has them; chords: of a piece, how far the mesh of the tool may lie off; thickness as find_facing has it.
     """
 
 class HeatColumn:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from presswork.case import build_model
 from presswork.case.onestep.schema import OneStepCase, build_onestep_model
+from presswork.model import Model, OneStepModel
 from presswork.recorder import Outcome, StartError, fingerprint, run_model
 from presswork.results import OutputError
 
@@ -32,8 +33,28 @@ def run(
     a case that cannot be computed, before anything is, StartError if nothing can be computed from its start, and
     OutputError for a folder that cannot be used.
     """
-    if not isinstance(case, OneStepCase):
-        model = build_model(case)
+    return compute(case, folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=on_increment)
+
+
+def build(job: AnyCase | Model | OneStepModel) -> Model | OneStepModel:
+    """Return the Model of a case, which holds all that its files do; a Model as it is. Raises CaseError."""
+    if isinstance(job, Model | OneStepModel):
+        return job
+    return build_onestep_model(job) if isinstance(job, OneStepCase) else build_model(job)
+
+
+def compute(
+    job: AnyCase | Model | OneStepModel,
+    folder: Path | str,
+    *,
+    overwrite: bool = False,
+    resume: bool = False,
+    threads: int = 0,
+    on_increment: Callable[[Progress], None] | None = None,
+) -> Outcome:
+    """Compute a case, or the Model that it made, as `run` does."""
+    model = build(job)
+    if isinstance(model, Model):
         return run_model(model, folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=on_increment)
     from presswork.mesh import MeshError
     from presswork.onestep.part import OneStepError
@@ -42,7 +63,7 @@ def run(
     if resume:
         raise OutputError("a one-step run leaves nothing to resume; run it anew with overwrite")
     try:
-        run_one_step(build_onestep_model(case), folder, overwrite=overwrite, threads=threads)
+        run_one_step(model, folder, overwrite=overwrite, threads=threads)
     except OneStepError as error:
         return Outcome("gave_up", Path(folder), str(error))
     except MeshError as error:
@@ -52,8 +73,9 @@ def run(
 
 def identify(case: AnyCase) -> str:
     """Return the fingerprint of a case's Model: equal for cases that compute the same. Raises CaseError."""
-    if isinstance(case, OneStepCase):
-        from presswork.onestep.record import identify_model
+    model = build(case)
+    if isinstance(model, Model):
+        return fingerprint(model)
+    from presswork.onestep.record import identify_model
 
-        return identify_model(build_onestep_model(case))
-    return fingerprint(build_model(case))
+    return identify_model(model)

@@ -26,6 +26,9 @@ _MULTIGRID_BYTES_PER_ENTRY = 45.0
 _EXPLICIT_BYTES_PER_CELL = 2000.0
 """Of an explicit cell beside its layers: mesh, forces, work arrays and what is written."""
 
+_ADDRESS_SPACE, _DATA = 0, 5
+"""Columns of /proc/self/statm."""
+
 
 class TooLargeError(Exception):
     """A problem that the machine's memory does not hold; says so, and the remedy."""
@@ -95,11 +98,12 @@ def explain_shortage(needed: float, there: float) -> str:
 
 
 def available_memory() -> float:
-    """Return the bytes that this process may still take: of the machine, of its control group, of its own limit."""
+    """Return the bytes that this process may still take: of the machine, of its control group, of its own limits."""
     limits = [_free_of_machine(), _free_of_group(Path("/sys/fs/cgroup"))]
-    soft, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if soft != resource.RLIM_INFINITY:
-        limits.append(max(soft - _own_address_space(), 0.0))
+    for limit, column in ((resource.RLIMIT_AS, _ADDRESS_SPACE), (resource.RLIMIT_DATA, _DATA)):
+        soft, _ = resource.getrlimit(limit)
+        if soft != resource.RLIM_INFINITY:
+            limits.append(max(soft - _pages_taken(column), 0.0))
     return min(limits)
 
 
@@ -126,8 +130,9 @@ def _free_of_group(folder: Path) -> float:
     return float("inf")
 
 
-def _own_address_space() -> float:
+def _pages_taken(column: int) -> float:
+    """Return the bytes of this process in a column of statm."""
     try:
-        return float(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
+        return float(Path("/proc/self/statm").read_text(encoding="ascii").split()[column]) * resource.getpagesize()
     except (OSError, ValueError, IndexError):
         return 0.0

@@ -15,6 +15,8 @@ class IterationLog:
     contact_changes: list[int] = field(default_factory=list)
     solutions: list[str] = field(default_factory=list)
     """How an iterative solver found the corrections; empty where they came from factors."""
+    augmented: list[int] = field(default_factory=list)
+    """Iterations after which multipliers were taken over, and equilibrium was sought anew."""
     start: int = 1
     """First iteration towards the present equilibrium: what contact asks for has been changed on purpose before it."""
 
@@ -32,6 +34,11 @@ class IterationLog:
         self.correction += other.correction
         self.contact_changes += other.contact_changes
         self.solutions += other.solutions
+
+    @property
+    def since_augmented(self) -> int:
+        """Iterations before the present multipliers were taken over; 0: those that the increment began with."""
+        return self.augmented[-1] if self.augmented else 0
 
     @property
     def smooth_iterations(self) -> int:
@@ -100,3 +107,7 @@ class GaveUpError(Exception):
 
 class StartError(Exception):
     """Nothing can be computed from this start; said before the output folder is touched."""
+
+
+class ShortOfMemoryError(StartError):
+    """The computation takes more memory than there is."""

@@ -251,6 +251,9 @@ class _Run:
             self.log.warning("warning: %s", line)
         if report.is_save_point:
             self.save_step()
+            for name, text in recording.files().items():
+                with replace_whole(self.folder / name, needed_bytes=len(text)) as path:
+                    path.write_text(text, encoding="utf-8")
         self.recorded = report.number
         if report.number % recording.checkpoint_every == 0 or recording.remaining() == 0.0:
             self.save_checkpoint()

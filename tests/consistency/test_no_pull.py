@@ -17,7 +17,7 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_contact import RELEASE as RELEASE_OF_SLOTS
-from presswork.interaction.body_interface import InterfaceArrays
+from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays
 from presswork.model import FloatArray
 from presswork.process.implicit_stamping import make_shell_model

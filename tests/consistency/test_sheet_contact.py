@@ -8,7 +8,7 @@ from presswork.geometry.pose import SpacePose, turn_about
 from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_punch
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.sheet_contact import ROUNDING, sheet_nodes
-from presswork.interaction.space_contact import PlacedSurface, TouchingNodes, touch_tool
+from presswork.interaction.space_contact import NodesOnTool, PlacedSurface, TouchingNodes, find_touched, touch_tool
 from presswork.model import Friction
 
 THICKNESS = 0.8
@@ -40,6 +40,13 @@ def press(name: str, deep: float, n: int = 300) -> tuple[TouchingNodes, np.ndarr
     return sheet, on_tool + normal * (0.5 * THICKNESS - sinks)[:, None], normal
 
 
+def touch(
+    surface: PlacedSurface, law: Friction, sheet: TouchingNodes, x: np.ndarray, way: np.ndarray, before: np.ndarray
+) -> NodesOnTool:
+    """Return the forces of a tool on a sheet."""
+    return touch_tool(surface, law, find_touched(surface, sheet, x), x, way, before)
+
+
 @pytest.mark.parametrize("deep", [1e-2, 3e-5], ids=["deep", "within the rounding"])
 @pytest.mark.parametrize("state", ["frictionless", "sticks", "slides"])
 @pytest.mark.parametrize("name", [*SURFACES, "turned die"])
@@ -49,12 +56,12 @@ def test_tangent_is_the_derivative_of_the_forces(name: str, state: str, deep: fl
     rng = np.random.default_rng(4)
     way = rng.normal(size=x.shape) * THICKNESS * (1e-3 if state == "sticks" else 1.0)
     before = rng.normal(size=x.shape) * (0.1 if state == "slides" else 1e-3)
-    found = touch_tool(*tool, sheet, x, way, before)
+    found = touch(*tool, sheet, x, way, before)
     assert len(found.nodes) == len(x)
     h = 1e-7
     slopes = []
     for e in np.eye(3):
-        after, ahead = (touch_tool(*tool, sheet, x + s * h * e, way + s * h * e, before) for s in (-1, 1))
+        after, ahead = (touch(*tool, sheet, x + s * h * e, way + s * h * e, before) for s in (-1, 1))
         slopes.append((after.force - ahead.force) / (2.0 * h))
     finite = np.stack(slopes, axis=-1)
     scale = np.abs(finite).max(axis=(1, 2), keepdims=True)
@@ -68,7 +75,7 @@ def test_friction_lies_in_the_tangent_plane_and_obeys_coulomb(name: str) -> None
     mu = 0.1
     sheet, x, normal = press(name, 1e-2)
     way = 100.0 * np.random.default_rng(5).normal(size=x.shape)
-    found = touch_tool(place(name), Friction(mu=mu), sheet, x, way, np.zeros_like(x))
+    found = touch(place(name), Friction(mu=mu), sheet, x, way, np.zeros_like(x))
     push = (found.force * normal).sum(axis=1)
     along = way - (way * normal).sum(axis=1)[:, None] * normal
     np.testing.assert_allclose((found.friction * normal).sum(axis=1), 0.0, atol=1e-9 * push.max())
@@ -82,9 +89,9 @@ def test_push_is_that_of_the_sheet_across_its_thickness() -> None:
     _, x, normal = press("punch", 1e-2)
     sheet = sheet_nodes(area, np.full(300, THICKNESS), STIFFNESS)
     tool = place("punch"), Friction()
-    found = touch_tool(*tool, sheet, x, np.zeros_like(x), np.zeros_like(x))
+    found = touch(*tool, sheet, x, np.zeros_like(x), np.zeros_like(x))
     gap = tool[0].nearest(x, np.inf)[0] - 0.5 * THICKNESS
     stress = (found.force * normal).sum(axis=1) / area
     np.testing.assert_allclose(stress, -STIFFNESS * gap / THICKNESS, rtol=1e-9)
     off = x + normal * (-gap + 1.001 * ROUNDING * THICKNESS)[:, None]
-    assert len(touch_tool(*tool, sheet, off, np.zeros_like(x), np.zeros_like(x)).nodes) == 0
+    assert len(touch(*tool, sheet, off, np.zeros_like(x), np.zeros_like(x)).nodes) == 0

@@ -3,7 +3,8 @@
 
 The case file of an example is turned into one in space. Its section of quadrilaterals is turned about the axis by
 6 degrees, or drawn out by 0.5 mm; its tools become round or straight; two planes hold the sector. Both are computed on
-one mesh, as far as it goes, and compared at twenty instants from the first force on.
+one mesh, as far as it goes. The run in space takes the increments of the plane (a cut-back apart), so that nodes land
+in the same increments, and both are compared after every one.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import copy
 import tempfile
 import time
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -22,10 +24,11 @@ import numpy as np
 from presswork import build_model
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
-from presswork.implicit.heat_of_forming import HeatArrays
-from presswork.model import FloatArray, Mesh, Model, Profile
+from presswork.implicit.progress import Progress
+from presswork.model import FloatArray, IndexArray, Mesh, Model, Profile
 from presswork.outcome import GaveUpError
 from presswork.process.begin import begin as begin_run
+from presswork.state import State
 
 Data = dict[str, Any]
 
@@ -33,9 +36,11 @@ ANGLE, AROUND = 6.0, 2
 """Of sectors [degrees], and their cells: chords of 3 degrees lose 0.05 % of the area of the circle."""
 THICK = 0.5
 """Of a slice [mm]."""
-INSTANTS = 20
-BEGUN = 0.01
-"""Of the largest force, from which on it is compared."""
+PARTS = 20
+ENDS = 1e-3
+"""Of the way of a blow: ends by their energy closer than that are taken as one."""
+SAME = 1e-9
+"""Of a stage: ends of increments closer than that are one."""
 BEYOND = 5.0
 """How far the two parts of a profile that is cut at an inner corner go on [mm]."""
 
@@ -85,14 +90,18 @@ class Course:
     """One run."""
 
     model: Model
-    time: FloatArray
-    """(n_rows,) [s]."""
+    stage: IndexArray
+    """Number of the stage (n_rows,)."""
+    fraction: FloatArray
+    """Of the stage (n_rows,)."""
     force: FloatArray
     """Along the axis, of the plane upwards, of the whole (n_rows,) [N]."""
     end: FloatArray
     """Places of nodes at the end (n_points, 2 | 3) [mm]."""
-    temperature: FloatArray
-    """Mean of the workpiece (n_rows,) [degrees C]; without rows where there is no heat."""
+    heat: FloatArray
+    """Stored in the workpiece since the start, of the whole (n_rows,) [N mm]; without rows where there is no heat."""
+    turnover: float
+    """The largest of the heats of plastic work, of friction, to tools and to surroundings [N mm]."""
     seconds: float
     """Of processor time."""
     reason: str
@@ -105,15 +114,17 @@ class Comparison:
 
     courses: tuple[Course, Course]
     reached: float
-    """Part of the time that both went."""
+    """Part of the increments of the plane that the other went, too."""
     force: FloatArray
-    """Difference at each instant over the largest force (INSTANTS,)."""
+    """Difference after each increment over the largest force (n_increments,)."""
+    part: FloatArray
+    """Difference of the mean over each of PARTS of the way, over the largest force (PARTS,)."""
     work: float
-    """Relative difference of the mean force."""
+    """Relative difference of the force's integral over the way."""
     profile: float
     """Largest distance between the sections' outlines, over the larger extent of the section."""
     cooling: float
-    """Largest difference of the mean temperature, over its largest change; 0 without heat."""
+    """Largest difference of the heat stored, over the largest of the heats that came and went; 0 without heat."""
 
 
 def compare(name: str) -> Comparison:
@@ -122,24 +133,26 @@ def compare(name: str) -> Comparison:
     flat = read_example(name)
     with tempfile.TemporaryDirectory() as folder:
         space = in_space(flat, Path(folder) / "section.inp", trial.cut)
-        one = compute(Case(**flat), f"{trial.column}_y")
-        two = compute(SpaceCase(**space), f"{trial.column}_z")
-    end = min(one.time[-1], two.time[-1])
-    begin = one.time[np.flatnonzero(np.abs(one.force) > BEGUN * np.abs(one.force).max())[0]]
-    at = np.linspace(begin, end, INSTANTS + 1)[1:]
-    whole = THICK if flat["analysis"] == "plane_strain" else 1.0
-    if trial.column.partition(".")[0] in flat["boundary"]:
-        whole = ANGLE / 360.0  # reactions of supports are those of what is modelled
-    force, other = np.interp(at, one.time, one.force), np.interp(at, two.time, two.force) / whole
+        one = compute(Case(**flat), f"{trial.column}_y", 1.0)
+        plane_strain, support = flat["analysis"] == "plane_strain", trial.column.partition(".")[0] in flat["boundary"]
+        part = THICK if plane_strain else ANGLE / 360.0
+        # forces on tools of a sector are those of the whole; reactions of supports are those of what is modelled
+        two = compute(SpaceCase(**space), f"{trial.column}_z", part if plane_strain or support else 1.0, part, one)
+    at, both = match(one, two)
+    force, other = one.force[at], both(two.force)
+    place = (one.stage + one.fraction)[at]
+    way = np.diff(place, prepend=0.0)
+    edges = np.linspace(0.0, place[-1], PARTS + 1)
+    lead, behind = (np.diff(np.interp(edges, place, np.cumsum(way * f))) / edges[1] for f in (force, other))
     cooling = 0.0
     if one.model.heat is not None:
-        mean, mean_in_space = (np.interp(at, c.time, c.temperature) for c in (one, two))
-        cooling = float(np.abs(mean_in_space - mean).max() / np.abs(mean - one.model.heat.initial[0]).max())
+        cooling = float(np.abs(both(two.heat) - one.heat[at]).max() / one.turnover)
     return Comparison(
         (one, two),
-        end / max(one.time[-1], two.time[-1]),
-        (other - force) / np.abs(force).max(),
-        float(other.sum() / force.sum() - 1.0),
+        len(at) / len(one.force),
+        (other - force) / np.abs(one.force).max(),
+        (behind - lead) / np.abs(one.force).max(),
+        float(way @ other / (way @ force) - 1.0),
         measure_profiles(one, two),
         cooling,
     )
@@ -264,25 +277,68 @@ def _place_in_space(tool: Data, *, is_round: bool) -> None:
         tool["profile"][0] = [0, first[1]]
 
 
-def compute(case: Case | SpaceCase, column: str) -> Course:
-    """Run a case to its end, or as far as it goes."""
+def compute(
+    case: Case | SpaceCase, column: str, part: float, part_of_heat: float = 1.0, lead: Course | None = None
+) -> Course:
+    """Run a case to its end, or as far as it goes.
+
+    part, part_of_heat: what column and heat are of, over the whole. lead: the course whose increments are taken.
+    """
     run = begin_run(build_model(case), threads=1)
-    rows, reason, began = [], "", time.process_time()
+    procedure, names = run.procedure, [stage.name for stage in run.model.stages]  # type: ignore[attr-defined]
+    rows, ends, reason, began = [], [], "", time.process_time()
     try:
+        _aim(procedure.state, lead)
         for report in run.advance():
             rows.append(run.row(report))  # what there is before it fails
+            ends.append((names.index(report.stage), report.fraction))
+            _aim(procedure.state, lead)
     except GaveUpError as error:
         reason = str(error)
-    state, mesh = run.procedure.state, run.model.mesh  # type: ignore[attr-defined]
-    hot = HeatArrays in state
+    state, mesh = procedure.state, run.model.mesh
+    heats = [key for key in rows[-1] if key.startswith("heat_")]
     return Course(
         run.model,
-        *(np.array([float(row[key]) for row in rows]) for key in ("time", column)),
+        *np.array(ends).T,
+        np.array([float(row[column]) for row in rows]) / part,
         mesh.points + state.nodes.displacement[:, : mesh.points.shape[1]],
-        np.array([float(row["temperature_mean"]) for row in rows if hot]),
+        np.array([float(row["heat_stored"]) for row in rows if heats]) / part_of_heat,
+        max((abs(float(rows[-1][key])) for key in heats), default=0.0) / part_of_heat,
         time.process_time() - began,
         reason,
     )
+
+
+def _aim(state: State, lead: Course | None) -> None:
+    """Ask for the increment that ends where the next one of another course does."""
+    if lead is None:
+        return
+    now = state[Progress]
+    ahead = lead.fraction[(lead.stage == now.stage) & (lead.fraction > now.fraction + SAME)]
+    if len(ahead):
+        now.next_size = float(ahead[0]) - now.fraction
+
+
+def match(one: Course, two: Course) -> tuple[IndexArray, Callable[[FloatArray], FloatArray]]:
+    """Return the increments of the first course that the second went, too, and what finds values of the second there.
+
+    Where blows end by their energy the ends differ by a little: values are those at the same part of the blow.
+    """
+    stages = np.unique(two.stage)
+    ends = [(one.fraction[one.stage == stage].max(), two.fraction[two.stage == stage].max()) for stage in stages]
+    scales = [last / end if abs(end / last - 1.0) < ENDS else 1.0 for last, end in ends]
+    at = [
+        np.flatnonzero((one.stage == stage) & (one.fraction <= end * scale + SAME))
+        for stage, scale, (_, end) in zip(stages, scales, ends, strict=True)
+    ]
+
+    def values(of_second: FloatArray) -> FloatArray:
+        return np.concatenate([
+            np.interp(one.fraction[own], scale * two.fraction[two.stage == stage], of_second[two.stage == stage])
+            for own, stage, scale in zip(at, stages, scales, strict=True)
+        ])  # fmt: skip
+
+    return np.concatenate(at), values
 
 
 def outline(course: Course) -> tuple[FloatArray, FloatArray]:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.body_interface import InterfaceArrays
+from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.mesh import grade_line
 from presswork.mesh.box import finish_mesh, mesh_box
 from presswork.mesh.faces import face_areas

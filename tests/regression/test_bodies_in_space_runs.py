@@ -6,6 +6,7 @@ import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.remesh.space.closing import find_closing_faces
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, stop_at_fold
 
 LAWS = """
 [materials.soft]
@@ -121,14 +122,8 @@ def test_a_clamp_gets_contact_with_itself_and_goes_on_after_a_resume_with_the_sa
     jaws = (upper[:, 0] > 8.0) & (upper[:, 0] < lower[-1, 0])
     assert np.abs(gap[jaws]).max() < 0.05
 
-    def stop(progress):
-        if "fold onto itself" in (tmp_path / "halves" / "run.log").read_text():
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "halves", threads=1, on_increment=stop).status == "interrupted"
-    assert run_model(model, tmp_path / "halves", threads=1, resume=True).status == "completed"
-    histories = [(tmp_path / name / "history.csv").read_bytes() for name in ("whole", "halves")]
-    assert histories[0] == histories[1]
+    parts = run_in_two_parts(model, tmp_path / "halves", stop_at_fold(tmp_path / "halves"))
+    assert_same_bits(parts.folder, tmp_path / "whole")
 
 
 PLATES = np.array(

@@ -9,6 +9,7 @@ from presswork.cli import app
 from presswork.examples import copy_example
 from presswork.results import Result
 from presswork.view.all_plots import plot_all
+from tests.regression.whole_runs import run_in_two_parts
 
 OVERRIDES = ["workpiece.mesh.cells=[6,12]", "output.steps=2", "solver.tolerance=20", "output.checkpoint_every=3"]
 
@@ -114,12 +115,7 @@ def test_hot_forming_leaves_temperatures_and_resumes_to_the_same_bits(tmp_path) 
     names = {path.name for path in plot_all(whole.result, tmp_path / "plots")}
     assert {"temperature_time.png", "contours_nodal_temperature_002.png", "force_stroke.png"} <= names
 
-    def interrupt(progress) -> None:
-        if progress.fraction > 0.5:
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "cut", threads=1, on_increment=interrupt).status == "interrupted"
-    assert run_model(model, tmp_path / "cut", threads=1, resume=True).status == "completed"
+    run_in_two_parts(model, tmp_path / "cut", lambda progress: progress.fraction > 0.5)
     assert (tmp_path / "cut/history.csv").read_bytes() == (tmp_path / "whole/history.csv").read_bytes()
 
 

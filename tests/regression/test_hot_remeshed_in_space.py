@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import build_model, read_case, run_model
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 TEXT = """
 title = "a quarter of a hot block is upset"
@@ -110,14 +111,5 @@ def test_steel_of_the_die_stays_warm_behind_a_new_mesh(result):
 
 
 def test_a_resumed_run_and_two_threads_give_the_same_bits(model, result, tmp_path):
-    calls = 0
-
-    def stop_at_eight(progress):
-        nonlocal calls
-        calls += 1
-        if calls == 8:
-            raise KeyboardInterrupt
-
-    run_model(model, tmp_path / "cut", threads=2, on_increment=stop_at_eight)
-    run_model(model, tmp_path / "cut", threads=1, resume=True)
-    assert (tmp_path / "cut/history.csv").read_bytes() == (result.folder / "history.csv").read_bytes()
+    parts = run_in_two_parts(model, tmp_path / "cut", 8, threads=(2, 1))
+    assert_same_bits(parts.folder, result.folder)

@@ -10,15 +10,15 @@ import pytest
 
 from presswork import Case, build_model
 from presswork.examples import copy_example
-from presswork.interaction.laps import LapArrays, list_laps
 from presswork.mesh.topology import find_boundary_edges
 from presswork.model import Mesh
 from presswork.process.begin import begin
+from presswork.process.increments import find_position
 from presswork.recorder import run_model
 from presswork.remesh import section
-from presswork.remesh.boundary import NewLine
 from presswork.results import Result
 from presswork.view.mesh_plot import plot_contours
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, stop_at_fold
 
 mpl.use("Agg")
 
@@ -49,28 +49,37 @@ def test_a_fold_that_closes_is_a_lap_in_summary_field_and_picture(crushed):
     mpl.pyplot.close("all")
 
 
-def test_a_loop_that_a_new_mesh_leaves_out_is_marked_and_goes_along(tmp_path, monkeypatch):
-    """The new line says that it has left out a loop beside a node: the mark stays with the material."""
+def test_a_loop_that_a_new_mesh_leaves_out_is_marked_along_its_whole_length(tmp_path, monkeypatch):
+    """The new line says that it has left out a loop 2 mm deep: the seam stays with the material."""
     path = copy_example("forging_hub", tmp_path)
     recording = begin(build_model(Case.from_toml(path, ["remesh.size=1.0"])), 1)
-    next(recording.advance())
+    reports = recording.advance()
+    next(reports)
     real = section.resample
-
-    def with_lap(old, size):
-        line = real(old, size)
-        free = np.flatnonzero(line.is_free)
-        return NewLine(line.points, line.place, line.is_free, line.offset, free[:3])
-
-    monkeypatch.setattr(section, "resample", with_lap)
+    (body,) = recording._sections()
+    free = ~(body.on_tool.any(axis=0) | body.fixed.any(axis=1))[body.chains[0]]
+    mouth = body.position[body.chains[0]][free].mean(axis=0)
+    seam = np.linspace(mouth, mouth - [2.0, 0.0], 9)
+    monkeypatch.setattr(section, "resample", lambda old, size: replace(real(old, size), seams=(seam,)))
     assert recording._remesh("asked for")
     monkeypatch.undo()
-    state, mesh = recording.procedure.state, recording.procedure.model.mesh
-    (before,) = list_laps(state, mesh)
-    assert state[LapArrays].begun >= 0.0
+
+    def tell():
+        (lap,) = recording.summary({"time": np.zeros(0), **dict.fromkeys(recording.columns, np.zeros(0))})["laps"]
+        return np.array([lap["x_mm"], lap["y_mm"]]), lap["length_mm"]
+
+    assert tell()[0] == pytest.approx(seam.mean(axis=0), abs=0.5)
+    assert tell()[1] == pytest.approx(2.0, abs=1e-3)
+    before = recording.to_arrays()
+    next(reports)
     assert recording._remesh("asked for again")
-    (after,) = list_laps(recording.procedure.state, recording.procedure.model.mesh)
-    assert after == pytest.approx(before, abs=1.0)
-    assert recording.procedure.state[LapArrays].begun == state[LapArrays].begun
+    assert tell()[1] == pytest.approx(2.0, rel=0.05)
+    marked = recording._show().laps > 0.5
+    points = find_position(recording.procedure)
+    for place in recording._seams.places(points):
+        assert np.linalg.norm(points[marked] - place, axis=1).min() < 0.6
+    recording.load_arrays(before)
+    assert tell()[1] == pytest.approx(2.0, abs=1e-3)
 
 
 STEEL = {"young": 2e5, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 300, "modulus": 500}}
@@ -147,14 +156,8 @@ def test_a_run_resumed_after_a_fold_gives_the_same_bits(tmp_path):
     model = press_u_shut(3.5)
     assert run_model(model, tmp_path / "whole", threads=1).status == "completed"
 
-    def stop(progress):
-        if "fold onto itself" in (tmp_path / "halves" / "run.log").read_text():
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "halves", threads=1, on_increment=stop).status == "interrupted"
-    assert run_model(model, tmp_path / "halves", threads=1, resume=True).status == "completed"
-    histories = [(tmp_path / name / "history.csv").read_bytes() for name in ("whole", "halves")]
-    assert histories[0] == histories[1]
+    parts = run_in_two_parts(model, tmp_path / "halves", stop_at_fold(tmp_path / "halves"))
+    assert_same_bits(parts.folder, tmp_path / "whole")
 
 
 @pytest.mark.parametrize("remesh", [None, {}])

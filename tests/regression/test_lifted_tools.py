@@ -78,6 +78,52 @@ def test_a_billet_goes_with_the_slower_of_two_tools_that_leave_it() -> None:
     assert height.max() == pytest.approx(HEIGHT - STROKE + 2.0, abs=1e-4)
 
 
+def block(law: str, element: str, *, lower: float) -> dict[str, Any]:
+    """A quarter of a block between two planes in space; the upper one leaves it by 6 mm, the other by `lower`."""
+    box = {"kind": "box", "size": [5, 5, HEIGHT], "cells": [2, 2, 5]}
+    steel = {"young": 1e5, "poisson": 0.3, "hardening": {"law": "swift", "K": 200.0, "e0": 0.01, "n": 0.2}}
+    planes = {"upper": ([0, 0, -1], HEIGHT), "lower": ([0, 0, 1], 0.0)}
+    return {
+        "title": "block between two tools",
+        "analysis": "solid",
+        "workpiece": {"material": "steel", "mesh": box, "element": element},
+        "materials": {"steel": steel},
+        "boundary": {"x": {"set": "left", "fix": ["x"]}, "y": {"set": "bottom", "fix": ["y"]}},
+        "tools": {
+            name: {"shape": "plane", "normal": normal, "position": [0, 0, z], **LAWS[law]}
+            for name, (normal, z) in planes.items()
+        },
+        "stages": [
+            {"name": "press", "tools": {"upper": {"stroke": STROKE, "direction": [0, 0, -1]}}},
+            {
+                "name": "apart",
+                "tools": {
+                    "upper": {"stroke": 6.0, "direction": [0, 0, 1]},
+                    "lower": {"stroke": lower, "direction": [0, 0, -1]},
+                },
+            },
+        ],
+    }
+
+
+@pytest.mark.parametrize(
+    ("law", "element"),
+    [("frictionless", "hex8_fbar"), ("sticking", "hex8_fbar"), ("coulomb", "hex8_fbar"), ("shear", "tet4_mini")],
+)
+@pytest.mark.parametrize("lower", [0.0, 2.0])
+def test_a_block_in_space_stays_on_the_die_that_stands_or_leaves_it_slower(
+    law: str, element: str, lower: float
+) -> None:
+    """Within 3 micrometres, what the nodes' springs of contact leave."""
+    data = block(law, element, lower=lower)
+    procedure = ImplicitProcedure(build_model(SpaceCase.model_validate(data)), threads=1)
+    for _ in procedure.advance():
+        pass
+    height = (procedure.model.mesh.points + procedure.state.nodes.displacement[:, :3])[:, 2] + lower
+    assert height.min() == pytest.approx(0.0, abs=3e-3)
+    assert 0.0 < height.max() - (HEIGHT - STROKE) < 0.01 * HEIGHT
+
+
 def test_a_body_that_only_tools_hold_is_told_so() -> None:
     """The remedy of a run in space that gives up names the axes along which nothing but tools holds the body."""
     box = {"kind": "box", "size": [10, 10, 16], "cells": [2, 2, 2]}

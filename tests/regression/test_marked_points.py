@@ -11,6 +11,7 @@ from presswork.process.begin import begin
 from presswork.recorder import run_model
 from presswork.results import Result
 from presswork.view.all_plots import plot_all
+from tests.regression.whole_runs import run_in_two_parts
 
 mpl.use("Agg")
 
@@ -70,12 +71,7 @@ def test_points_are_in_history_pictures_and_after_a_resume_the_same_bits(tmp_pat
     model = build_model(upsetting({"every": 0.2}, "shear"))
     assert run_model(model, tmp_path / "whole", threads=1).status == "completed"
 
-    def stop(progress):
-        if progress.text.startswith("press: increment 12,"):
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
-    assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
+    run_in_two_parts(model, tmp_path / "part", lambda progress: progress.text.startswith("press: increment 12,"))
     assert (tmp_path / "whole" / "history.csv").read_bytes() == (tmp_path / "part" / "history.csv").read_bytes()
     paths = plot_all(Result(tmp_path / "whole"), fields=["eqps"])
     assert {"points.png", "flow_lines_003.png"} < {path.name for path in paths}

@@ -13,6 +13,7 @@ from presswork.report.surface import find_surface
 from presswork.view.all_plots import plot_all
 from tests.regression.test_tetrahedra import TEXT as LINEAR
 from tests.regression.test_tetrahedra import body
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 TEXT = LINEAR.replace("tet4_mini", "tet10")
 
@@ -98,17 +99,8 @@ def test_universal_files_are_refused_with_the_formats_that_serve(tmp_path) -> No
 
 
 def test_a_resumed_run_and_two_threads_give_the_same_bits(model, result, tmp_path) -> None:
-    calls = 0
-
-    def stop_at_four(progress) -> None:
-        nonlocal calls
-        calls += 1
-        if calls == 4:
-            raise KeyboardInterrupt
-
-    run_model(model, tmp_path / "cut", threads=2, on_increment=stop_at_four)
-    run_model(model, tmp_path / "cut", threads=1, resume=True)
-    assert (tmp_path / "cut/history.csv").read_bytes() == (result.folder / "history.csv").read_bytes()
+    parts = run_in_two_parts(model, tmp_path / "cut", 4, threads=(2, 1))
+    assert_same_bits(parts.folder, result.folder)
 
 
 def test_faces_and_volumes_add_up() -> None:

@@ -16,6 +16,7 @@ from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.process.begin import begin
 from presswork.process.remeshing import RemeshedForming
 from presswork.recorder import run_model
+from tests.regression.whole_runs import run_in_two_parts
 
 KEYS = [
     "workpiece.mesh.cells=[6,8]", "bodies.ring.mesh.cells=[4,8]", "remesh.size=2.5", "remesh.bodies.ring.size=2.0",
@@ -84,10 +85,5 @@ def test_heat_closes_where_one_body_keeps_its_mesh(model) -> None:
 
 
 def test_a_resumed_run_gives_the_same_bits(model, whole: Path, tmp_path: Path) -> None:
-    def stop(progress) -> None:
-        if progress.text.startswith("upset: increment 25,"):
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "halves", threads=1, on_increment=stop).status == "interrupted"
-    assert run_model(model, tmp_path / "halves", threads=1, resume=True).status == "completed"
+    run_in_two_parts(model, tmp_path / "halves", lambda progress: progress.text.startswith("upset: increment 25,"))
     assert (whole / "history.csv").read_bytes() == (tmp_path / "halves/history.csv").read_bytes()

@@ -11,6 +11,7 @@ from presswork.process.impact import ExplicitImpact
 from presswork.process.remeshed_impact import RemeshedImpact
 from presswork.recorder import run_model
 from presswork.results import Result, read_history
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 
 def upsetting(procedure="explicit", remesh=None, **changes):
@@ -216,14 +217,9 @@ def test_a_hot_run_resumed_between_meshes_gives_the_same_bits(tmp_path):
     model = build_model(hot({"every": 0.3, "size": 1.2}))
     assert run_model(model, tmp_path / "whole", threads=1).status == "completed"
 
-    def stop(progress):
-        if (tmp_path / "halves" / "history.csv").read_text().count("\n") == 24:
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "halves", threads=1, on_increment=stop).status == "interrupted"
-    assert run_model(model, tmp_path / "halves", threads=1, resume=True).status == "completed"
-    histories = [(tmp_path / name / "history.csv").read_bytes() for name in ("whole", "halves")]
-    assert histories[0] == histories[1]
+    history = tmp_path / "halves/history.csv"
+    parts = run_in_two_parts(model, tmp_path / "halves", lambda _: history.read_text().count("\n") == 24)
+    assert_same_bits(parts.folder, tmp_path / "whole")
 
 
 def test_without_keys_the_first_mesh_stays_until_a_row_fails(monkeypatch):

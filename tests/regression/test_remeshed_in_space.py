@@ -11,6 +11,7 @@ from presswork.examples import copy_example
 from presswork.report.write import write_report
 from presswork.view.all_plots import plot_all
 from tests.problems.upset_block import describe_block
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 TEXT = describe_block(
     'element = "tet4_mini"\nmesh = {kind = "box", size = [4, 4, 5], cells = [3, 3, 4]}',
@@ -79,17 +80,8 @@ def test_pictures_and_page_show_each_step_on_its_mesh(result, tmp_path):
 
 
 def test_a_resumed_run_and_two_threads_give_the_same_bits(model, result, tmp_path):
-    calls = 0
-
-    def stop_at_ten(progress):
-        nonlocal calls
-        calls += 1
-        if calls == 10:
-            raise KeyboardInterrupt
-
-    run_model(model, tmp_path / "cut", threads=2, on_increment=stop_at_ten)
-    run_model(model, tmp_path / "cut", threads=1, resume=True)
-    assert (tmp_path / "cut/history.csv").read_bytes() == (result.folder / "history.csv").read_bytes()
+    parts = run_in_two_parts(model, tmp_path / "cut", 10, threads=(2, 1))
+    assert_same_bits(parts.folder, result.folder)
 
 
 def test_metal_that_rises_into_a_die_gets_meshes_that_follow_its_radius(tmp_path):

@@ -143,12 +143,7 @@ def test_back_stresses_and_rates_resume_to_the_same_bits(tmp_path: Path, sheet: 
     model = build_model(read_case(tmp_path / "strip.toml"))
     assert run_model(model, tmp_path / "whole", threads=1).status == "completed"
 
-    def stop(progress) -> None:
-        if progress.text.startswith("flatten"):
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "part", threads=1, on_increment=stop).status == "interrupted"
-    assert run_model(model, tmp_path / "part", threads=1, resume=True).status == "completed"
+    run_in_two_parts(model, tmp_path / "part", lambda progress: progress.text.startswith("flatten"))
     states = [load_checkpoint(tmp_path / name / "checkpoint.h5")[0] for name in ("whole", "part")]
     back = states[0]["cells.history.0"][..., 1:4]
     assert np.abs(back).max() > 5.0

@@ -6,6 +6,7 @@ import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.view.all_plots import plot_all
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 TEXT = """
 title = "a block is stretched"
@@ -66,18 +67,9 @@ def test_results_are_hexahedra_that_vtk_reads(model, tmp_path) -> None:
 
 
 def test_a_resumed_run_gives_the_same_bits(model, tmp_path) -> None:
-    run_model(model, tmp_path / "whole", threads=1)
-    calls = 0
-
-    def stop_at_five(progress) -> None:
-        nonlocal calls
-        calls += 1
-        if calls == 5:
-            raise KeyboardInterrupt
-
-    run_model(model, tmp_path / "cut", threads=1, on_increment=stop_at_five)
-    run_model(model, tmp_path / "cut", threads=1, resume=True)
-    assert (tmp_path / "cut/history.csv").read_bytes() == (tmp_path / "whole/history.csv").read_bytes()
+    whole = run_to_end(model, tmp_path / "whole").folder
+    parts = run_in_two_parts(model, tmp_path / "cut", 5)
+    assert_same_bits(parts.folder, whole)
 
 
 def test_threads_do_not_change_a_bit(model, tmp_path) -> None:

@@ -89,7 +89,7 @@ def test_symmetry_costs_nothing_in_an_explicit_cup(tmp_path: Path, planes, blank
 def test_symmetry_costs_nothing_in_an_implicit_cup(tmp_path: Path, planes: list[str]) -> None:
     """Equilibrium is found within force_tolerance, 1e-3 of the largest force, and not to rounding errors."""
     stages = [{"name": "draw", "tools": {"punch": {"stroke": 4}, "holder": {"force": "15 kN"}}}]
-    implicit = {"max_increment": 0.05}
+    implicit = {"max_increment": 0.05, "contact_stiffness": 0.01}
     whole, part = (
         draw(tmp_path / str(len(p)), p, {}, procedure="implicit", stages=stages, implicit=implicit)
         for p in ([], planes)

@@ -11,10 +11,10 @@ import pytest
 
 from presswork import CaseError, Result, build_model, run_model
 from presswork.case import Case
-from presswork.recorder import Progress
 from presswork.view.all_plots import plot_all
 from presswork.view.operation_plot import list_operations, plot_operation
 from presswork.view.style import describe_step
+from tests.regression.whole_runs import run_in_two_parts
 
 HEIGHT, STROKE, MORE = 10.0, 1.0, 0.4
 
@@ -85,13 +85,8 @@ def test_a_tool_that_touches_again_goes_on_where_the_block_was(twice: Result, tm
 
 
 def test_a_resumed_run_places_it_alike(twice: Result, tmp_path: Path) -> None:
-    def interrupt(progress: Progress) -> None:
-        if "lift" in progress.text:
-            raise KeyboardInterrupt
-
     folder, model = tmp_path / "resumed", build_model(case(PRESS, LIFT, AGAIN))
-    assert run_model(model, folder, on_increment=interrupt).status == "interrupted"
-    assert run_model(model, folder, resume=True).status == "completed"
+    run_in_two_parts(model, folder, lambda progress: "lift" in progress.text)
     assert (folder / "history.csv").read_bytes() == (twice.folder / "history.csv").read_bytes()
 
 

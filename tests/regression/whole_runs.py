@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import copy
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswork import Result
+from presswork import Result, _core
 from presswork.case import StampingCase, build_model
 from presswork.model import Model
-from presswork.recorder import Outcome, run_model
+from presswork.process.begin import begin
+from presswork.process.recording import Recording
+from presswork.recorder import Outcome, Progress, run_model
 from presswork.results import load_checkpoint
 
 
@@ -42,12 +45,55 @@ def stop_after(reports: int) -> Callable[[object], None]:
     return stop
 
 
-def run_in_two_parts(model: Model, folder: Path, reports: int, *, threads: int = 1) -> Result:
-    """Run a model that is stopped after so many rows or increments, and resume it."""
-    assert run_model(model, folder, threads=threads, on_increment=stop_after(reports)).status == "interrupted"
-    outcome = run_model(model, folder, threads=threads, resume=True)
+def run_in_two_parts(
+    model: Model, folder: Path, when: int | Callable[[Progress], bool], *, threads: int | tuple[int, int] = 1
+) -> Result:
+    """Run a model that is stopped as Ctrl-C does, after so many rows or increments or when told; resume it.
+
+    threads: of both parts, or of each.
+    """
+
+    def stop(progress: Progress) -> None:
+        assert callable(when)
+        if when(progress):
+            raise KeyboardInterrupt
+
+    first, then = threads if isinstance(threads, tuple) else (threads, threads)
+    stopping = stop_after(when) if isinstance(when, int) else stop
+    assert run_model(model, folder, threads=first, on_increment=stopping).status == "interrupted"
+    outcome = run_model(model, folder, threads=then, resume=True)
     assert outcome.status == "completed", outcome.reason
     return outcome.result
+
+
+def compare_with_restart(model: Model, rows: int, threads: int, until: int | None = None) -> dict[str, Any]:
+    """Compare all arrays of a run on one thread with those of one restarted after some rows on others; return them.
+
+    until: rows after which they are compared; None: at the end.
+    """
+    before = _core.max_threads()
+    try:
+        whole, part, resumed = (begin(model, threads=n) for n in (1, threads, threads))
+        _advance(whole, until)
+        _advance(part, rows)
+        resumed.load_arrays(part.to_arrays())  # type: ignore[attr-defined]
+        _advance(resumed, None if until is None else until - rows)
+    finally:
+        _core.set_threads(before)
+    one, other = whole.to_arrays(), resumed.to_arrays()  # type: ignore[attr-defined]
+    assert set(one) == set(other)
+    assert all(np.asarray(one[name]).tobytes() == np.asarray(other[name]).tobytes() for name in one)
+    return dict(one)
+
+
+def _advance(run: Recording, rows: int | None) -> None:
+    for _ in itertools.islice(run.advance(), rows):
+        pass
+
+
+def stop_at_fold(folder: Path) -> Callable[[Progress], bool]:
+    """Return what tells that the log of a run has a body that folds onto itself."""
+    return lambda _: "fold onto itself" in (folder / "run.log").read_text()
 
 
 def stop_within_a_row(model: Model, folder: Path, monkeypatch: pytest.MonkeyPatch, loop: type, calls: int) -> Outcome:

@@ -81,10 +81,10 @@ PYTHON_ROOMS = {
     "view": {"fields", "formability", "model", "post", "results"},
     "report": {"case", "fields", "formability", "model", "post", "results", "view"},
     "recorder": {"model", "outcome", "process", "results", "stop"},
-    "study": {"api", "case", "geometry", "model", "post", "recorder", "results", "view"},
+    "study": {"api", "case", "geometry", "model", "outcome", "post", "recorder", "results", "view"},
     "material": {"case", "formability", "law", "model", "view"},
     "onestep": {"case", "explicit", "fields", "implicit", "mesh", "model", "results"},
-    "api": {"case", "mesh", "onestep", "recorder", "results"},
+    "api": {"case", "mesh", "model", "onestep", "recorder", "results"},
     "notebook": {"case", "outcome", "recorder", "report", "results"},
     "server": {"case", "examples", "model", "outcome", "process", "recorder", "report", "results"},
     "cli": {

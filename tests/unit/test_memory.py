@@ -70,7 +70,7 @@ def test_limits_of_the_process_and_of_its_group_count(tmp_path: Path, monkeypatc
     assert memory._free_of_group(tmp_path) == 2000
     (tmp_path / "memory.max").write_text("max\n")
     assert memory._free_of_group(tmp_path) == float("inf")
-    monkeypatch.setattr(resource, "getrlimit", lambda _: (memory._own_address_space() + 5e6, -1))
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (memory._pages_taken(memory._ADDRESS_SPACE) + 5e6, -1))
     assert available_memory() == pytest.approx(5e6, rel=0.2)
     assert free > 5e6
 

@@ -125,6 +125,14 @@ def test_a_search_that_was_stopped_goes_on(found, tmp_path) -> None:
         find_blank_shape(write(tmp_path), found.target, tmp_path / "none", tolerance=1.0, resume=True)
 
 
+def test_a_draw_on_a_cluster_has_the_bits_of_one_here(found, tmp_path) -> None:
+    drawn = find_blank_shape(write(tmp_path), found.target, tmp_path / "out", tolerance=0.1, most=1, cluster="local")
+    assert (drawn.status, len(drawn.draws)) == ("gave_up", 1)
+    assert drawn.draws[0].fit.worst == found.draws[0].fit.worst
+    history = [shape.draws[0].folder / "history.csv" for shape in (drawn, found)]
+    assert history[0].read_bytes() == history[1].read_bytes()
+
+
 def test_the_target_round_an_opening(tmp_path) -> None:
     around = surround_opening(write(tmp_path), 9.75)
     assert np.linalg.norm(around, axis=1) == pytest.approx(np.full(len(around), FLANGE))

@@ -91,3 +91,20 @@ def test_a_slice_in_space_is_plane_strain(profile: Any, law: dict[str, Any], off
     front = points[points[:, 1] < 1e-9][:, [0, 2]]
     nearest = np.linalg.norm(front[:, None] - own[None], axis=2).min(axis=1)
     assert nearest.max() < 0.05
+
+
+def test_stiff_metal_takes_as_many_rounds_of_multipliers_as_it_needs() -> None:
+    """An elastic block in one increment: every round leaves a part of the penetration, and none is cut back for it."""
+    die = {"shape": "plane", "normal": [0, 0, -1], "position": [0, 0, 8], "contact": "frictionless"}
+    case = in_space([3, 3, 3], [10, 10, 8], die, {"left": "x", "bottom": "y", "back": "z"}, 0.4)
+    hardening = {"law": "linear", "yield_stress": 5e6}
+    steel = {"young": 200e3, "poisson": 0.3, "magnitudes": "any", "hardening": hardening}
+    data = case.model_dump(exclude_unset=True) | {"materials": {"steel": steel}}
+    data["solver"] = {"initial_increment": 1.0, "max_increment": 1.0}
+    procedure = ImplicitProcedure(build_model(SpaceCase.model_validate(data)))
+    report = next(procedure.advance())
+    assert len(report.log.augmented) >= 3
+    assert not report.cutbacks
+    strain = -np.log(0.95)
+    exact = 400.0 * np.exp(0.6 * strain) * 200e3 * strain
+    assert measure_tools(procedure, 0)["die"].force == pytest.approx(exact, rel=2e-3)

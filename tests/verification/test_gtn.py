@@ -14,8 +14,9 @@ import pytest
 from presswork import _core, build_model, read_case, run_model
 from presswork.case.errors import CaseError
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.model import PrescribedDisplacement, Stage
+from presswork.model import Mesh, PrescribedDisplacement, Stage
 from tests.problems.plane_solids import map_points
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 YOUNG, POISSON, FLOW = 200e3, 0.3, 400.0
 LINEAR = float(list(_core.HardeningLaw.__members__).index("linear"))
@@ -121,12 +122,17 @@ def test_pores_grow_in_a_bar_as_the_volume_does(tmp_path) -> None:
     assert porosity[0] == pytest.approx(1.0 - 0.99 / (volume - elastic), rel=5e-3)
 
 
+def notch(mesh: Mesh) -> Mesh:
+    """Return the mesh of the bar with a notch, where its cells are small."""
+    x, y = mesh.points.T
+    y = 6.0 * (0.35 * (y / 6.0) + 0.65 * (y / 6.0) ** 3)
+    return map_points(mesh, np.column_stack([x * (1.0 - 0.4 * np.exp(-((y / 1.5) ** 2))), y]))
+
+
 def pull_notched(folder, cells: str, length: float) -> np.ndarray:
     """Return the forces (k,) of a notched strip at six elongations up to 0.8 mm."""
     model = build_model(read(folder, "plane_strain", cells, porosity=0.01, length=length))
-    x, y = model.mesh.points.T
-    y = 6.0 * (0.35 * (y / 6.0) + 0.65 * (y / 6.0) ** 3)
-    notched = map_points(model.mesh, np.column_stack([x * (1.0 - 0.4 * np.exp(-((y / 1.5) ** 2))), y]))
+    notched = notch(model.mesh)
     pulled = Stage("pull", prescribed=(PrescribedDisplacement("top", 1, 0.8),))
     steps = replace(model.solver, initial_increment=0.025, max_increment=0.025)
     run = ImplicitProcedure(replace(model, mesh=notched, stages=(pulled,), solver=steps), threads=1)
@@ -148,18 +154,9 @@ def test_the_force_of_a_notched_strip_follows_the_length_and_not_the_mesh(tmp_pa
 
 def test_a_resumed_run_gives_the_same_bits(tmp_path) -> None:
     model = build_model(read(tmp_path))
-    run_model(model, tmp_path / "whole", threads=1)
-    calls = 0
-
-    def stop_at_ten(progress) -> None:
-        nonlocal calls
-        calls += 1
-        if calls == 10:
-            raise KeyboardInterrupt
-
-    run_model(model, tmp_path / "cut", threads=1, on_increment=stop_at_ten)
-    run_model(model, tmp_path / "cut", threads=2, resume=True)
-    assert (tmp_path / "cut/history.csv").read_bytes() == (tmp_path / "whole/history.csv").read_bytes()
+    whole = run_to_end(model, tmp_path / "whole").folder
+    parts = run_in_two_parts(model, tmp_path / "cut", 10, threads=(1, 2))
+    assert_same_bits(parts.folder, whole)
 
 
 NECK = """
@@ -189,17 +186,8 @@ def test_new_meshes_keep_pores_and_their_neighbourhood(tmp_path) -> None:
     assert found[0][1] > 0.03
     np.testing.assert_allclose(found[1], found[0], rtol=0.02)
     assert result.field("porosity").min() > 0.0
-    calls = 0
-
-    def stop_late(progress) -> None:
-        nonlocal calls
-        calls += 1
-        if calls == 30:
-            raise KeyboardInterrupt
-
-    run_model(model, tmp_path / "cut", threads=1, on_increment=stop_late)
-    run_model(model, tmp_path / "cut", threads=1, resume=True)
-    assert (tmp_path / "cut/history.csv").read_bytes() == (tmp_path / "1/history.csv").read_bytes()
+    parts = run_in_two_parts(model, tmp_path / "cut", 30)
+    assert_same_bits(parts.folder, tmp_path / "1")
 
 
 def test_a_hot_matrix_is_softer(tmp_path) -> None:

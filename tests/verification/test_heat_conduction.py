@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork.case import build_model
-from presswork.model import STEFAN_BOLTZMANN, ZERO_CELSIUS
+from presswork.model import STEFAN_BOLTZMANN, ZERO_CELSIUS, FloatArray
 from presswork.process.heat import HeatProcedure
 from tests.problems.heat import (
     compute,
@@ -183,26 +183,36 @@ def test_cylinder_in_a_bath(place) -> None:
     assert temperature_at(compute(case), 20 * place, 0) == pytest.approx(exact, abs=0.25)
 
 
-@pytest.mark.parametrize("sides", ["grid", "finer"])
-@pytest.mark.parametrize(
-    ("time", "hot", "cold"), [(0.1, 1004.59, 395.41), (1.0, 851.37, 548.63), (10.0, 754.02, 645.98)]
-)
-def test_two_half_spaces_with_a_conductance(time, hot, cold, sides) -> None:
-    """Steel at 1200 on steel at 200 degrees C, 10 kW/m2K, on cells that match across the contact or do not."""
-    half = {"material": "steel", "mesh": {"zones_x": [[1, 2, 1]], "zones_y": [[60, 60, 0.003]]}}
-    lower = {**half, "mesh": {"origin": [0, -60], "zones_x": [[1, 2, 1]], "zones_y": [[60, 60, 0.003]]}}
-    upper = {"mesh": {"zones_x": [[1, 2 if sides == "grid" else 3, 1]], "zones_y": [[60, 60, 1 / 0.003]]}}
+def join_half_spaces(time: float, cells: int = 60, *, sides: str = "grid", **solver: float) -> HeatProcedure:
+    """Return steel at 1200 on steel at 200 degrees C, 10 kW/m2K, after a time [s]; cells of each along its depth."""
+    half = {"material": "steel", "mesh": {"zones_x": [[1, 2, 1]], "zones_y": [[60, cells, 0.003]]}}
+    lower = {**half, "mesh": {"origin": [0, -60], "zones_x": [[1, 2, 1]], "zones_y": [[60, cells, 0.003]]}}
+    upper = {"mesh": {"zones_x": [[1, 2 if sides == "grid" else 3, 1]], "zones_y": [[60, cells, 1 / 0.003]]}}
     case = make_case(
         materials={"steel": {"density": "7800 kg/m^3", "conductivity": "30 W/(m*K)", "specific_heat": "650 J/(kg*K)"}},
         workpiece={**half, **upper, "initial_temperature": 1200},
         bodies={"die": {**lower, "initial_temperature": 200}},
         contacts={"face": {"between": ["workpiece", "die"], "conductance": "10 kW/(m^2*K)"}},
         stages=[{"name": "touch", "duration": time}],
+        solver=solver,
     )
+    return compute(case)
+
+
+def contact_temperature(done: HeatProcedure) -> FloatArray:
+    return np.asarray(done.state["temperature"][done.model.mesh.node_sets["bottom"]])
+
+
+@pytest.mark.parametrize("sides", ["grid", "finer"])
+@pytest.mark.parametrize(
+    ("time", "hot", "cold"), [(0.1, 1004.59, 395.41), (1.0, 851.37, 548.63), (10.0, 754.02, 645.98)]
+)
+def test_two_half_spaces_with_a_conductance(time, hot, cold, sides) -> None:
+    """On cells that match across the contact or do not."""
     exact = meet_half_spaces(1200, 200, np.sqrt(30.0 * 7800e-12 * 650e6), 10.0, time)
     assert exact == pytest.approx(hot, abs=0.006)
-    done = compute(case)
-    upper_side = done.state["temperature"][done.model.mesh.node_sets["bottom"]]
+    done = join_half_spaces(time, sides=sides)
+    upper_side = contact_temperature(done)
     lower_side = done.state["temperature"][done.model.mesh.node_sets["die.top"]]
     assert upper_side == pytest.approx(hot, abs=0.3)
     assert lower_side == pytest.approx(cold, abs=0.3)
@@ -210,8 +220,20 @@ def test_two_half_spaces_with_a_conductance(time, hot, cold, sides) -> None:
     assert abs(done.stored()) < 1e-9 * 1000 * 60 * 7800e-12 * 650e6, "what one body loses the other gains"
 
 
-def test_small_body_that_radiates() -> None:
-    """A plate of 1 mm, lumped: the time to fall from 1000 to 600 degrees C in surroundings of 20 degrees C."""
+def test_two_half_spaces_converge_with_the_square_of_cells_and_of_time_steps() -> None:
+    exact = meet_half_spaces(1200, 200, np.sqrt(30.0 * 7800e-12 * 650e6), 10.0, 1.0)
+    by_cells = [
+        abs(contact_temperature(join_half_spaces(1.0, n, fixed_step=0.005)).mean() - exact) for n in (10, 20, 40)
+    ]
+    assert fit_order([1, 0.5, 0.25], by_cells) == pytest.approx([2.0, 2.0], abs=0.15)
+    fine = contact_temperature(join_half_spaces(1.0, 40, fixed_step=0.00125)).mean()
+    steps = [0.1, 0.05, 0.025]
+    by_steps = [abs(contact_temperature(join_half_spaces(1.0, 40, fixed_step=step)).mean() - fine) for step in steps]
+    assert fit_order(steps, by_steps) == pytest.approx([2.0, 2.0], abs=0.05)
+
+
+def radiate_from_1000(**solver: float) -> float:
+    """Return the temperature of a lumped plate of 1 mm when the closed form has 600 degrees C; surroundings of 20."""
     emissivity = 0.8
     rate = 2 * emissivity * STEFAN_BOLTZMANN / (7850e-12 * 460e6 * 1.0)
     time = radiate(1000 + ZERO_CELSIUS, 20 + ZERO_CELSIUS, rate)(600 + ZERO_CELSIUS)
@@ -220,8 +242,19 @@ def test_small_body_that_radiates() -> None:
         initial_temperature=1000,
         workpiece={"material": "steel", "mesh": {"size": [1, 1], "cells": [1, 1]}},
         stages=[{"name": "air", "duration": time, "radiation": faces}],
+        solver=solver,
     )
-    assert temperature_at(compute(case), 0, 0) == pytest.approx(600, abs=0.1)
+    return temperature_at(compute(case), 0, 0)
+
+
+def test_small_body_that_radiates() -> None:
+    assert radiate_from_1000() == pytest.approx(600, abs=0.1)
+
+
+def test_radiation_converges_with_the_square_of_the_time_steps() -> None:
+    steps = [0.2, 0.1, 0.05]
+    errors = [abs(radiate_from_1000(fixed_step=step) - 600) for step in steps]
+    assert fit_order(steps, errors) == pytest.approx([2.0, 2.0], abs=0.05)
 
 
 @pytest.mark.parametrize("element", ["tri3", "quad4", "quad4_1pt"])

@@ -41,12 +41,12 @@ REDRAW = {
 }
 
 
-def line(folder: Path, *operations: dict[str, Any], **changes: Any) -> Result:
+def line(folder: Path, *operations: dict[str, Any], blank: dict[str, Any] | None = None, **changes: Any) -> Result:
     data = {
         "title": "a small cup",
         "analysis": "stamping",
         "blank": {"shape": "circle", "diameter": 46, "thickness": 1.0, "element_size": 2.0, "material": "steel",
-                  "symmetry": ["x", "y"]},
+                  "symmetry": ["x", "y"], **(blank or {})},
         "materials": {"steel": STEEL},
         "operations": copy.deepcopy(operations),
         "output": {"rows": 100, "steps": 1},
@@ -101,13 +101,19 @@ def test_two_operations_with_the_same_tools_are_as_one(tmp_path) -> None:
 
 
 def test_redraw_keeps_the_volume_and_is_alike_by_explicit_and_implicit_procedure(tmp_path) -> None:
-    """Draw-in within 0.05 mm, thickness within 0.015 of 1 mm, force within 3 %; volumes within 1e-3 of the blank's."""
-    explicit, implicit = (line(tmp_path / name, DRAW, REDRAW, procedure=name) for name in ("explicit", "implicit"))
+    """Draw-in within 0.05 mm, thickness within 0.006 of 1 mm, force within 3 %; volumes within 1e-3 of the blank's.
+
+    Implicit shells have no stress across their thickness, so explicit ones do without it, too (ironing).
+    """
+    fine = {"element_size": 1.25}
+    alike = {"element": "shell4_mitc_plus", "ironing": False}
+    explicit = line(tmp_path / "explicit", DRAW, REDRAW, blank=fine, explicit=alike)
+    implicit = line(tmp_path / "implicit", DRAW, REDRAW, blank=fine, procedure="implicit")
     for step in range(1, len(explicit.times)):
         rims = [np.linalg.norm(run.points(step)[:, :2], axis=1).max() for run in (explicit, implicit)]
         assert rims[0] == pytest.approx(rims[1], abs=0.05)
-        assert distance(explicit, implicit, step, step) < 0.1
-        assert thinner(explicit, implicit, step, step) < 0.015
+        assert distance(explicit, implicit, step, step) < 0.04
+        assert thinner(explicit, implicit, step, step) < 0.006
         for run in (explicit, implicit):
             assert measure_volume(run, step) == pytest.approx(measure_volume(run, 0), rel=1e-3)
     for name in ("draw_punch.force", "redraw_punch.force"):

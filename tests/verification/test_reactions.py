@@ -178,3 +178,27 @@ def test_nominal_stress_and_strain_come_from_the_undeformed_ends(tmp_path):
         strain, stress = stress_strain(Result(tmp_path / end))[end]
         assert strain[[0, -1]] == pytest.approx([0.0, 0.5])
         assert stress.max() == pytest.approx(565 * 0.26**0.26 * np.exp(0.007 - 0.26), rel=3e-3)
+
+
+@pytest.mark.parametrize("procedure", ["implicit", "explicit"])
+def test_the_force_of_a_standing_ring_is_what_the_press_feels(procedure):
+    """A cone that a billet is pressed into bears the ram's force; what it holds round itself loads no press."""
+    explicit = procedure == "explicit"
+    data = bar("axisymmetric", "quad4_1pt" if explicit else "quad4_fbar").model_dump(exclude_unset=True)
+    data["boundary"] = {"axis": {"set": "left", "fix": ["x"]}}
+    data["tools"] = {
+        "ram": {"profile": [[0, 10], [20, 10]], "contact": "frictionless"},
+        "cone": {"profile": [[12, 7], [5, 0], [-1, 0]], "contact": "frictionless"},
+    }
+    data["stages"] = [{"name": "press", "duration": 2e-3, "tools": {"ram": {"stroke": 2.0, "direction": [0, -1]}}}]
+    if explicit:
+        data["materials"]["steel"]["density"] = 7.85e-9
+        data["procedure"] = "explicit"
+        del data["solver"]
+        data["output"] = {"rows": 40, "steps": 1}
+        impact = ExplicitImpact(build_model(Case(**data)), threads=1)
+        last = [impact.row(report) for report in impact.advance()][-1]
+    else:
+        last = record(Case(**data))[0][-1]
+    assert abs(last["cone.force_x"]) > 0.1 * last["ram.force"]
+    assert last["cone.force"] == abs(last["cone.force_y"]) == pytest.approx(last["ram.force"], rel=0.01)

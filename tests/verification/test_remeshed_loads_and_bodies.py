@@ -9,6 +9,7 @@ from presswork.examples import copy_example
 from presswork.model import BodyContact, EdgeForce
 from presswork.process.begin import begin
 from presswork.recorder import run_model
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 STEEL = {"young": 2e5, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 300, "modulus": 1000}}
 
@@ -89,17 +90,19 @@ def test_first_meshes_of_other_cells_become_quadrilaterals(element):
 
 @pytest.fixture(scope="module")
 def two_bodies(tmp_path_factory):
-    """The packaged core and ring on their first meshes."""
+    """The packaged core and ring on one mesh with cells of half the size."""
     path = copy_example("two_bodies", tmp_path_factory.mktemp("bodies"))
-    return path, run(Case.from_toml(path))[0]
+    keys = ["remesh.enabled=false", "workpiece.mesh.cells=[24,40]", "bodies.ring.mesh.cells=[14,32]"]
+    return path, run(Case.from_toml(path, keys))[0]
 
 
-@pytest.mark.parametrize("keys", [["remesh.every=0.1"], ["remesh.size=0.4", "remesh.bodies.ring.size=0.3"]])
+@pytest.mark.parametrize("keys", [["remesh.every=0.1"], []])
 def test_contact_of_bodies_survives_new_meshes(two_bodies, keys):
-    """Force of the punch within 3 % of the run on one mesh, of the ring on the core within 2 % in the mean.
+    """Force of the punch within 1.5 % of the run on one fine mesh, of the ring on the core within 2 % in the mean.
 
     Nodes that come to touch or part make single values of the latter jump by some per cent on any mesh.
     """
+    keys = ["remesh.size=0.4", "remesh.bodies.ring.size=0.3", *keys]
     path, once = two_bodies
     often, recording = run(Case.from_toml(path, keys))
     assert often["remeshes"][-1] >= 4
@@ -107,7 +110,7 @@ def test_contact_of_bodies_survives_new_meshes(two_bodies, keys):
         stroke = np.linspace(1.0, 5.0, 9)
         wanted, found = (np.interp(stroke, rows["punch.stroke"], rows[key]) for rows in (once, often))
         assert abs((found / wanted).mean() - 1) < 0.02
-        assert np.abs(found / wanted - 1).max() < (0.03 if key == "punch.force" else 0.08)
+        assert np.abs(found / wanted - 1).max() < (0.015 if key == "punch.force" else 0.06)
     procedure = recording.procedure
     plastic = procedure.volume() - procedure.mechanics.elastic_dilatation(procedure.state) - procedure.initial_volume
     assert abs(plastic / procedure.initial_volume) < 1e-4
@@ -156,14 +159,8 @@ def test_runs_with_bodies_and_loads_resume_to_the_same_bits(two_bodies, tmp_path
     model = build_model(Case.from_toml(path, ["remesh.every=0.3", "output.checkpoint_every=1", "output.steps=2"]))
     assert run_model(model, tmp_path / "whole", threads=1).status == "completed"
 
-    def stop(progress):
-        if progress.text.startswith("upset: increment 30,"):
-            raise KeyboardInterrupt
-
-    assert run_model(model, tmp_path / "halves", threads=1, on_increment=stop).status == "interrupted"
-    assert run_model(model, tmp_path / "halves", threads=1, resume=True).status == "completed"
-    histories = [(tmp_path / name / "history.csv").read_bytes() for name in ("whole", "halves")]
-    assert histories[0] == histories[1]
+    parts = run_in_two_parts(model, tmp_path / "halves", lambda now: now.text.startswith("upset: increment 30,"))
+    assert_same_bits(parts.folder, tmp_path / "whole")
 
 
 def test_the_whole_of_an_edge_force_stays_the_same_where_its_area_grows():

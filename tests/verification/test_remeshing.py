@@ -8,7 +8,9 @@ import pytest
 
 from presswork import Case, build_model
 from presswork.examples import copy_example
+from presswork.fields.solid_fields import effective_stress
 from presswork.post import measure_die_fill
+from presswork.process import new_balance
 from presswork.process.begin import begin
 from presswork.recorder import run_model
 from presswork.results import Result
@@ -54,6 +56,21 @@ def test_homogeneous_upsetting_does_not_know_of_its_meshes(analysis):
     now = first + moved
     for axis, size in enumerate((10.0, 15.0)):
         np.testing.assert_allclose(first[:, axis], now[:, axis] * size / now[:, axis].max(), atol=1e-7)
+
+
+@pytest.mark.parametrize(("limit", "yields"), [(new_balance.MOST_BEYOND, False), (1.001, True)])
+def test_metal_that_a_new_mesh_would_bring_far_beyond_its_flow_stress_follows_its_law(limit, yields, monkeypatch):
+    """Elsewhere it answers elastically while the tools are at rest."""
+    monkeypatch.setattr(new_balance, "MOST_BEYOND", limit)
+    case = upsetting({}, stroke=6.0, cells=[8, 12], contact={"contact": "shear", "m": 0.3})
+    recording = begin(build_model(case), 1)
+    for _ in zip(range(12), recording.advance(), strict=False):
+        pass
+    assert recording._remesh("asked for", must=True)
+    state = recording.procedure.state
+    beyond = effective_stress(state.cells.stress[0]) / recording.procedure.mechanics.flow_stress(0, state)
+    assert (beyond.max() < 1.0 + 1e-9) == yields
+    assert beyond.max() < new_balance.MOST_BEYOND
 
 
 def test_upsetting_with_friction_and_a_new_mesh_every_2_percent_keeps_its_force():

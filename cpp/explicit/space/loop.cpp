@@ -115,13 +115,24 @@ const NodalVolumes& SpaceLoop<Real>::add_nodal_volumes(const std::vector<int>& c
 
 template <class Real>
 void SpaceLoop<Real>::add_wall(std::shared_ptr<const contact::ToolSurface> surface, const std::uint8_t* touching,
-                               double mu, double reach, const double origin[3]) {
+                               double mu, double reach, const WallMotion& motion) {
   if constexpr (std::is_same_v<Real, double>) {
     walls.push_back(std::make_unique<SpaceWall>("wall_" + std::to_string(walls.size()), this->nodes.n,
-                                                std::move(surface), mu, reach, origin));
+                                                std::move(surface), mu, reach, motion));
     this->nodes.walls.push_back(walls.back().get());
     this->nodes.touches_walls.assign(touching, touching + this->nodes.n);
     this->interactions.push_back(walls.back().get());
+  }
+}
+
+template <class Real>
+void SpaceLoop<Real>::tie(std::vector<std::pair<int, int>> pairs, double angle) {
+  if constexpr (std::is_same_v<Real, double>) {
+    this->nodes.follows.assign(this->nodes.n, 0);
+    for (const auto& pair : pairs) this->nodes.follows[pair.second] = 1;
+    ties_ = std::make_unique<CyclicTies>(std::move(pairs), angle);
+    this->interactions.insert(this->interactions.begin(), ties_.get());  // before what measures volumes
+    this->set_masses();
   }
 }
 

@@ -9,6 +9,7 @@
 #include "explicit/contact/drawbeads.hpp"
 #include "explicit/contact/tool_contact.hpp"
 #include "explicit/loop.hpp"
+#include "explicit/space/cyclic_ties.hpp"
 #include "explicit/space/hanging.hpp"
 #include "explicit/space/nodal_tetrahedra.hpp"
 #include "explicit/space/sheet_block.hpp"
@@ -29,8 +30,10 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   const NodalVolumes& add_nodal_volumes(const std::vector<int>& cells);
   // Let a tool hold nodes (n, marked) of the surface of solids off; they are numbered as they come.
   void add_wall(std::shared_ptr<const contact::ToolSurface> surface, const std::uint8_t* touching, double mu,
-                double reach, const double origin[3]);
+                double reach, const WallMotion& motion);
   std::vector<std::unique_ptr<SpaceWall>> walls;
+  // Let the second node of each pair follow the first, turned about z by an angle [rad].
+  void tie(std::vector<std::pair<int, int>> pairs, double angle);
 
   bool is_sheet(int block) const { return sheets_[block] != nullptr; }
   const SheetBlock<Real>& sheet(int block) const { return *sheets_[block]; }
@@ -70,6 +73,7 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   std::vector<double> springs() const;
 
   std::vector<std::unique_ptr<NodalVolumes>> nodal_volumes_;
+  std::unique_ptr<CyclicTies> ties_;
   std::vector<SheetBlock<Real>*> sheets_;  // of blocks; null: solids
   std::unique_ptr<SheetBeads> sheet_beads_;
   std::unique_ptr<SheetTools> sheet_tools_;

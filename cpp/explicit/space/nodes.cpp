@@ -46,6 +46,25 @@ void SpaceNodes<Real>::prescribe(const std::uint8_t* fixed, const double* veloci
 }
 
 template <class Real>
+void SpaceNodes<Real>::hold_along(const std::vector<int>& node, std::vector<HeldAlong> held) {
+  held_along_ = std::move(held);
+  first_along_.assign(n + 1, 0);
+  for (int i : node) ++first_along_[i + 1], held_[i] |= 1 << askew;
+  for (int i = 0; i < n; ++i) first_along_[i + 1] += first_along_[i];
+}
+
+template <class Real>
+FreeMotion SpaceNodes<Real>::free_motion(int node) const {
+  FreeMotion free{{}, nullptr, 0};
+  for (int i = 0; i < 3; ++i) free.axis[i] = !(held_[node] >> i & 1);
+  if (held_[node] >> askew & 1) {
+    free.held = &held_along_[first_along_[node]];
+    free.n_held = first_along_[node + 1] - first_along_[node];
+  }
+  return free;
+}
+
+template <class Real>
 [[gnu::always_inline]] inline void SpaceNodes<Real>::next_velocity(int node, const Step& step, Record& after,
                                                                    Record& outer) const {
   constexpr std::int64_t on = -1;
@@ -66,12 +85,24 @@ void SpaceNodes<Real>::hold(int node, const Step& step, Record& after, Record& o
       after[i] = step.velocity_scale * prescribed_[row_at(node) + i];
       if (inverse > 0.0) outer[i] += (after[i] - free) / (step.push * inverse);
     }
+  if (!(held_[node] >> askew & 1)) return;
+  const double inverse = own[6];
+  for (int h = first_along_[node]; h < first_along_[node + 1]; ++h) {
+    const double* along = held_along_[h].along;
+    double change = step.velocity_scale * held_along_[h].velocity;
+    for (int i = 0; i < 3; ++i) change -= along[i] * after[i];
+    for (int i = 0; i < 3; ++i) {
+      after[i] += change * along[i];
+      if (inverse > 0.0) outer[i] += change * along[i] / (step.push * inverse);
+    }
+  }
 }
 
 template <class Real>
 void SpaceNodes<Real>::add_reaction(int node, const Step& step, const Record& outer) {
+  const int held = held_[node] >> askew & 1 ? held_[node] | 7 : held_[node];
   for (int i = 0; i < freedoms; ++i)
-    if (held_[node] >> i & 1)
+    if (held >> i & 1)
       reaction_impulse[row_at(node) + i] +=
           step.mean_dt * (outer[i] - step.force_scale * force.data()[row_at(node) + i]);
 }
@@ -81,27 +112,28 @@ template <class Real>
   const double* own = position.data() + std::size_t(position_stride) * node;
   const double inverse = motion.data()[std::size_t(motion_stride) * node + 6];
   const Record before = load_record(motion.data() + std::size_t(motion_stride) * node);
-  double v[3], x[3], free[3], by_walls = 0.0;
-  for (int i = 0; i < 3; ++i) v[i] = after[i], x[i] = own[i], free[i] = !(held_[node] >> i & 1);
+  const FreeMotion free = free_motion(node);
+  double v[3], x[3], by_walls = 0.0;
+  for (int i = 0; i < 3; ++i) v[i] = after[i], x[i] = own[i];
   double pressure[3] = {0.0, 0.0, 0.0}, friction[3] = {0.0, 0.0, 0.0}, by_pressure = 0.0, by_friction = 0.0;
   bool any = false;
   for (SpaceWall* wall : walls) {
     double* kept = &wall->force[3 * std::size_t(node)];
     if (whole) kept[0] = kept[1] = kept[2] = 0.0;
     if (!(inverse > 0.0) || !wall->is_awake(node)) continue;
-    double w[3], normal[3], slide[3];
-    for (int i = 0; i < 3; ++i) w[i] = step.velocity_scale * wall->velocity[i];
-    if (!wall->constrain(node, x, step.dt, w, free, v, normal, slide, whole, step.push * inverse)) continue;
+    WallTouch touch;
+    if (!wall->constrain(node, x, step, free, step.push * inverse, whole, v, touch)) continue;
     any = true;
     const double mass = 1.0 / (step.push * inverse);
     for (int i = 0; i < 3; ++i) {
-      pressure[i] += normal[i] * mass, by_pressure += w[i] * normal[i] * mass;
-      friction[i] += slide[i] * mass, by_friction += w[i] * slide[i] * mass;
-      if (whole) kept[i] = (normal[i] + slide[i]) * mass;
+      pressure[i] += touch.normal[i] * mass, by_pressure += touch.w[i] * touch.normal[i] * mass;
+      friction[i] += touch.slide[i] * mass, by_friction += touch.w[i] * touch.slide[i] * mass;
+      if (whole) kept[i] = (touch.normal[i] + touch.slide[i]) * mass;
     }
+    if (whole) wall->add_to_sums(node, step.mean_dt, mass, v, touch);
   }
   if (whole)
-    for (SpaceWall* wall : walls) wall->add_to_chunk(node);
+    for (SpaceWall* wall : walls) wall->add_to_chunk(node, x);
   Work done;
   if (!any) return done;
   const double time = whole ? step.mean_dt : 0.5 * step.mean_dt;
@@ -179,6 +211,14 @@ void SpaceNodes<Real>::list_state(std::vector<StateField>& fields) {
   fields.push_back(column_field("nodes", "position", position.data(), count, position_stride, 3));
   fields.push_back(column_field("nodes", "velocity", motion.data(), count, motion_stride, freedoms));
   fields.push_back(column_field("nodes", "internal_force", internal_force.data(), count, freedoms, freedoms));
+}
+
+void SpaceWall::begin(SpaceNodes<double>& nodes, int) {
+  radius_ = 0.0;
+  if (motion.spin == 0.0) return;
+  for (int node = 0; node < nodes.n; ++node)
+    radius_ = std::max(radius_, motion.distance(nodes.position.data() + 4 * std::size_t(node)));
+  radius_ *= 1.1;  // nodes go on in the cycles to come
 }
 
 template class SpaceNodes<double>;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "explicit/nodes.hpp"
+#include "explicit/space/held_along.hpp"
 #include "explicit/space/rigid_wall.hpp"
 #include "explicit/state_field.hpp"
 #include "explicit/step.hpp"
@@ -31,6 +32,8 @@ class SpaceNodes {
   void set_masses(const std::vector<double>& sum);
   // Prescribe velocities (n, 6) of the freedoms marked in fixed (n, 6).
   void prescribe(const std::uint8_t* fixed, const double* velocity);
+  // Hold nodes (k, rising) along directions besides, until freedoms are prescribed anew.
+  void hold_along(const std::vector<int>& node, std::vector<HeldAlong> held);
   // Advance nodes [first, last) by a step; those that follow others stay.
   Moved move(int first, int last, const Step& step);
   // Kinetic energy, and the work of the first half of the next step.
@@ -59,8 +62,13 @@ class SpaceNodes {
   [[gnu::noinline]] void hold(int node, const Step& step, Record& after, Record& outer) const;
   [[gnu::noinline]] void add_reaction(int node, const Step& step, const Record& outer);
 
+  static constexpr int askew = freedoms;  // the bit of a node that directions hold
+  FreeMotion free_motion(int node) const;
+
   std::vector<std::uint8_t> held_;  // (n): a bit for each freedom, the first the lowest: its velocity is prescribed
   std::vector<Real> prescribed_;    // (n, 6): velocities of the held freedoms
+  std::vector<HeldAlong> held_along_;
+  std::vector<int> first_along_;  // (n + 1), or none: those of each node
 };
 
 }  // namespace presswork::explicit_dynamics

@@ -23,6 +23,7 @@ from presswork.fields.contact_stress import BodyTraction, ContactForces
 from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress, find_contact
 from presswork.law.elastic_plastic import (
+    heats,
     plastic_work_density,
     rate_at_rest,
     temperature,
@@ -78,6 +79,8 @@ class Mechanics:
             self._start = np.column_stack([self._start, np.zeros(len(self._start))])
         self.assembler = self._make_assembler(None)
         self._couplings: IntArray | None = None
+        self.answers_elastically = False
+        """Whether plain materials do not flow for now."""
         self.sense = np.where(np.arange(self.freedoms) < model.dimension, 1.0, -1.0)
         """-1 where the residual of a freedom falls as it grows: of a pressure."""
         self.length = np.ones(self.freedoms)
@@ -105,10 +108,11 @@ class Mechanics:
         kept, components = self._laws, 6 if self._model.dimension == 3 else 4
         materials = [replace(self._material(i), hardening=_NEVER_FLOWS) for i in range(len(kept))]
         self._laws = [make_law(material, self._model.solver, components) for material in materials]
+        self.answers_elastically = True
         try:
             yield
         finally:
-            self._laws = kept
+            self._laws, self.answers_elastically = kept, False
 
     def couple(self, couplings: IntArray) -> None:
         """Let the matrix hold these node pairs (n, 2) beside those of the cells; a change makes a new assembler."""
@@ -287,7 +291,9 @@ class Mechanics:
 
     def temperature_at_points(self, state: State, block: int) -> FloatArray:
         """Return the temperature of a block's points (n,) [degrees C], the rise by the law's own heat included."""
-        return temperature(self._material(block), _law_history(state, block), state.cells.temperature[block])
+        return temperature(
+            self._material(block), _law_history(state, block, whole=True), state.cells.temperature[block]
+        )
 
     def extremes(self, state: State) -> dict[str, FloatArray]:
         """Return the values whose extremes the summary tells."""
@@ -338,8 +344,9 @@ class Mechanics:
                 mean_flow = 0.5 * (self.flow_stress(i, state_n) + self.flow_stress(i, trial))
                 work = mean_flow * (trial.cells.eqps[i] - state_n.cells.eqps[i])
             else:
-                before, after = (_law_history(state, i) for state in (state_n, trial))
-                hardens = self._material(i).kinematic is not None  # what alone asks for the stress
+                hardens = self._material(i).kinematic is not None  # what alone asks for the stress, and for all that a
+                whole = hardens or heats(self._material(i))  # law keeps, but the rise of temperature
+                before, after = (_law_history(state, i, whole=whole) for state in (state_n, trial))
                 stress = stress_in_axes(trial, i) if hardens else trial.cells.stress[i].reshape(len(after), -1)
                 given = (state_n.cells.temperature[i], trial.cells.temperature[i])
                 work = plastic_work_density(self._material(i), law, before, after, stress, dt, given)
@@ -347,7 +354,10 @@ class Mechanics:
             yield work * trial.cells.volume[i]
 
 
-def _law_history(state: State, block: int) -> FloatArray:
-    """Return what the law keeps behind the stress (n, n_history), the points of the cells in one row."""
+def _law_history(state: State, block: int, *, whole: bool) -> FloatArray:
+    """Return what the law keeps behind the stress (n, n_history), the points of the cells in one row.
+
+    whole: otherwise the equivalent plastic strain alone, its first.
+    """
     history, eqps = state.cells.history[block], state.cells.eqps[block].reshape(-1, 1)
-    return np.concatenate([eqps, history.reshape(-1, history.shape[2])], axis=1) if history.shape[2] else eqps
+    return np.concatenate([eqps, history.reshape(-1, history.shape[2])], axis=1) if whole and history.size else eqps

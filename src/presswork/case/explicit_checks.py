@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from presswork.case.space.schema import SpaceCase, SpaceStage
     from presswork.case.space.tools import SpaceTool
 
-CONTACTS = ("frictionless", "coulomb")
+CONTACTS = ("frictionless", "sticking", "coulomb")
 LARGEST_MU = 2.0
 STEPS_OF_A_STAGE = 20
 """Time steps that the shortest stage has at least, where a step is asked for."""
@@ -77,7 +77,7 @@ def check_friction(key: str, tool: Tool | SpaceTool, laws: Sequence[str] = CONTA
     """Return the problems of a tool's law of contact, which must be one of these."""
     problems = []
     if tool.contact not in laws:
-        remedy = f"take {' or '.join(laws)}"
+        remedy = f"take {', '.join(laws[:-1])} or {laws[-1]}"
         problems.append(Problem(f"{key}.contact", "the explicit procedure has no such law", remedy, tool.contact))
     if tool.mu > LARGEST_MU:
         problems.append(Problem(f"{key}.mu", f"expected a value <= {LARGEST_MU:g}", "steel on steel has 0.1", tool.mu))

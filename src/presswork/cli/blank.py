@@ -13,9 +13,11 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from presswork.case import CaseError
 from presswork.case.errors import Problem
+from presswork.cli.members import BringBack, ClusterAddress, MemberTimeout, choose_cluster
 from presswork.cli.terminal import GAVE_UP, INTERRUPTED, console, refuse
 from presswork.recorder import Progress as RunProgress
 from presswork.results import OutputError
+from presswork.study import ClusterError
 from presswork.study.blank_shape import DRAWING, Draw, find_blank_shape, read_target, surround_opening
 
 
@@ -32,7 +34,10 @@ def blank(
         list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key of the case, for all draws.")
     ] = None,
     output: Annotated[Path | None, typer.Option(help="Folder; default: the case's name with _blank.")] = None,
-    threads: Annotated[int, typer.Option(min=0, help="Threads; 0 uses every core.")] = 0,
+    threads: Annotated[int, typer.Option(min=0, help="Threads; 0 uses every core, or all of a worker.")] = 0,
+    cluster: ClusterAddress = "",
+    bring_back: BringBack = False,
+    member_timeout: MemberTimeout = 0.0,
     resume: Annotated[bool, typer.Option("--resume", help="Keep the draws that are there and continue.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the search in the folder.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, errors only.")] = False,
@@ -60,9 +65,11 @@ def blank(
 
             found = find_blank_shape(
                 case, wanted, folder, tolerance=tolerance, most=draws, damping=damping, settings=set_ or [],
-                threads=threads, resume=resume, overwrite=overwrite, on_progress=show, on_draw=tell,
+                threads=threads, cluster=choose_cluster(cluster, bring_back, quiet),
+                member_timeout=member_timeout or None, resume=resume, overwrite=overwrite,
+                on_progress=show, on_draw=tell,
             )  # fmt: skip
-    except (CaseError, OutputError) as error:
+    except (CaseError, OutputError, ClusterError) as error:
         raise refuse(str(error)) from error
     if found.draws:
         worst = found.best.fit.worst

@@ -9,9 +9,21 @@ from typing import Annotated
 import typer
 
 from presswork.case.errors import CaseError, Problem
-from presswork.cli.members import Jobs, Overwrite, Quiet, Resume, Settings, progress_shown
+from presswork.cli.members import (
+    BringBack,
+    ClusterAddress,
+    Jobs,
+    MemberTimeout,
+    Overwrite,
+    Quiet,
+    Resume,
+    Settings,
+    choose_cluster,
+    progress_shown,
+)
 from presswork.cli.terminal import INTERRUPTED, console, exit_on
 from presswork.results import OutputError, ResultError
+from presswork.study import ClusterError
 from presswork.study.calibrate import SYMBOLS, BorePlace, Calibration, FrictionLaw, calibrate_ring
 from presswork.study.calibrate_damage import calibrate_damage
 
@@ -43,13 +55,16 @@ def ring(
     set_: Settings = None,
     output: Annotated[Path | None, typer.Option(help="Folder; default: measured file's name, _calibration.")] = None,
     jobs: Jobs = 0,
+    cluster: ClusterAddress = "",
+    bring_back: BringBack = False,
+    member_timeout: MemberTimeout = 0.0,
     resume: Resume = False,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
 ) -> None:
     """Fit friction to a measured ring test: the value, its 95 % confidence, and the picture."""
     folder = output or measured.with_name(f"{measured.stem}_calibration")
-    with exit_on(CaseError, OutputError), progress_shown("calibration curves", quiet) as show:
+    with exit_on(CaseError, OutputError, ClusterError), progress_shown("calibration curves", quiet) as show:
         calibration = calibrate_ring(
             measured,
             case,
@@ -59,6 +74,8 @@ def ring(
             bore=bore,
             settings=set_ or [],
             jobs=jobs,
+            cluster=choose_cluster(cluster, bring_back, quiet),
+            member_timeout=member_timeout or None,
             resume=resume,
             overwrite=overwrite,
             on_progress=show,

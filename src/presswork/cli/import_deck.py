@@ -58,6 +58,7 @@ def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
     found = SYSTEMS[units] if units else find_units(sheets)
     if found is None:
         fault = "density and stiffness of the sheet are those of a metal in no units, or in several"
+        fault = fault if sheets else "no material of a sheet tells the units"
         raise CaseError([Problem("--units", fault, f"give one of {', '.join(SYSTEMS)}")], deck)
     imported = make_stamping(read, found, notes)
     notes.check()

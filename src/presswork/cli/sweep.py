@@ -12,9 +12,21 @@ from typing import Annotated, Any, Literal
 import typer
 
 from presswork.case.errors import CaseError, Problem
-from presswork.cli.members import Jobs, Overwrite, Quiet, Resume, Settings, progress_shown
+from presswork.cli.members import (
+    BringBack,
+    ClusterAddress,
+    Jobs,
+    MemberTimeout,
+    Overwrite,
+    Quiet,
+    Resume,
+    Settings,
+    choose_cluster,
+    progress_shown,
+)
 from presswork.cli.terminal import BAD_INPUT, GAVE_UP, INTERRUPTED, console, exit_on
 from presswork.results import OutputError
+from presswork.study import ClusterError
 from presswork.study.sweep import TABLE, SweepResult, run_sweep
 from presswork.study.table import require_pyarrow, write_parquet
 from presswork.study.vary import parse_variation
@@ -41,6 +53,9 @@ def sweep(
         ),
     ] = None,
     jobs: Jobs = 0,
+    cluster: ClusterAddress = "",
+    bring_back: BringBack = False,
+    member_timeout: MemberTimeout = 0.0,
     table_format: Annotated[
         Literal["csv", "parquet"], typer.Option(help="parquet: leave table.parquet beside table.csv.")
     ] = "csv",
@@ -50,7 +65,7 @@ def sweep(
 ) -> None:
     """Run a family of cases in parallel, and leave one table and one picture."""
     folder = output or case.with_name(f"{case.stem}_sweep")
-    with exit_on(CaseError, OutputError):
+    with exit_on(CaseError, OutputError, ClusterError):
         if table_format == "parquet":
             require_pyarrow()  # before anything is run
         varied: dict[str, list[Any]] = {}
@@ -67,6 +82,8 @@ def sweep(
                 settings=set_ or [],
                 columns=column or [],
                 jobs=jobs,
+                cluster=choose_cluster(cluster, bring_back, quiet),
+                member_timeout=member_timeout or None,
                 resume=resume,
                 overwrite=overwrite,
                 on_progress=show,

@@ -83,7 +83,7 @@ class Evolution:
             if laws:
                 self._advance_block(block, laws, state_n, trial, dt, temperatures[block])
         if self._porosity is not None:
-            self._porosity.advance(trial)
+            self._porosity.advance(trial.cells.history, trial.cells.volume)
 
     def clip(self, state: State) -> None:
         """Bring values that were fitted on another mesh back to what their quantities can have."""

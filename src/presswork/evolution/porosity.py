@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Growth of pores, averaged over a neighbourhood: the internal length of the law of cpp/material/gtn.hpp.
 
-After each increment the porosity of a point takes the mean of what its neighbours within the length R have grown by,
-with weights (1 - (d/R)^2)^2 by the distance d in the undeformed body, times their volumes now (Bazant & Pijaudier-Cabot
-1988; Tvergaard & Needleman 1995 average the same rate). Where the body ends, so does the neighbourhood.
+After each increment, in explicit runs after each row of cycles, the porosity of a point takes the mean of what its
+neighbours within the length R have grown by, with weights (1 - (d/R)^2)^2 by the distance d in the undeformed body,
+times their volumes now (Bazant & Pijaudier-Cabot 1988; Tvergaard & Needleman 1995 average the same rate). Where the
+body ends, so does the neighbourhood.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -14,7 +17,6 @@ from scipy.spatial import cKDTree
 
 from presswork import _core
 from presswork.model import ELEMENTS, GROWN, POROSITY, CellBlock, FloatArray, Model
-from presswork.state import State
 
 MOST = 1.0
 """Porosity of nothing."""
@@ -33,17 +35,21 @@ class NonlocalPorosity:
                 places = np.concatenate([place_points(model.mesh.blocks[i], first) for i in blocks])
                 self._groups.append((blocks, find_weights(places, material.gtn.length)))
 
-    def advance(self, trial: State) -> None:
-        """Add the mean growth of the last increment to the porosity of a converged trial state."""
+    def advance(self, history: Sequence[FloatArray], volume: Sequence[FloatArray]) -> None:
+        """Add the mean growth since the last call to the porosity, and begin to count it anew.
+
+        history: of the points of each block (n_cells, p, n), changed in place; volume: what a point stands for
+        (n_cells, p).
+        """
         for blocks, weights in self._groups:
-            histories = [trial.cells.history[i] for i in blocks]
-            volume = np.concatenate([trial.cells.volume[i].ravel() for i in blocks])
-            grown = np.concatenate([history[..., GROWN].ravel() for history in histories])
-            mean = (weights @ (volume * grown)) / (weights @ volume)
-            ends = np.cumsum([history[..., GROWN].size for history in histories])[:-1]
-            for history, own in zip(histories, np.split(mean, ends), strict=True):
-                porosity = history[..., POROSITY] + own.reshape(history.shape[:-1])
-                history[..., POROSITY] = np.clip(porosity, 0.0, MOST)
+            histories = [history[i] for i in blocks]
+            volumes = np.concatenate([volume[i].ravel() for i in blocks])
+            grown = np.concatenate([of[..., GROWN].ravel() for of in histories])
+            mean = (weights @ (volumes * grown)) / (weights @ volumes)
+            ends = np.cumsum([of[..., GROWN].size for of in histories])[:-1]
+            for of, own in zip(histories, np.split(mean, ends), strict=True):
+                of[..., POROSITY] = np.clip(of[..., POROSITY] + own.reshape(of.shape[:-1]), 0.0, MOST)
+                of[..., GROWN] = 0.0
 
 
 def place_points(block: CellBlock, points: FloatArray) -> FloatArray:

@@ -15,6 +15,7 @@ from presswork.law.umat import open_umat
 from presswork.model import (
     Damage,
     FloatArray,
+    Gtn,
     Hardening,
     Heating,
     Kinematic,
@@ -45,6 +46,7 @@ class SolidMaterial:
     young_decrease: tuple[float, float] | None = None
     thermoelastic: Thermoelastic | None = None
     umat: Umat | None = None
+    gtn: Gtn | None = None
     damage: Damage | None = None
     rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
 

@@ -14,6 +14,7 @@ Units are mm, s, t, N, MPa, degrees Celsius. A node has two freedoms: u along x 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -24,7 +25,10 @@ from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.input_checks import ExplicitError, check_solids
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.walls import Wall as Wall
-from presswork.model import Mesh
+from presswork.model import POROSITY, Mesh
+
+if TYPE_CHECKING:
+    from presswork.evolution.porosity import NonlocalPorosity
 
 Array = npt.NDArray[np.float64]
 FREEDOMS = "uv"
@@ -79,10 +83,23 @@ class ExplicitSolids(Dynamics):
         self._given_temperature = np.concatenate(
             [np.full(len(b.connectivity), materials[b.material].start) for b in mesh.blocks]
         )
+        self._pores = [b for b, block in enumerate(mesh.blocks) if materials[block.material].gtn is not None]
         self._walls: list[Wall] = []
         fastest = max(materials[b.material].wave_speed for b in mesh.blocks)
         n_cells = len(self._given_temperature)
         super().__init__(loop, np.arange(n), np.arange(n_cells), mesh.node_sets, fastest)
+        if self._pores:
+            self._open_pores(materials)
+
+    def _open_pores(self, materials: Sequence[SolidMaterial]) -> None:
+        """Give metals with pores their porosity and temperature at the start."""
+        state = self._loop.state()
+        for number in self._pores:
+            material = materials[self.mesh.blocks[number].material]
+            assert material.gtn is not None
+            state[f"block_{number}"]["kept"][:, POROSITY] = material.gtn.initial
+        self._loop.restore(state)
+        self.given_temperature = self._given_temperature
 
     @property
     def mass(self) -> Array:
@@ -107,6 +124,19 @@ class ExplicitSolids(Dynamics):
             strain *= hardens[first : first + len(strain)].reshape(strain.shape)
             first += len(strain)
         self._loop.restore(state)
+
+    def average_pores(self, pores: NonlocalPorosity, volumes: Sequence[Array]) -> None:
+        """Let pores grow by what their neighbourhoods have since the last call; volumes (n_cells,) of each block."""
+        state = self._loop.state()
+        kept = [state[f"block_{block}"]["kept"][:, None] for block in range(len(self.mesh.blocks))]
+        pores.advance(kept, [volume[:, None] for volume in volumes])
+        self._loop.restore(state)
+
+    @property
+    def state_variables(self) -> list[Array]:
+        """What the laws of each block keep behind stress and plastic strain (n_cells, n)."""
+        state = self._loop.state()
+        return [state[f"block_{block}"]["kept"] for block in range(len(self.mesh.blocks))]
 
     @property
     def damage(self) -> dict[str, list[Array]]:
@@ -159,15 +189,15 @@ class ExplicitSolids(Dynamics):
         self.velocity = v
 
     def add_wall(self, name: str, segments: npt.ArrayLike, *, mu: float = 0.0, is_at_start: bool = True) -> Wall:
-        """Add a rigid profile, segments (n, 7) as in model.Tool, its metal on the right; mu: Coulomb friction.
+        """Add a rigid profile, segments (n, 7) as in model.Tool, its metal on the right.
 
-        Every node of the boundary is held off it. is_at_start: whether it is where the segments are, and no node may
-        lie in it; else restore moves it.
+        Every node of the boundary is held off it. mu: Coulomb friction, infinite where nothing slides. is_at_start:
+        whether it is where the segments are, and no node may lie in it; else restore moves it.
         """
         profile = np.atleast_2d(np.ascontiguousarray(segments, dtype=float))
         if profile.shape[1] != 7 or not np.isfinite(profile).all():
             raise ExplicitError(f"segments of wall {name} must be finite numbers of shape (n, 7)")
-        if not 0 <= mu <= 2:
+        if not (0 <= mu <= 2 or mu == np.inf):
             raise ExplicitError(f"mu of wall {name} = {mu}: it must lie between 0 and 2")
         gap = _core.touch_profile(profile, self.position)[0]
         rim = np.unique(self.mesh.boundary_edges)

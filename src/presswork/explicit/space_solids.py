@@ -22,6 +22,7 @@ from presswork.evolution.damage import DamageLaw
 from presswork.explicit.blocks import Solids
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space import SpaceDynamics
+from presswork.explicit.space_walls import NOT_TURNED, SpaceWall, WallStart
 from presswork.model import ELEMENTS, Mesh
 
 Array = npt.NDArray[np.float64]
@@ -29,55 +30,8 @@ EQPS, HEAT_RISE = 6, 7
 """Places in a point's values behind its stress."""
 DEEPEST_START = 1e-6
 """Of the size of the body: how deep a node may lie in a tool at the start."""
-
-
-class SpaceWall:
-    """A rigid tool that no node of the body's surface enters."""
-
-    def __init__(self, loop: _core.SpaceLoop, number: int, name: str, nodes: npt.NDArray[np.intp]) -> None:
-        self.name = name
-        self._loop, self._number, self._nodes = loop, number, nodes
-        self._velocity = (0.0, 0.0, 0.0)
-
-    @property
-    def velocity(self) -> tuple[float, float, float]:
-        """Prescribed translation (3,) [mm/s], times `velocity_scale`."""
-        return self._velocity
-
-    @velocity.setter
-    def velocity(self, value: Sequence[float]) -> None:
-        x, y, z = (float(v) for v in value)
-        if not np.isfinite([x, y, z]).all():
-            raise ExplicitError(f"velocity of tool {self.name} = {value}: it must be three finite numbers")
-        self._velocity = (x, y, z)
-        self._loop.move_wall(self._number, self._velocity)
-
-    def limit_friction(self, limit: Array) -> None:
-        """Let friction be no larger on the nodes (n_nodes,) [N] from now on."""
-        self._loop.limit_wall_friction(self._number, np.ascontiguousarray(limit[self._nodes]))
-
-    @property
-    def displacement(self) -> Array:
-        """Displacement since the start (3,) [mm]."""
-        return np.array(self._loop.wall_offset(self._number))
-
-    @property
-    def impulse(self) -> Array:
-        """Impulse of the body on the tool since the start (3,) [N s]: its change over a time is the mean force."""
-        return -np.array(self._loop.wall_impulse(self._number))
-
-    @property
-    def nodal_force(self) -> Array:
-        """Forces of the tool on the nodes in the last cycle (n_nodes, 3) [N]."""
-        inside = np.asarray(self._loop.wall_force(self._number))
-        out = np.empty_like(inside)
-        out[self._nodes] = inside
-        return out
-
-    @property
-    def force(self) -> Array:
-        """Force of the body on the tool in the last cycle (3,) [N]."""
-        return np.asarray(-self.nodal_force.sum(axis=0))
+SAME_DIRECTION = 1e-6
+"""Part of a normal beside what holds its nodes already that counts for nothing."""
 
 
 class ExplicitSpaceSolids(SpaceDynamics):
@@ -116,6 +70,8 @@ class ExplicitSpaceSolids(SpaceDynamics):
             self._loop.add_damage(0, of.name, of.kernel, temperature=start, rise=HEAT_RISE if heats else -1)
         self._damage = tuple(damage)
         self._walls: list[SpaceWall] = []
+        self._normals: list[tuple[npt.NDArray[np.intp], Array]] = []
+        self._holds_normals = True
 
     @property
     def velocity(self) -> Array:
@@ -161,11 +117,29 @@ class ExplicitSpaceSolids(SpaceDynamics):
         self._loop.restore(state)
 
     @property
+    def rise_at_points(self) -> Array:
+        """Rise of temperature by plastic work since the start at the cells' points (n_cells, p) [K]."""
+        inside = np.asarray(self._loop.state()["block_0"]["points"])
+        return self._by_element(inside[..., HEAT_RISE]) if self._heats else np.zeros(inside.shape[:2])
+
+    @property
     def temperature(self) -> Array:
-        """Temperature (n_cells) [degrees C]: that of the start, and the rise by plastic work."""
-        if not self._heats:
-            return np.full(len(self._elements), self._start)
-        return self._start + self._values()[:, HEAT_RISE]
+        """Temperature (n_cells) [degrees C], mean of the points: what is given from outside and the own rise."""
+        given = self._start if self._given_temperature is None else self._given_temperature
+        return np.asarray((given + self.rise_at_points).mean(axis=1))
+
+    @property
+    def given_temperature(self) -> Array | None:
+        """What is given to the points from outside (n_cells, p) [degrees C]; None: that of the law's start."""
+        return self._given_temperature
+
+    @given_temperature.setter
+    def given_temperature(self, value: npt.ArrayLike) -> None:
+        degrees = np.array(np.broadcast_to(np.asarray(value, dtype=float), self.rise_at_points.shape))
+        if not np.isfinite(degrees).all():
+            raise ExplicitError("given_temperature: every value must be a finite number [degrees C]")
+        self._loop.set_temperature(0, np.ascontiguousarray(degrees[self._elements]))
+        self._given_temperature = degrees
 
     @property
     def damage(self) -> dict[str, list[Array]]:  # type: ignore[override]
@@ -186,17 +160,90 @@ class ExplicitSpaceSolids(SpaceDynamics):
         v[self.nodes_of(nodes)] = velocity
         self.velocity = v
 
+    def fix_normal(self, nodes: str | npt.ArrayLike, normal: Sequence[float]) -> None:
+        """Hold nodes along a unit vector (3,) that is no axis, besides what fix prescribes, before or after."""
+        self._normals.append((self.nodes_of(nodes), np.asarray(normal, dtype=float)))
+        self._holds_normals = False
+
+    def fix(self, nodes: str | npt.ArrayLike, freedoms: str, velocity: npt.ArrayLike = 0.0) -> None:
+        """Prescribe the velocity [mm/s], one or one for each node, of freedoms: letters of "uvw"."""
+        super().fix(nodes, freedoms, velocity)
+        self._holds_normals = False
+
+    def release(self) -> None:
+        """Let every freedom go that fix and fix_normal have prescribed."""
+        super().release()
+        self._normals = []
+
+    def tie_sector(self, first: npt.ArrayLike, last: npt.ArrayLike, angle: float) -> None:
+        """Let the nodes of the last face of a sector follow those of the first (n,), turned about z by an angle [rad].
+
+        Nodes on the axis are on both.
+        """
+        place = np.empty(len(self._nodes), dtype=np.int32)
+        place[self._nodes] = np.arange(len(self._nodes))
+        pairs = place[np.column_stack([first, last])]
+        assert isinstance(self._loop, _core.SpaceLoop)
+        self._loop.tie(np.ascontiguousarray(pairs[pairs[:, 0] != pairs[:, 1]]), angle)
+
+    def _prepare(self, velocity_scale: Array) -> None:
+        super()._prepare(velocity_scale)
+        if not self._holds_normals:
+            assert isinstance(self._loop, _core.SpaceLoop)
+            self._loop.hold_along(*self._find_directions())
+            self._holds_normals = True
+        middle = self.time + 0.5 * len(velocity_scale) * self.dt
+        for wall in self._walls:
+            wall.drive(middle)
+
+    def _find_directions(self) -> tuple[npt.NDArray[np.int32], Array, Array]:
+        """Return nodes (k,) of the loop, rising, unit vectors (k, 3) that hold them, and velocities along these (k,).
+
+        What fix prescribes comes first: of a normal that part counts which is normal to all that holds the node.
+        """
+        held: dict[int, list[tuple[Array, float]]] = {}
+        place = np.argsort(self._nodes)
+        for nodes, normal in self._normals:
+            for node in nodes.tolist():
+                own = held.setdefault(node, [])
+                fixed = self._fixed[node, :3] > 0
+                rest, speed = np.where(fixed, 0.0, normal), -float(normal[fixed] @ self._prescribed[node, :3][fixed])
+                for along, given in own:
+                    part = float(rest @ along)
+                    rest, speed = rest - part * along, speed - part * given
+                if (length := float(np.linalg.norm(rest))) > SAME_DIRECTION:
+                    own.append((rest / length, speed / length))
+        rows = sorted((int(place[node]), along, speed) for node, own in held.items() for along, speed in own)
+        return (
+            np.array([row[0] for row in rows], dtype=np.int32),
+            np.array([row[1] for row in rows]).reshape(-1, 3),
+            np.array([row[2] for row in rows]),
+        )
+
     def add_wall(
-        self, name: str, surface: _core.ToolSurface, *, position: Sequence[float] = (0.0, 0.0, 0.0), mu: float = 0.0
+        self,
+        name: str,
+        surface: _core.ToolSurface,
+        *,
+        position: Sequence[float] = (0.0, 0.0, 0.0),
+        mu: float = 0.0,
+        start: WallStart = NOT_TURNED,
+        is_at_start: bool = True,
     ) -> SpaceWall:
-        """Let a rigid tool hold the body's surface off; mu: Coulomb friction. position: of the tool's frame [mm]."""
-        if not 0 <= mu <= 2:
+        """Let a rigid tool hold the body's surface off.
+
+        position: of the tool's frame [mm]; start: how it is turned there. mu: Coulomb friction, infinite where nothing
+        slides. is_at_start: whether it is there now, and no node may lie in it; else restore moves it. Raises
+        ExplicitError.
+        """
+        if not (0 <= mu <= 2 or mu == np.inf):
             raise ExplicitError(f"mu of tool {name} = {mu}: it must lie between 0 and 2")
         size = float(np.linalg.norm(np.ptp(self.start, axis=0)))
         outer = np.unique(self.mesh.boundary_faces)
-        gap = surface.nearest(np.ascontiguousarray(self.start[outer] - np.asarray(position)), size)[0]
+        rotation = np.asarray(start.rotation)
+        gap = surface.nearest(np.ascontiguousarray((self.start[outer] - np.asarray(position)) @ rotation), size)[0]
         deepest = int(np.argmin(gap))
-        if gap[deepest] < -DEEPEST_START * size:
+        if is_at_start and gap[deepest] < -DEEPEST_START * size:
             raise ExplicitError(
                 f"tool {name}: node {outer[deepest]} lies {-gap[deepest]:g} mm inside it at the start: move the tool "
                 "off, or turn its surface over"
@@ -204,7 +251,17 @@ class ExplicitSpaceSolids(SpaceDynamics):
         touching = np.zeros(len(self.start), dtype=np.uint8)
         touching[outer] = 1
         assert isinstance(self._loop, _core.SpaceLoop)
-        self._loop.add_wall(surface, np.ascontiguousarray(touching[self._nodes]), position=position, mu=mu, reach=size)
+        self._loop.add_wall(
+            surface,
+            np.ascontiguousarray(touching[self._nodes]),
+            position=position,
+            rotation=rotation.tolist(),
+            centre=start.centre,
+            axis=start.axis,
+            turns=start.turns,
+            mu=mu,
+            reach=size,
+        )
         wall = SpaceWall(self._loop, len(self._walls), name, self._nodes)
         self._walls.append(wall)
         return wall

@@ -103,6 +103,27 @@ def draw_die(
     return SweptProfile(half_widths, corner_radius, np.array([wall, *shoulder, face]))
 
 
+def draw_closed_die(
+    half_widths: tuple[float, float],
+    corner_radius: float,
+    shoulder_radius: float,
+    *,
+    width: float,
+    depth: float,
+    bottom: float,
+) -> SweptProfile:
+    """Draw a die with a flat bottom; depth: of the bottom under the face; bottom: radius from it to the wall [mm].
+
+    The other dimensions are those of `draw_die`.
+    """
+    middle, die = min(half_widths), draw_die(half_widths, corner_radius, shoulder_radius, width=width, depth=depth)
+    rows = [_line(-middle, -depth, -bottom, -depth)] if bottom < middle else []
+    if bottom > 0.0:
+        rows.append([-bottom, -depth, 0.0, bottom - depth, -bottom, bottom - depth, 1.0])  # its metal off the centre
+    wall = [_line(0.0, bottom - depth, 0.0, -shoulder_radius)] if depth > bottom + shoulder_radius else []
+    return SweptProfile(half_widths, corner_radius, np.array([*rows, *wall, *die.segments[1:]]))
+
+
 def draw_holder(
     half_widths: tuple[float, float], corner_radius: float, edge_radius: float, *, width: float, height: float
 ) -> SweptProfile:

@@ -20,25 +20,29 @@ FARTHEST = 1e4
 AGAINST = 1e-3
 """Part of the tool's normal along its way from which it comes towards a node, and does not glide past it."""
 
+Nearest = Callable[[FloatArray, float], tuple[FloatArray, FloatArray]]
+"""Returns gap (n,) and normal (n, 3) of a tool at points (n, 3), infinite gaps beyond a reach [mm]."""
 
-def find_touch_in_space(
-    nearest: Callable[[FloatArray, float], tuple[FloatArray, FloatArray]], nodes: FloatArray, way: FloatArray
-) -> float | None:
+
+def find_touch_in_space(nearest: Nearest, nodes: FloatArray, way: FloatArray) -> float | None:
     """Return how far a tool goes along `way` (3,), of length 1, until it touches a node (n, 3) [mm]; None: never.
 
-    nearest: returns gap (n,) and normal (n, 3) of the tool at points, infinite gaps beyond a reach [mm]. Every node is
-    taken towards the tool by its own gap again and again, since the tool can be no nearer, and halves its last step
-    where that has led inside.
+    Every node is taken towards the tool by its own gap again and again, since the tool can be no nearer, and halves its
+    last step where that has led inside.
     """
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     gone, step = np.zeros(len(nodes)), np.zeros(len(nodes))
     waits, first = np.ones(len(nodes), dtype=bool), FARTHEST * size
     for _ in range(MOST_STEPS):
-        waits &= gone < first
-        if not waits.any():
-            break
-        gap, normal = nearest(nodes[waits] - gone[waits, None] * way, math.inf)
         index = np.flatnonzero(waits)
+        waits[index] = gone[index] - step[index] < first
+        index = np.flatnonzero(waits)
+        if not len(index):
+            break
+        late = np.maximum(gone[index] - first, 0.0)  # the last step leads no farther than to the first touch
+        gone[index] -= late
+        step[index] -= late
+        gap, normal = nearest(nodes[index] - gone[index, None] * way, math.inf)
         comes = normal @ way > AGAINST
         inside = (gap < -TOUCHING * size) & comes
         gone[index[inside]] -= 0.5 * step[index[inside]]
@@ -47,7 +51,8 @@ def find_touch_in_space(
         touches |= inside & (step[index] <= TOUCHING * size)
         if touches.any():
             first = min(first, float(gone[index[touches]].min()))
-        on = ~inside & ~touches
+        on = ~inside & ~touches & (gone[index] < first)
+        waits[index[~inside & (gone[index] >= first)]] = False
         step[index[on]] = np.maximum(gap[on], LEAST * size)
         gone[index[on]] += step[index[on]]
         waits[index[touches | (on & ~np.isfinite(gap))]] = False

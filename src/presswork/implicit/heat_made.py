@@ -30,19 +30,19 @@ class HeatSources:
     def __init__(self, model: Model, heat: Heat) -> None:
         self._model, self._heat, self._shapes = model, heat, PointShapes(model)
         self._n_points = len(model.mesh.points)
-        self._shares = self._share_friction()
         self._body_of = np.zeros(self._n_points, dtype=np.intp)
         for number, body in enumerate(model.bodies):
             self._body_of[body.points.start : body.points.stop] = number
+        self._shares = self._share_friction()[:, self._body_of]
 
     def find(self, now: FormingInstant, surface: SurfaceNow) -> MadeHeat:
         """Return the heat of an increment."""
         plastic = np.zeros(self._n_points)
         for i, heat in enumerate(now.plastic):
             plastic += self._shapes.to_nodes(i, heat)
-        share = self._shares[:, self._body_of]
-        friction = (share * now.rubbed).sum(axis=0) + self._rub_bodies(now, surface)
-        return MadeHeat(plastic, friction, (1.0 - share) * now.rubbed)
+        into_bodies = self._shares * now.rubbed
+        friction = into_bodies.sum(axis=0) + self._rub_bodies(now, surface)
+        return MadeHeat(plastic, friction, now.rubbed - into_bodies)
 
     def _rub_bodies(self, now: FormingInstant, surface: SurfaceNow) -> FloatArray:
         """Return the heat of friction between bodies at the nodes (n_points,) [N mm].

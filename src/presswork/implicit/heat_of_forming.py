@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import sqrt
 from typing import ClassVar
 
 import numpy as np
@@ -24,7 +25,7 @@ from presswork.interaction.forming_instant import FormingInstant, Poses
 from presswork.interaction.heat_films import Film, ToolFilm
 from presswork.interaction.heat_surface import HeatSurface, Touch
 from presswork.interaction.meshed_dies import MeshedDies, pass_on
-from presswork.model import BoolArray, FloatArray, Heat, Model
+from presswork.model import BoolArray, FloatArray, Heat, IntArray, Model
 from presswork.outcome import Failed, GaveUpError, IterationLog
 from presswork.state import NODE, RUN, Arrays, OnNewMesh
 from presswork.timing import Timing
@@ -40,6 +41,7 @@ SAFETY, SHRINK, GROWTH, REFUSED = 0.9, 0.2, 2.0, 2.0
 SMALLEST_PART = 1e-4
 """Of an increment: a time step of heat that is taken as it is."""
 _CONTENT_ROUNDS = 5
+_NO_PAIRS: IntArray = np.zeros((0, 2), dtype=np.int32)
 
 
 @dataclass
@@ -102,8 +104,7 @@ class HeatOfForming:
         assert model.heat is not None
         self._model, self._heat = model, model.heat
         self._dies = MeshedDies(model, model.heat)
-        none = np.zeros((0, 2), dtype=np.int32)
-        self._equation = HeatEquation(self._dies.join(), none, timing, threads, iterative=True)
+        self._equation = HeatEquation(self._dies.join(), _NO_PAIRS, timing, threads, iterative=True)
         self._surface = HeatSurface(model, model.heat, self._dies)
         self._sources = HeatSources(model, model.heat)
         self._phases = PhasesAtNodes(model, self._equation.conduction.mass)
@@ -238,7 +239,7 @@ class HeatOfForming:
             prescribed=held,
             counted=n,
         )
-        self._equation.couple(np.zeros((0, 2), dtype=np.int32))
+        self._equation.couple(_NO_PAIRS)
         heat = np.zeros((2, len(KINDS)))
         found = self._take_steps(arrays, problem, [], np.zeros((len(poses), n)), heat)
         if isinstance(found, Failed):
@@ -248,19 +249,20 @@ class HeatOfForming:
 
     def advance(self, arrays_n: HeatArrays, now: FormingInstant, dt: float) -> HeatArrays | Failed:
         """Return the arrays after an increment of dt [s], or why heat finds no balance."""
-        surface = self._surface.find(now)
+        places = self._dies.place(now.points, now.poses)
+        surface = self._surface.find(now, places)
         made = self._sources.find(now, surface)
         between = [meeting.film for meeting in surface.meetings] + [film for film, _ in surface.links.values()]
-        self._equation.couple(np.concatenate([np.zeros((0, 2), dtype=np.int32), *(film.pairs for film in between)]))
-        rubbed = np.zeros(self._dies.n_points)
+        self._equation.couple(np.concatenate([film.pairs for film in between]) if between else _NO_PAIRS)
+        source = np.zeros(self._dies.n_points)
         for t, (film, area) in surface.links.items():
             own = np.zeros(self._dies.n_points)
             own[: self._n_points] = made.into_tools[t]
-            rubbed += pass_on(film.pairs, area, own)
-        source = rubbed.copy()
+            source += pass_on(film.pairs, area, own)
+        rubbed = float(source.sum()) if surface.links else 0.0
         source[: self._n_points] += made.plastic + made.friction
         problem = HeatProblem(
-            points=self._dies.place(now.points, now.poses),
+            points=places,
             temperature_n=_together(arrays_n),
             dt=dt,
             films=[*between, *surface.around],
@@ -275,7 +277,7 @@ class HeatOfForming:
         if isinstance(found, Failed):
             return found
         heat[0, :2] = made.plastic.sum(), made.friction.sum()
-        heat[1, 0] = rubbed.sum()
+        heat[1, 0] = rubbed
         return self._collect(arrays_n, found, heat)
 
     def _take_steps(
@@ -305,7 +307,7 @@ class HeatOfForming:
                     return Failed(IterationLog(), f"{found.reason} in a time step of {part:.1e} s", 0.5)
                 continue
             error = self._estimate_error(now, found, part)
-            factor = float(np.clip(SAFETY * np.sqrt(self._heat.tolerance / error), SHRINK, GROWTH)) if error else GROWTH
+            factor = min(max(SAFETY * sqrt(self._heat.tolerance / error), SHRINK), GROWTH) if error else GROWTH
             if error > REFUSED * self._heat.tolerance and part > SMALLEST_PART * dt:
                 part *= factor
                 continue

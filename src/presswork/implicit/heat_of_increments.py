@@ -12,7 +12,7 @@ import numpy as np
 
 from presswork.body.solids import Mechanics
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
-from presswork.interaction.body_interface import InterfaceArrays
+from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.interaction.forming_instant import BetweenBodies, FormingInstant, Poses, find_poses
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, ToolArrays
@@ -75,7 +75,7 @@ class HeatOfIncrements:
         if isinstance(found, Failed):
             return found
         trial.replace(found)
-        before = [given.copy() for given in trial.cells.temperature]
+        before = list(trial.cells.temperature)
         self.spread(trial)
         pairs = zip(before, trial.cells.temperature, strict=True)
         return max((float(np.abs(a - b).max()) for a, b in pairs if a.size), default=0.0)
@@ -84,7 +84,7 @@ class HeatOfIncrements:
         return self._model.mesh.points + state.nodes.moved
 
     def _poses(self, state: State) -> Poses:
-        if not self._model.plane_tools:
+        if not self.forming.dies.dies:  # which alone are placed by them
             return []
         placed = state[ToolArrays]
         return find_poses(self._model.plane_tools, placed.displacement, placed.angle)

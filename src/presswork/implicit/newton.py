@@ -37,6 +37,8 @@ SOFT, STIFFENING = 300.0, 4.0
 """Gentle attempts: how many times softer springs begin, and by what they are stiffened each time."""
 STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
+MOST_AUGMENTATIONS = 10
+"""Times that an increment takes multipliers over."""
 
 
 class Equilibrium:
@@ -106,7 +108,7 @@ class Equilibrium:
         if isinstance(point, BadGuess):
             return Failed(log, str(point), point.factor)
         most = self._model.solver.max_iterations * (2 if gently else 1)
-        for iteration in range(most + 1):
+        for iteration in range((most + 1) * (MOST_AUGMENTATIONS + 1)):
             stop.look()
             # 1. what holds the nodes at the present guess, and what is out of balance
             stiff = self._softness == 1.0
@@ -116,11 +118,15 @@ class Equilibrium:
                 augmented = self._augment(state_n, trial, point)
                 if augmented is None:
                     return self._settle(state_n, trial, point, balance, log)
+                if len(log.augmented) == MOST_AUGMENTATIONS:
+                    break
                 point = augmented
+                log.augmented.append(len(log))
+                log.start = len(log)
                 continue
             if iteration > 0 and log.residual[-1] < CALM:
                 self._soften(max(1.0, self._softness / STIFFENING))
-            if iteration == most or (stiff and self._is_hopeless(log)):
+            if len(log) - log.since_augmented > most or (stiff and self._is_hopeless(log)):
                 break
             # 3. correction; constrained freedoms go all the way to where they must be
             try:

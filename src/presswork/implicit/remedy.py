@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
+from presswork.interaction.resting import find_loose
 from presswork.model import Model
 
 MESH = "Try a finer mesh where cells are most distorted, or look at the last saved step for folded cells"
-AXES = ("x", "y", "z")
 
 
 def find_remedy(model: Model, negative_pivots: int) -> str:
@@ -16,7 +16,7 @@ def find_remedy(model: Model, negative_pivots: int) -> str:
     softened by much else.
     """
     if model.analysis != "shell" or negative_pivots == 0 or model.solver.inertia > 0.0:
-        loose = _find_loose(model)
+        loose = find_loose(model)
         if not loose or model.solver.inertia > 0.0:
             return MESH
         return (
@@ -32,15 +32,6 @@ def find_remedy(model: Model, negative_pivots: int) -> str:
     if not _is_under_loads_alone(model):
         return f"{limit}S{inertia[1:]}"
     return f'{limit}Set solver.control = "arc_length" to follow its path on, with less load where need be; or {inertia}'
-
-
-def _find_loose(model: Model) -> list[str]:
-    """Return the axes along which nothing but tools holds a solid in space."""
-    if model.analysis != "solid" or not model.space_tools or any(s.normal is not None for s in model.supports):
-        return []
-    held = {axis for support in model.supports for axis, fixed in enumerate(support.fix) if fixed}
-    held |= {moved.component for stage in model.stages for moved in stage.prescribed}
-    return [name for axis, name in enumerate(AXES) if axis not in held]
 
 
 def _is_under_loads_alone(model: Model) -> bool:

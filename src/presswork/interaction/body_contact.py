@@ -21,7 +21,8 @@ import numpy as np
 
 from presswork.body.contract import Cells
 from presswork.fields.contact_stress import BodyTraction
-from presswork.interaction.body_interface import MARGIN, REACH, Interface, InterfaceArrays
+from presswork.interaction.body_interface import Interface
+from presswork.interaction.body_surfaces import MARGIN, REACH, InterfaceArrays
 from presswork.interaction.contract import Forces, Guess, Interaction, Point
 from presswork.interaction.space_interface import SpaceInterface
 from presswork.model import BodyContact, FloatArray, IntArray, MaskArray, Model

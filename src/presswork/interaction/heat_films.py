@@ -114,7 +114,9 @@ class ToolFilm:
 
     def __init__(self, nodes: IntArray, factor: FloatArray, other: FloatArray | float) -> None:
         """Take nodes (n,), each once, factors [N mm/(s K)] and the tool's temperatures there (n,) [degrees C]."""
-        self._film = _core.HeatFilm.at_nodes(nodes, factor, np.broadcast_to(other, len(nodes)))
+        self._film = _core.HeatFilm.at_nodes(
+            nodes, factor, np.full(len(nodes), other) if isinstance(other, float) else other
+        )
 
     def at(self, time: float) -> _core.HeatFilm:
         """Return the film."""

@@ -14,9 +14,10 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.heat import sum_at_nodes
+from presswork.geometry.pose import ToolPose
 from presswork.interaction.forming_instant import FormingInstant
 from presswork.interaction.heat_films import Film, PairFilm, interpolate, make_surroundings, measure_sides
-from presswork.interaction.meshed_dies import MeshedDies
+from presswork.interaction.meshed_dies import Die, MeshedDies
 from presswork.mesh.facing import find_facing, split_edges, sum_pairs
 from presswork.model import BodyContact, BoolArray, FloatArray, Heat, HeatContact, IntArray, Model, ToolHeat
 
@@ -24,8 +25,6 @@ TOO_DEEP = 0.1
 """Of an edge: a body that overlaps another by more counts as apart from it."""
 CHORDS = 0.25
 """Of an edge: how far the mesh of a tool may lie from the edges that touch its profile, both being chords of it."""
-FAR = 1e3
-"""Gaps, in widths across which heat passes, beyond which all are one."""
 
 
 @dataclass(frozen=True)
@@ -76,11 +75,11 @@ class HeatSurface:
         self._tools = [heat.tools.get(tool.name) for tool in model.tools]
         self._pieces = self._edges if model.analysis == "solid" else split_edges(self._edges)
         self._contacts = {contact.name: contact for contact in model.contacts}
+        self._profiles: dict[int, tuple[tuple[float, float], FloatArray]] = {}
         self._thickness = None if model.analysis == "axisymmetric" else model.depth
 
-    def find(self, now: FormingInstant) -> SurfaceNow:
-        """Return what touches the surface."""
-        points = self._dies.place(now.points, now.poses)
+    def find(self, now: FormingInstant, points: FloatArray) -> SurfaceNow:
+        """Return what touches the surface; points: where the nodes of bodies and dies are (n_points, d) [mm]."""
         areas = measure_sides(self._model, self._edges, points)
         seen = areas.copy()
         touches = []
@@ -106,7 +105,7 @@ class HeatSurface:
                 links[t] = self._link(t, heat, now.gap[t], points, np.asarray(touching), np.asarray(pressure))
         area = sum_at_nodes(self._edges, seen, len(points))
         for die in self._dies.dies:
-            area += sum_at_nodes(die.profile, measure_sides(self._model, die.profile, points), len(points))
+            area += self._measure_profile(die, now.poses[die.tool], points)
             film, shared = links[die.tool]
             area -= sum_at_nodes(film.pairs[:, 1], shared, len(points))
         meetings = [self._meet(now, entry) for entry in self._heat.contacts]
@@ -116,6 +115,18 @@ class HeatSurface:
         area = np.maximum(area, 0.0)
         around = self._heat.surroundings
         return SurfaceNow(touches, meetings, links, make_surroundings(around, area) if around else [])
+
+    def _measure_profile(self, die: Die, pose: ToolPose, points: FloatArray) -> FloatArray:
+        """Return the area of a die's profile that each node stands for (n_points,) [mm2].
+
+        It stays as it is while the die moves along the axis, or in the plane.
+        """
+        place = pose.angle, float(pose.displacement[0])
+        kept = self._profiles.get(die.tool)
+        if kept is None or kept[0] != place:
+            kept = place, sum_at_nodes(die.profile, measure_sides(self._model, die.profile, points), len(points))
+            self._profiles[die.tool] = kept
+        return kept[1]
 
     def find_open(self, points: FloatArray) -> list[Film]:
         """Return the surroundings of tools with meshes that no body touches; points: of bodies and tools."""
@@ -136,21 +147,19 @@ class HeatSurface:
     ) -> tuple[PairFilm, FloatArray]:
         """Return what passes between bodies and a tool with a mesh, and the areas that pairs of nodes share."""
         die = next(die for die in self._dies.dies if die.tool == t)
-        holds = np.tile(touching, len(self._pieces) // len(self._edges))
-        gap = _cut_off(gaps, heat.gap)[self._pieces]
-        counts = holds | (gap.min(axis=1) < heat.gap)
-        own, gap, holds = self._pieces[counts], gap[counts], holds[counts]
-        length = np.linalg.norm(points[own[:, 1]] - points[own[:, 0]], axis=1)
-        reach = np.where(holds, 0.0, heat.gap) + CHORDS * length
-        found = find_facing(points, own, die.profile, reach, self._thickness)
-        held = holds[found.own]
-        between = np.maximum((found.own_shape * gap[found.own]).sum(axis=1), 0.0)
-        passes = np.where(held, 1.0, np.clip(1.0 - between / max(heat.gap, 1e-300), 0.0, 1.0))
-        pushed = np.where(held, (found.own_shape * pressure[own[found.own]]).sum(axis=1), 0.0)
-        area = passes * found.area
-        conductance, _ = interpolate(heat.conductance, pushed)
-        pairs, (conducted, shared) = sum_pairs(found, own, die.profile, conductance * area, area)
-        return PairFilm("dies", pairs, conducted), shared
+        pairs, conducted, shared = _core.link_tool(
+            points,
+            self._pieces,
+            touching=touching,
+            pressure=pressure,
+            profile=die.profile,
+            gap=gaps,
+            conductance=heat.conductance,
+            width=heat.gap,
+            chords=CHORDS,
+            thickness=self._thickness or 0.0,
+        )
+        return PairFilm("dies", np.asarray(pairs), np.asarray(conducted)), np.asarray(shared)
 
     def _meet(self, now: FormingInstant, entry: HeatContact) -> Meeting:
         """Return how two bodies touch or are near."""
@@ -171,11 +180,6 @@ class HeatSurface:
         )  # a fold is found from both sides
         pairs, (conducted, shared) = sum_pairs(found, own, other, conductance * area, area)
         return Meeting(contact, PairFilm("contact", pairs, conducted), shared)
-
-
-def _cut_off(gap: FloatArray, width: float) -> FloatArray:
-    """Return distances from a tool (n,) [mm], all far ones as one."""
-    return np.asarray(np.minimum(gap, FAR * width + 1.0))
 
 
 def find_open_sides(model: Model) -> IntArray:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Laps: places where the surface of a body has folded onto itself, which is a fault of the part.
 
-They exert no force. A node is marked when its body touches itself there (contact of a body with itself), or where a new
-mesh has left out a loop in which the surface crossed itself. Marks go with the material.
+They exert no force. A node is marked when its body touches itself there (contact of a body with itself). Marks go with
+the material. What lies inside the metal, where new meshes have left folds out, process/seams.py follows.
 """
 
 from __future__ import annotations
@@ -14,14 +14,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from presswork.interaction.body_contact import BodyContacts
-from presswork.interaction.body_interface import InterfaceArrays
+from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.interaction.contract import Interaction
-from presswork.mesh.topology import find_parts
-from presswork.model import FloatArray, IndexArray, IntArray, Mesh, Model
+from presswork.model import FloatArray, Model
 from presswork.state import RUN, SURFACE, Arrays, OnNewMesh, State
-
-MARKED = 0.5
-"""Of a mark, from which on a node counts as part of a lap; on a new mesh marks are interpolated."""
 
 
 @dataclass
@@ -51,28 +47,7 @@ class LapMarks(Interaction):
         for interface in self._bodies.interfaces:
             if interface.is_self:
                 pushes = trial[InterfaceArrays].pressure[interface.places] > 0.0
-                mark_lap(trial, interface.nodes[pushes], step.time_n)
-
-
-def mark_lap(state: State, nodes: IntArray | IndexArray, time: float) -> None:
-    """Mark nodes (n,) as part of a lap, in place; time: now [s]."""
-    if not len(nodes):
-        return
-    laps = state[LapArrays]
-    laps.mark[nodes] = 1.0
-    laps.begun = time if laps.begun < 0.0 else laps.begun
-
-
-def list_laps(state: State, mesh: Mesh) -> list[FloatArray]:
-    """Return the middle of each lap where it is now (2 | 3,) [mm]: of marked nodes that edges connect."""
-    if LapArrays not in state:
-        return []
-    marked = state[LapArrays].mark > MARKED
-    points = mesh.points + state.nodes.moved
-    sides = mesh.boundary_edges[:, :2]
-    if points.shape[1] == 3:
-        sides = np.stack([mesh.boundary_faces, np.roll(mesh.boundary_faces, -1, axis=1)], axis=-1).reshape(-1, 2)
-    edges = sides[marked[sides].all(axis=1)]
-    alone = np.repeat(np.flatnonzero(marked)[:, None], 2, axis=1)
-    _, part = find_parts([np.concatenate([edges, alone])], len(points))
-    return [points[marked & (part == number)].mean(axis=0) for number in np.unique(part[marked])]
+                if pushes.any():
+                    laps = trial[LapArrays]
+                    laps.mark[interface.nodes[pushes]] = 1.0
+                    laps.begun = step.time_n if laps.begun < 0.0 else laps.begun

@@ -70,6 +70,8 @@ class MeshedDies:
 
     def place(self, points: FloatArray, poses: Poses) -> FloatArray:
         """Return where the nodes of bodies and dies are (n_points, 2) [mm]; poses: of all tools of the plane."""
+        if not self.dies:
+            return points
         return np.concatenate([points, *(place_points(die.mesh.mesh.points, poses[die.tool]) for die in self.dies)])
 
     def at_rest(self) -> FloatArray:

@@ -113,7 +113,7 @@ class Springs:
 
 def share_modelled(tools: Sequence[Tool]) -> FloatArray:
     """Return which part of each whole tool is modelled (n_tools,)."""
-    return np.array([0.5 ** sum(tool.mirrored_across) for tool in tools])
+    return np.array([0.5 ** sum(tool.mirrored_across) / tool.sectors for tool in tools])
 
 
 def force_at(rows: FloatArray, start: float, fraction: float) -> float:

@@ -19,6 +19,7 @@ from the body.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -30,12 +31,16 @@ from presswork.geometry.mirrored import add_mirror_image
 from presswork.geometry.pose import find_space_pose
 from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.geometry.tool_surface import make_surface
+from presswork.interaction.floating_space_tools import FloatingSpaceTools
+from presswork.interaction.resting import SOFT, RestingBody, find_loose
 from presswork.interaction.space_contact import SpaceContact, SpaceForces, TouchingNodes, limit_friction
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.faces import nodal_normals, take_bearing
-from presswork.model import FloatArray, Model, Tool, Triangulation, find_held_side
+from presswork.model import FloatArray, IndexArray, IntArray, Model, Tool, Triangulation, find_held_side
 from presswork.state import State
 
+GUESSES = 8
+"""Guesses of an increment after which the area that shears stays."""
 PENETRATION = 1e-3
 """Of the root of a node's share of the surface: more than that takes another iteration."""
 OF_SMALLEST = 0.5
@@ -60,9 +65,13 @@ class SolidContact(SpaceContact):
         self._inside = np.ones(n, dtype=bool)
         self._inside[outer] = False
         self._length = np.ones(n)
-        self._shear = np.zeros((len(model.space_tools), n))
-        self._area = np.zeros((len(model.space_tools), n))
+        self._sticking = [t for t, tool in enumerate(model.space_tools) if tool.friction.law == "sticking"]
+        self._shear_flow, self._n_guesses = np.zeros(n), 0
+        self._covered = (np.zeros((0, 3), dtype=np.int32), np.zeros(0))
+        self._lay = np.zeros((len(model.space_tools), n), dtype=bool)
         self._multiplier = np.zeros((len(model.space_tools), n))
+        rests = find_loose(model) and not model.solver.inertia and not FloatingSpaceTools(model).is_needed
+        self._resting = RestingBody(len(model.space_tools), n) if rests else None
 
     def _make_surface(self, tool: Tool, depth: float) -> _core.ToolSurface | RoundedSurface:
         remeshing = self._model.remeshing
@@ -97,22 +106,81 @@ class SolidContact(SpaceContact):
         self._length = np.where(self._inside, 1.0, np.sqrt(np.linalg.norm(normals, axis=1)))
         placed = state_n[SpaceToolArrays]
         self._multiplier = np.linalg.norm(placed.force - placed.friction, axis=2)
-        flow = self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0) if self._needs_shear else np.zeros(0)
-        for t in range(len(self._surfaces)):
-            gap, out = self.placed(t, placed).nearest(places, float(self._length.max()))
-            # the part of the node's surface that faces the tool: at an edge the other side has no contact
-            self._area[t] = np.maximum(0.0, -np.einsum("ni,ni->n", normals, out))
-            if self._needs_shear:
-                # a face slides on the tool where all its nodes that bear lie there, as in the plane
-                lies = (self._multiplier[t] > 0.0) | (gap <= ROUNDING * self._length)
-                covered = nodal_normals(places, faces[lies[take_bearing(faces)].all(axis=1)])
-                self._shear[t] = flow * np.maximum(0.0, -np.einsum("ni,ni->n", covered, out))
+        for t in range(len(self._surfaces)) if self._resting is not None else self._sticking:
+            surface = self.placed(t, placed)
+            gap, out = surface.nearest(places, float(self._length.max()))
+            self._lay[t] = (self._multiplier[t] > 0.0) | (gap <= ROUNDING * self._length)
+            if self._resting is not None:
+                far = not np.isfinite(gap[~self._inside]).any()
+                seen, along = surface.nearest(places, math.inf) if far else (gap, out)
+                self._resting.take(t, np.where(self._inside, np.inf, seen), along, self._length)
+        if self._needs_shear:
+            self._shear_flow, self._n_guesses = self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0), 0
+
+    def limit_by_shear(
+        self, x: FloatArray, touched: Sequence[tuple[IndexArray, FloatArray, FloatArray]]
+    ) -> Sequence[FloatArray | None]:
+        """Return the largest friction on nodes of each tool whatever the push (n,) [N]; None: no law asks for it.
+
+        As in the plane, the area at a guess is that of the faces all of whose nodes that bear touch a tool, and a node
+        that lands on a sticking tool sticks from the next increment on. Where a node is pressed on by less than its
+        shear, its faces count in that part: area that jumped with a node that hardly touches would never settle. After
+        some guesses the faces and their parts stay, so that an iteration that goes on settles on them.
+        """
+        found: list[FloatArray | None] = [None] * len(touched)
+        if self._needs_shear:
+            if self._n_guesses < GUESSES:
+                self._covered = self._cover(x, touched)
+            self._n_guesses += 1
+            covered = nodal_normals(x, *self._covered)
+            for t, (nodes, out, _) in enumerate(touched):
+                found[t] = self._shear_flow[nodes] * _project(covered[nodes], out)
+        for t in self._sticking:
+            found[t] = np.where(self._lay[t, touched[t][0]], np.inf, 0.0)
+        return found
+
+    def _cover(
+        self, x: FloatArray, touched: Sequence[tuple[IndexArray, FloatArray, FloatArray]]
+    ) -> tuple[IntArray, FloatArray]:
+        """Return the faces that lie on tools at a guess (n, k), and the part of each that counts (n,)."""
+        faces = self._model.mesh.boundary_faces
+        lies, part = np.zeros(len(x), dtype=bool), np.zeros(len(x))
+        lies[np.concatenate([nodes for nodes, _, _ in touched])] = True
+        faces = faces[lies[take_bearing(faces)].all(axis=1)]
+        covered = nodal_normals(x, faces)
+        for tool, (nodes, out, push) in zip(self._model.space_tools, touched, strict=True):
+            shear = float(tool.friction.m) * self._shear_flow[nodes] * _project(covered[nodes], out)
+            part[nodes] = np.maximum(part[nodes], np.minimum(1.0, push / np.maximum(shear, 1e-300)))
+        return faces, part[take_bearing(faces)].min(axis=1)
 
     def touching(self, tool: int) -> TouchingNodes:
         """Return what the contact with a tool must know of the nodes; those inside the body touch nothing."""
         spring = self._young * self._length
         reach = np.where(self._inside, -np.inf, self._multiplier[tool] / spring)
-        return TouchingNodes(spring, reach, ROUNDING * self._length, self._shear[tool])
+        return TouchingNodes(spring, reach, ROUNDING * self._length)
+
+    def evaluate(
+        self, state_n: State, trial: State, displacement: FloatArray, stage: int = 0, fraction: float = 0.0
+    ) -> SpaceForces:
+        """Return the forces on the nodes at a guess; those of a body that rests on tools hang on them softly."""
+        found = super().evaluate(state_n, trial, displacement, stage, fraction)
+        if self._resting is None:
+            return found
+        moved = trial[SpaceToolArrays].displacement - state_n[SpaceToolArrays].displacement
+        tool, nodes = np.nonzero(self._resting.find_holds(moved))
+        if not len(nodes):
+            return found
+        spring = SOFT * self._young * self._length[nodes]
+        way = (displacement - state_n.nodes.displacement)[nodes, :3] - moved[tool]
+        np.add.at(found.force[:, :3], nodes, -spring[:, None] * way)
+        blocks = np.zeros((len(nodes), *found.blocks.shape[1:]))
+        blocks[:, :3, :3] = spring[:, None, None] * np.eye(3)
+        return replace(
+            found,
+            pairs=np.concatenate([found.pairs, np.repeat(nodes[:, None], 2, axis=1).astype(np.int32)]),
+            blocks=np.concatenate([found.blocks, blocks]),
+            tool=np.concatenate([found.tool, np.full(len(nodes), -1, dtype=np.int32)]),
+        )
 
     def settle(self, trial: State, found: SpaceForces) -> None:
         """Keep what an increment has found; what multipliers hold stores no energy."""
@@ -125,11 +193,20 @@ class SolidContact(SpaceContact):
         places = self._model.mesh.points + state.nodes.moved
         push = np.linalg.norm(placed.force - placed.friction, axis=2)
         drag = np.linalg.norm(placed.friction, axis=2)
-        area = np.where(self._area > 0.0, self._area, np.inf)
-        limits = np.array([
-            np.where(push[t] > 0.0, limit_friction(tool.friction, push[t], self._shear[t])[0], 0.0)
-            for t, tool in enumerate(self._model.space_tools)
-        ])  # fmt: skip
+        normals = nodal_normals(places, self._model.mesh.boundary_faces)
+        area, limits, touched = np.full(push.shape, np.inf), np.zeros(push.shape), []
+        for t, own in enumerate(push > 0.0):
+            nodes = np.flatnonzero(own)
+            out = self.placed(t, placed).nearest(places, float(self._length.max()))[1][nodes]
+            touched.append((nodes, out, push[t, nodes]))
+            # the part of the node's surface that faces the tool: at an edge the other side has no contact
+            faced = _project(normals[nodes], out)
+            area[t, nodes] = np.where(faced > 0.0, faced, np.inf)
+        for t, (tool, shear) in enumerate(
+            zip(self._model.space_tools, self.limit_by_shear(places, touched), strict=True)
+        ):
+            nodes = touched[t][0]
+            limits[t, nodes] = limit_friction(tool.friction, push[t, nodes], shear)[0]
         traction = {t.name: placed.force[i] / area[i, :, None] for i, t in enumerate(self._model.space_tools)}
         gap = self.find_gaps(state, places).min(axis=0)
         touches, rough = push.max(axis=0) > 0.0, drag.max(axis=0) > 0.0
@@ -145,9 +222,20 @@ class SolidContact(SpaceContact):
         )
 
     def augment(self, own: SpaceForces) -> bool:
-        """Take the multipliers over if nodes lie too deep in a tool, or too far off one that they push."""
+        """Take the multipliers over if nodes lie too deep in a tool, or too far off one that they push.
+
+        Metal that answers elastically is as stiff as the springs, and would take ten rounds of that; the next increment
+        gives back what is left.
+        """
+        if self._cells.answers_elastically:
+            return False
         push = np.linalg.norm(own.by_tool - own.friction, axis=2)
         if not (np.abs(push - self._multiplier) > PENETRATION * self._young * self._length**2).any():
             return False
         self._multiplier = push
         return True
+
+
+def _project(area: FloatArray, out: FloatArray) -> FloatArray:
+    """Return the part of area vectors (n, 3) that faces tools of normals (n, 3) (n,) [mm2]."""
+    return np.asarray(np.maximum(0.0, -np.einsum("ni,ni->n", area, out)))

@@ -13,7 +13,7 @@ of N, of the direction of sliding, and of the normal by the curvature of the too
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,8 +60,27 @@ class TouchingNodes:
     """Distance from the tool below which it pushes (n_points,) [mm]."""
     rounding: FloatArray
     """Distance over which that begins (n_points,) [mm]."""
-    shear: FloatArray | None = None
-    """Shear flow stress times area, which laws with a friction factor ask for (n_points,) [N]."""
+
+
+@dataclass(frozen=True)
+class TouchedNodes:
+    """Nodes that touch a tool, or are about to."""
+
+    nodes: IndexArray
+    gap: FloatArray
+    """Beyond their reach (n,) [mm]."""
+    normal: FloatArray
+    """Of the tool (n, 3)."""
+    spring: FloatArray
+    """As in TouchingNodes (n,) [N/mm]."""
+    rounding: FloatArray
+    """The same (n,) [mm]."""
+
+    @property
+    def push(self) -> FloatArray:
+        """Of the tool on the nodes (n,) [N]: a parabola within the rounding."""
+        k, g, delta = self.spring, self.gap, self.rounding
+        return np.where(g < -delta, -k * g, k * (delta - g) ** 2 / (4.0 * delta))
 
 
 @dataclass(frozen=True)
@@ -83,28 +102,34 @@ class PlacedSurface:
         return self.pose.turn(rise), bend if turned is None else turned @ bend @ turned.T
 
 
+def find_touched(surface: PlacedSurface, touching: TouchingNodes, x: FloatArray) -> TouchedNodes:
+    """Return the nodes at x (n_points, 3) [mm] that touch a tool."""
+    gap, normal = surface.nearest(x, float((touching.reach + touching.rounding).max()))
+    nodes = np.flatnonzero(gap - touching.reach < touching.rounding)
+    beyond = (gap - touching.reach)[nodes]
+    return TouchedNodes(nodes, beyond, normal[nodes], touching.spring[nodes], touching.rounding[nodes])
+
+
 def touch_tool(
     surface: PlacedSurface,
     law: Friction,
-    touching: TouchingNodes,
+    touched: TouchedNodes,
     x: FloatArray,
     way: FloatArray,
     friction_n: FloatArray,
+    shear: FloatArray | None = None,
 ) -> NodesOnTool:
-    """Return the forces of a tool on nodes.
+    """Return the forces of a tool on the nodes that touch it.
 
-    x: their places (n_points, 3) [mm]. way: of the nodes along with the increment, less that of the tool
+    x: places of all nodes (n_points, 3) [mm]. way: of the nodes along with the increment, less that of the tool
     (n_points, 3) [mm]. friction_n: their friction when the increment began, turned with the tool (n_points, 3) [N].
+    shear: largest friction on those touched whatever the push (n,) [N], which laws with a friction factor ask for.
     """
-    rounding = touching.rounding
-    gap, normal = surface.nearest(x, float((touching.reach + rounding).max()))
-    nodes = np.flatnonzero(gap - touching.reach < rounding)
-    g, n, delta = (gap - touching.reach)[nodes], normal[nodes], rounding[nodes]
+    nodes, g, n, k, delta = touched.nodes, touched.gap, touched.normal, touched.spring, touched.rounding
     rise, bend = surface.slopes(x[nodes])
-    # 1. normal force, a parabola within the rounding
-    k = touching.spring[nodes]
+    # 1. normal force
     deep = g < -delta
-    push = np.where(deep, -k * g, k * (delta - g) ** 2 / (4.0 * delta))
+    push = touched.push
     slope = np.where(deep, -k, -0.5 * k * (delta - g) / delta)  # d push / d g
     rounded = k * (delta - np.maximum(g, -delta)) ** 3 / (12.0 * delta)
     energy = float((rounded + np.where(deep, 0.5 * k * (g**2 - delta**2), 0.0)).sum())
@@ -122,7 +147,7 @@ def touch_tool(
         -hanging[:, None, None] * plane - _dyads(n, np.einsum("nij,nj->ni", bend, pulled)) - out[:, None, None] * bend
     )
     # 3. shortened to what the law allows where it slides
-    limit, by_push = limit_friction(law, push, touching.shear[nodes] if touching.shear is not None else None)
+    limit, by_push = limit_friction(law, push, shear)
     returned = return_to_limit(trial, limit)
     slides, along, friction = returned.slides, returned.along, returned.force
     d_slide = _dyads(along, (by_push * slope)[:, None] * rise)
@@ -143,7 +168,9 @@ def is_frictionless(law: Friction) -> bool:
 def limit_friction(law: Friction, push: FloatArray, shear: FloatArray | None) -> tuple[FloatArray, FloatArray]:
     """Return the largest friction (n,) [N] at normal forces `push` (n,) [N], and its derivative by these."""
     if law.law == "sticking":
-        return np.full_like(push, math.inf), np.zeros_like(push)
+        return np.full_like(push, math.inf) if shear is None else shear, np.zeros_like(push)
+    if law.law == "frictionless":
+        return np.zeros_like(push), np.zeros_like(push)
     steep = float(law.mu) if law.law in ("coulomb", "coulomb_capped") else STEEPEST
     limit, by_push = steep * push, np.full_like(push, steep)
     if law.law == "coulomb":
@@ -223,6 +250,17 @@ class SpaceContact:
         """Return what the contact with a tool must know of the nodes."""
         raise NotImplementedError
 
+    def limit_by_shear(
+        self, x: FloatArray, touched: Sequence[tuple[IndexArray, FloatArray, FloatArray]]
+    ) -> Sequence[FloatArray | None]:
+        """Return the largest friction on nodes of each tool whatever the push (n,) [N]; None: no law asks for it.
+
+        Shear flow stress times area; on a sticking tool infinite for nodes that stick, 0 for those that land.
+        x: places of all nodes (n_points, 3) [mm]. touched: of each tool the nodes that touch it (n,), its normals there
+        (n, 3) and its push on them (n,) [N].
+        """
+        return [None] * len(touched)
+
     def touch_all(self, state_n: State, trial: State, displacement: FloatArray) -> SpaceForces:
         """Return the forces of the tools at a guess; they stand where the trial state has them."""
         placed = trial[SpaceToolArrays]
@@ -232,8 +270,11 @@ class SpaceContact:
         friction_n = self.turned_friction(state_n, trial)
         by_tool, friction = np.zeros((len(tools), n, 3)), np.zeros((len(tools), n, 3))
         nodes, blocks, owners, energy = [], [], [], 0.0
+        surfaces = [self.placed(t, placed) for t in range(len(tools))]
+        touched = [find_touched(surface, self.touching(t), x) for t, surface in enumerate(surfaces)]
+        shear = self.limit_by_shear(x, [(own.nodes, own.normal, own.push) for own in touched])
         for t, (tool, way) in enumerate(zip(tools, self.ways(state_n, trial, displacement), strict=True)):
-            found = touch_tool(self.placed(t, placed), tool.friction, self.touching(t), x, way, friction_n[t])
+            found = touch_tool(surfaces[t], tool.friction, touched[t], x, way, friction_n[t], shear[t])
             by_tool[t, found.nodes], friction[t, found.nodes] = found.force, found.friction
             block = np.zeros((len(found.nodes), freedoms, freedoms))
             block[:, :3, :3] = found.stiffness

@@ -11,7 +11,7 @@ import numpy as np
 
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
-from presswork.geometry.touch_in_space import find_touch_in_space
+from presswork.geometry.touch_in_space import Nearest, find_touch_in_space
 from presswork.interaction.contract import Factors, Guess, Interaction, Point, turn, turn_back
 from presswork.interaction.floating_space_tools import FloatingInSpace, FloatingSpaceTools
 from presswork.interaction.placing import move_tools
@@ -53,7 +53,8 @@ class SpaceTools(Interaction):
             state.nodes.external_force[:, :3] += placed.force[t]
             placed.force[t], placed.friction[t], placed.force_start[t] = 0.0, 0.0, 0.0
             self._course.jump(placed, t, target)
-            self._check_clear(state, t)
+            name, nearest = self._model.space_tools[t].name, self.contact.placed(t, placed).nearest
+            check_clear(name, self._outside(state), nearest)
         return lets_go
 
     def _way_to_touch(self, state: State, t: int, motion: ToolMotion) -> FloatArray:
@@ -61,29 +62,13 @@ class SpaceTools(Interaction):
         placed, tool = state[SpaceToolArrays], self._model.space_tools[t]
         if placed.force[t].any():
             return np.zeros(3)
-        way = find_direction(motion)
-        gone = find_touch_in_space(self.contact.placed(t, placed).nearest, self._outside(state), way)
-        if gone is None:
-            raise GaveUpError(
-                f'the tool {tool.name!r} has position = "touch", but along its way it passes the workpiece: give '
-                "position = [x, y, z]"
-            )
-        return gone * way
+        nearest = self.contact.placed(t, placed).nearest
+        return find_way_to_touch(tool.name, nearest, self._outside(state), find_direction(motion))
 
     def _outside(self, state: State) -> FloatArray:
         """Return where the nodes on the boundary are (n, 3) [mm]."""
         outside = np.unique(self._model.mesh.boundary_faces)
         return np.asarray(self._model.mesh.points[outside] + state.nodes.displacement[outside, :3])
-
-    def _check_clear(self, state: State, t: int) -> None:
-        """Refuse a tool that a stage has put into the workpiece."""
-        nodes = self._outside(state)
-        depth = -float(self.contact.placed(t, state[SpaceToolArrays]).nearest(nodes, 0.0)[0].min())
-        if depth > TOO_DEEP * float(np.ptp(nodes, axis=0).max()):
-            raise GaveUpError(
-                f"{self._model.space_tools[t].name!r} is put {depth:.4g} mm into the workpiece when its stage begins; "
-                'give a position beside it, or position = "touch"'
-            )
 
     def held_directions(self, state: State) -> tuple[IndexArray, FloatArray]:
         """Return nodes (n,) and vectors (n, 3) along which tools hold them in the first stage."""
@@ -156,3 +141,27 @@ class SpaceTools(Interaction):
     def stored(self, state: State) -> float:
         """Return the energy of the normal forces [N mm]."""
         return state[SpaceToolArrays].energy
+
+
+def find_way_to_touch(name: str, nearest: Nearest, outside: FloatArray, way: FloatArray) -> FloatArray:
+    """Return how far a tool goes along a unit vector (3,) until it touches the workpiece (3,) [mm].
+
+    outside: nodes on the boundary (n, 3) [mm]. Raises GaveUpError where it never does.
+    """
+    gone = find_touch_in_space(nearest, outside, way)
+    if gone is None:
+        raise GaveUpError(
+            f'the tool {name!r} has position = "touch", but along its way it passes the workpiece: give '
+            "position = [x, y, z]"
+        )
+    return gone * way
+
+
+def check_clear(name: str, outside: FloatArray, nearest: Nearest) -> None:
+    """Raise GaveUpError for a tool that a stage has put into the workpiece; outside: nodes on the boundary (n, 3)."""
+    depth = -float(nearest(outside, 0.0)[0].min())
+    if depth > TOO_DEEP * float(np.ptp(outside, axis=0).max()):
+        raise GaveUpError(
+            f"{name!r} is put {depth:.4g} mm into the workpiece when its stage begins; give a position beside it, or "
+            'position = "touch"'
+        )

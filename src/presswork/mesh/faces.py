@@ -74,12 +74,16 @@ def face_areas(points: FloatArray, faces: IntArray) -> FloatArray:
     return areas
 
 
-def nodal_normals(points: FloatArray, faces: IntArray) -> FloatArray:
-    """Return the outward area vector of each node, int N n dA over the faces (n_points, 3) [mm2]."""
+def nodal_normals(points: FloatArray, faces: IntArray, weight: FloatArray | None = None) -> FloatArray:
+    """Return the outward area vector of each node, int N n dA over the faces (n_points, 3) [mm2].
+
+    weight: of each face (n_faces,); None: 1.
+    """
     normals = np.zeros_like(points)
+    whole = 1.0 if weight is None else weight[:, None, None]
     for N, dN in _rule(faces):
         first, second = np.einsum("ja,fai->jfi", dN, points[faces])
-        np.add.at(normals, faces, N[None, :, None] * np.cross(first, second)[:, None])
+        np.add.at(normals, faces, whole * N[None, :, None] * np.cross(first, second)[:, None])
     return normals
 
 

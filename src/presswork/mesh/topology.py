@@ -60,6 +60,7 @@ def chain_edges(edges: IntArray, points: FloatArray) -> IntArray:
 
     A closed loop starts at the node farthest from its middle, an open chain at its beginning.
     """
+    last: list[int] = edges[:, 1].tolist()
     leaving: dict[int, list[int]] = {}
     for number, first in enumerate(edges[:, 0].tolist()):
         leaving.setdefault(first, []).append(number)
@@ -70,7 +71,7 @@ def chain_edges(edges: IntArray, points: FloatArray) -> IntArray:
         node = start
         while leaving.get(node):
             chain.append(leaving[node].pop(0))
-            node = int(edges[chain[-1], 1])
+            node = last[chain[-1]]
         if chain and node == start:
             loop = points[edges[chain, 0]]
             farthest = int(np.argmax(((loop - loop.mean(axis=0)) ** 2).sum(axis=1)))

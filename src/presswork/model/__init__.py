@@ -18,6 +18,7 @@ from presswork.model.elements import (
     SpaceElement,
     list_names,
 )
+from presswork.model.formed_sheet import FormedSheet
 from presswork.model.grain import DynamicRecrystallisation, Grain, GrainGrowth, PowerLaw, Recrystallisation
 from presswork.model.gtn import GROWN, GTN, POROSITY, Gtn
 from presswork.model.heat import (
@@ -57,7 +58,7 @@ from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
 from presswork.model.mesh_change import change_mesh, choose_slave, list_sets, mean_edge
 from presswork.model.model import Analysis, Model
 from presswork.model.onestep import OneStepModel, PartBead
-from presswork.model.operation import Operation, PartPlace
+from presswork.model.operation import Closing, Operation, PartPlace
 from presswork.model.press import Blow, Crank, Drive, SpeedTable
 from presswork.model.remeshing import Remeshing, SizeWindow
 from presswork.model.settings import (
@@ -125,6 +126,7 @@ __all__ = [
     "BodyForce",
     "BoolArray",
     "CellBlock",
+    "Closing",
     "ContactLaw",
     "Convection",
     "Crank",
@@ -144,6 +146,7 @@ __all__ = [
     "FaceForce",
     "FacePressure",
     "FloatArray",
+    "FormedSheet",
     "Friction",
     "FrictionTangent",
     "Grain",

@@ -11,6 +11,7 @@ import numpy as np
 from presswork.model.arrays import IntArray
 from presswork.model.contact import Body, BodyContact
 from presswork.model.elements import ELEMENTS
+from presswork.model.formed_sheet import FormedSheet
 from presswork.model.heat import Heat, Series
 from presswork.model.limits import Limits
 from presswork.model.marked_point import MarkedPoint
@@ -26,7 +27,7 @@ from presswork.model.tool import Drawbead, Profile, Tool
 Analysis = Literal["axisymmetric", "plane_strain", "solid", "shell", "stamping"]
 
 
-_OF_THE_LINE = ("name", "place", "laid", "spaced")
+_OF_THE_LINE = ("name", "place", "laid", "spaced", "closings")
 """What an operation says beside what a Model of one operation has."""
 
 
@@ -60,6 +61,8 @@ class Model:
     """Stampings: whether x = 0 and y = 0 are symmetry planes of the whole part."""
     explicit: ExplicitSolid | ExplicitSheet | None = None
     """Settings of the explicit procedure, for a solid or a stamping; None: the implicit procedure computes."""
+    formed: FormedSheet | None = None
+    """Stampings: the state of the sheet at the start; its mesh has these points. None: the blank is flat and free."""
     refinement: Refinement | None = None
     """Explicit stampings: refinement of the blank; None: the mesh stays as it is."""
     trim: tuple[TrimLine, ...] = ()

@@ -22,6 +22,21 @@ class PartPlace:
     """Angle about z, counter-clockwise [rad]."""
     move: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """[mm]"""
+    tips: bool = False
+    """Whether it then sinks and tips until its weight rests on the dies."""
+
+
+@dataclass(frozen=True)
+class Closing:
+    """A tool that goes on in a stage until it leaves a given room to dies; how far that is shows when the part lies."""
+
+    stage: int
+    tool: str
+    dies: tuple[str, ...]
+    gap: float
+    """Room that is left [mm]."""
+    is_timed: bool
+    """Whether the stage has a duration of its own; else the Model has that of a travel of 1 mm."""
 
 
 @dataclass(frozen=True)
@@ -43,3 +58,4 @@ class Operation:
     """Names of tools whose height is where they just touch the part; their position gives x and y."""
     spaced: Mapping[str, tuple[str, float]] = field(default_factory=dict)
     """By name of tool: another one, and how much higher its position is than that of the other [mm]."""
+    closings: tuple[Closing, ...] = ()

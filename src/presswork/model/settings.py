@@ -74,7 +74,7 @@ class SolverSettings:
     """What an increment prescribes: a part of the stage, or, on shells under loads alone, the length of path."""
     kirchhoff_penalty: float = 0.0
     """Shells: transverse shear stiffness added to the tangent alone, over the elastic one (C_p of K_p)."""
-    contact_stiffness: float = 0.01
+    contact_stiffness: float = 0.1
     """Shells on tools in space: stiffness of contact over that of the sheet across its thickness."""
     inertia: float = 0.0
     """Mass over that of the material, for inertia by backward Euler in the time of the stages."""
@@ -95,6 +95,8 @@ class OutputSettings:
     """Increments between checkpoints; in an explicit run rows of the history."""
     rows: int = 200
     """Explicit: rows of the history of each stage."""
+    dynain: bool = False
+    """Stampings: whether each operation's part is written as a dynain."""
 
     def is_closer_than(self, increment: float) -> bool:
         """Say whether the equal steps lie closer together than increments of this fraction of a stage."""

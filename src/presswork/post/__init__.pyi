@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from .contact_force import integrate_contact_force
 from .die_fill import DieFill, measure_die_fill
+from .die_stress import DieStress, find_die_stress
 from .draw_in import measure_draw_in_around, write_draw_in
 from .flange import FlangeFit, fit_flange
 from .formability import judge_cells, judge_part
@@ -14,6 +15,7 @@ from .tool_profile import distance_to_profile, trace_profile
 
 __all__ = [
     "DieFill",
+    "DieStress",
     "FlangeFit",
     "Interface",
     "NeutralRadius",
@@ -24,6 +26,7 @@ __all__ = [
     "cut_sheet",
     "cut_tool",
     "distance_to_profile",
+    "find_die_stress",
     "find_neutral_radius",
     "find_outline",
     "find_skin",

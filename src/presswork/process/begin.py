@@ -3,34 +3,53 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from presswork.explicit.input_checks import ExplicitError
 from presswork.memory import TooLargeError, available_memory, check_memory, estimate_memory, explain_shortage
 from presswork.model import Model
-from presswork.outcome import StartError
+from presswork.outcome import ShortOfMemoryError, StartError
 from presswork.process.recording import Recording
 
 
 def begin(model: Model, threads: int) -> Recording:
     """Return the model's procedure before its first increment.
 
-    Raises StartError if the machine's memory does not hold it, or nothing can be computed from this start, as
-    NotHeldError if the workpiece is free to move as a rigid body.
+    Raises StartError if nothing can be computed from this start: as ShortOfMemoryError if the machine's memory does not
+    hold it, as NotHeldError if the workpiece is free to move as a rigid body.
     """
     try:
         check_memory(model)
         return _begin(model, threads)
-    except (ExplicitError, TooLargeError) as error:
+    except ExplicitError as error:
         raise StartError(str(error)) from error
+    except TooLargeError as error:
+        raise ShortOfMemoryError(str(error)) from error
     except MemoryError as error:
-        raise StartError(explain_shortage(estimate_memory(model), available_memory())) from error
+        raise ShortOfMemoryError(explain_shortage(estimate_memory(model), available_memory())) from error
+
+
+def _begin_formed(model: Model, threads: int) -> Recording:
+    from presswork.process.formed_sheet import begin_formed
+    from presswork.process.springback import LaidPart, ReleasedStamping
+    from presswork.process.transfer import TransferError
+
+    try:
+        state = begin_formed(model)
+        assert state is not None
+        return ReleasedStamping(model, threads=threads, begin=LaidPart(state, np.eye(3)))
+    except TransferError as error:
+        raise StartError(str(error)) from error
 
 
 def _begin(model: Model, threads: int) -> Recording:
+    if model.formed is not None:
+        return _begin_formed(model, threads)
     if model.following:
         from presswork.process.press_line import PressLine
 
         return PressLine(model, threads=threads)
-    if model.trim or model.springback is not None:
+    if model.trim or model.springback is not None or model.output.dynain:
         from presswork.process.springback import ReleasedStamping
 
         return ReleasedStamping(model, threads=threads)
@@ -46,11 +65,16 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.heat_recording import HeatRecording
 
         return HeatRecording(model, threads=threads)
+    may_remesh = model.remeshing is not None and not model.remeshing.obstacle
+    if model.explicit is not None and model.dimension == 3 and may_remesh:
+        from presswork.process.remeshed_space_impact import RemeshedSpaceImpact
+
+        return RemeshedSpaceImpact(model, threads=threads)
     if model.explicit is not None and model.dimension == 3:
         from presswork.process.space_impact import ExplicitSpaceImpact
 
         return ExplicitSpaceImpact(model, threads=threads)
-    if model.explicit is not None and model.remeshing is not None and not model.remeshing.obstacle:
+    if model.explicit is not None and may_remesh:
         from presswork.process.remeshed_impact import RemeshedImpact
 
         return RemeshedImpact(model, threads=threads)

@@ -63,6 +63,8 @@ def carry_surface(before: ImplicitProcedure, after: ImplicitProcedure, carrier: 
     """Carry along the boundary what belongs to it; forces go per area, and only to nodes that tools hold."""
     areas_n, areas = _boundary_areas(before), _boundary_areas(after)
     for arrays_n, arrays in _pair(before.state, after.state):
+        if all(becomes.kind not in _SURFACE for becomes in arrays.on_new_mesh.values()):
+            continue
         rows_n, rows = (_find_rows(run, arrays) for run in (before, after))
         for name, becomes in arrays.on_new_mesh.items():
             if becomes.kind not in _SURFACE:
@@ -121,6 +123,8 @@ def _find_rows(run: ImplicitProcedure, arrays: Arrays) -> list[IntArray]:
 
 def _is_other_body(before: ImplicitProcedure, nodes_n: IntArray, nodes: IntArray, after: ImplicitProcedure) -> bool:
     """Say whether a group of rows stands for another body now: the slave of a contact has been chosen anew."""
+    if len(before.model.bodies) < 2:
+        return False
     places = [
         {i for i, body in enumerate(run.model.bodies) if np.isin(own, body.points).any()}
         for run, own in ((before, nodes_n), (after, nodes))

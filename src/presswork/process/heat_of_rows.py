@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
-from presswork.explicit.solids import ExplicitSolids, Wall
+from presswork.explicit.input_checks import ExplicitError
 from presswork.geometry.pose import ToolPose, start_centre, start_profile
 from presswork.implicit.heat_of_forming import DIE_KINDS, KINDS, HeatArrays, HeatOfForming
-from presswork.interaction.forming_instant import FormingInstant
+from presswork.interaction.forming_instant import FormingInstant, Poses
 from presswork.model import FloatArray, Heating, Material, Model
 from presswork.outcome import Failed, GaveUpError
 from presswork.process.heat_quantities import heat_columns, measure_heat, summarise_heat
@@ -44,7 +44,8 @@ def heat_by_itself(model: Model, material: Material) -> Material:
 class HeatOfRows:
     """Heat of a model's bodies, beside the explicit loop."""
 
-    def __init__(self, model: Model, solids: ExplicitSolids, walls: Sequence[Wall], threads: int) -> None:
+    def __init__(self, model: Model, solids: Any, walls: Sequence[Any], threads: int) -> None:
+        """solids, walls: those of the explicit loop of the model's dimension."""
         assert model.heat is not None
         self._model, self._heat, self._solids, self._walls = model, model.heat, solids, walls
         shortest = min(stage.duration for stage in model.stages)
@@ -52,7 +53,7 @@ class HeatOfRows:
             model, Timing("assembly", "analysis", "solve"), threads, shortest / model.output.rows
         )
         self.arrays = self.forming.at_rest()
-        self._rim = np.unique(model.mesh.boundary_edges)
+        self._rim = np.unique(model.mesh.boundary_faces if model.dimension == 3 else model.mesh.boundary_edges)
         self._ends = np.cumsum([len(block.connectivity) for block in model.mesh.blocks])[:-1]
         self._capacity = self._measure_capacity()
         self._give()
@@ -67,10 +68,29 @@ class HeatOfRows:
             found.append(volume[:, None] * material.density * material.heating.heat_capacity)
         return found
 
+    def _find_rise(self) -> list[FloatArray]:
+        """Return the rise of temperature by plastic work at the points of each block (n_cells, p) [K]."""
+        return np.split(self._solids.rise[:, None], self._ends)
+
     def _give(self) -> None:
-        blocks = range(len(self._model.mesh.blocks))
-        cells = [self.forming.to_points(block, self.arrays.temperature)[:, 0] for block in blocks]
-        self._solids.given_temperature = np.concatenate(cells) - self._solids.rise
+        temperature = self.arrays.temperature
+        given = [self.forming.to_points(block, temperature) - rise for block, rise in enumerate(self._find_rise())]
+        self._set_given(given)
+
+    def _set_given(self, given: list[FloatArray]) -> None:
+        """Give the points of each block temperatures from outside (n_cells, p) [degrees C]."""
+        self._solids.given_temperature = np.concatenate(given)[:, 0]
+
+    def _find_poses(self) -> Poses:
+        return [
+            ToolPose(start_centre(tool), wall.displacement, 0.0)
+            for tool, wall in zip(self._model.plane_tools, self._walls, strict=True)
+        ]
+
+    def _find_gap(self, t: int, places: FloatArray, reach: float) -> FloatArray:
+        """Return the distance of places (n, d) from a tool (n,) [mm]; reach: beyond which it does not matter."""
+        local = np.ascontiguousarray(places - self._walls[t].displacement)
+        return np.asarray(_core.touch_profile(start_profile(self._model.plane_tools[t]), local)[0])
 
     def begin_stage(self) -> None:
         """Forget the rate of temperatures: what heats and cools jumps where a stage begins."""
@@ -79,14 +99,23 @@ class HeatOfRows:
 
     def begin_row(self) -> None:
         """Keep what a row of cycles begins with."""
-        self._time, self._rise = self._solids.time, self._solids.rise
+        self._time, self._rise = self._solids.time, self._find_rise()
         for wall in self._walls:
             wall.begin_sums()
 
     def advance(self) -> None:
-        """Let heat flow for the time of the row. Raises GaveUpError where it finds no balance."""
+        """Let heat flow for the time of the row.
+
+        Raises GaveUpError where it finds no balance, ExplicitError for a cell whose corners are turned inside out.
+        """
         dt = self._solids.time - self._time
-        found = self.forming.advance(self.arrays, self._show(dt), dt)
+        try:
+            found = self.forming.advance(self.arrays, self._show(dt), dt)
+        except ValueError as error:
+            raise ExplicitError(
+                f"{error} at a corner by t = {self._solids.time:g} s, so it conducts no heat: refine the mesh, set "
+                "explicit.hourglass_stiffness higher, or make the tools slower"
+            ) from error
         if isinstance(found, Failed):
             raise GaveUpError(found.reason)
         self.arrays = found
@@ -100,23 +129,18 @@ class HeatOfRows:
             np.array([getattr(wall, name) for wall in self._walls]).reshape(shape) for name in ("pressed", "rubbed")
         )
         gap = np.full(shape, np.inf)
-        for t, (tool, wall) in enumerate(zip(self._model.plane_tools, self._walls, strict=True)):
+        for t, tool in enumerate(self._model.tools):
             own = self._heat.tools.get(tool.name)
             if own is not None and own.gap > 0.0:
-                local = np.ascontiguousarray(points[self._rim] - wall.displacement)
-                gap[t, self._rim] = _core.touch_profile(start_profile(tool), local)[0]
-        rise = self._solids.rise - self._rise
-        parts = zip(np.split(rise[:, None], self._ends), self._capacity, strict=True)
+                gap[t, self._rim] = self._find_gap(t, points[self._rim], own.gap)
+        parts = zip(self._find_rise(), self._rise, self._capacity, strict=True)
         return FormingInstant(
             points=points,
-            poses=[
-                ToolPose(start_centre(tool), wall.displacement, 0.0)
-                for tool, wall in zip(self._model.plane_tools, self._walls, strict=True)
-            ],
+            poses=self._find_poses(),
             holds=pressed > 0.0,
             push=pressed / dt,
             gap=gap,
-            plastic=[warmed * capacity for warmed, capacity in parts],
+            plastic=[(now - before) * capacity / now.shape[1] for now, before, capacity in parts],
             rubbed=rubbed,
         )
 

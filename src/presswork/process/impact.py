@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 from presswork import _core
 from presswork.explicit.energy import EnergyBalance, warn_of_energies
 from presswork.explicit.input_checks import check_damping
-from presswork.explicit.motion import DrivenStroke, EvenMotion, Motion, SmoothStroke
+from presswork.explicit.motion import EvenMotion, Motion
 from presswork.explicit.solid_material import SolidMaterial
-from presswork.explicit.solids import ExplicitSolids, Wall
+from presswork.explicit.solids import ExplicitSolids
 from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress
 from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.model import ELEMENTS, Blow, Drive, ExplicitSolid, FloatArray, Mesh, Model, Stage, Tool, ToolMotion
-from presswork.process.die_fill import DieFill
+from presswork.process.die_fill import make_die_fill
 from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself, names_of_heat
 from presswork.process.heat_quantities import show_dies, warn_of_tables
@@ -37,13 +37,16 @@ from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot, find_never_touched
 from presswork.process.row_history import BlockPoints, RowHistory
 from presswork.process.rows import LAST_COLUMNS, ROW, STAGE, STAGE_WAY, RowRecording, RowReport, last_energies
-from presswork.process.tool_quantities import describe_plane, find_way, force_on_whole
+from presswork.process.shear_friction import find_coefficient
+from presswork.process.stage_motion import find_motion
+from presswork.process.tool_quantities import describe_plane, find_way, force_on_whole, size_of_force, tool_columns
 from presswork.threads import available_threads
 
-ADDED_MASS = 2
-"""Of the progress, after stage and row."""
-STEPS_OF_A_ROW = 10
-"""In each of which the ram of a blow keeps its speed."""
+if TYPE_CHECKING:
+    from presswork.evolution.porosity import NonlocalPorosity
+
+ADDED_MASS = 2  # of the progress, after stage and row
+STEPS_OF_A_ROW = 10  # in each of which the ram of a blow keeps its speed
 EXTENTS = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 """Of the workpiece [mm]; the last two in space."""
 ADVICE = {
@@ -60,6 +63,9 @@ class ExplicitImpact(RowRecording):
     solids: Any
     """ExplicitSolids, in space ExplicitSpaceSolids; and what it has for walls."""
     walls: Sequence[Any]
+    own_arrays: Sequence[str] = ()
+    """Names in a checkpoint of what is neither of the loop nor of points and heat."""
+    _pores: NonlocalPorosity | None = None
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         assert isinstance(model.explicit, ExplicitSolid)
@@ -70,11 +76,11 @@ class ExplicitImpact(RowRecording):
         self.solids.set_velocity("all", self.settings.velocity)
         self._force = np.zeros((len(self.walls), model.dimension))
         self.reactions = Reactions(model, model.dimension, [t.name for t in model.tools])
-        self.marked, self.fill = MarkedPoints(model), DieFill(model)
+        self.marked, self.fill = MarkedPoints(model), make_die_fill(model)
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
         check_damping(self.settings.damping, self.solids.dt)
-        self.heat = HeatOfRows(model, self.solids, self.walls, threads or available_threads()) if model.heat else None
+        self.heat = self._make_heat(threads or available_threads()) if model.heat else None
         self.points = RowHistory(model.materials, [b.material for b in model.mesh.blocks], is_solid=True)
         self.points.start(self._find_points())
         self._begin_stage()
@@ -89,16 +95,23 @@ class ExplicitImpact(RowRecording):
             hourglass_fraction=self.settings.hourglass_stiffness,
         )
         self.walls = [
-            self.solids.add_wall(t.name, start_profile(t), mu=float(np.max(t.friction.mu)), is_at_start=not epoch)
+            self.solids.add_wall(t.name, start_profile(t), mu=find_coefficient(t.friction), is_at_start=not epoch)
             for t in model.tools
         ]
         self._reaction = np.zeros((len(model.mesh.points), 2))
+        if any(material.gtn for material in model.materials):
+            from presswork.evolution.porosity import NonlocalPorosity  # loads scipy, which dense metals do without
+
+            self._pores = NonlocalPorosity(model, self.mesh.points)
+
+    def _make_heat(self, threads: int) -> HeatOfRows:
+        return HeatOfRows(self.model, self.solids, self.walls, threads)
 
     # --- the way through ---------------------------------------------------------------------------------------------
 
     def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         stage, rows = self.model.stages[number], self.model.output.rows
-        begin = sum(s.duration for s in self.model.stages[:number])
+        begin = self._begin_of(number)
         cycle, time = self.solids.cycle, self.solids.time
         impulse = [wall.impulse for wall in self.walls]
         self.points.begin_row(self._find_points())
@@ -109,10 +122,12 @@ class ExplicitImpact(RowRecording):
         if stage.drive is not None and isinstance(stage.drive.motion, Blow):
             self._strike(number, stage.drive, to)
         else:
-            self._run_to(to, _motion_of(stage, begin))
+            self._run_to(to, find_motion(stage, begin))
         for i, wall in enumerate(self.walls):
             self._force[i] = (wall.impulse - impulse[i]) / (self.solids.time - time)
         self._reaction = self.solids.reaction_impulse / (self.solids.time - time)
+        if self._pores is not None:
+            self.solids.average_pores(self._pores, self._measure_volumes())
         if self.heat is not None:
             self.heat.advance()
         hardens = self.points.end_row(self._find_points(), self.solids.time - time)
@@ -122,6 +137,10 @@ class ExplicitImpact(RowRecording):
         self._progress[ADDED_MASS] = self.solids.added_mass().percent
         cycles = self.solids.cycle - cycle
         return cycles, stage.duration / rows / cycles, energies
+
+    def _begin_of(self, number: int) -> float:
+        """Return when a stage begins [s]."""
+        return float(sum(stage.duration for stage in self.model.stages[:number]))
 
     def _run_to(self, to: float, motion: Motion | None) -> None:
         settings = self.settings
@@ -151,17 +170,18 @@ class ExplicitImpact(RowRecording):
         stage = self.model.stages[number]
         self._prescribe(self.solids, stage.duration)
         for wall in self.walls:
-            move = stage.tool_motion.get(wall.name, ToolMotion()).move[: self.model.dimension]
-            wall.velocity = tuple(way / stage.duration for way in move)
+            self._move(wall, stage.tool_motion.get(wall.name, ToolMotion()), stage)
+
+    def _move(self, wall: Any, motion: ToolMotion, stage: Stage) -> None:
+        """Let a tool move as a stage has it."""
+        wall.velocity = tuple(way / stage.duration for way in motion.move[: self.model.dimension])
 
     # --- what is recorded --------------------------------------------------------------------------------------------
 
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
-        forces = ("stroke", "force", "force_x", "force_y", "force_z")
-        tools = [f"{tool.name}.{quantity}" for tool in self.model.tools for quantity in forces]
-        first = ["time", "stage", "increment", "cycles", *tools]
+        first = ["time", "stage", "increment", "cycles", *tool_columns(self.model)]
         ram = RAM_COLUMNS if has_ram(self.model) else ()
         peaks = peak_columns(self.solids.damage)
         first += self.heat.columns if self.heat else []
@@ -211,11 +231,13 @@ class ExplicitImpact(RowRecording):
     def _extents(self) -> tuple[str, ...]:
         return EXTENTS[: 2 * self.model.dimension]
 
-    def _measure(self, tool: Tool, wall: Wall, mean: FloatArray) -> Row:
+    def _measure(self, tool: Tool, wall: Any, mean: FloatArray) -> Row:
         """Return stroke and force of the workpiece on the whole tool, as tool_quantities does."""
         force = force_on_whole(tool, mean)
         way = find_way(self.model, tool)
-        stroke, against = (0.0, np.linalg.norm(force)) if way is None else (wall.displacement @ way, -force @ way)
+        stroke, against = (
+            (0.0, size_of_force(self.model, force)) if way is None else (wall.displacement @ way, -force @ way)
+        )
         x, y, z = (*force, 0.0)[:3]
         values = {"stroke": stroke, "force": against, "force_x": x, "force_y": y, "force_z": z}
         return {f"{tool.name}.{name}": float(value) for name, value in values.items()}
@@ -243,9 +265,15 @@ class ExplicitImpact(RowRecording):
 
     def _measure_pressure(self, stress: FloatArray, flow_stress: FloatArray) -> list[Measure]:
         """Return the mean pressure in the metal; none without tools or with UMATs. Both (n,) [MPa]."""
-        model, position = self.model, self.solids.position
+        model = self.model
         if not model.tools or any(material.umat for material in model.materials):
             return []
+        volume = np.concatenate(self._measure_volumes())
+        return [measure_mean_pressure("workpiece", stress, flow_stress, volume)]
+
+    def _measure_volumes(self) -> list[FloatArray]:
+        """Return the volume of each cell of each block (n_cells,) [mm3]."""
+        model, position = self.model, self.solids.position
         volumes = [
             _core.lump_volumes(
                 ELEMENTS[block.element].cell, np.ascontiguousarray(block.connectivity, dtype=np.int32), position,
@@ -253,8 +281,7 @@ class ExplicitImpact(RowRecording):
             )
             for block in model.mesh.blocks
         ]  # fmt: skip
-        volume = np.concatenate([np.sum(of, axis=1) for of in volumes])
-        return [measure_mean_pressure("workpiece", stress, flow_stress, volume)]
+        return [np.sum(of, axis=1) for of in volumes]
 
     def _flow_stress(self) -> FloatArray:
         """Return the flow stress of the cells (n_cells,) [MPa], as SolidMaterial has it; effective stress of a UMAT."""
@@ -291,6 +318,7 @@ class ExplicitImpact(RowRecording):
                 stress=[solids.stress[:, None]],
                 eqps=[solids.equivalent_plastic_strain[:, None]],
                 volume=[np.ones((len(solids.stress), 1))],
+                user=[kept[:, None] for kept in solids.state_variables] if self._pores is not None else (),
                 temperature=solids.temperature if heats else None,
             ),
             evolved={**solids.damage, **self.points.values},
@@ -330,7 +358,7 @@ class ExplicitImpact(RowRecording):
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
         self.points.load_arrays(arrays)
-        own = {*self.points.to_arrays(), *names_of_heat(arrays)}
+        own = {*self.points.to_arrays(), *names_of_heat(arrays), *self.own_arrays}
         self.solids.restore({name: np.asarray(values) for name, values in arrays.items() if name not in own})
         if self.heat is not None:
             self.heat.restore(arrays)
@@ -370,12 +398,3 @@ class ExplicitImpact(RowRecording):
                 *(warn_of_ram(self.model, history, np.ones(len(self.model.stages))) if has_ram(self.model) else ()),
             ],
         }
-
-
-def _motion_of(stage: Stage, begin: float) -> Motion | None:
-    """Return how long all that moves in a stage has gone at its mean velocity [s], by the time; None: evenly."""
-    if stage.drive is not None:
-        return DrivenStroke(stage.drive, stage.duration, begin)
-    if stage.ramp == 0.0:
-        return None
-    return SmoothStroke(stage.duration, stage.duration, rise=stage.ramp / stage.duration, start=begin)

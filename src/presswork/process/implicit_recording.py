@@ -39,8 +39,7 @@ from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, To
 from presswork.interaction.tool_course import find_turning
 from presswork.mesh.edges import edge_areas
 from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Model
-from presswork.process.die_fill import DieFill
-from presswork.process.die_fill_in_space import DieFillInSpace
+from presswork.process.die_fill import make_die_fill
 from presswork.process.heat_quantities import heat_columns, measure_heat, show_dies, summarise_heat, warn_of_tables
 from presswork.process.increments import IncrementRecording, find_position
 from presswork.process.limits import Watched, measure_hydrostatic_stress, measure_mean_pressure, watch_sheet
@@ -74,7 +73,7 @@ class ImplicitRecording(IncrementRecording):
         self.penetration = Penetration()
         taken = [t.name for t in model.tools] + [c.name for c in model.contacts]
         self.reactions = Reactions(model, 6 if model.analysis == "shell" else model.dimension, taken)
-        self.fill = DieFillInSpace(model) if model.space_tools and model.analysis == "solid" else DieFill(model)
+        self.fill = make_die_fill(model)
         self._tools: dict[str, ToolQuantities] = {}
 
     @property

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """A part is laid into its next operation: it is turned over, turned and moved, and the tools are brought to it.
 
-A tool that the case gives no height comes along its way until it touches the part; so the part rests on its die under
-its weight as far as it moves along the press, and does not tilt.
+A tool that the case gives no height comes along its way until it touches the part. A part that tips (tipping.py) rests
+on its dies by its weight; another one only along the press.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,15 +16,21 @@ import numpy as np
 from presswork import _core
 from presswork.geometry.pose import turn_about
 from presswork.geometry.tool_surface import make_surface
-from presswork.mesh.tool_clearance import sample_tool
+from presswork.interaction.sheet_contact import share_surface
+from presswork.mesh.tool_clearance import find_closing, sample_tool
 from presswork.mesh.topology import list_cell_edges
-from presswork.model import FloatArray, Operation, PartPlace, Tool
+from presswork.model import Closing, FloatArray, Operation, PartPlace, Stage, Tool, ToolMotion
+from presswork.process.tipping import TippingError, tip_part
 from presswork.process.transfer import SheetState
 
 WITHIN = 1e-4
 """Part of the thickness that is left between a tool and the part that it touches."""
 ON_EDGES = (0.25, 0.5, 0.75)
 """Parts of an edge of the mesh at which the part is held against tools, beside its nodes."""
+FACETS = 0.02
+"""Part of the gap that facets of drawn tools may be off them where tools close."""
+STEP = 0.5
+"""Part of the thickness by which closing tools advance."""
 MOST_ADVANCES = 20_000
 DEEPEST_START = 0.05
 """Part of the thickness by which a node may stick in a tool at the start, as explicit contact allows it."""
@@ -74,6 +80,73 @@ def sample_part(state: SheetState) -> tuple[FloatArray, FloatArray]:
         for found, values in ((points, state.position), (halves, half)):
             found.append((1.0 - part) * values[edges[:, 0]] + part * values[edges[:, 1]])
     return np.concatenate(points), np.concatenate(halves)
+
+
+def tip_onto(
+    operation: Operation, state: SheetState, symmetry: tuple[bool, bool], *, with_edges: bool
+) -> tuple[SheetState, FloatArray]:
+    """Return a part that has sunk and tipped onto the dies of its operation, and its rotation (3, 3).
+
+    symmetry: whether planes normal to x and y hold it. Raises LayingError where it finds no rest.
+    """
+    points, half = sample_part(state) if with_edges else (state.position, find_half_thickness(state))
+    mass = np.zeros(len(points))
+    for block in state.blocks:
+        mass[: len(state.position)] += share_surface(state.position, block.connectivity)
+    mass[: len(state.position)] *= half[: len(state.position)]
+    dies = [tool for tool in operation.tools if tool.kind == "die"]
+    dies = [_touch(operation, die, points, half) if die.name in operation.laid else die for die in dies]
+    try:
+        rotation, shift = tip_part(points, half, mass, dies, (not symmetry[1], not symmetry[0]))
+    except TippingError as error:
+        raise LayingError(f"operations.{operation.name}.place.tip: {error}") from error
+    blocks = tuple(replace(block, axis=block.axis @ rotation.T) for block in state.blocks)
+    return replace(state, position=state.position @ rotation.T + shift, blocks=blocks), rotation
+
+
+def close_tools(operation: Operation, tools: Sequence[Tool], thickness: float) -> tuple[Stage, ...]:
+    """Return the operation's stages, in which tools that close on dies go as far as these placed tools let them.
+
+    thickness: of the sheet [mm]. Raises LayingError where a tool does not come near a die.
+    """
+    placed, stages = {tool.name: tool for tool in tools}, list(operation.stages)
+    for closing in operation.closings:
+        tool, way = placed[closing.tool], np.asarray(placed[closing.tool].way)
+        begin = np.asarray(tool.position) + _gone_before(stages, closing)
+        travels = [
+            find_closing(tool.surface, placed[die].surface, begin - np.asarray(placed[die].position), way,
+                         FACETS * closing.gap, closing.gap, STEP * thickness)
+            for die in closing.dies
+        ]  # fmt: skip
+        travel = min((found.travel for found in travels if found is not None), default=0.0)
+        key = f"operations.{operation.name}.stages.{closing.stage}.tools.{closing.tool}.close"
+        if travel <= 0.0:
+            raise LayingError(
+                f"{key} = {closing.gap:g}: the {tool.kind} does not come so near to its die, or is nearer from the "
+                "start: check the tools and where they stand"
+            )
+        stage = stages[closing.stage]
+        motions = {**stage.tool_motion, closing.tool: ToolMotion(tuple(float(travel * each) for each in way))}
+        slower = 1.0
+        if not closing.is_timed:
+            slower = _farthest(motions) / _farthest(stage.tool_motion)
+        stages[closing.stage] = replace(
+            stage, tool_motion=motions, duration=stage.duration * slower, ramp=stage.ramp * slower
+        )
+    return tuple(stages)
+
+
+def _gone_before(stages: Sequence[Stage], closing: Closing) -> FloatArray:
+    """Return how far a tool has gone, against still dies, when the stage begins in which it closes (3,) [mm]."""
+    before = np.zeros(3)
+    for stage in stages[: closing.stage]:
+        if closing.tool in stage.tool_motion:
+            before += stage.tool_motion[closing.tool].move
+    return before
+
+
+def _farthest(motions: Mapping[str, ToolMotion]) -> float:
+    return max(max(abs(part) for part in motion.move) for motion in motions.values())
 
 
 def lay_tools(operation: Operation, state: SheetState, *, with_edges: bool) -> tuple[Tool, ...]:

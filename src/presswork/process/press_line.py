@@ -22,7 +22,7 @@ from presswork.mesh.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, IntArray, Mesh, Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.epochs import NamedArrays
-from presswork.process.laying import LayingError, find_turn, lay_part, lay_tools
+from presswork.process.laying import LayingError, close_tools, find_turn, lay_part, lay_tools, tip_onto
 from presswork.process.limits import Watched
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram
 from presswork.process.reactions import Reactions
@@ -60,6 +60,7 @@ class PressLine(ModelRecording):
         self._threads = threads
         self._operation, self._before, self._time_before = 0, 0, 0.0
         self._part: LaidPart | None = None
+        self._files: dict[str, str] = {}
         self._told: dict[str, dict[str, Any]] = {}
         """By operation that is over: what the summary says of it, with its warnings."""
         self._releases = any(each is not None for each in (model.springback, *(o.springback for o in model.following)))
@@ -78,16 +79,24 @@ class PressLine(ModelRecording):
         own = self.model.of_operation(number)
         if part is not None:
             operation, with_edges = self.model.following[number - 1], own.explicit is not None
-            own = replace(own, mesh=mesh, tools=lay_tools(operation, part.state, with_edges=with_edges))
+            tools = lay_tools(operation, part.state, with_edges=with_edges)
+            stages = close_tools(operation, tools, own.sheet[0].thickness)
+            own = replace(own, mesh=mesh, tools=tools, stages=stages)
         return ReleasedStamping(own, threads=self._threads, begin=part, shows_springback=self._releases)
 
     def _begin_next(self) -> None:
         """Lay the part into the next operation. Raises GaveUpError."""
         before, next_one = self._now, self.model.following[self._operation]
+        if self.model.output.dynain:
+            self._files = {f"{self._name}.dynain": before.write_part()}
         turned = np.eye(3) if self._part is None else self._part.turned
-        state = lay_part(before.sheet(), next_one.place)
-        part = LaidPart(state, find_turn(next_one.place) @ turned, before.level)
+        state, turn = lay_part(before.sheet(), next_one.place), find_turn(next_one.place)
         try:
+            if next_one.place.tips:
+                with_edges = self.model.explicit is not None
+                state, tipped = tip_onto(next_one, state, self.model.symmetry, with_edges=with_edges)
+                turn = tipped @ turn
+            part = LaidPart(state, turn @ turned, before.level)
             now = self._make(self._operation + 1, part, before.mesh)
         except (LayingError, StartError, ExplicitError, TransferError) as error:
             raise GaveUpError(f"the operation {next_one.name} cannot begin: {error}") from error
@@ -107,6 +116,12 @@ class PressLine(ModelRecording):
                 return
             self._begin_next()
             yield LineReport(self._before, is_save_point=True, report=None)
+
+    def files(self) -> dict[str, str]:
+        """Return parts of operations that are over as dynain, where the case asks for it."""
+        files, self._files = self._files, {}
+        last = self._now.files() if self._operation == len(self.model.following) else {}
+        return files | {f"{self._name}.dynain": text for text in last.values()}
 
     def remaining(self) -> float:
         """Return the part of the whole line still to be computed; operations count alike."""

@@ -81,6 +81,9 @@ class Recording(Protocol):
     def remaining(self) -> float:
         """Return the part of the whole process that is still to be computed; 0 at its end."""
 
+    def files(self) -> dict[str, str]:
+        """Return the names and texts of further files to be written now."""
+
     def begin_log(self) -> str:
         """Return the line that begins the log."""
 
@@ -138,6 +141,10 @@ class ModelRecording:
     def checkpoint_every(self) -> int:
         """Reports between checkpoints."""
         return self.model.output.checkpoint_every
+
+    def files(self) -> dict[str, str]:
+        """Return the names and texts of further files to be written now."""
+        return {}
 
     def meta(self) -> Meta:
         """Return nothing: the arrays hold all."""

@@ -9,7 +9,7 @@ cycle: inside a body near equilibrium they balance each other.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,27 +19,28 @@ from presswork import _core
 from presswork.evolution.of_material import BY_NAME
 from presswork.explicit.energy import EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
-from presswork.explicit.solids import ExplicitSolids
 from presswork.fields.instant import Instant
 from presswork.geometry.pose import ToolPose, place_segments, start_profile
 from presswork.mesh.checks import MeshError
-from presswork.model import BoolArray, ElementName, FloatArray, Model, Remeshing
+from presswork.model import BoolArray, ElementName, FloatArray, Mesh, Model, Remeshing
 from presswork.process.epochs import NamedArrays
-from presswork.process.heat_of_rows import HeatOfRows
 from presswork.process.impact import ExplicitImpact
+from presswork.process.laps import find_laps, mark_laps, tell_laps
 from presswork.process.mesh_reasons import DUE, FAILS, STEP, find_cause, find_reason, find_reason_to_leave_first
 from presswork.process.recording import Row
 from presswork.process.remeshing import MOST_GIVEN_BACK, keep_held
 from presswork.process.rows import RowReport
-from presswork.remesh.carrier import Carrier, Part
+from presswork.process.seams import Seams
+from presswork.remesh.carrier import Carrier, Part, SkinPlaces, SurfacePlaces
 from presswork.remesh.section import OldSection, remesh_section
 from presswork.remesh.size_field import measure_power
 from presswork.threads import available_threads
 
 COLLAPSED = 0.3
 """Stable step over that with which the mesh began, below which it is made anew."""
-OF_THE_RUN, OF_A_WALL = ("loop.work", "run.clock", "run.energy", "run.scales"), ("offset", "impulse")
-BEGIN_ANEW, KEPT = ("mass_factor", "hourglass"), "block_0.kept"
+OF_THE_RUN = ("loop.work", "run.clock", "run.energy", "run.scales")
+OF_A_WALL = ("offset", "angle", "floating", "impulse")
+BEGIN_ANEW, KEPT = ("mass_factor", "hourglass", "force", "pressure"), "block_0.kept"
 """Names in a dump of explicit solids: what goes along, and what begins anew in cells."""
 ELEMENT: ElementName = "quad4_1pt"
 """Of new meshes of triangles."""
@@ -50,13 +51,12 @@ NEAR = 0.02
 class RemeshedImpact(ExplicitImpact):
     """A solid in explicit dynamics, meshed anew where its mesh would fail."""
 
-    solids: ExplicitSolids
-
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         assert model.remeshing is not None
         assert len(model.mesh.blocks) == 1
         self._remeshing: Remeshing = model.remeshing
         self._density = 1.0
+        self._seams = Seams()
         self._notes: list[str] = []
         self._cause = 0
         self._threads = threads or available_threads()
@@ -84,11 +84,16 @@ class RemeshedImpact(ExplicitImpact):
         """Return what the fields of the present state are computed from."""
         now = super().show()
         now.initial_position = self.mesh.points
+        now.laps = mark_laps(np.zeros(len(self.mesh.points)), self._seams)
         return now
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what the summary tells, and how many meshes there were."""
-        return super().summary(history) | {"remeshes": self.epoch}
+        told, mesh = super().summary(history), self.model.mesh
+        laps = find_laps(mesh, self.solids.position, np.zeros(len(mesh.points)), self._seams)
+        warnings, places = tell_laps(laps, (self._seams.begun,))
+        told["warnings"] += warnings
+        return told | {"remeshes": self.epoch, "laps": places}
 
     def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         if (reason := self._find_reason(row)) is not None:
@@ -110,12 +115,19 @@ class RemeshedImpact(ExplicitImpact):
     def _find_reason(self, row: int) -> str | None:
         """Return why the present mesh should not go on before a row of the stage."""
         if self._remeshing.keeps_first and self.epoch == 0:
-            return find_reason_to_leave_first(self._find_section())
+            return self._find_reason_to_leave_first()
         rows = self._remeshing.every * self.model.output.rows
         if rows > 0.0 and row > 0 and int(row / rows + 1e-9) > int((row - 1) / rows + 1e-9):
             return DUE
         if self.solids.stable_step() < COLLAPSED * self.solids.first_step:
             return f"{STEP} {COLLAPSED:g} of that of the mesh at first"
+        return self._find_wear()
+
+    def _find_reason_to_leave_first(self) -> str | None:
+        return find_reason_to_leave_first(self._find_section())
+
+    def _find_wear(self) -> str | None:
+        """Return why the body has outgrown its mesh."""
         return find_reason(self._find_section(), self._increment, self._remeshing, wait=1.0)
 
     def _find_section(self) -> OldSection:
@@ -130,11 +142,23 @@ class RemeshedImpact(ExplicitImpact):
         on_tool = np.abs(np.array(gaps).reshape(len(profiles), len(position))) < near
         on_tool &= np.isin(np.arange(len(position)), mesh.boundary_edges)
         ring = self.model.analysis == "axisymmetric"
-        lost = float(np.clip(self._first_volume / self._measure_volume() - 1.0, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
+        lost = 0.0 if self._pores is not None else self._find_loss()  # pores grow
         return OldSection(
             mesh, position, on_tool, self._find_held(), profiles, ring, range(len(position)), lost, self._find_power(),
             ELEMENT,
         )  # fmt: skip
+
+    def _find_loss(self) -> float:
+        """Return the part of the volume that is lost and can be given back."""
+        return float(np.clip(self._first_volume / self._measure_volume() - 1.0, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
+
+    def _make_mesh(self) -> tuple[Mesh, SurfacePlaces | SkinPlaces, Sequence[FloatArray]]:
+        """Return a new mesh, where its surface lies on the old one, and lines where folds were left out.
+
+        Raises MeshError.
+        """
+        new = remesh_section(self._find_section(), self._remeshing)
+        return new.mesh, new.surface(0, 0), new.line.seams
 
     def _find_power(self) -> FloatArray | None:
         """Return the stress power over volume in the last row, in each cell (n_cells,) [MPa]; None: nothing moved."""
@@ -144,10 +168,11 @@ class RemeshedImpact(ExplicitImpact):
         return measure_power(self.solids.position[cells], self._increment[cells], self.solids.stress, ring=ring)
 
     def _find_held(self) -> BoolArray:
-        """Mark the components that supports hold (n_points, 2)."""
-        held = np.zeros((len(self.model.mesh.points), 2), dtype=bool)
+        """Mark the components that supports hold (n_points, d)."""
+        d = self.model.dimension
+        held = np.zeros((len(self.model.mesh.points), d), dtype=bool)
         for support in self.model.supports:
-            held[self.model.mesh.node_sets[support.node_set]] |= np.asarray(support.fix[:2])
+            held[self.model.mesh.node_sets[support.node_set]] |= np.asarray(support.fix[:d])
         return held
 
     def _remesh(self, reason: str, *, failed: bool = False) -> bool:
@@ -155,29 +180,31 @@ class RemeshedImpact(ExplicitImpact):
 
         failed: the row has failed on the old one.
         """
-        old = self._find_section()
+        position, first = self.solids.position, range(len(self.model.mesh.points))
         try:
-            new = remesh_section(old, self._remeshing)
+            mesh, surface, lines = self._make_mesh()
         except MeshError as error:
             self._notes.append(f"not remeshed ({reason}): {error}")
             return False
-        first = range(len(new.mesh.points))
-        carrier = Carrier(old.mesh, old.position, new.mesh, [Part(old.points, first, 0, new.surface(0, 0))])
+        carrier = Carrier(self.model.mesh, position, mesh, [Part(first, range(len(mesh.points)), 0, surface)])
         before, dump, volumes = self.solids, self.solids.dump(), self._find_volumes()
         evolved, heat = self.points.values, self.heat
-        origin, places = carrier.material(self.mesh.points), self.marked.places(old.position)
-        self._begin_epoch(new.mesh, origin)
+        origin, places = carrier.material(self.mesh.points), self.marked.places(position)
+        seams = self._seams.places(position)
+        self._begin_epoch(mesh, origin)
         keep_held(origin, self.model)
-        self._increment = np.zeros_like(new.mesh.points)
+        self._increment = np.zeros_like(mesh.points)
         self._make_run(self._epoch_arrays())
         self._density *= before.added_mass().mass / self.solids.added_mass().mass
         self._make_run(self._epoch_arrays())
         self._begin_stage()
-        self.solids.restore(self._carry(dump, carrier, volumes, before.mass @ before.velocity))
+        kept = self.solids.mass.sum() / before.mass.sum()  # added mass is not carried, nor the momentum that it has
+        self.solids.restore(self._carry(dump, carrier, volumes, kept * (before.mass @ before.velocity)))
         if heat is not None and self.heat is not None:
             self.heat.carry(heat, carrier)
         self.points.carry(evolved, lambda values: _carry_cells(carrier, values, self.solids.stress))
-        self.marked.find(new.mesh, new.mesh.points, places)
+        self.marked.find(mesh, mesh.points, places)
+        self._seams.go_on(mesh, seams, lines, before.time)
         self._cause = find_cause(FAILS if failed else reason)
         gained = _kinetic_energy(self.solids) / max(_kinetic_energy(before), 1e-300) - 1.0
         self._notes.append(
@@ -194,7 +221,7 @@ class RemeshedImpact(ExplicitImpact):
 
         volumes: of the old cells (n_cells,) [mm3]; momentum: of the old nodes (2,) [t mm/s].
         """
-        found = self.solids.dump()
+        found: dict[str, FloatArray] = self.solids.dump()
         for name, given in dump.items():
             owner, _, what = name.partition(".")
             if name in OF_THE_RUN or (owner.startswith("wall_") and what in OF_A_WALL):
@@ -206,34 +233,41 @@ class RemeshedImpact(ExplicitImpact):
             elif owner.startswith("block_") and what not in BEGIN_ANEW:
                 found[name] = _carry_cells(carrier, given, self.solids.stress)
                 if given.size and _has_peaks(what):
-                    found[name] = _keep_peaks(carrier, given, found[name], self._find_volumes())
+                    found[name] = keep_peaks(carrier, given, found[name], self._find_volumes())
+        self._mend(carrier, dump, found)
         found["nodes.velocity"] = self._carry_velocity(carrier.nodes(dump["nodes.velocity"]), momentum)
+        return found
+
+    def _mend(self, carrier: Carrier, dump: Mapping[str, FloatArray], found: dict[str, FloatArray]) -> None:
+        """Give carried values of laws (found) the form that laws need."""
         material = self.model.materials[self.model.mesh.blocks[0].material]
         if (kept := found[KEPT]).size and material.umat is None:  # the last two are the direction of the law's axes
             length = np.linalg.norm(kept[:, -2:], axis=1, keepdims=True)
             kept[:, -2:] /= np.where(length > 0.0, length, 1.0)
-        return found
 
     def _carry_velocity(self, velocity: FloatArray, momentum: FloatArray) -> FloatArray:
-        """Return carried velocities (n_points, 2) with the momentum (2,) of the old ones, across an axis none."""
+        """Return carried velocities (n_points, ...) with the momentum (d,) of the old ones, across an axis none."""
         mass, free = self.solids.mass, ~self._find_held()
-        lacking = momentum - mass @ velocity
+        moved = velocity[:, : len(momentum)]
+        lacking = momentum - mass @ moved
         lacking[0] *= self.model.analysis != "axisymmetric"
-        return np.asarray(velocity + free * lacking / np.maximum(mass @ free, 1e-300))
+        moved += free * lacking / np.maximum(mass @ free, 1e-300)
+        return velocity
 
     def _epoch_arrays(self) -> NamedArrays:
         kept = {"density": np.array(self._density), "increment": self._increment}
-        return kept | self.marked.to_arrays()
+        return kept | self.marked.to_arrays() | self._seams.to_arrays()
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         self._increment = np.array(epoch["increment"], dtype=float)
         self.marked.load_arrays(epoch)
+        self._seams.load_arrays(epoch)
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         self._density = float(epoch.get("density", 1.0))
         super()._make_run(epoch)
         if epoch:
-            self.heat = self.heat and HeatOfRows(self.model, self.solids, self.walls, self._threads)
+            self.heat = self.heat and self._make_heat(self._threads)
             self.points.start(self._find_points())
 
     def _find_volumes(self) -> FloatArray:
@@ -263,13 +297,13 @@ def _has_peaks(name: str) -> bool:
     return name == "eqps" or (quantity is not None and quantity.peak_counts)
 
 
-def _keep_peaks(carrier: Carrier, values: FloatArray, found: FloatArray, volumes: FloatArray) -> FloatArray:
+def keep_peaks(carrier: Carrier, values: FloatArray, found: FloatArray, volumes: FloatArray) -> FloatArray:
     """Return a field carried by _carry_cells from values of old cells (n, ...) with the peaks that it had."""
     shape = found.shape
     (kept,) = carrier.peaks([values.reshape(-1, 1)], [found.reshape(-1, 1)], [volumes[:, None]])
     return kept.reshape(shape)
 
 
-def _kinetic_energy(solids: ExplicitSolids) -> float:
+def _kinetic_energy(solids: Any) -> float:
     """Return the kinetic energy of the nodes, half a step back [N mm]."""
     return 0.5 * float(solids.mass @ (solids.velocity**2).sum(axis=1))

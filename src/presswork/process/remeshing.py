@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.fields.instant import Instant
-from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
+from presswork.geometry.pose import ToolPose, place_segments, shift_segments, start_centre, start_profile
 from presswork.implicit.epochs import new_epoch
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
-from presswork.interaction.body_interface import InterfaceArrays
-from presswork.interaction.laps import LapArrays, list_laps, mark_lap
+from presswork.interaction.body_surfaces import InterfaceArrays
+from presswork.interaction.laps import LapArrays
 from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.mesh.joined import join_parts, split_mesh
@@ -30,6 +30,8 @@ from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_peaks, carry_state, carry_surface, find_undeclared
 from presswork.process.epochs import NamedArrays
 from presswork.process.folding import FoldingRecording
+from presswork.process.increments import find_position
+from presswork.process.laps import find_laps, mark_laps, tell_laps
 from presswork.process.mesh_reasons import (
     DUE,
     EARLY,
@@ -42,9 +44,10 @@ from presswork.process.mesh_reasons import (
 )
 from presswork.process.new_balance import balance_new_mesh, measure_jump
 from presswork.process.recording import Row
+from presswork.process.seams import Seams
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.landing import find_closing
-from presswork.remesh.section import NewSection, OldSection, check_budget, remesh_section
+from presswork.remesh.section import NewSection, OldSection, check_budget, draw_outlines, remesh_section
 from presswork.remesh.size_field import measure_power
 
 MOST_JUMP = 0.02
@@ -66,6 +69,8 @@ class RemeshedForming(FoldingRecording):
 
     parts: tuple[float, ...] = PARTS
     """Of the size that is asked for, in meshes tried one after the other."""
+    waits_first = False
+    """Whether a mesh that changes a force too much is rather put off than followed by another try."""
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         super().__init__(model, threads=threads)
@@ -73,6 +78,7 @@ class RemeshedForming(FoldingRecording):
         self.settings: Remeshing = model.remeshing
         volume = self.procedure.state.cells.volume
         self._first_volumes = [sum(float(volume[i].sum()) for i in body.blocks) for body in self._bodies()]
+        self._seams = Seams()
         self._stayed = False
         """Whether a new mesh was refused after the last increment."""
         self._cause = 0
@@ -150,7 +156,10 @@ class RemeshedForming(FoldingRecording):
 
     def _find_hints(self) -> list[str]:
         """Return what may have made the increment fail, and what prevents new meshes."""
-        return [*super()._find_hints(), *([f"no new mesh: {self._obstacle}"] if self._obstacle else [])]
+        hints = [f"no new mesh: {self._obstacle}"] if self._obstacle else []
+        if self._on_first and not self._obstacle:
+            hints = ["[remesh] in the case makes new meshes before the first one fails"]
+        return [*super()._find_hints(), *hints]
 
     @property
     def _n_bodies(self) -> int:
@@ -191,17 +200,21 @@ class RemeshedForming(FoldingRecording):
             on_tool = np.concatenate([on_tool, on_others[None]])
         fixed = np.asarray(procedure.interactions.supports.fixed(procedure.present_step().stage))
         position = model.mesh.points + state.nodes.moved
-        bodies = self._bodies()
-        closing = find_closing(position, state.nodes.increment[:, :2], profiles, find_tool_moves(state, model))
+        bodies, moved = self._bodies(), state.nodes.increment[:, :2]
+        before = [shift_segments(p, -move) for p, move in zip(profiles, find_tool_moves(state, model), strict=True)]
+        outlines, outlines_then = (draw_outlines(model.mesh, bodies, at) for at in (position, position - moved))
         sections: list[OldSection] = []
         for number, (body, mesh) in enumerate(zip(bodies, split_mesh(model.mesh, bodies), strict=True)):
             own = slice(body.points.start, body.points.stop)
             ring, lost = model.analysis == "axisymmetric", self._lost_volume(body, number)
+            touched = sorted({i for c in model.contacts for i in c.between if number in c.between and i != number})
+            others, others_then = ([o for i in touched for o in of[i]] for of in (outlines, outlines_then))
+            closing = find_closing(position[own], moved[own], [*profiles, *others], [*before, *others_then])
             sections.append(
                 OldSection(
                     mesh, position[own], on_tool[:, own], fixed[own], profiles, ring, body.points, lost,
                     self._find_power(body) if self.settings.error else None,
-                    closing=closing[:, own] if len(bodies) == 1 else None,
+                    others=others, closing=closing,
                 )
             )  # fmt: skip
         return sections
@@ -251,15 +264,17 @@ class RemeshedForming(FoldingRecording):
             except (MeshError, GaveUpError) as error:
                 faults.append(str(error))
                 continue
-            if found[-1].jump <= MOST_JUMP:
+            if found[-1].jump <= MOST_JUMP or (self.waits_first and not must and self._may_wait()):
                 break
         if not found:
             return self._stay(reason, faults[0])
         new = min(found, key=lambda mesh: mesh.jump)
-        if new.jump > MOST_JUMP and not must and self._waited < MOST_WAITS and self._reason(WAIT) is None:
+        if new.jump > MOST_JUMP and not must and self._may_wait():
             self._waited += 1
             return self._stay(reason, f"the largest force of a tool would change by {new.jump:.2%}")
+        seams = self._seams.places(find_position(self.procedure))
         self._begin_on(new.procedure, new.origin, new.procedure.model.mesh.points)
+        self._seams.go_on(self.model.mesh, seams, new.seams, self.procedure.state[Progress].time)
         self._waited, self._cause = 0, find_cause(reason)
         self._on_first -= own
         volume = new.procedure.volume() / new.procedure.initial_volume - 1.0
@@ -271,6 +286,10 @@ class RemeshedForming(FoldingRecording):
         )
         return True
 
+    def _may_wait(self) -> bool:
+        """Say whether the present mesh may go on for another increment."""
+        return self._waited < MOST_WAITS and self._reason(WAIT) is None
+
     def _try_mesh(self, old: Sequence[Any], own: set[int], part: float, *, may_yield: bool) -> _NewEpoch:
         """Return equilibrium on new meshes of bodies, of a part of the size. Raises MeshError or GaveUpError."""
         before = self.procedure
@@ -281,7 +300,8 @@ class RemeshedForming(FoldingRecording):
             raise GaveUpError(f"no equilibrium on the new mesh, {outcome.reason}")
         origin = carrier.material(self.mesh.points)
         keep_held(origin, after.model)
-        return _NewEpoch(after, origin, measure_jump(before.state, after.state), len(outcome.log))
+        seams = [seam for part_of in carrier.parts for seam in part_of.seams]
+        return _NewEpoch(after, origin, measure_jump(before.state, after.state), len(outcome.log), seams)
 
     def _make_epoch(self, old: Sequence[Any], own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
         """Return the procedure on new meshes of bodies, of a part of the size, with the state carried to them.
@@ -298,17 +318,16 @@ class RemeshedForming(FoldingRecording):
         carrier = Carrier(before.model.mesh, position, mesh, parts)
         after = new_epoch(before, mesh, lambda old, new: carry_state(old, new, carrier))
         carry_surface(before, after, carrier)
-        for part_of, made in zip(parts, new, strict=True):
-            if made is not None:
-                mark_lap(after.state, part_of.new_points.start + made.line.laps, after.state[Progress].time)
         return after, carrier
 
     def _epoch_arrays(self) -> NamedArrays:
         on_first = np.isin(np.arange(self._n_bodies), list(self._on_first))
-        return super()._epoch_arrays() | {WAITED: np.array([self._waited]), ON_FIRST: on_first}
+        own = {WAITED: np.array([self._waited]), ON_FIRST: on_first}
+        return super()._epoch_arrays() | own | self._seams.to_arrays()
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         super()._load_epoch(epoch)
+        self._seams.load_arrays(epoch)
         self._waited = int(epoch[WAITED][0])
         self._on_first = set(np.flatnonzero(epoch[ON_FIRST]).tolist())
 
@@ -321,21 +340,17 @@ class RemeshedForming(FoldingRecording):
     def _show(self) -> Instant:
         """Return what the fields are computed from."""
         now = super()._show()
-        now.laps = self.procedure.state[LapArrays].mark
+        now.laps = mark_laps(self.procedure.state[LapArrays].mark, self._seams)
         now.initial_position = self.mesh.points
         return now
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what the summary tells, and how many meshes there were."""
         told = super().summary(history)
-        laps = list_laps(self.procedure.state, self.model.mesh)
-        begun = self.procedure.state[LapArrays].begun
-        told["warnings"] += [
-            f"the surface has folded onto itself near ({', '.join(f'{c:.4g}' for c in place)}), first at {begun:.4g} "
-            "s: a lap, a fault of the part (field lap)"
-            for place in laps
-        ]
-        places = [{f"{axis}_mm": float(c) for axis, c in zip("xyz", place, strict=False)} for place in laps]
+        procedure, marks = self.procedure, self.procedure.state[LapArrays]
+        laps = find_laps(self.model.mesh, find_position(procedure), marks.mark, self._seams)
+        warnings, places = tell_laps(laps, (marks.begun, self._seams.begun))
+        told["warnings"] += warnings
         return told | {"remeshes": self.epoch, "laps": places}
 
 
@@ -349,6 +364,8 @@ class _NewEpoch:
     jump: float
     """Largest change of a tool's force, of the largest force."""
     iterations: int
+    seams: Sequence[FloatArray]
+    """Lines at which folds were left out (m, 2) [mm]."""
 
 
 def _join(old: Sequence[OldSection], new: Sequence[NewSection | None]) -> tuple[Mesh, list[Part]]:
@@ -358,7 +375,7 @@ def _join(old: Sequence[OldSection], new: Sequence[NewSection | None]) -> tuple[
         mesh = replace(before.mesh, points=before.position) if made is None else made.mesh
         points = range(first, first + len(mesh.points))
         surface = None if made is None else made.surface(before.points.start, first)
-        parts.append(Part(before.points, points, block, surface))
+        parts.append(Part(before.points, points, block, surface, () if made is None else made.line.seams))
         meshes.append(mesh)
         first = points.stop
     return join_parts(meshes), parts

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import importlib.util
 from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from presswork.implicit.epochs import Epoch, new_epoch
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.checks import MeshError
-from presswork.model import CellBlock, FloatArray, IndexArray, IntArray, Mesh, Model, Remeshing, list_sets
+from presswork.model import CellBlock, FloatArray, IndexArray, IntArray, Limits, Mesh, Model, Remeshing, list_sets
 from presswork.process.carrying import carry_state, carry_surface, find_undeclared
 from presswork.process.epochs import NamedArrays
 from presswork.process.mesh_reasons import LAST_CUT
@@ -27,19 +28,24 @@ from presswork.remesh.space.body import NewBody, OldBody
 from presswork.remesh.space.fill import REMEDY
 from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.size_field import EdgeSizes
-from presswork.remesh.space.tools import PlacedTool
+from presswork.remesh.space.tetrahedra import measure_quality
+from presswork.remesh.space.tools import PlacedTool, find_bends
 from presswork.remesh.space.triggers import (
     TOO_DEEP,
     TOO_LONG,
     WORSE,
     find_cut_edge,
+    find_cut_face,
     find_flat_cell,
     find_long_edge,
     measure_cut,
+    measure_cut_face,
 )
 
 PARTS = (1.0, 0.9, 0.8)
 """Of the size that is asked for, in meshes tried one after the other: the last has twice as many cells."""
+BEFORE_LIMIT, AT_LIMIT = 0.6, 0.8
+"""Of limits.penetration, beyond which a mesh gives way at once; where the last one has left as much, up to AT_LIMIT."""
 LEFT = "left"
 """Name in a checkpoint."""
 CHORD = 0.05
@@ -50,14 +56,15 @@ class RemeshedSpaceForming(RemeshedForming):
     """An implicit procedure at work on a body of tetrahedra, meshed anew where its mesh would fail."""
 
     parts = PARTS
+    waits_first = True
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         assert model.remeshing is not None
         chord = CHORD * model.remeshing.smallest_size
-        self._drawn = [draw_tool(tool, model.mesh.points, chord) for tool in model.space_tools]
+        self._bends = [find_bends(*draw_tool(tool, model.mesh.points, chord)) for tool in model.space_tools]
         super().__init__(model, threads=threads)
-        self._left = 0.0
-        """Depth of a tool in an edge, over its length, when the present mesh was made."""
+        self._left = Left()
+        """What was wrong with the present mesh when it was made."""
 
     def _find_obstacle(self) -> str:
         undeclared = find_undeclared(self.procedure.state)
@@ -81,9 +88,9 @@ class RemeshedSpaceForming(RemeshedForming):
         if space_tools is not None:
             placed = state[SpaceToolArrays]
             on_tool = np.linalg.norm(placed.force, axis=2) > 0.0
-            for t, (corners, triangles) in enumerate(self._drawn):
+            for t, bends in enumerate(self._bends):
                 surface = space_tools.contact.placed(t, placed)
-                tools.append(PlacedTool(surface, surface.pose.carry(corners), triangles))
+                tools.append(PlacedTool(surface, bends.carry(surface.pose)))
         (body,) = self._bodies()
         return [
             OldBody(
@@ -106,24 +113,25 @@ class RemeshedSpaceForming(RemeshedForming):
         return super()._may_change_mesh(failure)
 
     def _reason_of(self, number: int, old: OldBody, wait: float) -> str | None:
+        breach = find_breach(old, self.model.limits, left=self._left)
         if number in self._on_first:
-            return find_flat_cell(old, self._last_moves(), self.settings.quality) or find_cut_edge(
-                old, deepest=LAST_CUT, sharp_counts=True
-            )
-        return find_reason(old, self._last_moves(), self.settings, wait, left=self._left)
+            flat = find_flat_cell(old, self._last_moves(), self.settings.quality)
+            return flat or find_cut_edge(old, deepest=LAST_CUT, sharp_counts=True) or breach
+        return find_reason(old, self._last_moves(), self.settings, wait, left=self._left) or breach
 
     def _remesh(self, reason: str, bodies: set[int] | None = None, *, must: bool = False, again: bool = False) -> bool:
         is_new = super()._remesh(reason, bodies, must=must, again=again)
         if is_new:
-            self._left = max(measure_cut(body) for body in self._sections())
+            (body,) = self._sections()
+            self._left = measure_left(body, self.settings)
         return is_new
 
     def _epoch_arrays(self) -> NamedArrays:
-        return super()._epoch_arrays() | {LEFT: np.array([self._left])}
+        return super()._epoch_arrays() | {LEFT: np.array(astuple(self._left))}
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         super()._load_epoch(epoch)
-        self._left = float(epoch[LEFT][0])
+        self._left = Left(*epoch[LEFT].tolist())
 
     def _last_moves(self) -> FloatArray:
         return self.procedure.state.nodes.increment[:, :3]
@@ -170,16 +178,46 @@ def hold_on_tools(arrays: SpaceToolArrays, new: NewBody, tools: Sequence[PlacedT
         arrays.force[t, nodes] = push[nodes, None] * normal + drag
 
 
-def find_reason(old: OldBody, moves: FloatArray, settings: Remeshing, wait: float, *, left: float = 0.0) -> str | None:
+@dataclass(frozen=True)
+class Left:
+    """What a new mesh could not mend."""
+
+    cut: float = 0.0
+    """Depth of a tool in an edge, over its length."""
+    any_cut: float = 0.0
+    """The same, sharp edges of tools included."""
+    face: float = 0.0
+    """Depth of a tool in a face, over its longest side."""
+    quality: float = 1.0
+    """Of the worst cell."""
+
+
+def measure_left(body: OldBody, settings: Remeshing) -> Left:
+    """Return what is wrong with a mesh that has just been made."""
+    cuts = measure_cut(body, settings.smallest_size), measure_cut(body, sharp_counts=True), measure_cut_face(body)
+    return Left(*cuts, float(measure_quality(body.points, body.cells).min()))
+
+
+def find_reason(
+    old: OldBody, moves: FloatArray, settings: Remeshing, wait: float, *, left: Left | None = None
+) -> str | None:
     """Return why a body's mesh should not go on.
 
-    wait: factor on the triggers. left: depth of a tool in an edge, over its length, when the mesh was made.
+    wait: factor on the triggers. left: what was wrong with the mesh when it was made: only worse counts.
     """
+    left = left or Left()
     return (
-        find_flat_cell(old, moves, settings.quality / wait)
-        or find_cut_edge(old, deepest=wait * max(TOO_DEEP, WORSE * left))
+        find_flat_cell(old, moves, min(settings.quality, left.quality / WORSE) / wait)
+        or find_cut_edge(old, deepest=wait * max(TOO_DEEP, WORSE * left.cut), smallest=settings.smallest_size)
+        or find_cut_edge(old, deepest=wait * max(LAST_CUT, WORSE * left.any_cut), sharp_counts=True)
         or find_long_edge(old, list_sizes(settings), longest=wait * TOO_LONG)
     )
+
+
+def find_breach(old: OldBody, limits: Limits, *, left: Left) -> str | None:
+    """Say where a tool comes so deep that limits.penetration would stop the run soon."""
+    limit = limits.penetration
+    return find_cut_face(old, max(BEFORE_LIMIT * limit, min(WORSE * left.face, AT_LIMIT * limit)))
 
 
 def list_sizes(settings: Remeshing) -> EdgeSizes:

@@ -18,7 +18,7 @@ from presswork.explicit.energy import ENERGIES, EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.motion import DrivenStroke
 from presswork.implicit.ram import SPENT
-from presswork.model import Blow, Drive, FloatArray, Model, Stage
+from presswork.model import Blow, Drive, FloatArray, Model, Stage, Support
 from presswork.outcome import GaveUpError
 from presswork.process.epochs import EpochRecording
 from presswork.process.press_quantities import RAM_COLUMNS, force_on_ram, has_ram, ram_at_rest
@@ -87,11 +87,15 @@ class RowRecording(EpochRecording, ABC):
         run.release()
         sets, number = self.model.mesh.node_sets, int(self._progress[STAGE])
         for support in self.model.supports:
-            held = "".join(letter for letter, is_held in zip(run.FREEDOMS, support.fix, strict=False) if is_held)
-            run.fix(sets[support.node_set], held)
+            self._hold(run, support)
         if number < len(self.model.stages):
             for p in self.model.stages[number].prescribed:
                 run.fix(sets[p.node_set], run.FREEDOMS[p.component], p.value / over)
+
+    def _hold(self, run: Dynamics, support: Support) -> None:
+        """Hold what a support holds on the present mesh."""
+        held = "".join(letter for letter, is_held in zip(run.FREEDOMS, support.fix, strict=False) if is_held)
+        run.fix(self.model.mesh.node_sets[support.node_set], held)
 
     def advance(self) -> Iterator[RowReport]:
         """Compute row after row. Raises GaveUpError, with the state of the last row, where the motion breaks down."""

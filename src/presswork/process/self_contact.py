@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.body_interface import InterfaceArrays
+from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.model import Body, BodyContact, Model
 from presswork.remesh.section import halve_edges
 from presswork.remesh.space.closing import find_closing_faces

@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from presswork import _core
-from presswork.explicit.space_solids import SpaceWall
+from presswork.explicit.space_walls import SpaceWall
+from presswork.geometry.pose import find_space_pose
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.space_contact import STEEPEST
 from presswork.mesh.faces import nodal_normals
@@ -14,7 +15,9 @@ from presswork.model import FloatArray, Friction, Mesh, Tool
 
 
 def find_coefficient(law: Friction) -> float:
-    """Return the largest friction over the pressure."""
+    """Return the largest friction over the pressure; infinite where nothing slides."""
+    if law.law == "sticking":
+        return float("inf")
     if law.law == "shear":
         return STEEPEST if float(law.m) > 0.0 else 0.0
     return float(np.max(law.mu)) if law.law.startswith("coulomb") else 0.0
@@ -44,7 +47,7 @@ class ShearFriction:
         normals = nodal_normals(position, self._mesh.boundary_faces)
         reach = float(np.linalg.norm(np.ptp(position, axis=0)))
         for i, (tool, surface) in self._surfaces.items():
-            seen = np.ascontiguousarray(position - np.array(tool.position) - walls[i].displacement)
-            out = surface.nearest(seen, reach)[1]
+            pose = find_space_pose(tool, walls[i].displacement, walls[i].angle)
+            out = pose.turn(surface.nearest(np.ascontiguousarray(pose.to_frame(position)), reach)[1])
             area = np.maximum(0.0, -np.einsum("ni,ni->n", normals, out))
             walls[i].limit_friction(float(tool.friction.m) * area * shear)

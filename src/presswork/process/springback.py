@@ -23,9 +23,11 @@ from presswork.geometry.best_fit import measure_deviation
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.mesh.checks import MeshError
+from presswork.mesh.dynain import write_dynain
 from presswork.model import FloatArray, Mesh, Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.epochs import EpochRecording, NamedArrays
+from presswork.process.formed_sheet import make_formed
 from presswork.process.implicit_stamping import ImplicitStamping
 from presswork.process.limits import Watched
 from presswork.process.recording import Meta, Report, Row, Snapshot
@@ -161,6 +163,16 @@ class ReleasedStamping(EpochRecording):
         if isinstance(self.forming, ExplicitStamping):
             self.forming.split_evenly()
         return self.forming.sheet()
+
+    def files(self) -> dict[str, str]:
+        """Return the part as a dynain at its end, where the case asks for it."""
+        if not self.model.output.dynain or self.remaining() > 0.0:
+            return {}
+        return {"part.dynain": self.write_part()}
+
+    def write_part(self) -> str:
+        """Return the part as a dynain."""
+        return write_dynain(make_formed(self.sheet(), self.mesh, self.model.formed), self.model.title)
 
     def _release(self) -> _Released:
         """Begin the epoch of the part without its tools: the implicit procedure knows no hanging nodes."""

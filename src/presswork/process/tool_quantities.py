@@ -10,7 +10,10 @@ import numpy as np
 from presswork.formability import Info
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
+from presswork.interaction.tool_course import find_turning
 from presswork.model import FloatArray, Model, Profile, Tool, ToolMotion
+
+OF_A_TOOL, OF_TURNING = ("stroke", "force", "force_x", "force_y", "force_z"), ("angle", "torque")
 
 
 @dataclass(frozen=True)
@@ -22,7 +25,7 @@ class ToolQuantities:
     [mm]."""
     force: float
     """Against its first motion [N]: positive when the workpiece resists; on a spring, what presses the spring; of a
-    tool that does neither, the vector's length."""
+    tool that does neither, the vector's length, in axisymmetry its axial part: the radial one loads no press."""
     vector: FloatArray
     """Force of the workpiece on the tool (3,) [N]."""
     angle: float
@@ -47,7 +50,7 @@ def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQua
             moved = state[ToolArrays].displacement[t] - state[ToolArrays].placed[t]
             stroke, force = float(moved @ way), -float(vector @ way)
         else:
-            stroke, force = 0.0, float(np.linalg.norm(vector))
+            stroke, force = 0.0, size_of_force(procedure.model, vector)
         motion = procedure.model.stages[stage].tool_motion.get(tool.name, ToolMotion())
         torque = -float(torques[t]) * (-1.0 if motion.turn < 0 else 1.0)
         in_space = np.append(vector, 0.0)
@@ -81,6 +84,16 @@ def _measure_space_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, 
     return quantities
 
 
+def tool_columns(model: Model) -> list[str]:
+    """Return the columns of the history that explicit solids have of their tools."""
+    turning = find_turning(model.tools, model.stages)
+    return [
+        f"{tool.name}.{quantity}"
+        for tool in model.tools
+        for quantity in (*OF_A_TOOL, *(OF_TURNING if tool.name in turning else ()))
+    ]
+
+
 def force_on_whole(tool: Tool, force: FloatArray) -> FloatArray:
     """Return the force on the whole tool of that on what is modelled of it (2,) or (3,) [N]."""
     whole = force.copy()
@@ -92,6 +105,11 @@ def force_on_whole(tool: Tool, force: FloatArray) -> FloatArray:
         whole *= tool.sectors
         whole[:2] = 0.0
     return whole
+
+
+def size_of_force(model: Model, force: FloatArray) -> float:
+    """Return the force on the whole of a tool that has no direction of its own [N]: of a ring the axial part."""
+    return float(abs(force[1]) if model.analysis == "axisymmetric" else np.linalg.norm(force))
 
 
 def describe_plane(model: Model) -> Info:

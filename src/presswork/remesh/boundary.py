@@ -12,7 +12,7 @@ nodes along their normals gives the volume back (volume.py).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -77,8 +77,8 @@ class NewLine:
     """Nodes that neither a tool nor a plane holds (k,)."""
     offset: float
     """By which free nodes were moved outwards to give the volume back [mm]."""
-    laps: IndexArray = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
-    """Nodes between which loops were left out in which the line crossed itself (n,)."""
+    seams: tuple[FloatArray, ...] = ()
+    """Middles of the loops left out in which the line crossed itself, from the mouth to the end of each (m, 2) [mm]."""
 
 
 def refuse_fold(sides: FloatArray) -> None:
@@ -120,17 +120,18 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
     curve.extend_contact(places, points, is_free)
     target = enclosed_volume(old.points, ring=old.ring) * (1.0 + old.lost)
     points, is_free, offset = give_volume_back(points, is_free, target, old.profiles, ring=old.ring)
-    is_lap = np.zeros(len(points), dtype=bool)
+    seams = []
     for _ in range(MOST_LAPS):
         folds = find_folds(list_sides(points))
         if not len(folds):
             break
-        kept = _close_lap(points, folds, is_free)
-        is_lap = (is_lap | np.roll(~kept, 1) | np.roll(~kept, -1))[kept]
+        kept, seam = _close_lap(points, folds, is_free)
+        seams.append(seam)
         places = places[kept]
         points, is_free, offset = give_volume_back(points[kept], is_free[kept], target, old.profiles, ring=old.ring)
-    refuse_fold(list_sides(points))
-    return NewLine(points, places, is_free, offset, np.flatnonzero(is_lap))
+    else:
+        refuse_fold(list_sides(points))
+    return NewLine(points, places, is_free, offset, tuple(seams))
 
 
 def _fold_error(points: FloatArray, folds: IndexArray) -> MeshError:
@@ -138,27 +139,45 @@ def _fold_error(points: FloatArray, folds: IndexArray) -> MeshError:
     return MeshError(f"the boundary crosses itself near ({x:.4g}, {y:.4g})", "contact of the body with itself")
 
 
-def _close_lap(points: FloatArray, folds: IndexArray, is_free: BoolArray) -> BoolArray:
-    """Mark the nodes that stay where a loop of free nodes between two crossing sides is left out (k,).
+def _close_lap(points: FloatArray, folds: IndexArray, is_free: BoolArray) -> tuple[BoolArray, FloatArray]:
+    """Mark the nodes that stay where a loop of free nodes between two crossing sides is left out (k,); its middle.
 
     The loop is short, or as thin as a fold that has closed; the longest such one between any two crossing sides. An
     even number of nodes goes, so that corners keep even places. Raises MeshError where loops are long and wide, or
     held.
     """
-    n, kept = len(points), np.ones(len(points), dtype=bool)
+    n, kept, loop = len(points), np.ones(len(points), dtype=bool), points[:0]
     for first, last in folds.tolist():
         inner = np.arange(first + 1, last + 1)
         if len(inner) > n // 2:
             inner = np.arange(last + 1, first + 1 + n) % n
+        own = points[inner]
         if len(inner) % 2:
             inner = np.append(inner, (inner[-1] + 1) % n)
         may_go = len(inner) <= LONGEST_LAP or _is_thin(points[inner])
         if may_go and len(inner) > (~kept).sum() and is_free[inner].all():
             kept[:] = True
             kept[inner] = False
+            mouth = _find_crossing(points[[first, (first + 1) % n, last, (last + 1) % n]])
+            loop = np.concatenate([mouth, own, mouth])
     if kept.all():
         raise _fold_error(points, folds)
-    return kept
+    return kept, _find_middle(loop)
+
+
+def _find_crossing(ends: FloatArray) -> FloatArray:
+    """Return where two sides (4, 2) cross (1, 2)."""
+    a, b, c, d = ends
+    part = _turn(c, d, a) / (_turn(c, d, a) - _turn(c, d, b))
+    return np.asarray((a + part * (b - a))[None])
+
+
+def _find_middle(loop: FloatArray) -> FloatArray:
+    """Return the line midway between the two sides of a loop (m, 2) that begins and ends at its mouth, to its end."""
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(loop, axis=0), axis=1))])
+    at = np.linspace(0.0, 0.5 * way[-1], len(loop) + 1)
+    sides = [np.column_stack([np.interp(x, way, axis) for axis in loop.T]) for x in (at, way[-1] - at)]
+    return np.asarray(0.5 * (sides[0] + sides[1]))
 
 
 def _is_thin(loop: FloatArray) -> bool:

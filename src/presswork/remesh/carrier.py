@@ -87,6 +87,8 @@ class Part:
     block: int
     surface: SurfacePlaces | SkinPlaces | None
     """None: the mesh stays."""
+    seams: Sequence[FloatArray] = ()
+    """Lines at which a fold was left out, and its two sides are one from now on (m, 2) [mm]."""
 
 
 @dataclass(frozen=True)

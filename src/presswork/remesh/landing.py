@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Small cells where a free surface comes to lie on a tool.
+"""Small cells where a free surface comes to lie on a tool, or on another body.
 
 Contact is at nodes, so the area in contact grows by an edge whenever a node lands: the force lags before it and is
 ahead after it, by 3 to 6 % where a die is nearly full. So edges are short where the contact ends and the free surface
@@ -14,7 +14,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from presswork import _core
-from presswork.geometry.pose import shift_segments
 from presswork.model import BoolArray, FloatArray
 from presswork.remesh.size_field import SizeSources
 
@@ -27,22 +26,28 @@ REACH = 3.0
 
 
 def find_closing(
-    points: FloatArray, moved: FloatArray, profiles: Sequence[FloatArray], tools_moved: FloatArray
+    points: FloatArray, moved: FloatArray, profiles: Sequence[FloatArray], before: Sequence[FloatArray]
 ) -> BoolArray:
-    """Mark the points that have come nearer to each tool (n_tools, n).
+    """Mark the points that have come nearer to each profile (n_profiles, n).
 
-    points, moved: where they are and by what they have moved (n, 2) [mm]; profiles, tools_moved (n_tools, 2): the same
-    of the tools.
+    points, moved: where they are and by what they have moved (n, 2) [mm]; profiles, before: of tools and of other
+    bodies where they are, and where they were.
     """
     closing = np.zeros((len(profiles), len(points)), dtype=bool)
-    now, before = np.ascontiguousarray(points), np.ascontiguousarray(points - moved)
-    for own, profile, move in zip(closing, profiles, tools_moved, strict=True):
-        gap, gap_before = (
+    now, then = np.ascontiguousarray(points), np.ascontiguousarray(points - moved)
+    for own, profile, profile_then in zip(closing, profiles, before, strict=True):
+        gap, gap_then = (
             _core.touch_profile(np.ascontiguousarray(segments), at)[0]
-            for segments, at in ((profile, now), (shift_segments(profile, -move), before))
+            for segments, at in ((profile, now), (profile_then, then))
         )
-        own[:] = np.isfinite(gap) & (gap < gap_before)
+        own[:] = np.isfinite(gap) & (gap < gap_then)
     return closing
+
+
+def draw_outline(line: FloatArray) -> FloatArray:
+    """Return a closed line (n, 2) [mm], the metal on its left, as a profile on which another body lands (n, 7)."""
+    back = line[::-1]
+    return np.column_stack([back, np.roll(back, -1, axis=0), np.zeros((len(line), 3))])
 
 
 def find_landings(
@@ -50,9 +55,9 @@ def find_landings(
 ) -> SizeSources:
     """Return the sizes wanted where a closed line (n, 2) comes to lie on a placed profile.
 
-    held: nodes that this tool holds (n,); free: nodes that nothing holds and that come nearer to it (n,); smallest,
-    largest: sizes of cells [mm]. Where fewer than three nodes touch no cell is made smaller: more of them would share
-    in a contact that has just begun, and the force would change.
+    held: nodes that this tool, or any other body, holds (n,); free: nodes that nothing holds and that come nearer to
+    it (n,); smallest, largest: sizes of cells [mm]. Where fewer than three nodes touch no cell is made smaller: more of
+    them would share in a contact that has just begun, and the force would change.
     """
     n = len(line)
     gap = np.maximum(_core.touch_profile(np.ascontiguousarray(profile), np.ascontiguousarray(line))[0], 0.0)

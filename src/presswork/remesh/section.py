@@ -12,11 +12,11 @@ import numpy as np
 from presswork.geometry.polygon import list_sides
 from presswork.mesh.checks import MeshError
 from presswork.mesh.topology import chain_edges, count_corners, find_boundary_edges
-from presswork.model import BoolArray, ElementName, FloatArray, IndexArray, IntArray, Mesh, Remeshing
+from presswork.model import Body, BoolArray, ElementName, FloatArray, IndexArray, IntArray, Mesh, Remeshing
 from presswork.remesh.boundary import NewLine, OldLine, refuse_fold, resample
 from presswork.remesh.carrier import SurfacePlaces
 from presswork.remesh.fill import close_loops, fill_with_quadrilaterals
-from presswork.remesh.landing import find_landings
+from presswork.remesh.landing import draw_outline, find_landings
 from presswork.remesh.size_field import (
     GradedSize,
     SizeSources,
@@ -38,6 +38,24 @@ _ATTEMPTS, _FINER = 3, 0.8
 def halve_edges(edges: IntArray) -> IntArray:
     """Return edges with a node in their middle (n, 3) as two each, in their order; others as they are."""
     return edges if edges.shape[1] == 2 else np.ascontiguousarray(edges[:, [0, 2, 2, 1]].reshape(-1, 2))
+
+
+def _split_loops(edges: IntArray) -> list[IntArray]:
+    """Return chained edges (n, 2) loop by loop."""
+    ends = np.flatnonzero(np.append(edges[1:, 0] != edges[:-1, 1], True)) + 1
+    return np.split(edges, ends[:-1])
+
+
+def draw_outlines(mesh: Mesh, bodies: Sequence[Body], position: FloatArray) -> list[list[FloatArray]]:
+    """Return the loops of each body's boundary as profiles; of one body alone none: it has nothing to land on.
+
+    position: of the nodes (n_points, 2) [mm].
+    """
+    if len(bodies) == 1:
+        return [[]]
+    edges = halve_edges(mesh.boundary_edges)
+    loops = (_split_loops(chain_edges(edges[body.owns(edges)], position)) for body in bodies)
+    return [[draw_outline(position[loop[:, 0]]) for loop in own] for own in loops]
 
 
 @dataclass(frozen=True)
@@ -62,8 +80,11 @@ class OldSection:
     """Stress power over volume in each cell (n_cells,), in any unit; None: nothing has moved."""
     element: ElementName = "quad4_fbar"
     """Of its new mesh where the first one has triangles or quadratic cells."""
+    others: Sequence[FloatArray] = ()
+    """Outlines of the bodies that it may touch, as profiles."""
     closing: BoolArray | None = None
-    """Nodes that have come nearer to each tool (n_tools, n_points): where they land cells are small; None: nowhere."""
+    """Nodes that have come nearer to each tool, and to each of the others (n_tools + n_others, n_points): where they
+    land cells are small; None: nowhere."""
 
     def corners(self) -> IndexArray:
         """Return the corners of the cells (n_cells, 3 | 4)."""
@@ -77,8 +98,7 @@ class OldSection:
         Raises MeshError where loops are not closed, or share a node.
         """
         edges = chain_edges(halve_edges(self.mesh.boundary_edges), self.position)
-        ends = np.flatnonzero(np.append(edges[1:, 0] != edges[:-1, 1], True)) + 1
-        loops = np.split(edges, ends[:-1])
+        loops = _split_loops(edges)
         if any(loop[-1, 1] != loop[0, 0] for loop in loops) or len(np.unique(edges[:, 0])) < len(edges):
             raise MeshError("the boundary of a body is not made of closed lines", "bodies whose parts do not touch")
         return [loop[:, 0].astype(np.intp) for loop in loops]
@@ -119,7 +139,7 @@ class NewSection:
 def measure_sizes(old: OldSection, settings: Remeshing, *, part: float = 1.0) -> GradedSize:
     """Return the size of cells that tools and thickness ask for now, a part of it, within the budget."""
     size = _ask_for_sizes(old, settings)
-    _keep_budget(old, settings, size, part)
+    _keep_budget(settings, size, part, _expect_cells(old, size))
     return size
 
 
@@ -143,16 +163,17 @@ def _ask_for_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
 
 
 def _find_landings(old: OldSection, settings: Remeshing) -> SizeSources:
-    """Return the sizes wanted where the free surface comes to lie on tools."""
+    """Return the sizes wanted where the free surface comes to lie on tools and on other bodies."""
     loose = ~old.on_tool.any(axis=0) & ~old.fixed.any(axis=1)
     sizes = {"smallest": settings.smallest_size, "largest": settings.size}
     closing = () if old.closing is None else old.closing
+    held = [*old.on_tool[: len(old.profiles)], *(old.on_tool[-1] for _ in old.others)]
     return join_sources(
         SizeSources(np.zeros((0, 2)), np.zeros(0)),
         *(
             find_landings(old.position[chain], on_tool[chain], (loose & nearer)[chain], profile, **sizes)
             for chain in old.chains
-            for profile, on_tool, nearer in zip(old.profiles, old.on_tool, closing, strict=False)
+            for profile, on_tool, nearer in zip([*old.profiles, *old.others], held, closing, strict=False)
         ),
     )
 
@@ -164,22 +185,20 @@ def _expect_cells(old: OldSection, size: GradedSize) -> float:
     return float((area / size(np.column_stack([x.mean(axis=1), y.mean(axis=1)])) ** 2).sum())
 
 
-def _keep_budget(old: OldSection, settings: Remeshing, size: GradedSize, part: float) -> None:
-    """Make cells smaller by a factor, then larger until the budget suffices, in place."""
-    size.scale(part)
-    expected = _expect_cells(old, size)
-    if expected > settings.max_cells:
-        size.scale(float(np.sqrt(expected / settings.max_cells)))
+def _keep_budget(settings: Remeshing, size: GradedSize, part: float, expected: float) -> None:
+    """Make cells smaller by a factor, but no smaller than the budget allows, in place; expected: cells before that."""
+    size.scale(max(part, float(np.sqrt(expected / settings.max_cells))))
 
 
 def check_budget(old: OldSection, settings: Remeshing) -> None:
     """Raise MeshError where the budget leaves less than LEAST_ACROSS cells across the metal, and a larger one not."""
-    _check_budget(old, settings, _ask_for_sizes(old, settings))
+    size = _ask_for_sizes(old, settings)
+    _check_budget(old, settings, size, _expect_cells(old, size))
 
 
-def _check_budget(old: OldSection, settings: Remeshing, size: GradedSize) -> None:
-    """Raise MeshError where the budget does not suffice for a size."""
-    lack = float(np.sqrt(_expect_cells(old, size) / settings.max_cells))
+def _check_budget(old: OldSection, settings: Remeshing, size: GradedSize, expected: float) -> None:
+    """Raise MeshError where the budget does not suffice for a size with which so many cells are expected."""
+    lack = float(np.sqrt(expected / settings.max_cells))
     if lack <= 1.0:
         return
     thickness, middle = metal_thickness(old.sides, old.held_sides), old.sides.mean(axis=1)
@@ -200,8 +219,9 @@ def remesh_section(old: OldSection, settings: Remeshing, *, part: float = 1.0) -
     """Return a new mesh of the same element and material, of a part of the size. Raises MeshError if there is none."""
     chains = old.chains
     size = _ask_for_sizes(old, settings)
-    _check_budget(old, settings, size)
-    _keep_budget(old, settings, size, part)
+    expected = _expect_cells(old, size)
+    _check_budget(old, settings, size, expected)
+    _keep_budget(settings, size, part, expected)
     old_lines = [
         OldLine(
             old.position[chain], old.on_tool[:, chain], old.fixed[chain], find_set_ends(old.mesh, chain), old.profiles,
@@ -251,14 +271,7 @@ def _join_lines(lines: Sequence[NewLine], chains: Sequence[IndexArray]) -> tuple
         np.concatenate([first + line.place for first, line in zip(firsts, lines, strict=True)]),
         np.concatenate([line.is_free for line in lines]),
         max((line.offset for line in lines), key=abs),
-        np.concatenate(
-            [
-                first + line.laps
-                for first, line in zip(
-                    np.cumsum([0, *(len(line.points) for line in lines)]).tolist(), lines, strict=False
-                )
-            ]
-        ),
+        tuple(seam for line in lines for seam in line.seams),
     )
     after = close_loops([len(line.points) for line in lines])
     if len(lines) > 1:
@@ -272,9 +285,16 @@ def _edges_in(
     """Return by set which nodes of the chain it holds, and which sides after them lie in it whole."""
     found = {}
     for name, nodes in sets.items():
-        inside = np.isin(chain, nodes)
+        inside = _mark(nodes, chain)[chain]
         found[name] = inside, inside & inside[following]
     return found
+
+
+def _mark(nodes: IntArray, chain: IndexArray) -> BoolArray:
+    """Mark nodes among all up to the highest of them and of a chain."""
+    marked = np.zeros(1 + max(int(nodes.max(initial=0)), int(chain.max())), dtype=bool)
+    marked[nodes] = True
+    return marked
 
 
 def find_set_ends(mesh: Mesh, chain: IndexArray) -> BoolArray:
@@ -282,10 +302,10 @@ def find_set_ends(mesh: Mesh, chain: IndexArray) -> BoolArray:
     ends = np.zeros(len(chain), dtype=bool)
     for inside, sides in _edges_in(mesh.node_sets, chain, _follow([chain])).values():
         ends |= inside & ~(sides & np.roll(sides, 1))
-    following = dict(zip(chain.tolist(), np.roll(chain, -1).tolist(), strict=True))
+    following = np.full(len(mesh.points), -1)
+    following[chain] = np.roll(chain, -1)
     for edges in map(halve_edges, mesh.edge_sets.values()):
-        first = {a for a, b in edges[:, :2].tolist() if following.get(a) == b}
-        sides = np.array([node in first for node in chain.tolist()], dtype=bool)
+        sides = _mark(edges[following[edges[:, 0]] == edges[:, 1], 0], chain)[chain]
         ends |= sides != np.roll(sides, 1)
     return ends
 
@@ -314,7 +334,7 @@ def _name_mesh(
     edge_sets = {}
     for name, whole in old.edge_sets.items():
         edges = halve_edges(whole)
-        own_sides = np.isin(chain, edges[:, 0]) & np.isin(chain[following], edges[:, 1])
+        own_sides = _mark(edges[:, 0], chain)[chain] & _mark(edges[:, 1], chain)[chain[following]]
         edge_sets[name] = boundary[own_sides[middle][boundary[:, 0]]]
     element = old.blocks[0].element
     if not element.startswith("quad4"):

@@ -36,16 +36,12 @@ def give_volume_back(
     """
     points, is_free, total = points.copy(), is_free.copy(), 0.0
     for _ in range(_ROUNDS):
-        inside = _put_on_tools(points, is_free, profiles)
-        is_free &= ~inside
-        if not is_free.any():
+        is_free &= ~_put_on_tools(points, is_free, profiles)
+        if not is_free.any() or abs(enclosed_volume(points, ring=ring) / target - 1.0) < 1e-12:
             break
         offset = _find_offset(points, is_free, target, ring=ring)
-        moved = points + offset * _normals(points) * is_free[:, None]
+        points += offset * _normals(points) * is_free[:, None]
         total += offset
-        points = moved
-        if abs(enclosed_volume(points, ring=ring) / target - 1.0) < 1e-12 and not inside.any():
-            break
     edges = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
     own = is_free & np.roll(is_free, -1)
     if own.any() and abs(total) > LARGEST_OFFSET * float(edges[own].mean()):

@@ -2,6 +2,7 @@
 from .avitzur import integrate_ring
 from .blank_shape import BlankShape, Draw, find_blank_shape, surround_opening
 from .calibrate import Calibration, CalibrationCurves, FrictionFit, calibrate_ring, fit_friction
+from .cluster.connection import Cluster, ClusterError
 from .measured import MeasuredRings, read_measured
 from .ring import RingMeasures, measure_ring
 from .sweep import MemberResult, SweepProgress, SweepResult, run_sweep
@@ -11,6 +12,8 @@ __all__ = [
     "BlankShape",
     "Calibration",
     "CalibrationCurves",
+    "Cluster",
+    "ClusterError",
     "Draw",
     "FrictionFit",
     "MeasuredRings",

@@ -25,9 +25,13 @@ from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.tools import RectangularTool, RoundTool
 from presswork.model import FloatArray, Model
 from presswork.post import FlangeFit, fit_flange
-from presswork.recorder import Outcome, Progress, StartError, fingerprint, run_model
-from presswork.results import OutputError, load_checkpoint, open_output_folder, write_outline
+from presswork.recorder import Progress, fingerprint
+from presswork.results import OutputError, Result, load_checkpoint, open_output_folder, write_outline
 from presswork.results.folder import CHECKPOINT
+from presswork.study.cluster.connection import Cluster
+from presswork.study.member_process import Ending, Mode
+from presswork.study.open_runner import open_runner
+from presswork.study.runner import Ended, Moved, Runner, Task
 from presswork.study.table import read_summary, write_table
 
 TABLE, CASE, POINTS, DRAWING = "table.csv", "blank.toml", "blank.csv", "blank.dxf"
@@ -79,6 +83,8 @@ def find_blank_shape(
     damping: float = 1.0,
     settings: Sequence[str] = (),
     threads: int = 0,
+    cluster: Cluster | str | None = None,
+    member_timeout: float | None = None,
     resume: bool = False,
     overwrite: bool = False,
     on_progress: Callable[[int, Progress], None] | None = None,
@@ -88,13 +94,16 @@ def find_blank_shape(
 
     target: closed outline (n, 2) [mm] of the whole flange; tolerance: largest distance of an edge node from it [mm].
     The case's own blank is drawn first. most: draws; damping: part of each correction that is made, 0 to 1. settings:
-    `key=value` texts that change the case. Everything is written to the folder. With `resume` draws that are there are
+    `key=value` texts that change the case. threads: of a draw, 0 for all of the machine or of a worker. cluster: a Dask
+    cluster that computes the draws, or the address of its scheduler. member_timeout: longest time of a draw [s],
+    which ends the search. Everything is written to the folder. With `resume` draws that are there are
     kept, and one that was stopped goes on. Raises CaseError for a case or target that cannot be used, OutputError for a
-    folder that cannot.
+    folder that cannot, ClusterError for a cluster that cannot.
     """
     search = _Search(Path(case_file), settings, target, tolerance, damping)
-    search.open_folder(Path(folder), resume, overwrite)
-    status, reason = search.run(most, threads, resume, on_progress, on_draw)
+    with open_runner(1 if cluster is None else 0, cluster, member_timeout, threads=threads) as runner:
+        search.open_folder(Path(folder), resume, overwrite)
+        status, reason = search.run(most, runner, resume, on_progress, on_draw)
     if search.draws:
         search.leave_best()
     return BlankShape(status, reason, search.folder, target, tuple(search.draws))
@@ -177,7 +186,7 @@ class _Search:
     def run(
         self,
         most: int,
-        threads: int,
+        runner: Runner,
         resume: bool,
         on_progress: Callable[[int, Progress], None] | None,
         on_draw: Callable[[Draw], None] | None,
@@ -191,12 +200,15 @@ class _Search:
             try:
                 model = build_model(self.write_case(number, outline))
                 show = None if on_progress is None else lambda now, n=number: on_progress(n, now)
-                outcome = _draw(model, folder, threads, resume, show)
-            except (CaseError, StartError) as error:
+            except CaseError as error:
                 return "gave_up", f"draw {number} cannot be started: {error}"
-            if outcome.status != "completed":
-                return outcome.status, f"draw {number}: {outcome.reason}"
-            fit = fit_flange(outcome.result, self.target)
+            ended, reason = _draw(model, folder, runner, resume, show)
+            if ended == "interrupted":
+                return "interrupted", f"draw {number}: {reason}"
+            if ended != "completed":
+                said = " cannot be started" if ended == "bad_input" else ""
+                return "gave_up", f"draw {number}{said}: {reason}"
+            fit = fit_flange(Result(folder), self.target)
             self.draws.append(Draw(number, folder, fit, read_summary(folder)["wall_seconds"]["total"]))
             write_table(self.folder / TABLE, [self.row(draw) for draw in self.draws])
             draw_outlines(self.draws, self.target, self.folder)
@@ -264,16 +276,28 @@ class _Search:
             (self.folder / DRAWING).unlink(missing_ok=True)  # without ezdxf: the points say the same
 
 
-def _draw(model: Model, folder: Path, threads: int, resume: bool, show: Callable[[Progress], None] | None) -> Outcome:
+def _draw(
+    model: Model, folder: Path, runner: Runner, resume: bool, show: Callable[[Progress], None] | None
+) -> tuple[Ending, str]:
     """Draw a blank; with `resume` what is in the folder is kept, or goes on. Raises OutputError if it is of another."""
-    if not (resume and (folder / CHECKPOINT).is_file()):
-        return run_model(model, folder, overwrite=resume, threads=threads, on_increment=show)
-    _, meta = load_checkpoint(folder / CHECKPOINT)
-    if meta["model"] != fingerprint(model):
-        raise OutputError(f"{folder} belongs to another case or target: resume with all as it was, or use --overwrite")
-    if read_summary(folder).get("status") == "completed":
-        return Outcome("completed", folder)
-    return run_model(model, folder, resume=True, threads=threads, on_increment=show)
+    mode: Mode = "overwrite" if resume and folder.exists() else "new"
+    if resume and (folder / CHECKPOINT).is_file():
+        _, meta = load_checkpoint(folder / CHECKPOINT)
+        if meta["model"] != fingerprint(model):
+            raise OutputError(
+                f"{folder} belongs to another case or target: resume with all as it was, or use --overwrite"
+            )
+        if read_summary(folder).get("status") == "completed":
+            return "completed", ""
+        mode = "resume"
+    ended: tuple[Ending, str] = "interrupted", "stopped before it began"
+    for event in runner.run({0: Task(model, folder, mode)}):
+        match event:
+            case Moved(_, fraction, text) if show is not None:
+                show(Progress(fraction, text))
+            case Ended(_, status, reason):
+                ended = status, reason
+    return ended
 
 
 def _mean_size(model: Model) -> float:

@@ -23,6 +23,7 @@ from presswork.case.errors import Problem
 from presswork.case.reader import apply_overrides, read_toml
 from presswork.model import FloatArray
 from presswork.results import Result, write_summary
+from presswork.study.cluster.connection import Cluster
 from presswork.study.measured import MeasuredRings, read_measured
 from presswork.study.ring import measure_ring
 from presswork.study.sweep import SweepProgress, SweepResult, run_members
@@ -144,6 +145,8 @@ def calibrate_ring(
     bore: BorePlace = "mean",
     settings: Sequence[str] = (),
     jobs: int = 0,
+    cluster: Cluster | str | None = None,
+    member_timeout: float | None = None,
     resume: bool = False,
     overwrite: bool = False,
     on_progress: Callable[[SweepProgress], None] | None = None,
@@ -152,7 +155,7 @@ def calibrate_ring(
 
     All tools of the case get the law and the value. bore: the measured bore is that averaged over the height, or at
     mid-height. Writes into the folder what a sweep does, calibration.json and calibration.png. None if it was
-    interrupted. Raises CaseError and OutputError.
+    interrupted. jobs, cluster, member_timeout: as of run_sweep. Raises CaseError, OutputError and ClusterError.
     """
     from presswork.study.calibrate_plot import draw_calibration
 
@@ -162,7 +165,10 @@ def calibrate_ring(
     combinations = [({symbol: value}, _set_friction(case_file, settings, law, value)) for value in friction]
     members = make_members(case_file, combinations, settings)
     measured = read_measured(measured_file, _initial_bore(case))
-    sweep = run_members(members, folder, jobs=jobs, resume=resume, overwrite=overwrite, on_progress=on_progress)
+    sweep = run_members(
+        members, folder, jobs=jobs, cluster=cluster, member_timeout=member_timeout, resume=resume, overwrite=overwrite,
+        on_progress=on_progress,
+    )  # fmt: skip
     if sweep.interrupted:
         return None
     curves, lost = collect_curves(sweep, symbol, bore)

@@ -6,7 +6,6 @@ Each member has a process of its own, so that one that gives up, or dies, leaves
 
 from __future__ import annotations
 
-import os
 import shutil
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -18,9 +17,10 @@ from presswork.case import CaseError
 from presswork.case.errors import Problem
 from presswork.results import OutputError, Result, load_checkpoint, open_output_folder
 from presswork.results.folder import CASE, CHECKPOINT, RESULTS
+from presswork.study.cluster.connection import Cluster
 from presswork.study.measures import Column, measure_run, parse_column
-from presswork.study.member import Task
-from presswork.study.processes import Ended, Moved, Pool, Started
+from presswork.study.open_runner import open_runner
+from presswork.study.runner import Ended, Moved, Runner, Started, Task
 from presswork.study.table import read_summary, write_table
 from presswork.study.vary import Member, format_override, make_members, multiply_out
 
@@ -88,6 +88,8 @@ def run_sweep(
     settings: Sequence[str] = (),
     columns: Sequence[str] = (),
     jobs: int = 0,
+    cluster: Cluster | str | None = None,
+    member_timeout: float | None = None,
     resume: bool = False,
     overwrite: bool = False,
     on_progress: Callable[[SweepProgress], None] | None = None,
@@ -96,10 +98,13 @@ def run_sweep(
 
     The case may be of any kind. vary: keys of the case file, each with its values; settings: `key=value` texts for all
     members. columns: more columns of the table, `max:FIELD` or `min:FIELD` at the last saved step, or `max:`, `min:`,
-    `last:` of a column of history.csv. jobs: members that run at a time, 0 for one a core; each has one thread. A
-    member that gives up or cannot be computed is recorded, and the others go on. Ctrl-C stops all at their checkpoints
+    `last:` of a column of history.csv. jobs: members that run at a time, 0 for one a core; each has one thread.
+    cluster: a Dask cluster that computes them, or the address of its scheduler; its threads are the jobs.
+    member_timeout: longest time of a member [s]. A member that gives up or cannot be computed is recorded, and the
+    others go on. Ctrl-C stops all at their checkpoints
     and returns; with `resume` completed members are kept and the others go on from there, or start anew. Raises
-    CaseError, before anything is run, if no member can be computed, and OutputError if the folder cannot be used.
+    CaseError, before anything is run, if no member can be computed, OutputError if the folder cannot be used, and
+    ClusterError if the cluster cannot.
     """
     twice = [key for key in vary if key in {setting.partition("=")[0].strip() for setting in settings}]
     if twice:
@@ -107,8 +112,9 @@ def run_sweep(
     combinations = [(values, [format_override(k, v) for k, v in values.items()]) for values in multiply_out(vary)]
     members = make_members(case_file, combinations, settings)
     return run_members(
-        members, folder, columns=columns, jobs=jobs, resume=resume, overwrite=overwrite, on_progress=on_progress
-    )
+        members, folder, columns=columns, jobs=jobs, cluster=cluster, member_timeout=member_timeout, resume=resume,
+        overwrite=overwrite, on_progress=on_progress,
+    )  # fmt: skip
 
 
 def run_members(
@@ -117,6 +123,8 @@ def run_members(
     *,
     columns: Sequence[str] = (),
     jobs: int = 0,
+    cluster: Cluster | str | None = None,
+    member_timeout: float | None = None,
     resume: bool = False,
     overwrite: bool = False,
     on_progress: Callable[[SweepProgress], None] | None = None,
@@ -125,17 +133,13 @@ def run_members(
     from presswork.study.sweep_plot import draw_curves
 
     wanted = [parse_column(text) for text in columns]
-    run = _Sweep(members, _open_folder(Path(folder), members, resume, overwrite), wanted, on_progress)
-    run.complete(run.plan(resume, overwrite), jobs or count_cores())
+    with open_runner(jobs, cluster, member_timeout) as runner:
+        run = _Sweep(members, _open_folder(Path(folder), members, resume, overwrite), wanted, on_progress)
+        run.complete(run.plan(resume, overwrite), runner)
     result = run.collect()
     write_table(run.folder / TABLE, result.rows)
     draw_curves(result.members, run.folder)
     return result
-
-
-def count_cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _open_folder(folder: Path, members: Sequence[Member], resume: bool, overwrite: bool) -> Path:
@@ -219,15 +223,14 @@ class _Sweep:
         if status != "bad_input":
             self.numbers[i], self.faults[i] = measure_run(folder, read_summary(folder), self.columns)
 
-    def complete(self, tasks: Mapping[int, Task], jobs: int) -> None:
+    def complete(self, tasks: Mapping[int, Task], runner: Runner) -> None:
         """Run the tasks to their end, keeping the table on disk up to date; Ctrl-C stops them and returns."""
         self._report()
-        pool = Pool(tasks, jobs)
-        for event in pool.run():
+        for event in runner.run(tasks):
             match event:
                 case Started(i):
                     self.status[i] = "running"
-                case Moved(i, fraction):
+                case Moved(i, fraction, _):
                     self.fractions[i] = fraction
                 case Ended(i, status, reason):
                     self._end(i, status, reason)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from .all_plots import FIELDS, SHELL_FIELDS, plot_all
 from .animation import animate
+from .die_stress_plot import plot_die_stress
 from .flow_lines_plot import plot_flow_lines
 from .forming_limit_plot import plot_forming_limit
 from .history_plot import plot_history, plot_stress_strain
@@ -14,6 +15,7 @@ __all__ = [
     "animate",
     "plot_all",
     "plot_contours",
+    "plot_die_stress",
     "plot_flow_lines",
     "plot_forming_limit",
     "plot_history",

@@ -17,6 +17,7 @@ from presswork.results import Result, ResultError
 from presswork.view.blank_plot import plot_blank
 from presswork.view.crack_mark import find_judged_damage
 from presswork.view.die_plot import plot_dies, plot_parts
+from presswork.view.die_stress_plot import plot_die_stress
 from presswork.view.flow_lines_plot import flow_panel_size, has_remeshed, is_section, plot_flow_lines
 from presswork.view.forming_limit_plot import plot_forming_limit
 from presswork.view.history_plot import (
@@ -77,11 +78,11 @@ def plot_all(
     For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell or a solid in
     space one picture in space. For each moving tool: force against stroke, and one more for each operation where
     stages place tools anew; without one, for each set that is moved: reaction against displacement, and nominal
-    stress against nominal strain. For each tool in contact: contact stress along the contact surface. Of dynamics and
-    of stampings: energies against time; of a stamping the section along x, the outline from above with the draw-in in
-    every direction, also as CSV, draw-in against stroke, and the whole part, mirrored by its symmetry planes. Of a
-    sheet with a forming limit: the forming limit diagram. Of a press: force and speed of the ram over stroke and
-    time.
+    stress against nominal strain. For each tool in contact: contact stress along the contact surface, in space on the
+    tool. Of dynamics and of stampings: energies against time; of a stamping the section along x, the outline from above
+    with the draw-in in every direction, also as CSV, draw-in against stroke, and the whole part, mirrored by its
+    symmetry planes. Of a sheet with a forming limit: the forming limit diagram. Of a press: force and speed of the ram
+    over stroke and time.
     `fields` are by default FIELDS, and TEMPERATURE if it was saved, of a shell SHELL_FIELDS, of a stamping
     STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS, of heat alone NODAL_TEMPERATURE, at the last step and at the one
     with the widest range, and damage that has a critical value, and MICROSTRUCTURE; `out_dir` is the folder "plots" in
@@ -157,6 +158,10 @@ def _plot_all(
             contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=bare_figure())
             paths.append(save_picture(contours, folder / f"contours_{field}_{step:03d}.png"))
             paths.append(save_picture(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
+        if result.is_space_solid and "contact_traction" in result.field_names:
+            for tool in result.tools_at_work(step):
+                figure = plot_die_stress(result, tool, step, mirror=mirror, figure=bare_figure())
+                paths.append(save_picture(figure, folder / f"die_stress_{tool}_{step:03d}.png"))
     if result.is_onestep:
         return [*paths, save_picture(plot_blank(result, mirror=mirror, figure=bare_figure()), folder / "blank.png")]
     paths += [*_plot_forces(result, folder), *_plot_energies(result, folder), *_plot_temperatures(result, folder)]
@@ -215,8 +220,8 @@ def _draw_section(result: Result, section: tuple[float, float, float], step: int
 
 
 def _plot_forces(result: Result, folder: Path) -> list[Path]:
-    """Write force against stroke, if a tool has moved; force and torque against angle, if one has turned; else reaction
-    against displacement of the sets that are moved, and nominal stress against nominal strain.
+    """Write force against stroke, if a tool has moved; force and torque against angle, if one has turned; beside tools
+    the reaction of every set that is moved; else these together, and nominal stress against nominal strain.
     """
     turning = find_turning_tools(result.history)
     if not (turning or find_moving_tools(result.history)):
@@ -232,6 +237,10 @@ def _plot_forces(result: Result, folder: Path) -> list[Path]:
         figure = bare_figure()
         plot_history(result, y=f"{tool}.torque", ax=figure.subplots())
         paths.append(save_picture(figure, folder / f"torque_{tool}.png"))
+    for _, reaction in find_moved_sets(result.history):
+        figure = bare_figure()
+        plot_history(result, y=reaction, ax=figure.subplots())
+        paths.append(save_picture(figure, folder / f"{reaction.replace('.', '_')}.png"))
     return paths
 
 

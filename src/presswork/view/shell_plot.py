@@ -67,7 +67,7 @@ def plot_shell(
     outlines = outline_blocks(skin, points)
     n_faces = sum(len(block) for block in outlines)
     values = None if field is None else _face_values(result, field, step, skin, owner)
-    scaled = None if values is None else _scale(values, value_range, diverging=field in DIVERGING)
+    scaled = None if values is None else scale_colours(values, value_range, diverging=field in DIVERGING)
     colours = _colours(values, outlines, scaled, by_zone=field == ZONE_FIELD)
     width = float(np.clip(10.0 / np.sqrt(n_faces), 0.04, 0.6)) if show_edges else 0.0
     signs = [(x, y, 1) for x, y in IMAGES[mirror]]
@@ -81,7 +81,7 @@ def plot_shell(
         _add_zone_legend(figure, values)
     elif field is not None and values is not None and scaled is not None:
         ends = values if value_range is None else np.array(value_range)
-        _add_colour_bar(figure, ax, ends, scaled, label_field(result, field))
+        add_colour_bar(figure, ax, ends, scaled, label_field(result, field))
     title = str(result.info.get("title", "")).strip()
     magnified = "" if scale == 1.0 else f", displacement x {scale:g}"
     extremes = ""
@@ -90,11 +90,11 @@ def plot_shell(
     crack = find_first_crack(result, field) if field else None
     said = describe_first_crack(crack).replace(" (x)", "") if crack else ""
     lines = (title, describe_step(result, step) + magnified, extremes, said)
-    ax.set_title("\n".join(filter(None, lines)), fontsize="medium")
+    figure.suptitle("\n".join(filter(None, lines)), fontsize="medium")  # a title of the axes would lie on the body
     return figure
 
 
-def _scale(values: FloatArray, value_range: tuple[float, float] | None, *, diverging: bool) -> ScalarMappable:
+def scale_colours(values: FloatArray, value_range: tuple[float, float] | None, *, diverging: bool) -> ScalarMappable:
     """Return the colours of the values; of a diverging field zero is in the middle, and white."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
@@ -154,13 +154,18 @@ def _colours(
         colours = to_rgba_array(ZONE_COLOURS)[values.astype(int)]
     else:
         colours = np.array(scaled.to_rgba(values), dtype=np.float64)
-    normals = np.concatenate([_normals(block) for block in outlines])
+    return shade(colours, np.concatenate([find_normals(block) for block in outlines]))
+
+
+def shade(colours: FloatArray, normals: FloatArray) -> FloatArray:
+    """Return colours of faces (n, 4) darker where their unit normals (n, 3) turn away from the light."""
     light = _LIGHT / np.linalg.norm(_LIGHT)
-    colours[:, :3] *= (0.72 + 0.28 * np.abs(normals @ light))[:, None]
-    return colours
+    shaded = colours.copy()
+    shaded[:, :3] *= (0.72 + 0.28 * np.abs(normals @ light))[:, None]
+    return shaded
 
 
-def _normals(outlines: FloatArray) -> FloatArray:
+def find_normals(outlines: FloatArray) -> FloatArray:
     """Return the unit normal of each outline (n, k, 3)."""
     around = outlines - outlines.mean(axis=1, keepdims=True)
     normals = np.cross(around, np.roll(around, -1, axis=1)).sum(axis=1)
@@ -199,7 +204,7 @@ def _add_zone_legend(figure: Figure, values: FloatArray) -> None:
     figure.legend(handles=patches, loc="outside lower center", ncols=3, frameon=False, fontsize="small", title=title)
 
 
-def _add_colour_bar(figure: Figure, ax: Axes3D, values: FloatArray, scaled: ScalarMappable, label: str) -> None:
+def add_colour_bar(figure: Figure, ax: Axes3D, values: FloatArray, scaled: ScalarMappable, label: str) -> None:
     """Put a colour bar beside the sheet; of diverging colours from the smallest to the largest value, zero marked."""
     bar = figure.colorbar(scaled, ax=ax, shrink=0.6, pad=0.1)
     bar.set_label(label)

@@ -10,6 +10,7 @@ from presswork import CaseError, build_model
 from presswork.case import describe
 from presswork.case.space.schema import SpaceCase
 from presswork.mesh.faces import face_areas
+from tests.problems.sectors import upsetting
 
 CASE = {
     "title": "a block",
@@ -142,3 +143,12 @@ def test_the_planes_of_a_sector_are_held_along_their_normals_and_its_tools_are_w
 )
 def test_bad_sectors_are_named(changes, expected) -> None:
     assert any(problem.startswith(expected) for problem in problems(sector(**changes)))
+
+
+def test_the_press_of_a_sector_forges_all_sectors() -> None:
+    _, case = upsetting(30.0, (2, 2, 2), {"contact": "frictionless"})
+    case["presses"] = {"hammer": {"kind": "hammer", "energy": 2, "mass": "400 kg", "efficiency": 1}}
+    case["stages"][0]["press"] = "hammer"
+    drive = build_model(SpaceCase(**case)).stages[0].drive
+    assert drive is not None
+    assert drive.whole == pytest.approx(2 * 12)

@@ -88,6 +88,14 @@ def test_a_tool_comes_from_afar_until_it_touches(die: dict[str, Any], height: fl
     assert build({**die, "position": "touch"}).tools[0].position == pytest.approx((0.0, 0.0, height), abs=1e-6)
 
 
+def test_a_tool_that_comes_between_the_nodes_of_a_face_touches_it(tmp_path: Path) -> None:
+    """Its tip is over the middle of a face of 2 mm, far from nodes."""
+    tip, rim = np.array([3.0, 3.0, 0.0]), np.array([[0.5, 0.5, 4], [6, 0.5, 4], [6, 6, 4], [0.5, 6, 4]])
+    write_stl(tmp_path / "die.stl", np.array([[tip, rim[k], rim[k - 1]] for k in range(4)]))
+    model = build({"shape": "file", "path": "die.stl", "position": "touch"}, tmp_path)
+    assert model.tools[0].position == pytest.approx((0.0, 0.0, 8.0), abs=1e-6)
+
+
 def test_a_tool_that_glides_past_nodes_does_not_touch_them() -> None:
     """A cylinder along the side of a block meets what stands out below, not the side."""
     tool = Tool("die", build({**SHAPES["cylinder"], "position": "touch"}).tools[0].surface)
@@ -101,6 +109,18 @@ def test_a_tool_that_glides_past_nodes_does_not_touch_them() -> None:
     assert find_touch_in_space(nearest, side, np.array(DOWN, dtype=float)) is None
     below = np.concatenate([side, [[2.0, 0.0, -9.0]]])
     assert find_touch_in_space(nearest, below, np.array(DOWN, dtype=float)) == pytest.approx(3.0, abs=1e-6)
+
+
+def test_a_node_that_touches_just_before_another_is_not_passed_over() -> None:
+    """The second one meets a slope, to which its last, least step is longer than what is left to the first."""
+
+    def nearest(points: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+        slope = points[:, 0] > 5.0
+        gap = np.where(slope, 0.95 * (9.998 - points[:, 2]), 10.0 - points[:, 2])
+        return gap, np.where(slope[:, None], [np.sqrt(0.0975), 0.0, -0.95], [0.0, 0.0, -1.0])
+
+    nodes = np.array([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]])
+    assert find_touch_in_space(nearest, nodes, np.array(DOWN, dtype=float)) == pytest.approx(9.998, abs=1e-6)
 
 
 def write_stl(path: Path, corners: np.ndarray) -> None:

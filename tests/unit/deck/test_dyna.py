@@ -71,6 +71,8 @@ def test_files_are_included_where_they_stand_and_end_ends_a_deck(tmp_path) -> No
     (tmp_path / "round.k").write_text("*INCLUDE\nround.k\n")
     with pytest.raises(CaseError, match="include each other"):
         read(tmp_path, "*KEYWORD\n*INCLUDE\nround.k\n")
+    with pytest.raises(CaseError, match="a binary file; give the deck of LS-DYNA as text"):
+        read(tmp_path, "*KEYWORD\n*NODE\n\0\1\2\n")
 
 
 def test_the_case_says_what_the_deck_says(tmp_path) -> None:

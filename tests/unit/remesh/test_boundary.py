@@ -10,7 +10,7 @@ from presswork.geometry.polygon import list_sides
 from presswork.geometry.profile_way import ProfileWay
 from presswork.mesh.checks import MeshError
 from presswork.remesh.boundary import OldLine, find_folds, resample
-from presswork.remesh.volume import enclosed_volume
+from presswork.remesh.volume import enclosed_volume, give_volume_back
 
 FLAT = np.array([[60, 10, -5, 10, 0, 0, 0.0]])
 
@@ -119,6 +119,22 @@ def test_volume_lost_before_is_given_back():
     assert enclosed_volume(new.points, ring=True) == pytest.approx(whole, rel=1e-12)
 
 
+def test_free_nodes_that_the_offset_puts_into_a_tool_lie_on_it():
+    """A pocket of two nodes 0.01 mm under a flat tool; the offset that gives the volume back is longer."""
+    points = barrel(21)
+    on_top = points[:, 1] == 10.0
+    is_free = ~(on_top | (points[:, 1] == 0.0) | (points[:, 0] == 0.0))
+    pocket = np.flatnonzero(on_top & (points[:, 0] > 3.0))[:2]
+    points[pocket, 1] -= 0.01
+    is_free[pocket] = True
+    target = 1.01 * enclosed_volume(points, ring=True)
+    new, still_free, offset = give_volume_back(points, is_free, target, [FLAT], ring=True)
+    assert offset > 0.01
+    assert new[:, 1].max() <= 10.0
+    assert not still_free[pocket].any()
+    assert enclosed_volume(new, ring=True) == pytest.approx(target, rel=1e-12)
+
+
 def test_a_small_lap_of_the_free_surface_is_closed():
     """Two lips of a notch in the side have met and overlap by 0.02: what they enclose is left out."""
     points = barrel(41)
@@ -173,6 +189,8 @@ def test_a_long_fold_that_has_closed_is_left_out_and_an_open_one_is_not():
         new = resample(old_line(lapped), uniform(0.1))
         assert not len(find_folds(list_sides(new.points)))
         assert len(new.points) % 2 == 0
-        assert len(new.laps)
+        assert new.seams[0][0, 0] == pytest.approx(11.9, abs=0.2)
+        assert new.seams[0][-1] == pytest.approx([7.6, 5.0], abs=0.1)
+        assert np.abs(new.seams[0][:, 1] - 5.0).max() < 0.02
         inside = (np.abs(new.points[:, 1] - 5.0) < 0.1) & (new.points[:, 0] > 1.0) & (new.points[:, 0] < 11.0)
         assert not inside.any()

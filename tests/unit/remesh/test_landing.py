@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from presswork.remesh.landing import OF_GAP, REACH, find_closing, find_landings
+from presswork.remesh.landing import OF_GAP, REACH, draw_outline, find_closing, find_landings
 
 PLATEN = np.array([[10.0, 2.0, -10.0, 2.0, 0.0, 0.0, 0.0]])
 """Flat, at y = 2; the metal is beneath it."""
@@ -14,11 +14,26 @@ ROUND = np.array([[0, 0], [6, 0], [6, 1.0], [6, 1.2], [5.5, 1.6], [5, 2.0], [4, 
 def test_a_point_comes_nearer_by_its_own_motion_or_by_that_of_the_tool():
     points, still = np.array([[0.0, 1.0], [1.0, 1.5]]), np.zeros((2, 2))
     up, down = still + 0.1, still - 0.1
-    assert find_closing(points, up, [PLATEN], np.zeros((1, 2))).all()
-    assert not find_closing(points, down, [PLATEN], np.zeros((1, 2))).any()
-    assert find_closing(points, down, [PLATEN], np.array([[0.0, -0.2]])).all()
-    assert not find_closing(points, still, [PLATEN], np.zeros((1, 2))).any()
-    assert find_closing(points, up, [], np.zeros((0, 2))).shape == (0, 2)
+    lower = PLATEN - [0, -0.2, 0, -0.2, 0, 0, 0]
+    assert find_closing(points, up, [PLATEN], [PLATEN]).all()
+    assert not find_closing(points, down, [PLATEN], [PLATEN]).any()
+    assert find_closing(points, down, [PLATEN], [lower]).all()
+    assert not find_closing(points, still, [PLATEN], [PLATEN]).any()
+    assert find_closing(points, up, [], []).shape == (0, 2)
+
+
+def test_a_surface_lands_on_another_body_as_on_a_tool():
+    """The other body lies above y = 2, its metal on the left of its outline."""
+    block = draw_outline(np.array([[-10.0, 2.0], [10.0, 2.0], [10.0, 4.0], [-10.0, 4.0]]))
+    held = ROUND[:, 1] == 2.0
+    found = [
+        find_landings(ROUND, held, ~held & (ROUND[:, 1] > 0), profile, smallest=0.3, largest=1.0)
+        for profile in (PLATEN, block)
+    ]
+    np.testing.assert_array_equal(found[0].place, found[1].place)
+    np.testing.assert_allclose(found[0].size, found[1].size)
+    up = np.tile([0.0, 0.1], (len(ROUND), 1))
+    assert find_closing(ROUND - up, up, [block], [block])[0].all()
 
 
 def test_cells_are_small_from_the_end_of_contact_on_by_the_gap():

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from presswork.cli import app
 from presswork.results import Result
 from presswork.view import overlay_plot
-from presswork.view.shell_plot import DIVERGING_COLOURS, _scale
+from presswork.view.shell_plot import DIVERGING_COLOURS, scale_colours
 from presswork.view.style import _describe_load, bare_figure, begin_at_zero, describe_step, find_working_tool
 from tests.unit.results.upset_output import write_upset_output
 
@@ -73,10 +73,10 @@ def test_axes_begin_at_zero_where_nothing_lies_below() -> None:
 
 
 def test_zero_is_the_middle_of_a_diverging_field() -> None:
-    scaled = _scale(np.array([-2.0, 5.0, np.nan]), None, diverging=True)
+    scaled = scale_colours(np.array([-2.0, 5.0, np.nan]), None, diverging=True)
     assert scaled.get_clim() == (-5.0, 5.0)
     assert scaled.get_cmap().name == DIVERGING_COLOURS
-    assert _scale(np.array([2.0, 5.0]), None, diverging=False).get_clim() == (2.0, 5.0)
+    assert scale_colours(np.array([2.0, 5.0]), None, diverging=False).get_clim() == (2.0, 5.0)
 
 
 def test_two_runs_share_every_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

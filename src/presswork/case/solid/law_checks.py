@@ -68,8 +68,10 @@ def _check_pores_in(case: schema.Case, name: str, material: schema.Material) -> 
         return []
     problems, key = [], f"materials.{name}.gtn"
     if case.procedure == "explicit":
-        text = "pores are for the implicit procedure alone, so far: their growth is averaged after each increment"
-        problems.append(Problem(key, text, 'set procedure = "implicit"'))
+        if case.heat is not None:
+            text = "in the explicit procedure a metal with pores knows no heat, so far"
+            problems.append(Problem(key, text, 'leave [heat] out, or set procedure = "implicit"'))
+        return problems
     for _, (place, body) in list_bodies(case).items():
         if body.material == name and body.element == "quad4_1pt":
             fault = "its hourglass control needs the flow stress of a dense metal"

@@ -16,9 +16,10 @@ from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import build_drive, check_timing, find_halves, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver, check_small_displacements
 from presswork.case.solid.builder import build_materials
-from presswork.case.solid.law_checks import check_integrator
+from presswork.case.solid.law_checks import check_integrator, check_pores
 from presswork.case.solid.reach import check_reach
 from presswork.case.solid.references import check_set_names
+from presswork.case.solid.schema import Material
 from presswork.case.space.bodies import (
     build_space_bodies,
     build_space_contacts,
@@ -26,11 +27,11 @@ from presswork.case.space.bodies import (
     list_space_bodies,
 )
 from presswork.case.space.cyclic import check_cyclic, find_cyclic
-from presswork.case.space.explicit_checks import check_space_procedure
+from presswork.case.space.explicit_checks import check_space_procedure, choose_element
 from presswork.case.space.heat import build_space_heat, check_space_heat
 from presswork.case.space.remesh import build_space_remeshing, check_space_remesh
 from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
-from presswork.case.space.symmetry import build_supports, check_symmetry, find_symmetry
+from presswork.case.space.symmetry import Symmetry, build_supports, check_symmetry, find_symmetry
 from presswork.case.space.tool_builder import build_tool, check_motions, find_way
 from presswork.mesh.faces import face_areas
 
@@ -61,7 +62,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     built = [
         build_tool(name, tool, mesh, symmetry.planes, folder, find_way(case, name)) for name, tool in case.tools.items()
     ]
-    stages, of_presses = _build_stages(case, mesh, symmetry.planes)
+    stages, of_presses = _build_stages(case, mesh, symmetry)
     problems += [
         *wrong,
         *apart,
@@ -157,9 +158,7 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
                 fault = "its terms are for the laws of presswork; a UMAT brings its tangent with it"
                 problems.append(Problem("solver.tangent", fault, 'take "consistent"', "thesis"))
         else:
-            if material.gtn is not None:
-                fault = "pores are for the plane and for axisymmetry, so far"
-                problems.append(Problem(f"materials.{name}.gtn", fault, "leave it out"))
+            problems += check_pores(f"materials.{name}", material) + _check_pores_in(case, name, material)
             if material.grain is not None:
                 key, knows = f"materials.{name}", heated or material.heating is not None
                 problems += check_grain(key, material.grain, knows_temperature=knows, stages=case.stages)
@@ -169,6 +168,23 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
         if case.solver.inertia and material.density is None and name in used:
             remedy = 'add it: solver.inertia needs it; steel has "7850 kg/m^3"'
             problems.append(Problem(f"materials.{name}.density", "missing key", remedy))
+    return problems
+
+
+def _check_pores_in(case: SpaceCase, name: str, material: Material) -> list[Problem]:
+    """Return the problems of pores with what else the case has."""
+    if material.gtn is None:
+        return []
+    problems, key = [], f"materials.{name}.gtn"
+    if case.procedure == "explicit":
+        remedy = 'set procedure = "implicit"'
+        problems.append(Problem(key, "in space pores are for the implicit procedure alone, so far", remedy))
+    if case.heat is not None:
+        problems.append(Problem(key, "in space a metal with pores knows no heat, so far", "leave [heat] out"))
+    for place, body in list_space_bodies(case).values():
+        if body.material == name and choose_element(case, body) == "tet4_mini":
+            fault = "the pressure at its nodes knows the elastic change of volume alone, and pores add to it"
+            problems.append(Problem(f"{place}.element", fault, "take tet10 or hex8_fbar", "tet4_mini"))
     return problems
 
 
@@ -203,7 +219,7 @@ def _build_explicit(case: SpaceCase) -> model.ExplicitSolid:
 
 
 def _build_stages(
-    case: SpaceCase, mesh: model.Mesh, mirrors: tuple[model.FloatArray, ...]
+    case: SpaceCase, mesh: model.Mesh, symmetry: Symmetry
 ) -> tuple[tuple[model.Stage, ...], list[Problem]]:
     """Return the Model's stages, several of one that strikes several blows, and the problems of presses."""
     stages: list[model.Stage] = []
@@ -211,7 +227,9 @@ def _build_stages(
     blows: dict[str, int] = {}
     for number, given in enumerate(case.stages):
         stage = _build_stage(given, mesh, explicit=case.procedure == "explicit")
-        drive = build_drive(given.find_timing(number), case.presses, find_halves(stage, mirrors))
+        halves = find_halves(stage, symmetry.planes)
+        halves = replace(halves, whole=halves.whole * symmetry.sectors)
+        drive = build_drive(given.find_timing(number), case.presses, halves)
         if isinstance(drive, Problem):
             problems.append(drive)
         elif drive is not None:

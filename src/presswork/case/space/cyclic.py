@@ -52,7 +52,6 @@ def _find_obstacles(case: SpaceCase) -> list[str]:
     """Return why a case cannot be computed as a sector of cyclic symmetry."""
     mirrors = ({"x"}, {"y"}, {"normal"})
     obstacles = {
-        "the explicit procedure knows mirrors alone, so far": case.procedure == "explicit",
         "bodies push each other across the two faces, which is not followed, so far": bool(case.bodies),
         "heat does not pass through the two faces, so far": case.heat is not None,
         "there are planes of symmetry along z too": any(

@@ -18,7 +18,6 @@ from presswork.case.explicit_checks import (
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import check_in_explicit
 from presswork.case.space.schema import SpaceCase, SpaceStage, SpaceWorkpiece
-from presswork.case.space.tools import SpaceTool
 
 USUAL = "hex8_1pt"
 """The element of the explicit procedure where the case names none."""
@@ -48,11 +47,8 @@ def _check_implicit(case: SpaceCase) -> list[Problem]:
 
 def _check_explicit(case: SpaceCase) -> list[Problem]:
     problems = [*_check_umat(case), *check_material(case), *check_target_step(case)]
-    if case.heat is not None:
-        fault = "the explicit procedure conducts no heat in space, so far"
-        problems.append(Problem("heat", fault, "leave it out; materials.NAME.heating heats each cell by its own work"))
     for name, tool in case.tools.items():
-        problems += _check_tool(f"tools.{name}", tool)
+        problems += check_friction(f"tools.{name}", tool, (*CONTACTS, "shear", "coulomb_capped"))
     for index, stage in enumerate(case.stages):
         problems += _check_stage(f"stages.{index}", stage)
         if stage.press is not None and stage.press.name in case.presses:
@@ -69,19 +65,5 @@ def _check_umat(case: SpaceCase) -> list[Problem]:
     return [Problem(f"materials.{name}.umat", fault, "give a law of presswork")]
 
 
-def _check_tool(key: str, tool: SpaceTool) -> list[Problem]:
-    problems = check_friction(key, tool, (*CONTACTS, "shear", "coulomb_capped"))
-    for name, fault in (("spring", "a tool rests on no spring"), ("rotation", "a tool stands as it is drawn")):
-        if getattr(tool, name) is not None:
-            problems.append(Problem(f"{key}.{name}", f"in the explicit procedure {fault}, so far", "leave it out"))
-    return problems
-
-
 def _check_stage(key: str, stage: SpaceStage) -> list[Problem]:
-    problems = check_time(key, stage)
-    for tool, motion in stage.tools.items():
-        for name in ("force", "turn", "position"):
-            if getattr(motion, name):
-                fault = "in the explicit procedure a tool in space can be moved only, so far"
-                problems.append(Problem(f"{key}.tools.{tool}.{name}", fault, "give stroke or move"))
-    return problems + check_loads(key, stage, "face_force")
+    return check_time(key, stage) + check_loads(key, stage, "face_force")

@@ -44,9 +44,6 @@ def build_supports(case: SpaceCase, mesh: model.Mesh) -> tuple[tuple[model.Suppo
         if normal is None:
             fault = f"the nodes of `{entry.set}` lie in no plane"
             problems.append(Problem(f"boundary.{name}.fix", fault, "name a flat side, or give x, y, z", ["normal"]))
-        elif case.procedure == "explicit" and np.abs(normal).max() < 1.0 - 1e-9:
-            fault = "the explicit procedure holds components along x, y and z alone, so far"
-            problems.append(Problem(f"boundary.{name}.fix", fault, "take a quarter or a half", ["normal"]))
         else:
             x, y, z = normal.tolist()
             axis = int(np.argmax(np.abs(normal)))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import functools
 import logging
 import math
 from collections.abc import Callable, Sequence
@@ -86,12 +87,17 @@ def build_tool(
     if tool.position == "touch":
         corners = np.zeros((1, 3)) if isinstance(shape, Plane) else start.carry(_corners(shape))
         afar = size + float(np.linalg.norm(corners, axis=1).max() + np.linalg.norm(nodes, axis=1).max())
-        gone = find_touch_in_space(nearest, nodes + afar * way, way) if way.any() else None
-        if gone is None:
-            return _explain_no_touch(name, way)
-        x, y, z = (float(part) for part in (gone - afar) * way)
-        drawn = replace(drawn, position=(x, y, z))
-        start = find_space_pose(drawn, np.zeros(3))
+        aside = start
+        for places in (nodes, np.concatenate([nodes, look_inside_faces(mesh)[0]])):
+            start = aside
+            gone = find_touch_in_space(nearest, places + afar * way, way) if way.any() else None
+            if gone is None:
+                return _explain_no_touch(name, way)
+            x, y, z = (float(part) for part in (gone - afar) * way)
+            drawn = replace(drawn, position=(x, y, z))
+            start = find_space_pose(drawn, np.zeros(3))
+            if _check_clear(name, mesh, size, nearest) is None:  # else it has come between the nodes of a face
+                break
     if isinstance(tool, ProfileTool):
         warn_of_radius(name, draw_outline(tool.profile, False).segments, mean_edge(mesh))
     elif isinstance(shape, SweptProfile):
@@ -244,8 +250,14 @@ def _make_shape(
     except MeshError as error:
         return Problem(f"tools.{name}.path", error.fault, error.remedy, tool.path)
     for note in notes:
-        logger.warning("tools.%s.path = %s: %s", name, tool.path, note)
+        _warn_once(folder / tool.path, f"tools.{name}.path = {tool.path}: {note}")
     return check_facets(name, tool.path, read, mean_edge(mesh)) or read
+
+
+@functools.lru_cache(maxsize=1000)
+def _warn_once(path: Path, note: str) -> None:
+    """Tell a note on the file of a tool, however often its model is built."""
+    logger.warning("%s", note, extra={"path": path})
 
 
 def _draw(name: str, tool: ProfileTool, nodes: FloatArray, size: float) -> Surface | Problem:

@@ -58,7 +58,7 @@ def _opens_or_closes(stage: StampingStage, case: StampingCase) -> bool:
     """Say whether strokes move a holder to or from a die."""
     stroke = {
         kind: [
-            action.stroke if (action := stage.tools.get(name)) and action.stroke is not None else 0.0
+            action.way if (action := stage.tools.get(name)) else 0.0
             for name, tool in case.tools.items()
             if tool.kind == kind
         ]

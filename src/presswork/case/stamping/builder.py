@@ -15,6 +15,7 @@ from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.marked_points import build_points
 from presswork.case.material.forming_limit.build import build_sheets
+from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import Halves, build_drive
 from presswork.case.settings import RAMP
 from presswork.case.shell.schema import FREEDOMS, HOLDS
@@ -33,7 +34,14 @@ from presswork.case.stamping.checks import (
 )
 from presswork.case.stamping.clashes import check_clashes
 from presswork.case.stamping.heat import add_heat, build_sheet_heat, check_sheet_heat
-from presswork.case.stamping.line import build_operation, check_operations, name_operation, name_parts, view_operation
+from presswork.case.stamping.line import (
+    build_operation,
+    check_closings,
+    check_operations,
+    name_operation,
+    name_parts,
+    view_operation,
+)
 from presswork.case.stamping.place import build_tools, find_way
 from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.schema import StampingCase
@@ -43,9 +51,11 @@ from presswork.geometry.polygon import polygon_area
 from presswork.mesh import MeshError
 from presswork.mesh.blanks import assign_section, mesh_circular_blank, mesh_rectangular_blank
 from presswork.mesh.cut import check_meets
+from presswork.mesh.dynain import is_dynain, read_dynain
 from presswork.mesh.outlined_blank import mesh_outlined_blank
 from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
+from presswork.mesh.topology import find_boundary_edges
 
 logger = logging.getLogger(__name__)
 
@@ -60,13 +70,13 @@ def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> m
     run_user_code: try the shared libraries that it names.
     """
     if not case.operations:
-        return _build_first(case, _check_first(case), run_user_code)
+        return _build_first(case, _check_first(case, None), run_user_code)
     _stop_at(check_operations(case), case)
     views = [view_operation(case, number) for number in range(len(case.operations))]
     checked = []
     for number, view in enumerate(views):
         with name_operation(number):
-            checked.append(_check_first(view))
+            checked.append(_check_first(view, number))
     with name_operation(0):
         first = _build_first(views[0], checked[0], run_user_code)
     following, before = [], _sum_strokes(views[0])
@@ -83,11 +93,11 @@ def _sum_strokes(case: StampingCase) -> float:
     return sum(abs(action.stroke) for stage in case.stages for action in stage.tools.values() if action.stroke)
 
 
-def _check_first(case: StampingCase) -> tuple[model.Stage, ...]:
-    """Raise CaseError for what shows without geometry; return the stages."""
+def _check_first(case: StampingCase, number: int | None) -> tuple[model.Stage, ...]:
+    """Raise CaseError for what shows without geometry; return the stages. number: of the operation of a line."""
     _stop_at(check_names(case) + check_bead_stages(case), case)
     _stop_at(check_sheet_heat(case), case)
-    _stop_at(check_tools(case) + check_ways(case), case)
+    _stop_at(check_tools(case) + check_ways(case) + check_closings(case, number), case)
     stages, problems = _build_stages(case)
     _stop_at(problems, case)
     _stop_at(check_target_step(case, stages) + check_speeds(case, stages), case)
@@ -104,7 +114,8 @@ def _build_parts(
     _stop_at(check_set_names(uses, mesh), case)
     tools, problems = build_tools(case, mesh, before)
     _stop_at(problems, case)
-    if before is None:  # later, what the part looks like is not known yet
+    is_flat = not isinstance(case.blank, BlankFile) or not is_dynain(case.blank.path)
+    if before is None and is_flat:  # how a formed part lies in its tools shows when it begins
         _stop_at(check_fit(case, mesh, tools), case)
         _stop_at(check_clashes(case, mesh, tools), case)
     beads, problems = build_beads(case, mesh, tools)
@@ -149,6 +160,7 @@ def _build_first(case: StampingCase, stages: tuple[model.Stage, ...], run_user_c
         solver=case.implicit.build(),
         output=model.OutputSettings(**case.output.model_dump()),
         refinement=model.Refinement(blank.refine.levels, radians(blank.refine.angle)) if blank.refine else None,
+        formed=_read_formed(case),
         heat=build_sheet_heat(case),
         limits=case.limits.build(),
         points=points,
@@ -226,6 +238,8 @@ def _read_mesh(
 ) -> model.Mesh:
     """Read the mesh of a blank, and find its nodes in the symmetry planes."""
     path = (case.source.parent if case.source is not None else Path()) / blank.path
+    if is_dynain(path):
+        return _mesh_formed(case, blank, section, material, symmetry)
     try:
         kinds = set(read_raw(path).cells)
         if kinds not in ({"quad4"}, {"tri3"}):
@@ -240,6 +254,46 @@ def _read_mesh(
         raise CaseError([Problem("blank.path", error.fault, error.remedy, blank.path)], case.source) from error
     for note in notes:
         logger.warning("blank.path = %s: %s", blank.path, note)
+    return assign_section(_name_nodes(case, blank, mesh, symmetry), _elements(case), section, material)
+
+
+def _read_formed(case: StampingCase) -> model.FormedSheet | None:
+    """Read the formed sheet that takes the blank's place; None: it is a blank."""
+    if not isinstance(case.blank, BlankFile) or not is_dynain(case.blank.path):
+        return None
+    table = case.materials[case.blank.material]
+    if not isinstance(table, UmatMaterial) and table.kinematic is not None:
+        fault = "back stresses of a formed sheet are not in its file"
+        remedy = "take a law without kinematic, or compute the operations in one case ([[operations]])"
+        raise CaseError([Problem(f"materials.{case.blank.material}.kinematic", fault, remedy)], case.source)
+    if case.operations or case.blank.refine is not None:
+        key = "operations" if case.operations else "blank.refine"
+        raise CaseError([Problem(key, "not with a formed sheet", "give it as a case of one operation")], case.source)
+    try:
+        return read_dynain((case.source.parent if case.source is not None else Path()) / case.blank.path)
+    except MeshError as error:
+        raise CaseError([Problem("blank.path", error.fault, error.remedy, case.blank.path)], case.source) from error
+
+
+def _mesh_formed(
+    case: StampingCase, blank: BlankFile, section: model.Section, material: int, symmetry: list[bool]
+) -> model.Mesh:
+    """Return the mesh of a formed sheet: quadrilaterals, then triangles."""
+    sheet = _read_formed(case)
+    assert sheet is not None
+    is_triangle = sheet.cells[:, 2] == sheet.cells[:, 3]
+    if (np.diff(is_triangle.astype(int)) < 0).any():
+        fault = "a triangle stands before a quadrilateral"
+        raise CaseError([Problem("blank.path", fault, "write quadrilaterals first", blank.path)], case.source)
+    kinds = [(n, sheet.cells[own][:, :n]) for n, own in ((4, ~is_triangle), (3, is_triangle)) if own.any()]
+    blocks = tuple(model.CellBlock(_elements(case)[n], cells, material, section) for n, cells in kinds)
+    boundary = find_boundary_edges([cells for _, cells in kinds])
+    mesh = model.Mesh(sheet.points, blocks, {}, {}, boundary)
+    return _name_nodes(case, blank, mesh, symmetry)
+
+
+def _name_nodes(case: StampingCase, blank: BlankFile, mesh: model.Mesh, symmetry: list[bool]) -> model.Mesh:
+    """Return the mesh of a file with its nodes in the symmetry planes and on its edge."""
     tolerance = 1e-6 * float(np.ptp(mesh.points, axis=0).max())
     node_sets = dict(mesh.node_sets)
     outline = mesh.boundary_edges
@@ -253,7 +307,7 @@ def _read_mesh(
             raise CaseError([Problem("blank.symmetry", fault, "cut the mesh there", blank.symmetry)], case.source)
         outline = outline[~np.isin(outline, node_sets[name]).all(axis=1)]
     node_sets.setdefault("edge", np.unique(outline).astype(np.int32))
-    return assign_section(replace(mesh, node_sets=node_sets), _elements(case), section, material)
+    return replace(mesh, node_sets=node_sets)
 
 
 def _build_stages(case: StampingCase) -> tuple[tuple[model.Stage, ...], list[Problem]]:
@@ -272,7 +326,7 @@ def _build_stages(case: StampingCase) -> tuple[tuple[model.Stage, ...], list[Pro
 
 def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
     """Turn a stage of a case into the Model's."""
-    moved = [action.stroke for action in stage.tools.values() if action.stroke is not None]
+    moved = [action.way for action in stage.tools.values() if action.way]
     moved += [e.value for e in stage.displacement]
     farthest = max((abs(m) for m in moved), default=0.0)
     if stage.dwell is not None:
@@ -295,7 +349,7 @@ def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
         elif action.force is not None:
             motions[name] = model.ToolMotion(push=model.Push((x, y, z), np.array([[0.0, action.force]])))
         else:
-            stroke = action.stroke or 0.0
+            stroke = action.way
             motions[name] = model.ToolMotion((stroke * x, stroke * y, stroke * z))
     prescribed = [(e.set, FREEDOMS.index(e.component), e.value) for e in stage.displacement]
     shares = {f"bead_{i + 1}": float(stage.name in closed_stages(bead, case)) for i, bead in enumerate(case.beads)}

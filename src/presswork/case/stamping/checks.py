@@ -119,7 +119,8 @@ def _check_timing(key: str, stage: StampingStage) -> list[Problem]:
     if stage.dwell is not None:
         return []
     strokes = [abs(a.stroke) for a in stage.tools.values() if a.stroke]
-    farthest = max([*strokes, *(abs(e.value) for e in stage.displacement)], default=0.0)
+    ways = [abs(action.way) for action in stage.tools.values()]
+    farthest = max([*ways, *(abs(e.value) for e in stage.displacement)], default=0.0)
     problems = []
     for name, action in stage.tools.items():
         if isinstance(action.force, tuple) and not strokes:
@@ -171,7 +172,7 @@ def check_tools(case: StampingCase) -> list[Problem]:
             least = (IRONED if case.irons else 1.0) * thickness if die.kind == "die" else 0.0
             if gap < least * (1 - 1e-9) or gap < 0:
                 problems.append(_explain_clearance(case, punch_name, die_name, die.kind, gap))
-    moved = {name for stage in case.stages for name, action in stage.tools.items() if action.stroke is not None}
+    moved = {name for stage in case.stages for name, action in stage.tools.items() if action.force is None}
     for index, stage in enumerate(case.stages):
         for name, action in stage.tools.items():
             if action.force is not None and name in moved and case.procedure == "implicit":
@@ -206,7 +207,7 @@ def check_ways(case: StampingCase) -> list[Problem]:
     for name, tool in case.tools.items():
         if tool.position is not None:
             continue
-        strokes = [stage.tools[name].stroke or 0.0 if name in stage.tools else 0.0 for stage in case.stages]
+        strokes = [stage.tools[name].way if name in stage.tools else 0.0 for stage in case.stages]
         first = next((index for index, stroke in enumerate(strokes) if stroke), None)
         if first is None or max(itertools.accumulate(strokes)) > 0:
             continue

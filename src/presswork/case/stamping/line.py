@@ -50,6 +50,7 @@ def check_operations(case: StampingCase) -> list[Problem]:
             problems.append(Problem(f"{key}.place", fault, "leave it out, or place the tools"))
         if given.place is not None:
             problems += _check_place(f"{key}.place", given.place, case)
+            problems += _check_tip(key, given)
     if case.heat is not None:
         fault = "heat is not carried from one operation to the next"
         problems.append(Problem("heat", fault, "leave it out, or compute one operation alone"))
@@ -82,6 +83,21 @@ def _check_place(key: str, place: Place, case: StampingCase) -> list[Problem]:
     return problems
 
 
+def _check_tip(key: str, given: Operation) -> list[Problem]:
+    """Return the problem of a part that tips onto dies whose heights beside each other nobody says."""
+    dies = {name: tool for name, tool in given.tools.items() if tool.kind == "die"}
+    if given.place is None or not given.place.tip:
+        return []
+    if not dies:
+        return [Problem(f"{key}.place.tip", "there is no die to rest on", "add one, or leave tip out")]
+    fault = "one of several dies that the part tips onto: how high they stand beside each other is not known"
+    return [
+        Problem(f"{key}.tools.{name}.position", fault, "give it, of each die")
+        for name, tool in dies.items()
+        if len(dies) > 1 and tool.position is None
+    ]
+
+
 def build_operation(given: Operation, own: model.Model) -> model.Operation:
     """Return the Model's operation. own: the Model of this operation alone, as `name_parts` gives it."""
     laid, spaced = [], {}
@@ -107,7 +123,38 @@ def build_operation(given: Operation, own: model.Model) -> model.Operation:
         place=place.build(),
         laid=tuple(laid),
         spaced=spaced,
+        closings=tuple(_list_closings(given, [f"{given.name}_{die}" for die in dies])),
     )
+
+
+def _list_closings(given: Operation, dies: list[str]) -> Iterator[model.Closing]:
+    for number, stage in enumerate(given.stages):
+        for name, action in stage.tools.items():
+            if action.close is not None:
+                is_timed = stage.duration is not None
+                yield model.Closing(number, f"{given.name}_{name}", tuple(dies), action.close, is_timed)
+
+
+def check_closings(case: StampingCase, number: int | None) -> list[Problem]:
+    """Return the problems of tools that close on dies; number: of the operation, None: there is but one."""
+    problems = []
+    dies = [name for name, tool in case.tools.items() if tool.kind == "die"]
+    for index, stage in enumerate(case.stages):
+        for name, action in stage.tools.items():
+            if action.close is None:
+                continue
+            key = f"stages.{index}.tools.{name}.close"
+            if not number:
+                fault = "only tools that a formed part is laid into close on their die"
+                problems.append(Problem(key, fault, "give the stroke", action.close))
+            elif name in dies or not dies:
+                fault = "a die is what others close on" if name in dies else "there is no die to close on"
+                problems.append(Problem(key, fault, "give the stroke", action.close))
+            elif stage.press is not None or (stage.ramp is not None and stage.duration is None):
+                other = "a press" if stage.press is not None else "a ramp without duration"
+                fault = f"how far the tool goes is not known beforehand, as {other} needs it"
+                problems.append(Problem(key, fault, "give the stroke, or the duration", action.close))
+    return problems
 
 
 def name_parts(own: model.Model, name: str) -> model.Model:

@@ -26,9 +26,15 @@ class Place(Part):
     turn: Angle = Field(default=0.0, description="angle about z, counter-clockwise seen from above [degree]")
     move: Point3 = Field(default=(0.0, 0.0, 0.0), description="by which it is moved [mm]")
 
+    tip: bool = Field(
+        default=False,
+        description="whether it then sinks and tips, as a rigid body, until its weight rests on the dies; without it: "
+        "the dies come up to it",
+    )
+
     def build(self) -> model.PartPlace:
         """Return the Model's."""
-        return model.PartPlace(self.over, radians(self.turn), self.move)
+        return model.PartPlace(self.over, radians(self.turn), self.move, self.tip)
 
 
 class Operation(Part):

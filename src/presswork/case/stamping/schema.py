@@ -144,6 +144,11 @@ class StampingOutput(Part):
         default=200, description="explicit: rows of history.csv for each stage; implicit: one an increment"
     )
     checkpoint_every: Whole = Field(default=50, description="rows between checkpoints")
+    dynain: bool = Field(
+        default=False,
+        description="whether the part is written as part.dynain at the end of each operation, with its stresses and "
+        "strains, as other programs and blank.path take it",
+    )
 
     @model_validator(mode="after")
     def _check_steps(self) -> Self:

@@ -6,7 +6,14 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.case.stamping.tools import DrawnTool, HemisphericalTool, RectangularTool, RingTool, RoundTool
-from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_holder, draw_punch, draw_ring
+from presswork.geometry.swept_tool import (
+    draw_closed_die,
+    draw_die,
+    draw_hemispherical_punch,
+    draw_holder,
+    draw_punch,
+    draw_ring,
+)
 from presswork.model import SweptProfile
 
 
@@ -25,6 +32,8 @@ def draw_shape(tool: DrawnTool | RingTool, depth: float, face_width: float) -> S
     corner = tool.corner_radius if isinstance(tool, RectangularTool) else min(half)
     if tool.kind == "punch":
         return draw_punch(half, corner, radius, radius + depth)
+    if tool.kind == "die" and tool.depth is not None:
+        return draw_closed_die(half, corner, radius, width=face_width, depth=tool.depth, bottom=tool.bottom_radius)
     if tool.kind == "die":
         return draw_die(half, corner, radius, width=face_width, depth=radius + depth)
     return draw_holder(half, corner, radius, width=face_width, height=radius + depth)

@@ -38,16 +38,28 @@ class ToolAction(Part):
         "this stage, force]",
     )
 
+    close: Length | None = Field(
+        default=None,
+        gt=0,
+        description="instead, after the first operation of a line: punch or holder goes on until so much room is left "
+        "between it and the die [mm]",
+    )
+
     @model_validator(mode="after")
     def _check_one_action(self) -> Self:
-        if (self.stroke is None) == (self.force is None):
-            raise fault("give either stroke or force", "for instance stroke = 25", key="stroke")
+        if sum(each is not None for each in (self.stroke, self.force, self.close)) != 1:
+            raise fault("give one of stroke, force and close", "for instance stroke = 25", key="stroke")
         rows = self.force if isinstance(self.force, tuple) else ((0.0, self.force or 0.0),)
         if not rows or min(force for _, force in rows) < 0:
             raise fault("expected forces >= 0", "a tool pushes, it does not pull", key="force")
         if any(later[0] <= row[0] for row, later in itertools.pairwise(rows)):
             raise fault("the strokes of the table do not increase", "sort its rows", key="force")
         return self
+
+    @property
+    def way(self) -> float:
+        """How far it moves [mm]; 1 where that shows once the part lies in its tools."""
+        return 1.0 if self.close is not None else self.stroke or 0.0
 
 
 class StampingStage(Part):

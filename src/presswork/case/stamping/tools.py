@@ -57,6 +57,24 @@ class _DrawnTool(_Tool):
         description="die, holder: width of the flat face round the opening [mm]; without it: as far as the blank",
     )
 
+    depth: Length | None = Field(
+        default=None, gt=0, description="die: of its flat bottom under its face [mm]; without it: open below"
+    )
+    bottom_radius: Length = Field(
+        default=0.0, ge=0, description="die with a bottom: radius between bottom and wall [mm]"
+    )
+
+    @model_validator(mode="after")
+    def _check_bottom(self) -> Self:
+        if self.kind != "die" and self.depth is not None:
+            raise fault("only a die has a bottom", "leave it out", key="depth")
+        if self.depth is None and self.bottom_radius > 0.0:
+            raise fault("a die that is open below has no bottom", "give depth, or leave it out", key="bottom_radius")
+        if self.depth is not None and self.bottom_radius + self.edge_radius > self.depth:
+            text = f"the wall is lower than the radii at its ends, {self.bottom_radius:g} and {self.edge_radius:g} mm"
+            raise fault(text, "make the die deeper or the radii smaller", key="depth")
+        return self
+
     @model_validator(mode="after")
     def _check_radius(self) -> Self:
         if self.edge_radius == 0 and self.kind != "holder":

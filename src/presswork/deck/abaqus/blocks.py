@@ -11,15 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from presswork.case.errors import CaseError, Problem
+from presswork.deck.keyword_file import read_keyword_lines
 from presswork.deck.notes import Place
 from presswork.model import FloatArray
-from presswork.text_file import UnreadableError, read_bytes
 
 _KEYWORD = re.compile(rb"^\*[^*\r\n][^\r\n]*(?:,\s*\r?\n[^*\r\n][^\r\n]*)*", re.MULTILINE)
 """A keyword line, and lines that go on with it after a comma at its end."""
-_LARGEST = 4 << 30
-"""Bytes of a deck."""
-_DEEPEST = 20
 
 
 class DataError(ValueError):
@@ -62,28 +59,11 @@ class Block:
 
 def read_blocks(path: Path, source: Path, depth: int = 0) -> Iterator[Block]:
     """Yield the blocks of a deck and of the files that it includes. Raises CaseError for files that cannot be read."""
-    try:
-        data = read_bytes(path, most=_LARGEST)
-    except FileNotFoundError as error:
-        raise CaseError([Problem("", "no such file", "check the path")], path) from error
-    except UnreadableError as error:
-        raise CaseError([Problem("", error.fault, error.remedy)], path) from error
-    if depth > _DEEPEST:
-        fault = "files that include each other, one within the other without end"
-        raise CaseError([Problem("*INCLUDE", fault, "take one of the includes out")], path)
-    found = list(_KEYWORD.finditer(data))
-    if not found:
-        remedy = "give a deck whose lines of keywords begin with an asterisk"
-        raise CaseError([Problem("", "no keyword of Abaqus in it", remedy)], path)
-    line, counted = 1, 0
-    for number, match in enumerate(found):
-        line += data.count(b"\n", counted, match.start())
-        counted = match.start()
-        end = found[number + 1].start() if number + 1 < len(found) else len(data)
-        words = [word.strip() for word in match.group().decode("latin-1")[1:].split(",")]
+    for line in read_keyword_lines(path, _KEYWORD, "Abaqus", depth):
+        words = [word.strip() for word in line.text.split(",")]
         pairs = [word.partition("=") for word in words[1:] if word]
         parameters = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
-        block = Block(" ".join(words[0].upper().split()), parameters, Place(path.name, line), data[match.end() : end])
+        block = Block(" ".join(words[0].upper().split()), parameters, line.place, line.data[line.after : line.end])
         if block.name == "INCLUDE":
             yield from read_blocks(path.parent / parameters.get("INPUT", ""), source, depth + 1)
         elif block.name == "PARAMETER":

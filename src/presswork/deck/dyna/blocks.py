@@ -10,14 +10,10 @@ from pathlib import Path
 
 from presswork.case.errors import CaseError, Problem
 from presswork.deck.dyna.fields import Parameters, read_fields, to_number
+from presswork.deck.keyword_file import KeywordLine, read_keyword_lines
 from presswork.deck.notes import Place
-from presswork.text_file import UnreadableError, read_bytes
 
 _KEYWORD = re.compile(rb"^\*[^\r\n]*", re.MULTILINE)
-_LARGEST = 4 << 30
-"""Bytes of a deck."""
-_DEEPEST = 20
-"""Files within files: beyond it they include each other."""
 PIECE = 8 << 20
 """Bytes of rows that are taken apart at once."""
 
@@ -73,26 +69,8 @@ class BlocksOfDeck:
         yield from self._read(self._source, 0)
 
     def _read(self, path: Path, depth: int) -> Iterator[Block]:
-        try:
-            data = read_bytes(path, most=_LARGEST)
-        except FileNotFoundError as error:
-            raise CaseError([Problem("", "no such file", "check the path")], path) from error
-        except UnreadableError as error:
-            raise CaseError([Problem("", error.fault, error.remedy)], path) from error
-        if depth > _DEEPEST:
-            fault = "files that include each other, one within the other without end"
-            raise CaseError([Problem("*INCLUDE", fault, "take one of the includes out")], path)
-        found = list(_KEYWORD.finditer(data))
-        if not found:
-            remedy = "give a deck whose lines of keywords begin with an asterisk"
-            raise CaseError([Problem("", "no keyword of LS-DYNA in it", remedy)], path)
-        line, counted = 1, 0
-        for number, match in enumerate(found):
-            line += data.count(b"\n", counted, match.start())
-            counted = match.start()
-            begin = data.find(b"\n", match.end()) + 1 or len(data)
-            end = found[number + 1].start() if number + 1 < len(found) else len(data)
-            block = self._make(match.group().decode("latin-1"), Place(path.name, line), data, begin, end)
+        for line in read_keyword_lines(path, _KEYWORD, "LS-DYNA", depth):
+            block = self._make(line)
             if block.name == "END":
                 return
             if block.name.startswith("INCLUDE"):
@@ -102,8 +80,8 @@ class BlocksOfDeck:
             else:
                 yield block
 
-    def _make(self, head: str, place: Place, data: bytes, begin: int, end: int) -> Block:
-        text = head[1:].strip().upper()
+    def _make(self, line: KeywordLine) -> Block:
+        text = line.text.strip().upper()
         name, _, rest = text.partition(" ")
         if name == "KEYWORD":
             self._is_long = "LONG=Y" in rest.replace(" ", "") or "LONG=K" in rest.replace(" ", "")
@@ -111,7 +89,8 @@ class BlocksOfDeck:
         sign = (name[-1:] if name[-1:] in "+-%" else "") or (rest.strip() if rest.strip() in ("+", "-", "%") else "")
         is_long = sign == "+" or (self._is_long and sign != "-")
         wide = sign == "%" or (self._has_wide_labels and sign != "-")
-        return Block(name.rstrip("+-%"), place, data, begin, end, is_long, wide, self._parameters)
+        begin = line.data.find(b"\n", line.after) + 1 or len(line.data)
+        return Block(name.rstrip("+-%"), line.place, line.data, begin, line.end, is_long, wide, self._parameters)
 
     def _include(self, block: Block, path: Path, depth: int) -> Iterator[Block]:
         if block.name != "INCLUDE":

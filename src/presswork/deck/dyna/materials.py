@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -43,23 +44,26 @@ def read_material(block: Block, name: str, has_title: bool, notes: Notes) -> tup
 
 
 def _rigid(block: Block, cards: Cards, notes: Notes) -> MaterialCard:
+    return replace(_card(block, cards), is_rigid=True)
+
+
+def _card(block: Block, cards: Cards) -> MaterialCard:
+    """Return the part of a material that all laws share: the first numbers of its first card."""
     _, density, young, poisson, *_ = cards[0]
-    return MaterialCard(f"*{block.name}", density, young, poisson, block.place, is_rigid=True)
+    return MaterialCard(f"*{block.name}", density, young, poisson, block.place)
 
 
 def _power_law(block: Block, cards: Cards, notes: Notes) -> MaterialCard:
     """18: K (e_yield + e)^n, whose e_yield follows from the elastic line or is given."""
-    _, density, young, poisson, k, n, c, p = cards[0]
+    _, _, young, _, k, n, c, p = cards[0]
     first = _swift_start(young, k, n, cards[1][0])
     hardening = Hardening("swift", {"K": k, "e0": first, "n": n})
-    return MaterialCard(
-        f"*{block.name}", density, young, poisson, block.place, hardening=hardening, cowper_symonds=_rate(c, p)
-    )
+    return replace(_card(block, cards), hardening=hardening, cowper_symonds=_rate(c, p))
 
 
 def _piecewise_linear(block: Block, cards: Cards, notes: Notes) -> MaterialCard:
     """24: a straight line, eight points, or a curve of flow stress; Cowper and Symonds' rate."""
-    _, density, young, poisson, yield_stress, tangent, fail, _ = cards[0]
+    _, _, young, _, yield_stress, tangent, fail, _ = cards[0]
     c, p, curve, rate_curve, _, *_ = cards[1]
     strains, stresses = np.array(cards[2]), np.array(cards[3])
     if rate_curve:
@@ -74,14 +78,12 @@ def _piecewise_linear(block: Block, cards: Cards, notes: Notes) -> MaterialCard:
         hardening = Hardening("table", rows)
     else:
         hardening = _straight(young, yield_stress, tangent)
-    return MaterialCard(
-        f"*{block.name}", density, young, poisson, block.place, hardening=hardening, cowper_symonds=_rate(c, p)
-    )
+    return replace(_card(block, cards), hardening=hardening, cowper_symonds=_rate(c, p))
 
 
 def _transversely_isotropic(block: Block, cards: Cards, notes: Notes) -> MaterialCard:
     """37: Hill's yield function of one mean r-value."""
-    _, density, young, poisson, yield_stress, tangent, r, curve = cards[0]
+    _, _, young, _, yield_stress, tangent, r, curve = cards[0]
     hardening = Hardening("table", curve=int(curve)) if curve else _straight(young, yield_stress, tangent)
     if r < 0:
         notes.change(block.place, f"*{block.name}", "R < 0 asks for stress normal to the sheet: squeezing is not felt")
@@ -89,14 +91,12 @@ def _transversely_isotropic(block: Block, cards: Cards, notes: Notes) -> Materia
         notes.refuse(block.place, f"*{block.name}", "Young's modulus that falls with plastic strain (IDSCALE)")
     mean = abs(r) or 1.0
     function: dict[str, object] = {"law": "hill1948", "r00": mean, "r45": mean, "r90": mean}
-    return MaterialCard(
-        f"*{block.name}", density, young, poisson, block.place, hardening=hardening, yield_function=function
-    )
+    return replace(_card(block, cards), hardening=hardening, yield_function=function)
 
 
 def _barlat1989(block: Block, cards: Cards, notes: Notes) -> MaterialCard:
     """36: Barlat and Lian's yield function of three r-values."""
-    _, density, young, poisson, rule, p1, p2, _ = cards[0]
+    _, _, young, _, rule, p1, p2, _ = cards[0]
     m, r00, r45, r90, curve, e0, yield_strain, p3 = cards[1]
     c, p = cards[2][1:3]
     match int(rule):
@@ -120,22 +120,14 @@ def _barlat1989(block: Block, cards: Cards, notes: Notes) -> MaterialCard:
     elif round(m) != 2:
         notes.refuse(block.place, f"*{block.name}", f"an exponent of {m:g}", "take M = 2, 6 or 8")
     rolling = _rolling(cards[2][0], cards[3], cards[4], block, notes)
-    return MaterialCard(
-        f"*{block.name}",
-        density,
-        young,
-        poisson,
-        block.place,
-        hardening=hardening,
-        yield_function=function,
-        cowper_symonds=_rate(c, p),
-        rolling=rolling,
+    return replace(
+        _card(block, cards), hardening=hardening, yield_function=function, cowper_symonds=_rate(c, p), rolling=rolling
     )
 
 
 def _yld2000(block: Block, cards: Cards, notes: Notes) -> MaterialCard:
     """133: Yld2000-2d by its eight parameters."""
-    _, density, young, poisson, fit, beta, _, _ = cards[0]
+    fit, beta = cards[0][4:6]
     k, e0, n, c, p, rule, exponent, _ = cards[1]
     if fit:
         notes.refuse(block.place, f"*{block.name}", "parameters from tests (FIT = 1)", "give alpha 1 to 8, FIT = 0")
@@ -156,16 +148,8 @@ def _yld2000(block: Block, cards: Cards, notes: Notes) -> MaterialCard:
     if round(exponent) not in (6, 8):
         notes.refuse(block.place, f"*{block.name}", f"an exponent of {exponent:g}", "take A = 6 or 8")
     rolling = _rolling(cards[3][0], cards[4], cards[5], block, notes)
-    return MaterialCard(
-        f"*{block.name}",
-        density,
-        young,
-        poisson,
-        block.place,
-        hardening=hardening,
-        yield_function=function,
-        cowper_symonds=_rate(c, p),
-        rolling=rolling,
+    return replace(
+        _card(block, cards), hardening=hardening, yield_function=function, cowper_symonds=_rate(c, p), rolling=rolling
     )
 
 

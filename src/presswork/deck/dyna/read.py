@@ -239,7 +239,7 @@ class DynaDeck:
 
     def _initial(self, block: Block) -> None:
         what = block.name.removeprefix("INITIAL_").lower().replace("_", " ")
-        remedy = "form the sheet from its flat blank"
+        remedy = "form the sheet from its flat blank, or give its dynain as blank.path of a case of your own"
         self.notes.refuse(block.place, f"*{block.name}", f"a sheet with a past ({what}) cannot begin a case", remedy)
 
     def _finish(self) -> None:

@@ -14,7 +14,7 @@ from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray
 from presswork.remesh.size_field import SizeSources, grade, join_sources
 from presswork.remesh.space.body import OldBody
-from presswork.remesh.space.tetrahedra import measure_volumes
+from presswork.remesh.space.tetrahedra import area_vectors, measure_volumes
 
 OF_RADIUS = 0.4
 OF_GAP = 0.25
@@ -22,6 +22,8 @@ REACH = 2.0
 """Cells of the largest size ahead of contact over which a tool's radius counts."""
 LEAST_ACROSS = 1.5
 """Cells across the metal below which a budget is too small."""
+OF_SKIN = 0.02
+"""Of the skin's area: as much may be thinner than that."""
 _CELLS_PER_CUBE = 14.0
 """Tetrahedra in a cube whose edge is the size: measured on boxes and barrels, 11 to 14."""
 _OPPOSITE = 0.8
@@ -61,13 +63,26 @@ def expect_cells(body: OldBody, size: FloatArray) -> float:
 def _find_factor(body: OldBody, size: FloatArray, sizes: EdgeSizes) -> float:
     """Return the factor on all sizes that keeps the budget."""
     factor = max(1.0, float(np.cbrt(expect_cells(body, size) / sizes.max_cells)))
-    thinnest = float(np.min(measure_thickness(body, LEAST_ACROSS * factor * sizes.largest), initial=np.inf))
-    if factor > 1.0 and thinnest < LEAST_ACROSS * factor * max(OF_GAP * thinnest, sizes.smallest):
+    if factor == 1.0:
+        return factor
+    thinnest = _find_thinnest(body, LEAST_ACROSS * factor * sizes.largest)
+    if thinnest < LEAST_ACROSS * factor * max(OF_GAP * thinnest, sizes.smallest):
         raise MeshError(
             f"{sizes.max_cells} cells are too few: fewer than {LEAST_ACROSS} lie across metal of {thinnest:.3g} mm",
             "larger max_cells",
         )
     return factor
+
+
+def _find_thinnest(body: OldBody, reach: float) -> float:
+    """Return the thickness that OF_SKIN of the skin's area is thinner than [mm]; infinite beyond reach.
+
+    Every sharp edge of a body is as thin as one likes, and no cells can lie across it.
+    """
+    thickness, area = measure_thickness(body, reach), np.linalg.norm(area_vectors(body.points, body.faces), axis=1)
+    order = np.argsort(thickness)
+    thin = np.cumsum(area[order]) > OF_SKIN * area.sum()
+    return float(thickness[order[np.argmax(thin)]])
 
 
 def measure_thickness(body: OldBody, reach: float) -> FloatArray:

@@ -164,17 +164,19 @@ def nearest_on_segments(segments: FloatArray, points: FloatArray, reach: float) 
     """Return the nearest places on segments (m, 2, 3) to points (n, 3), and how far they are; far ones are infinite."""
     foot, away = points.copy(), np.full(len(points), np.inf)
     length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
-    middle = cKDTree(segments.mean(axis=1))
-    for number, place in enumerate(points):
-        near = middle.query_ball_point(place, reach + 0.5 * float(length.max()))
-        if not near:
-            continue
-        begin, along = segments[near, 0], segments[near, 1] - segments[near, 0]
-        part = np.clip(((place - begin) * along).sum(axis=1) / np.maximum((along**2).sum(axis=1), 1e-300), 0.0, 1.0)
-        found = begin + part[:, None] * along
-        distance = np.linalg.norm(found - place, axis=1)
-        best = int(np.argmin(distance))
-        foot[number], away[number] = found[best], distance[best]
+    near = cKDTree(segments.mean(axis=1)).query_ball_point(points, reach + 0.5 * float(length.max()))
+    count = np.array([len(own) for own in near], dtype=np.intp)
+    if not count.any():
+        return foot, away
+    owner, which = np.repeat(np.arange(len(points)), count), np.concatenate(near).astype(np.intp)
+    begin, along = segments[which, 0], segments[which, 1] - segments[which, 0]
+    square = np.maximum((along**2).sum(axis=1), 1e-300)
+    part = np.clip(((points[owner] - begin) * along).sum(axis=1) / square, 0.0, 1.0)
+    found = begin + part[:, None] * along
+    distance = np.linalg.norm(found - points[owner], axis=1)
+    order = np.lexsort((distance, owner))  # the nearest of each point comes first
+    best = order[np.cumsum(count)[count > 0] - count[count > 0]]
+    foot[owner[best]], away[owner[best]] = found[best], distance[best]
     return foot, away
 
 

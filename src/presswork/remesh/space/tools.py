@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
+from presswork.geometry.pose import SpacePose
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray
 
 SHARP = float(np.radians(35.0))
@@ -27,49 +27,65 @@ class Touched(Protocol):
 
 
 @dataclass(frozen=True)
+class Bends:
+    """Edges between the facets of a rigid tool that turn."""
+
+    segments: FloatArray
+    """Their ends (m, 2, 3) [mm]."""
+    turn: FloatArray
+    """By which the facets turn, positive where the tool is convex (m,) [rad]."""
+    width: FloatArray
+    """Of the narrower facet (m,) [mm]."""
+
+    def carry(self, pose: SpacePose) -> Bends:
+        """Return the edges where the tool stands."""
+        return replace(self, segments=pose.carry(self.segments.reshape(-1, 3)).reshape(-1, 2, 3))
+
+
+def find_bends(corners: FloatArray, triangles: IntArray) -> Bends:
+    """Return the bends of triangles (n, 3) over corners [mm], counter-clockwise as seen from free space."""
+    ends, one, other = _pair_facets(triangles)
+    placed = corners[triangles]
+    normal = np.cross(placed[:, 1] - placed[:, 0], placed[:, 2] - placed[:, 0])
+    doubled = np.linalg.norm(normal, axis=1)
+    normal = normal / np.maximum(doubled, 1e-300)[:, None]
+    segments = corners[ends]
+    length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
+    width = np.minimum(doubled[one], doubled[other]) / np.maximum(length, 1e-300)
+    turn = np.arccos(np.clip((normal[one] * normal[other]).sum(axis=1), -1.0, 1.0))
+    away = placed[other].mean(axis=1) - placed[one].mean(axis=1)
+    convex = (normal[one] * away).sum(axis=1) <= 0.0
+    bent = turn > FLAT
+    return Bends(segments[bent], np.where(convex, turn, -turn)[bent], width[bent])
+
+
+@dataclass(frozen=True)
 class PlacedTool:
     """A rigid tool where it stands."""
 
     surface: Touched
-    corners: FloatArray
-    """Of triangles that stand for it (n_points, 3) [mm]."""
-    triangles: IntArray
-    """Counter-clockwise as seen from free space (n, 3)."""
+    bends: Bends
 
     def touch(self, points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
         """Return the gap of points (n, 3) [mm], infinite beyond reach, and normals out of the tool (n, 3)."""
         return self.surface.nearest(points, reach)
 
-    @cached_property
-    def _bends(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Ends of the edges between facets that turn (m, 2, 3) [mm], the turn, positive where the tool is convex, and
-        the width of the narrower facet [mm] (m,) each."""
-        ends, one, other = _pair_facets(self.triangles)
-        corners = self.corners[self.triangles]
-        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        doubled = np.linalg.norm(normal, axis=1)
-        normal = normal / np.maximum(doubled, 1e-300)[:, None]
-        segments = self.corners[ends]
-        length = np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1)
-        width = np.minimum(doubled[one], doubled[other]) / np.maximum(length, 1e-300)
-        turn = np.arccos(np.clip((normal[one] * normal[other]).sum(axis=1), -1.0, 1.0))
-        away = corners[other].mean(axis=1) - corners[one].mean(axis=1)
-        convex = (normal[one] * away).sum(axis=1) <= 0.0
-        bent = turn > FLAT
-        return segments[bent], np.where(convex, turn, -turn)[bent], width[bent]
-
     @property
     def sharp_edges(self) -> FloatArray:
         """Edges without a radius that point into the metal (m, 2, 3) [mm]."""
-        segments, turn, _ = self._bends
-        return segments[turn > SHARP]
+        return self.bends.segments[self.bends.turn > SHARP]
+
+    def tight_edges(self, radius: float) -> FloatArray:
+        """Return edges that point into the metal, and whose radius is below one [mm] (m, 2, 3) [mm]."""
+        segments, turn, width = self.bends.segments, self.bends.turn, self.bends.width
+        return segments[(turn > SHARP) | ((turn > 0.0) & (width < radius * turn))]
 
     def list_radii(self, spacing: float) -> tuple[FloatArray, FloatArray]:
         """Return places on its bends no farther apart than a spacing [mm] (n, 3), and the radii there [mm] (n,).
 
         0 at sharp edges that point into the metal; those that point out of it need no cells: metal does not fill them.
         """
-        segments, turn, width = self._bends
+        segments, turn, width = self.bends.segments, self.bends.turn, self.bends.width
         radius = np.where(turn > SHARP, 0.0, width / np.abs(turn))
         counts = turn > -SHARP
         return _sample(segments[counts], radius[counts], spacing)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray
 from presswork.remesh.space.body import OldBody
 from presswork.remesh.space.size_field import EdgeSizes, measure_sizes
@@ -18,7 +19,7 @@ TOO_DEEP = 0.12
 BESIDE = 0.75
 """Distance of an edge's middle from a sharp edge of a tool, over its length, within which that cuts it on any mesh."""
 WORSE = 1.3
-"""Times the depth that a new mesh has left, beyond which another one is made."""
+"""Times the depth that a new mesh has left, and the worst quality over that, beyond which another one is made."""
 
 
 def find_flat_cell(body: OldBody, increment: FloatArray, least: float) -> str | None:
@@ -36,7 +37,10 @@ def find_long_edge(body: OldBody, sizes: EdgeSizes, *, longest: float = TOO_LONG
     """Say which edge of the skin is too long for the tools ahead of it or the metal beneath it."""
     edges = list_edges(body.faces)
     ends = body.points[edges]
-    wanted = measure_sizes(body, sizes)[edges].mean(axis=1)
+    try:
+        wanted = measure_sizes(body, sizes)[edges].mean(axis=1)
+    except MeshError:  # the budget has no shorter ones
+        return None
     ratio = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / wanted
     worst = int(np.argmax(ratio))
     if ratio[worst] <= longest:
@@ -44,23 +48,45 @@ def find_long_edge(body: OldBody, sizes: EdgeSizes, *, longest: float = TOO_LONG
     return f"an edge {ratio[worst]:.2g} times too long near {_name_place(ends[worst].mean(axis=0))}"
 
 
-def find_cut_edge(body: OldBody, *, deepest: float = TOO_DEEP, sharp_counts: bool = False) -> str | None:
+def find_cut_edge(
+    body: OldBody, *, deepest: float = TOO_DEEP, smallest: float = 0.0, sharp_counts: bool = False
+) -> str | None:
     """Say which edge of the skin lies too deep in a tool between its nodes.
 
-    Beside a sharp edge of a tool every edge does, on any mesh: unless sharp_counts, those do not count.
+    Beside a sharp edge of a tool every edge does, on any mesh, and so it does on a radius that chords of the smallest
+    length [mm] cut deeper than TOO_DEEP: unless sharp_counts, those do not count.
     """
-    depth, middle, part = _find_deepest(body, sharp_counts)
+    depth, middle, part = _find_deepest(body, smallest, sharp_counts)
     if part <= deepest:
         return None
     return f"a tool {depth:.2g} mm deep in an edge near {_name_place(middle)}"
 
 
-def measure_cut(body: OldBody) -> float:
-    """Return how deep a tool lies in an edge of the skin at most, over its length; sharp edges do not count."""
-    return _find_deepest(body, False)[2]
+def find_cut_face(body: OldBody, deepest: float) -> str | None:
+    """Say which face of the skin lies too deep in a tool, as limits.penetration counts it, sharp edges included.
+
+    A ridge narrower than a face may come in between its edges.
+    """
+    depth, middle, part = _find_deepest_in_faces(body)
+    if part <= deepest:
+        return None
+    return f"a tool {depth:.2g} mm deep in a face near {_name_place(middle)}"
 
 
-def _find_deepest(body: OldBody, sharp_counts: bool) -> tuple[float, FloatArray, float]:
+def measure_cut_face(body: OldBody) -> float:
+    """Return how deep a tool lies in the middle of a face of the skin at most, over its longest side."""
+    return _find_deepest_in_faces(body)[2]
+
+
+def measure_cut(body: OldBody, smallest: float = 0.0, *, sharp_counts: bool = False) -> float:
+    """Return how deep a tool lies in an edge of the skin at most, over its length.
+
+    Unless sharp_counts, what no mesh with edges of the smallest length [mm] follows does not count.
+    """
+    return _find_deepest(body, smallest, sharp_counts)[2]
+
+
+def _find_deepest(body: OldBody, smallest: float, sharp_counts: bool) -> tuple[float, FloatArray, float]:
     """Return the depth of a tool in an edge [mm], the edge's middle (3,), and the depth over its length, at worst."""
     edges = list_edges(body.faces)
     ends = body.points[edges]
@@ -70,13 +96,27 @@ def _find_deepest(body: OldBody, sharp_counts: bool) -> tuple[float, FloatArray,
         gap, _ = tool.touch(middle, float(length.max()))
         part = np.where(np.isfinite(gap), -gap / length, 0.0)
         cut = np.flatnonzero(part > worst[2])
-        if len(cut) and len(tool.sharp_edges) and not sharp_counts:
-            _, away = nearest_on_segments(tool.sharp_edges, middle[cut], float(length[cut].max()))
+        tight = tool.tight_edges(smallest / (8.0 * TOO_DEEP))  # a chord c of a radius r is c^2 / 8 r deep
+        if len(cut) and len(tight) and not sharp_counts:
+            _, away = nearest_on_segments(tight, middle[cut], float(length[cut].max()))
             part[cut[away < BESIDE * length[cut]]] = 0.0
         deepest = int(np.argmax(part))
         if part[deepest] > worst[2]:
             worst = float(-gap[deepest]), middle[deepest], float(part[deepest])
     return worst
+
+
+def _find_deepest_in_faces(body: OldBody) -> tuple[float, FloatArray, float]:
+    """Return the depth of a tool in a face [mm], the face's middle (3,), and the depth over its longest side."""
+    corners = body.points[body.faces]
+    middle = corners.mean(axis=1)
+    length = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max(axis=1)
+    depth = np.zeros(len(middle))
+    for tool in body.tools:
+        gap, _ = tool.touch(middle, float(length.max()))
+        depth = np.maximum(depth, np.where(np.isfinite(gap), -gap, 0.0))
+    deepest = int(np.argmax(depth / length))
+    return float(depth[deepest]), middle[deepest], float(depth[deepest] / length[deepest])
 
 
 def _name_place(place: FloatArray) -> str:

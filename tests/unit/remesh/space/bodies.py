@@ -9,7 +9,7 @@ from presswork.interaction.space_contact import PlacedSurface
 from presswork.model import Plane
 from presswork.remesh.space.body import OldBody
 from presswork.remesh.space.tetrahedra import find_skin
-from presswork.remesh.space.tools import PlacedTool
+from presswork.remesh.space.tools import PlacedTool, find_bends
 
 SIX = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
 
@@ -28,7 +28,7 @@ def mesh_box(counts, size):
 def place(surface, position, corners, triangles):
     """A tool that stands at a position."""
     pose = SpacePose(np.zeros(3), np.array(position, dtype=float), np.zeros(3), None)
-    return PlacedTool(PlacedSurface(surface, pose), pose.carry(corners), triangles)
+    return PlacedTool(PlacedSurface(surface, pose), find_bends(corners, triangles).carry(pose))
 
 
 def place_plane(normal, position):

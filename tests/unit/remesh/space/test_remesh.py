@@ -7,11 +7,20 @@ import numpy as np
 import pytest
 
 from presswork.mesh.checks import MeshError
+from presswork.model import Limits
+from presswork.process.remeshing_in_space import Left, find_breach
+from presswork.remesh.space.body import OldBody
 from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.size_field import EdgeSizes, expect_cells, measure_sizes, measure_thickness
 from presswork.remesh.space.tetrahedra import area_vectors, find_skin, list_edges, measure_quality, measure_volumes
-from presswork.remesh.space.triggers import find_cut_edge, find_flat_cell, find_long_edge, measure_cut
-from tests.unit.remesh.space.bodies import ball_on_block, indented_block, mesh_box, upset_block
+from presswork.remesh.space.triggers import (
+    find_cut_edge,
+    find_flat_cell,
+    find_long_edge,
+    measure_cut,
+    measure_cut_face,
+)
+from tests.unit.remesh.space.bodies import ball_on_block, indented_block, mesh_box, place_block, upset_block
 
 BODIES = {upset_block: EdgeSizes(1.5, 0.6, 20_000), indented_block: EdgeSizes(0.6, 0.3, 40_000),
           ball_on_block: EdgeSizes(1.0, 0.4, 20_000)}  # fmt: skip
@@ -111,6 +120,17 @@ def test_a_budget_makes_cells_larger_and_one_that_is_too_small_is_refused():
     assert measure_sizes(flash, EdgeSizes(1.0, 0.05, 200_000)).min() == pytest.approx(0.125, rel=0.15)
     with pytest.raises(MeshError, match=r"fewer than 1.5 lie across metal of 0.5 mm"):
         measure_sizes(flash, EdgeSizes(1.0, 0.05, 500))
+    assert find_long_edge(flash, EdgeSizes(1.0, 0.05, 500)) is None  # there are no cells for shorter ones
+
+
+def test_a_hundredth_of_the_skin_may_be_thin():
+    """The sharp edge of a body, or a burr, has no cells across it, whatever the budget."""
+    (points, cells), (burr, few) = mesh_box((8, 8, 8), (6.0, 6.0, 6.0)), mesh_box((2, 2, 1), (1.0, 1.0, 0.05))
+    points, cells = np.concatenate([points, burr + 9.0]), np.concatenate([cells, few + len(points)])
+    body = replace(upset_block(), points=points, cells=cells, held=np.zeros(points.shape, dtype=bool), sets={},
+                   tools=[], on_tool=np.zeros((0, len(points)), dtype=bool))  # fmt: skip
+    assert measure_thickness(body, 2.0).min() == pytest.approx(0.05)
+    assert expect_cells(body, measure_sizes(body, EdgeSizes(1.0, 0.5, 1_000))) == pytest.approx(1_000, rel=1e-6)
 
 
 def test_triggers_name_the_place():
@@ -129,3 +149,22 @@ def test_triggers_name_the_place():
     assert "deep in an edge near (" in find_cut_edge(indented_block(), deepest=0.05, sharp_counts=True)
     assert "deep in an edge near (" in find_cut_edge(ball_on_block(), deepest=0.9 * measure_cut(ball_on_block()))
     assert "deep in an edge near (" in find_cut_edge(ball_on_block(), deepest=1e-4)
+    assert find_cut_edge(ball_on_block(), deepest=1e-4, smallest=8.0) is None  # no chord so long follows that radius
+
+
+def test_a_mesh_gives_way_before_a_pin_between_its_edges_reaches_the_limit():
+    points, cells = mesh_box((2, 2, 2), (4.0, 4.0, 4.0))
+    held, on_tool = np.zeros(points.shape, dtype=bool), np.zeros((1, len(points)), dtype=bool)
+    bare = OldBody(points, cells, on_tool, held, {}, [])
+    top = bare.faces[(points[bare.faces, 2] == 4.0).all(axis=1)]
+    x, y, _ = points[top[0]].mean(axis=0)
+    body = replace(bare, tools=[place_block((x - 0.3, y - 0.3, 3.0), (x + 0.3, y + 0.3, 9.0))])
+    assert find_cut_edge(body, deepest=1e-9, sharp_counts=True) is None  # it is in none of the edges
+    share = 0.3 / np.sqrt(8.0)  # the nearest wall, over the longest side
+    assert measure_cut_face(body) == pytest.approx(share)
+    assert "deep in a face near (" in find_breach(body, Limits(penetration=1.6 * share), left=Left())
+    assert find_breach(body, Limits(penetration=1.7 * share), left=Left()) is None
+    assert (
+        find_breach(body, Limits(penetration=1.6 * share), left=Left(face=share)) is None
+    )  # no new mesh has mended it
+    assert find_breach(body, Limits(penetration=1.2 * share), left=Left(face=share)) is not None
