@@ -1,8 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests run in several processes, one a core: each takes one thread, and says so before any library is loaded."""
+"""Each process of tests takes one thread, said before libraries are loaded; validation takes the time that it needs."""
 
 import os
+
+import pytest
 
 if "PYTEST_XDIST_WORKER" in os.environ:
     for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(name, "1")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Lift the limit on time, which is for tests that hang, from long runs."""
+    for item in items:
+        if item.get_closest_marker("validation"):
+            item.add_marker(pytest.mark.timeout(0))

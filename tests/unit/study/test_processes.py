@@ -52,7 +52,9 @@ def test_member_that_needs_more_than_its_share_of_memory_fails_and_says_so(tmp_p
 
 
 def test_member_that_does_not_end_in_time_fails(tmp_path):
-    case = Case.from_toml(copy_example("ring_compression", tmp_path), ["workpiece.mesh.cells=[60,60]"])
+    case = Case.from_toml(
+        copy_example("ring_compression", tmp_path), ["workpiece.mesh.cells=[120,120]", "solver.max_increment=0.001"]
+    )
     for mode, seconds in (("new", 6.0), ("overwrite", 0.1)):
         *_, end = Processes(1, seconds).run({0: Task(case, tmp_path / "b", mode)})
         assert isinstance(end, Ended)
