@@ -9,7 +9,7 @@ from presswork import _core
 from presswork.geometry.pose import shift_segments
 from presswork.implicit.progress import Progress
 from presswork.interaction.tool_arrays import ToolArrays
-from presswork.model import FloatArray, Model, Remeshing, ToolMotion
+from presswork.model import BoolArray, FloatArray, Model, Remeshing, ToolMotion
 from presswork.remesh.fill import SizeField
 from presswork.remesh.section import OldSection, measure_sizes
 from presswork.remesh.size_field import metal_thickness
@@ -85,6 +85,18 @@ def find_tool_moves(state: State, model: Model) -> FloatArray:
     motions = model.stages[progress.stage].tool_motion if progress.stage < len(model.stages) else {}
     strokes = np.array([motions.get(tool.name, ToolMotion()).move[:2] for tool in model.plane_tools])
     return progress.last_size * strokes + state[ToolArrays].travel_increment
+
+
+def find_shares(state: State, fixed: BoolArray) -> FloatArray:
+    """Return what each node bears, over the largest force of a tool (n_points,); nothing where no tool bears any.
+
+    fixed: components that supports hold (n_points, 2): those are theirs.
+    """
+    largest = (
+        float(np.linalg.norm(state[ToolArrays].force[:, :2], axis=1).max(initial=0.0)) if ToolArrays in state else 0.0
+    )
+    own = np.linalg.norm(state.nodes.reaction[:, :2] * ~fixed[:, :2], axis=1)
+    return np.asarray(own / largest if largest > 0.0 else np.zeros(len(own)))
 
 
 def _find_few_across(old: OldSection, size: SizeField, wait: float) -> str | None:

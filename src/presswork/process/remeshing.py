@@ -39,6 +39,7 @@ from presswork.process.mesh_reasons import (
     find_cause,
     find_reason,
     find_reason_to_leave_first,
+    find_shares,
     find_tool_moves,
     will_land,
 )
@@ -199,6 +200,7 @@ class RemeshedForming(FoldingRecording):
                     on_others[body.points.start : body.points.stop] = False
             on_tool = np.concatenate([on_tool, on_others[None]])
         fixed = np.asarray(procedure.interactions.supports.fixed(procedure.present_step().stage))
+        share = find_shares(state, fixed) * on_tool[: len(model.plane_tools)].any(axis=0)
         position = model.mesh.points + state.nodes.moved
         bodies, moved = self._bodies(), state.nodes.increment[:, :2]
         before = [shift_segments(p, -move) for p, move in zip(profiles, find_tool_moves(state, model), strict=True)]
@@ -214,7 +216,7 @@ class RemeshedForming(FoldingRecording):
                 OldSection(
                     mesh, position[own], on_tool[:, own], fixed[own], profiles, ring, body.points, lost,
                     self._find_power(body) if self.settings.error else None,
-                    others=others, closing=closing,
+                    others=others, closing=closing, share=share[own],
                 )
             )  # fmt: skip
         return sections

@@ -23,6 +23,10 @@ STEEP = np.sin(np.radians(60.0))
 """Gap of the first free node over its edge, beyond which the surface stands on the tool rather than lands on it."""
 REACH = 3.0
 """Way along the free surface from the contact on, over the largest size."""
+MOST_SHARE = 0.01
+"""Part of a tool's force that an edge may add when its node lands, wherever LEAST allows."""
+LEAST = 0.5
+"""Of the smallest size, where an edge adds more."""
 
 
 def find_closing(
@@ -51,18 +55,20 @@ def draw_outline(line: FloatArray) -> FloatArray:
 
 
 def find_landings(
-    line: FloatArray, held: BoolArray, free: BoolArray, profile: FloatArray, *, smallest: float, largest: float
-) -> SizeSources:
+    line: FloatArray, held: BoolArray, free: BoolArray, profile: FloatArray, share: FloatArray, *,
+    smallest: float, largest: float,
+) -> SizeSources:  # fmt: skip
     """Return the sizes wanted where a closed line (n, 2) comes to lie on a placed profile.
 
     held: nodes that this tool, or any other body, holds (n,); free: nodes that nothing holds and that come nearer to
-    it (n,); smallest, largest: sizes of cells [mm]. Where fewer than three nodes touch no cell is made smaller: more of
-    them would share in a contact that has just begun, and the force would change.
+    it (n,); share: of the tool's force, at each node (n,); smallest, largest: sizes of cells [mm]. Where fewer than
+    three nodes touch no cell is made smaller: more of them would share in a contact that has just begun, and the force
+    would change.
     """
     n = len(line)
     gap = np.maximum(_core.touch_profile(np.ascontiguousarray(profile), np.ascontiguousarray(line))[0], 0.0)
     length = np.linalg.norm(np.roll(line, -1, axis=0) - line, axis=1)
-    lands = np.zeros(n, dtype=bool)
+    size = np.full(n, np.inf)
     for step in (1, -1):
         three = held & np.roll(held, step) & np.roll(held, 2 * step)
         for end in np.flatnonzero(three & np.roll(free, -step)).tolist():
@@ -71,5 +77,19 @@ def find_landings(
             if gap[ahead[1]] > STEEP * way[0]:
                 continue
             goes_on = free[ahead[1:]] & (way[:-1] < REACH * largest)
-            lands[ahead[: 1 + int(np.argmin(np.append(goes_on, False)))]] = True
-    return SizeSources(line[lands], np.clip(OF_GAP * gap[lands], smallest, largest))
+            own = ahead[: 1 + int(np.argmin(np.append(goes_on, False)))]
+            back = (end - step * np.arange(4)) % n
+            least = _find_least(share[back[:3]], length[back if step == 1 else back - 1], smallest)
+            size[own] = np.minimum(size[own], np.clip(OF_GAP * gap[own], least, largest))
+    lands = np.isfinite(size)
+    return SizeSources(line[lands], size[lands])
+
+
+def _find_least(share: FloatArray, length: FloatArray, smallest: float) -> float:
+    """Return the size with which an edge that lands adds MOST_SHARE of a tool's force, at most the smallest one [mm].
+
+    share: of that force, at the last three nodes in contact (3,); length: of the edges beside them, from the one that
+    lands next on (4,) [mm].
+    """
+    way = float(length @ [0.5, 1.0, 1.0, 0.5])
+    return float(np.clip(MOST_SHARE * way / max(float(share.sum()), 1e-12), LEAST * smallest, smallest))

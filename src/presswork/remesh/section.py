@@ -85,6 +85,8 @@ class OldSection:
     closing: BoolArray | None = None
     """Nodes that have come nearer to each tool, and to each of the others (n_tools + n_others, n_points): where they
     land cells are small; None: nowhere."""
+    share: FloatArray | None = None
+    """Part of the largest force of a tool that tools push each node with (n_points,); None: none."""
 
     def corners(self) -> IndexArray:
         """Return the corners of the cells (n_cells, 3 | 4)."""
@@ -155,8 +157,10 @@ def _ask_for_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
     ]
     if settings.error and old.power is not None:
         sources.append(error_sources(old.position[old.corners()], old.corners(), old.power, settings.error))
-    sources.append(_find_landings(old, settings))
-    size = GradedSize(sides[:, 0], join_sources(*sources), settings.size, settings.smallest_size)
+    landings, others = _find_landings(old, settings), join_sources(*sources)
+    least = min(settings.smallest_size, float(landings.size.min(initial=np.inf)))
+    joined = join_sources(landings, SizeSources(others.place, np.maximum(others.size, settings.smallest_size)))
+    size = GradedSize(sides[:, 0], joined, settings.size, least)
     for window in settings.windows:
         size.limit(window.box, window.size)
     return size
@@ -167,11 +171,12 @@ def _find_landings(old: OldSection, settings: Remeshing) -> SizeSources:
     loose = ~old.on_tool.any(axis=0) & ~old.fixed.any(axis=1)
     sizes = {"smallest": settings.smallest_size, "largest": settings.size}
     closing = () if old.closing is None else old.closing
+    share = np.zeros(len(old.position)) if old.share is None else old.share
     held = [*old.on_tool[: len(old.profiles)], *(old.on_tool[-1] for _ in old.others)]
     return join_sources(
         SizeSources(np.zeros((0, 2)), np.zeros(0)),
         *(
-            find_landings(old.position[chain], on_tool[chain], (loose & nearer)[chain], profile, **sizes)
+            find_landings(old.position[chain], on_tool[chain], (loose & nearer)[chain], profile, share[chain], **sizes)
             for chain in old.chains
             for profile, on_tool, nearer in zip([*old.profiles, *old.others], held, closing, strict=False)
         ),
