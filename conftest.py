@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Each process of tests takes one thread, said before libraries are loaded; validation takes the time that it needs."""
 
+import faulthandler
 import os
 
 import pytest
@@ -10,8 +11,7 @@ if "PYTEST_XDIST_WORKER" in os.environ:
         os.environ.setdefault(name, "1")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_runtest_setup(item: pytest.Item) -> None:
     """Lift the limit on time, which is for tests that hang, from long runs."""
-    for item in items:
-        if item.get_closest_marker("validation"):
-            item.add_marker(pytest.mark.timeout(0))
+    if item.get_closest_marker("validation"):
+        faulthandler.cancel_dump_traceback_later()
