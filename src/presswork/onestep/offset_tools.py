@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -21,7 +20,6 @@ from presswork.mesh.triangles import double_areas, find_rims, pair_triangles, sp
 from presswork.model import BoolArray, FloatArray, IntArray, OneStepModel, ToolKind, Triangulation
 from presswork.onestep.loads import FLAT
 from presswork.onestep.solve import mirror_part
-from presswork.results.whole_file import replace_whole
 
 CLEARANCE = 0.1
 """Of the thickness: what is left between punch and die beside the sheet, on each side."""
@@ -79,19 +77,6 @@ def offset_tools(model: OneStepModel, blank_reach: float, clearance: float = CLE
         faces["holder"] = _compact(*_turned(*holder))
     notes = _find_faults(points, triangles, below, above, bool(flange.any()))
     return OffsetTools(faces, stroke, _smallest_radius(points, triangles), notes)
-
-
-def write_stl(path: Path, kind: ToolKind, tool: Triangulation) -> None:
-    """Write the face of a tool as a binary STL file [mm]. Raises OutputError."""
-    corners = tool.points[tool.triangles]
-    rows = np.zeros(len(corners), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    rows["normal"] = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    rows["corners"] = corners
-    head = f"presswork {kind}, mm".encode().ljust(80)
-    content = head + np.uint32(len(rows)).tobytes() + rows.tobytes()
-    with replace_whole(path, needed_bytes=len(content)) as temporary:
-        temporary.write_bytes(content)
 
 
 def _whole_part(model: OneStepModel) -> tuple[FloatArray, IntArray]:

@@ -12,9 +12,10 @@ import numpy as np
 import tomli_w
 
 from presswork.model import OneStepModel
-from presswork.onestep.offset_tools import CLEARANCE, offset_tools, write_stl
+from presswork.onestep.offset_tools import CLEARANCE, offset_tools
 from presswork.onestep.outline import BlankOutline
 from presswork.results import OutputError
+from presswork.results.stl_file import write_stl
 from presswork.results.whole_file import replace_whole
 
 _CELLS_ACROSS = (50, 200)

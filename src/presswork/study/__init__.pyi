@@ -3,6 +3,7 @@ from .avitzur import integrate_ring
 from .blank_shape import BlankShape, Draw, find_blank_shape, surround_opening
 from .calibrate import Calibration, CalibrationCurves, FrictionFit, calibrate_ring, fit_friction
 from .cluster.connection import Cluster, ClusterError
+from .compensate import Compensation, Loop, compensate_springback
 from .measured import MeasuredRings, read_measured
 from .ring import RingMeasures, measure_ring
 from .sweep import MemberResult, SweepProgress, SweepResult, run_sweep
@@ -14,14 +15,17 @@ __all__ = [
     "CalibrationCurves",
     "Cluster",
     "ClusterError",
+    "Compensation",
     "Draw",
     "FrictionFit",
+    "Loop",
     "MeasuredRings",
     "MemberResult",
     "RingMeasures",
     "SweepProgress",
     "SweepResult",
     "calibrate_ring",
+    "compensate_springback",
     "find_blank_shape",
     "fit_friction",
     "integrate_ring",

@@ -25,13 +25,12 @@ from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.tools import RectangularTool, RoundTool
 from presswork.model import FloatArray, Model
 from presswork.post import FlangeFit, fit_flange
-from presswork.recorder import Progress, fingerprint
-from presswork.results import OutputError, Result, load_checkpoint, open_output_folder, write_outline
-from presswork.results.folder import CHECKPOINT
+from presswork.recorder import Progress
+from presswork.results import OutputError, Result, open_output_folder, write_outline
 from presswork.study.cluster.connection import Cluster
-from presswork.study.member_process import Ending, Mode
+from presswork.study.one_member import compute_member, open_search_folder
 from presswork.study.open_runner import open_runner
-from presswork.study.runner import Ended, Moved, Runner, Task
+from presswork.study.runner import Runner
 from presswork.study.table import read_summary, write_table
 
 TABLE, CASE, POINTS, DRAWING = "table.csv", "blank.toml", "blank.csv", "blank.dxf"
@@ -167,18 +166,7 @@ class _Search:
 
     def open_folder(self, folder: Path, resume: bool, overwrite: bool) -> None:
         """Create the folder, or see that it may be used."""
-        if resume and overwrite:
-            raise OutputError(
-                "--overwrite and --resume exclude each other: the first deletes what the second continues"
-            )
-        present = sorted(folder.glob("draw_*"))
-        if resume and not present:
-            raise OutputError(f"there is no search in {folder} to resume; run without --resume to start anew")
-        if present and not (resume or overwrite):
-            raise OutputError(
-                f"{folder} already holds a search ({len(present)} draws); choose another folder, or run with "
-                "--overwrite to replace it or --resume to continue"
-            )
+        present = open_search_folder(folder, "draw_*", resume, overwrite)
         self.folder = open_output_folder(folder)
         for path in present if overwrite else ():
             shutil.rmtree(path)
@@ -202,7 +190,7 @@ class _Search:
                 show = None if on_progress is None else lambda now, n=number: on_progress(n, now)
             except CaseError as error:
                 return "gave_up", f"draw {number} cannot be started: {error}"
-            ended, reason = _draw(model, folder, runner, resume, show)
+            ended, reason = compute_member(model, folder, runner, resume, show)
             if ended == "interrupted":
                 return "interrupted", f"draw {number}: {reason}"
             if ended != "completed":
@@ -274,30 +262,6 @@ class _Search:
             write_outline([best.fit.blank], self.folder / DRAWING)
         except OutputError:
             (self.folder / DRAWING).unlink(missing_ok=True)  # without ezdxf: the points say the same
-
-
-def _draw(
-    model: Model, folder: Path, runner: Runner, resume: bool, show: Callable[[Progress], None] | None
-) -> tuple[Ending, str]:
-    """Draw a blank; with `resume` what is in the folder is kept, or goes on. Raises OutputError if it is of another."""
-    mode: Mode = "overwrite" if resume and folder.exists() else "new"
-    if resume and (folder / CHECKPOINT).is_file():
-        _, meta = load_checkpoint(folder / CHECKPOINT)
-        if meta["model"] != fingerprint(model):
-            raise OutputError(
-                f"{folder} belongs to another case or target: resume with all as it was, or use --overwrite"
-            )
-        if read_summary(folder).get("status") == "completed":
-            return "completed", ""
-        mode = "resume"
-    ended: tuple[Ending, str] = "interrupted", "stopped before it began"
-    for event in runner.run({0: Task(model, folder, mode)}):
-        match event:
-            case Moved(_, fraction, text) if show is not None:
-                show(Progress(fraction, text))
-            case Ended(_, status, reason):
-                ended = status, reason
-    return ended
 
 
 def _mean_size(model: Model) -> float:

@@ -9,7 +9,8 @@ import pytest
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.tool_file import read_tool
 from presswork.model import FloatArray, OneStepModel, Triangulation
-from presswork.onestep.offset_tools import CLEARANCE, OffsetTools, offset_tools, write_stl
+from presswork.onestep.offset_tools import CLEARANCE, OffsetTools, offset_tools
+from presswork.results.stl_file import write_stl
 from tests.problems.one_step import NO_TRIANGLES, cup_profile, fan, make_model, revolve
 
 T, RADIUS, CORNER, DEPTH, FLANGE = 0.8, 25.0, 5.0, 20.0, 42.0

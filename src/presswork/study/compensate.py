@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Dies corrected for springback: form, let go, move the tools against what is off, form again.
+
+Displacement adjustment (Gan and Wagoner 2004, Die design method for sheet springback, Int. J. Mech. Sci. 46, 1097) with
+Anderson's acceleration. DIR/loop_00 ... are the runs, DIR/case_00.toml and DIR/tools_00 ... their cases and tools;
+table.csv and deviation.png tell how it went; the best tools are left as TOOL.stl and compensated.toml.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tomllib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import tomli_w
+
+from presswork.case import CaseError, StampingCase, build_model
+from presswork.case.case_file import write_as_run
+from presswork.case.errors import Problem
+from presswork.case.reader import apply_overrides, read_toml
+from presswork.model import FloatArray
+from presswork.post.released_part import Misfit, read_released
+from presswork.post.springback import find_formed_step
+from presswork.recorder import Progress
+from presswork.results import Result, open_output_folder
+from presswork.results.stl_file import write_stl
+from presswork.study.anderson import Anderson
+from presswork.study.compensated_tools import (
+    PressedTool,
+    Undercut,
+    bend_tools,
+    cut_into_triangles,
+    find_closed,
+    find_gap_change,
+    find_undercut,
+    place_tools,
+)
+from presswork.study.compensation_goal import Goal, set_goal
+from presswork.study.one_member import compute_member, open_search_folder
+from presswork.study.open_runner import open_runner
+from presswork.study.runner import Runner
+from presswork.study.table import read_summary, write_table
+
+TABLE, CASE = "table.csv", "compensated.toml"
+_STUCK = 0.9
+"""Largest deviation over the best before it, from which on a loop has not helped; two of them end the search."""
+_LONGEST = 1.5
+"""Edges of the tools' triangles over those of the blank's cells."""
+_NEAR = 3.0
+"""Times the thickness within which the gap between tools counts."""
+
+Status = Literal["completed", "gave_up", "interrupted"]
+
+
+@dataclass(frozen=True)
+class Loop:
+    """One set of tools and the part that they made."""
+
+    number: int
+    """0: the tools as drawn."""
+    folder: Path
+    misfit: Misfit
+    correction: float
+    """Largest displacement of the tools' working faces [mm]."""
+    gap_change: float
+    """Largest change of the distance between upper tools and die [mm]."""
+    undercut: Undercut
+    seconds: float
+
+    @property
+    def worst(self) -> float:
+        """Largest deviation [mm]."""
+        return float(np.abs(self.misfit.deviation).max())
+
+
+@dataclass(frozen=True)
+class Compensation:
+    """Result of the search for tools."""
+
+    status: Status
+    """"gave_up": no tools made a part within the tolerance."""
+    reason: str
+    folder: Path
+    goal: Goal | None
+    """None: not even the tools as drawn have made a part."""
+    loops: tuple[Loop, ...]
+
+    @property
+    def best(self) -> Loop:
+        """The loop whose part came nearest to the goal."""
+        return min(self.loops, key=lambda loop: loop.worst)
+
+
+def compensate_springback(
+    case_file: Path | str,
+    folder: Path | str,
+    *,
+    tolerance: float,
+    most: int = 6,
+    fix_binder: bool = False,
+    settings: Sequence[str] = (),
+    threads: int = 0,
+    member_timeout: float | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    on_progress: Callable[[int, Progress], None] | None = None,
+    on_loop: Callable[[Loop, dict[str, Any]], None] | None = None,
+) -> Compensation:
+    """Correct the tools of a stamping until its part, after springback, lies within a tolerance of its shape as drawn.
+
+    tolerance: largest distance from the goal along its normal after the best fit [mm]; most: corrections at most.
+    fix_binder: the binder under holders stays as it is. settings: `key=value` texts that change the case. threads: of a
+    run, 0 for all of the machine. member_timeout: longest time of a run [s], which ends the search. With `resume` runs
+    that are there are kept, and one that was stopped goes on. on_loop: called after each, with its row of the table.
+    Raises CaseError for a case that cannot be used, OutputError for a folder that cannot.
+    """
+    search = _Search(Path(case_file), settings, tolerance, fix_binder=fix_binder)
+    with open_runner(1, None, member_timeout, threads=threads) as runner:
+        search.open_folder(Path(folder), resume, overwrite)
+        status, reason = search.run(most, runner, resume, on_progress, on_loop)
+    if search.loops:
+        search.leave_best()
+    return Compensation(status, reason, search.folder, search.goal, tuple(search.loops))
+
+
+class _Search:
+    """One search for tools."""
+
+    def __init__(self, case_file: Path, settings: Sequence[str], tolerance: float, *, fix_binder: bool) -> None:
+        if not tolerance > 0:
+            raise CaseError([Problem("--tolerance", f"{tolerance:g} is not > 0", "give a length in mm")])
+        self.tolerance, self.fix_binder = tolerance, fix_binder
+        data, _ = read_toml(case_file)
+        apply_overrides(data, settings, case_file)
+        self.case = StampingCase.from_toml(case_file, settings)  # says all that is wrong, by the case's own name
+        _check(self.case, fix_binder)
+        model = build_model(self.case)
+        self.data: dict[str, Any] = tomllib.loads(write_as_run(data, case_file.parent))
+        self.planes = model.symmetry
+        points, cells = model.mesh.points, model.mesh.blocks[0].connectivity
+        edge = np.linalg.norm(points[cells[:, 0]] - points[cells[:, 1]], axis=1)
+        self.tools = cut_into_triangles(model, _LONGEST * float(np.median(edge)))
+        self.goal: Goal | None = None
+        self.drawn: tuple[PressedTool, ...] = ()
+        self.loops: list[Loop] = []
+
+    def open_folder(self, folder: Path, resume: bool, overwrite: bool) -> None:
+        """Create the folder, or see that it may be used."""
+        present = open_search_folder(folder, "loop_*", resume, overwrite)
+        self.folder = open_output_folder(folder)
+        for path in present if overwrite else ():
+            shutil.rmtree(path)
+
+    def run(
+        self,
+        most: int,
+        runner: Runner,
+        resume: bool,
+        on_progress: Callable[[int, Progress], None] | None,
+        on_loop: Callable[[Loop, dict[str, Any]], None] | None,
+    ) -> tuple[Status, str]:
+        """Form and correct until the part is within the tolerance; return how it ended, and why not well."""
+        from presswork.study.compensation_plot import draw_deviation
+
+        origin = np.zeros(3)
+        self.drawn = tuple(
+            PressedTool(t.name, t.kind or "die", t.shape, np.array(t.position), origin)  # type: ignore[arg-type]
+            for t in self.tools
+        )
+        correction: FloatArray | None = None
+        anderson: Anderson | None = None
+        for number in range(most + 1):
+            tools = self.drawn
+            if self.goal is not None and correction is not None:
+                tools = bend_tools(self.drawn, self.goal.make_warp(correction))
+            folder = self.folder / f"loop_{number:02d}"
+            try:
+                case, lower = self.write_case(number, tools)
+                model = build_model(case)
+            except CaseError as error:
+                return "gave_up", f"loop {number} cannot be started: {error}"
+            show = None if on_progress is None else lambda now, n=number: on_progress(n, now)
+            ended, reason = compute_member(model, folder, runner, resume, show)
+            if ended == "interrupted":
+                return "interrupted", f"loop {number}: {reason}"
+            if ended != "completed":
+                said = " cannot be started" if ended == "bad_input" else ""
+                return "gave_up", f"loop {number}{said}: {reason}"
+            result = Result(folder)
+            part, points, triangles = read_released(result)
+            if self.goal is None:
+                self.drawn = find_closed(self.tools, result, find_formed_step(result))
+                held = tuple(t for t in self.drawn if t.kind == "holder") if self.fix_binder else ()
+                thickness = self.case.blank.thickness
+                self.goal = set_goal(part, (points, triangles), held, thickness, self.planes)
+                correction = np.zeros_like(self.goal.points)
+                anderson = Anderson(self.goal.weight)
+                tools = self.drawn
+            assert correction is not None
+            assert anderson is not None
+            misfit = self.goal.measure(part, correction, lower)
+            self.add_loop(number, folder, misfit, tools)
+            row = self.row(self.loops[-1])
+            write_table(self.folder / TABLE, [self.row(loop) for loop in self.loops])
+            draw_deviation(self.goal, self.loops, self.tolerance, self.folder)
+            if on_loop is not None:
+                on_loop(self.loops[-1], row)
+            worst = [loop.worst for loop in self.loops]
+            if worst[-1] <= self.tolerance:
+                return "completed", ""
+            if len(worst) > 2 and min(worst[-2:]) > _STUCK * min(worst[:-2]):
+                return "gave_up", (
+                    f"the last two corrections did not help: the part is still {min(worst):.3g} mm off, near "
+                    f"{self.place_of_worst()}. Smaller elements, slower tools or a larger tolerance may"
+                )
+            correction = self.goal.spread(anderson.step(correction[self.goal.is_part], misfit.off))
+        return "gave_up", (
+            f"the part is still {self.loops[-1].worst:.3g} mm off after {most} corrections, "
+            f"near {self.place_of_worst()}"
+        )
+
+    def add_loop(self, number: int, folder: Path, misfit: Misfit, tools: tuple[PressedTool, ...]) -> None:
+        """Note what tools have made, and what they are like."""
+        moved = [
+            np.linalg.norm(a.shape.points - b.shape.points, axis=1).max()
+            for a, b in zip(tools, self.drawn, strict=True)
+        ]
+        self.loops.append(
+            Loop(
+                number,
+                folder,
+                misfit,
+                float(max(moved)),
+                find_gap_change(tools, self.drawn, _NEAR * self.case.blank.thickness),
+                find_undercut(tools, self.drawn),
+                read_summary(folder)["wall_seconds"]["total"],
+            )
+        )
+
+    def place_of_worst(self) -> str:
+        """Name where the last part is farthest off."""
+        assert self.goal is not None
+        x, y, z = self.goal.wanted[int(np.argmax(np.abs(self.loops[-1].misfit.deviation)))]
+        return f"({x:.4g}, {y:.4g}, {z:.4g})"
+
+    def write_case(self, number: int, tools: tuple[PressedTool, ...]) -> tuple[StampingCase, FloatArray]:
+        """Write case and tools of a loop, and read the case back; return by how much its tools close lower, too."""
+        folder = self.folder / f"tools_{number:02d}"
+        folder.mkdir(exist_ok=True)
+        for tool in tools:
+            write_stl(folder / f"{tool.name}.stl", tool.kind, tool.shape)
+        paths = {tool.name: f"{folder.name}/{tool.name}.stl" for tool in tools}
+        data, lower = place_tools(self.case, self.data, tools, self.drawn, paths)
+        path = self.folder / f"case_{number:02d}.toml"
+        path.write_text(tomli_w.dumps(data), encoding="utf-8")
+        return StampingCase.from_toml(path), lower
+
+    def row(self, loop: Loop) -> dict[str, Any]:
+        """Return a loop's row of the table."""
+        assert self.goal is not None
+        size = np.abs(loop.misfit.deviation)
+        worst = int(np.argmax(size))
+        share = self.goal.weight / self.goal.weight.sum()
+        rms = _rms(loop, share)
+        before = next((_rms(other, share) for other in self.loops if other.number == loop.number - 1), None)
+        return {
+            "loop": loop.number,
+            "largest_deviation_mm": float(loop.misfit.deviation[worst]),
+            **{f"at_{axis}_mm": float(x) for axis, x in zip("xyz", self.goal.wanted[worst], strict=True)},
+            "mean_deviation_mm": float(share @ size),
+            "rms_deviation_mm": rms,
+            "rms_over_last": None if not before else rms / before,
+            "share_within_percent": 100.0 * float(share @ (size <= self.tolerance)),
+            "largest_correction_mm": loop.correction,
+            "largest_gap_change_mm": loop.gap_change,
+            "undercut_degrees": loop.undercut.angle,
+            "undercut_tool": loop.undercut.tool,
+            "wall_seconds": loop.seconds,
+        }
+
+    def leave_best(self) -> None:
+        """Leave the tools that made the best part, and their case, beside the loops."""
+        best = min(self.loops, key=lambda loop: loop.worst)
+        text = (self.folder / f"case_{best.number:02d}.toml").read_text(encoding="utf-8")
+        data = tomllib.loads(text)
+        for name, tool in data["tools"].items():
+            shutil.copyfile(self.folder / tool["path"], self.folder / f"{name}.stl")
+            tool["path"] = f"{name}.stl"
+        (self.folder / CASE).write_text(tomli_w.dumps(data), encoding="utf-8")
+
+
+def _rms(loop: Loop, share: FloatArray) -> float:
+    return float(np.sqrt(share @ loop.misfit.deviation**2))
+
+
+def _check(case: StampingCase, fix_binder: bool) -> None:
+    """Refuse a case that says nothing of springback, or has more operations than one."""
+    problems = []
+    if case.operations:
+        text = "compensation corrects the tools of one operation"
+        problems.append(Problem("operations", text, "give the case of the operation whose tools are to be corrected"))
+    elif case.springback is None:
+        text = "the case has no springback to correct for"
+        problems.append(Problem("springback", text, "add an empty table [springback]"))
+    if fix_binder and not any(tool.kind == "holder" for tool in case.tools.values()):
+        problems.append(Problem("--fix-binder", "the case has no holder", "leave it out"))
+    if problems:
+        raise CaseError(problems, case.source)

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The tools of a stamping as triangles, bent by a map of space, and what is left to see to: gap, undercut, start."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from presswork.case import StampingCase
+from presswork.geometry.foot_on_triangles import split_long
+from presswork.geometry.rigid_warp import RigidWarp
+from presswork.geometry.swept_tool import triangulate
+from presswork.geometry.tool_surface import make_surface
+from presswork.model import FloatArray, Model, SweptProfile, Tool, ToolKind, Triangulation
+from presswork.results import Result
+
+WITHIN = 0.002
+"""Largest distance of a drawn tool's triangles from its surface [mm]."""
+_STRIP = 1.2
+"""Length of a strip's tools over the blank's along y."""
+_UPRIGHT = 1e-3
+"""Part of a facet's normal along the press [1], beyond which it faces away from the sheet."""
+
+
+@dataclass(frozen=True)
+class PressedTool:
+    """A tool of triangles where it starts, and where it stands when the tools are closed."""
+
+    name: str
+    kind: ToolKind
+    shape: Triangulation
+    """In its own frame."""
+    position: FloatArray
+    """Of its origin at the start (3,) [mm]."""
+    travel: FloatArray
+    """From there to the closed tools (3,) [mm]."""
+
+    @property
+    def upwards(self) -> float:
+        """1 of a die, whose face looks up, else -1."""
+        return 1.0 if self.kind == "die" else -1.0
+
+    @property
+    def closed(self) -> FloatArray:
+        """Its points in the closed tools (n, 3) [mm]."""
+        return self.shape.points + self.position + self.travel
+
+
+@dataclass(frozen=True)
+class Undercut:
+    """Where the face of a tool leans over farthest."""
+
+    tool: str
+    angle: float
+    """Of the face against the press's direction [degree]; 0: nowhere."""
+    place: FloatArray
+    """In the closed tools (3,) [mm]."""
+
+
+def cut_into_triangles(model: Model, longest: float) -> tuple[Tool, ...]:
+    """Return the tools with drawn shapes cut into triangles, and triangles split to edges of this length [mm]."""
+    length = _STRIP * float(np.ptp(model.mesh.points[:, 1])) * (2.0 if model.symmetry[1] else 1.0)
+    found = []
+    for tool in model.tools:
+        shape = tool.shape
+        if isinstance(shape, SweptProfile):
+            points, triangles = triangulate(shape, WITHIN, length=length)
+            shape = Triangulation(points, triangles, is_closed=False)
+        assert isinstance(shape, Triangulation)
+        points, triangles = split_long(shape.points, shape.triangles, longest)
+        found.append(replace(tool, shape=Triangulation(points, triangles, shape.is_closed)))
+    return tuple(found)
+
+
+def find_closed(tools: Sequence[Tool], result: Result, step: int) -> tuple[PressedTool, ...]:
+    """Return the tools and how far they had travelled at a saved step."""
+    found = []
+    for tool in tools:
+        assert isinstance(tool.shape, Triangulation)
+        assert tool.kind is not None
+        travel = result.surface_displacement(tool.name, step)
+        found.append(PressedTool(tool.name, tool.kind, tool.shape, np.array(tool.position), travel))
+    return tuple(found)
+
+
+def bend_tools(tools: Sequence[PressedTool], warp: RigidWarp) -> tuple[PressedTool, ...]:
+    """Return the tools with their faces carried by a map of the closed tools' space."""
+    bent = []
+    for tool in tools:
+        points = warp.carry(tool.closed) - tool.position - tool.travel
+        bent.append(replace(tool, shape=replace(tool.shape, points=points)))
+    return tuple(bent)
+
+
+def find_undercut(tools: Sequence[PressedTool], drawn: Sequence[PressedTool]) -> Undercut:
+    """Return where a bent tool leans over farthest among the facets that face the sheet as they were drawn."""
+    worst = Undercut("", 0.0, np.zeros(3))
+    for tool, before in zip(tools, drawn, strict=True):
+        faces = tool.upwards * _unit_normals(before.shape)[:, 2] > -_UPRIGHT
+        lean = -tool.upwards * _unit_normals(tool.shape)[:, 2]
+        lean[~faces] = -1.0
+        k = int(np.argmax(lean))
+        angle = math.degrees(math.asin(min(float(lean[k]), 1.0)))
+        if lean[k] > _UPRIGHT and angle > worst.angle:
+            worst = Undercut(tool.name, angle, tool.closed[tool.shape.triangles[k]].mean(axis=0))
+    return worst
+
+
+def find_gap_change(tools: Sequence[PressedTool], drawn: Sequence[PressedTool], reach: float) -> float:
+    """Return the largest change of the distance between punch or holder and die [mm].
+
+    It is taken at corners of punch and holder nearer to the die than `reach` [mm] as drawn.
+    """
+    largest = 0.0
+    for upper, upper_drawn in zip(tools, drawn, strict=True):
+        for lower, lower_drawn in zip(tools, drawn, strict=True):
+            if upper.kind == "die" or lower.kind != "die":
+                continue
+            before = _measure_gap(upper_drawn, lower_drawn, reach)
+            near = np.abs(before) < reach
+            after = _measure_gap(upper, lower, 2.0 * reach)[near] if near.any() else np.zeros(0)
+            change = np.abs(after - before[near])
+            largest = max(largest, float(change[np.isfinite(change)].max(initial=0.0)))
+    return largest
+
+
+def place_tools(
+    case: StampingCase, data: Mapping[str, Any], tools: Sequence[PressedTool], drawn: Sequence[PressedTool],
+    paths: Mapping[str, str],
+) -> tuple[dict[str, Any], FloatArray]:  # fmt: skip
+    """Return the case's data with tools from files, and by how much they close lower than as drawn (3,) [mm].
+
+    A tool that reaches farther towards the blank than it did starts so much earlier, and strokes are as much longer. A
+    die that stands still is lowered with everything else. paths: of the tools' files by name.
+    """
+    ahead = {}
+    for tool, before in zip(tools, drawn, strict=True):
+        reach = [float((tool.upwards * t.shape.points[:, 2]).max()) for t in (tool, before)]
+        ahead[tool.name] = max(reach[0] - reach[1], 0.0)
+    moves = {name for stage in case.stages for name, action in stage.tools.items() if action.stroke}
+    down = max((ahead[t.name] for t in tools if t.kind == "die" and t.name not in moves), default=0.0)
+    given = {key: value for key, value in data.items() if key not in ("tools", "stages")}
+    given["tools"] = {}
+    for tool in tools:
+        stands = tool.kind == "die" and tool.name not in moves
+        height = tool.position[2] - (down if stands else tool.upwards * ahead[tool.name])
+        kept = {key: value for key, value in data["tools"][tool.name].items() if key in ("kind", "mu", "heat")}
+        position = [float(tool.position[0]), float(tool.position[1]), float(height)]
+        given["tools"][tool.name] = {**kept, "shape": "file", "path": paths[tool.name], "position": position}
+    given["stages"] = [dict(stage) for stage in data["stages"]]
+    for tool in tools:
+        if tool.name not in moves:
+            continue
+        number = next(i for i, s in enumerate(case.stages) if tool.name in s.tools and s.tools[tool.name].stroke)
+        stroke = (case.stages[number].tools[tool.name].stroke or 0.0) + ahead[tool.name] - tool.upwards * down
+        stage = given["stages"][number]
+        stage["tools"] = {**stage["tools"], tool.name: {**stage["tools"][tool.name], "stroke": stroke}}
+    return given, np.array([0.0, 0.0, -down])
+
+
+def _measure_gap(upper: PressedTool, lower: PressedTool, reach: float) -> FloatArray:
+    offset = lower.position + lower.travel
+    gap, *_ = make_surface(lower.shape).nearest(np.ascontiguousarray(upper.closed - offset), reach)
+    return np.asarray(gap)
+
+
+def _unit_normals(shape: Triangulation) -> FloatArray:
+    corners = shape.points[shape.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
