@@ -14,22 +14,31 @@ from presswork.cli.terminal import exit_on
 from presswork.deck.abaqus.read import AbaqusDeck
 from presswork.deck.dyna.read import DynaDeck
 from presswork.deck.notes import Notes
+from presswork.deck.rad.read import RadDeck
 from presswork.deck.stamping import make_stamping
 from presswork.deck.units import SYSTEMS, find_units
 from presswork.deck.write import write_case
 
 app = typer.Typer(add_completion=False)
-_READERS = dict.fromkeys((".k", ".key", ".dyn", ".dyna"), DynaDeck) | {".inp": AbaqusDeck}
+_READERS = dict.fromkeys((".k", ".key", ".dyn", ".dyna"), DynaDeck) | {".inp": AbaqusDeck, ".rad": RadDeck}
 
 
 @app.command("import")
 def import_deck(
-    deck: Annotated[Path, typer.Argument(help="A deck of LS-DYNA (.k, .key, .dyn) or Abaqus (.inp) of a stamping.")],
+    deck: Annotated[
+        Path,
+        typer.Argument(
+            help="A deck of LS-DYNA (.k, .key, .dyn), Abaqus (.inp) or OpenRadioss (_0000.rad) of a stamping."
+        ),
+    ],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="Folder of the case; without it: named as the deck.")
     ] = None,
     units: Annotated[
-        str, typer.Option(help=f"Units of the deck: {', '.join(SYSTEMS)}; without it: by density and stiffness.")
+        str,
+        typer.Option(
+            help=f"Units of the deck: {', '.join(SYSTEMS)}; without it: named in it, or by density and stiffness."
+        ),
     ] = "",
     drop: Annotated[
         list[str] | None, typer.Option(help="A keyword that carries physics and is left out all the same.")
@@ -37,12 +46,13 @@ def import_deck(
 ) -> None:
     """Make a case of another program's deck, and say line by line what was kept, changed and dropped."""
     with exit_on(CaseError, OSError):
-        _import(deck, output or deck.with_suffix(""), units, drop or [])
+        _import(deck, output or deck.with_name(deck.stem.removesuffix("_0000")), units, drop or [])
 
 
 def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
     """Read a deck, write the case, and tell what became of the lines. Raises CaseError."""
-    notes = Notes(deck, frozenset(f"*{each.lstrip('*').upper()}" for each in drop))
+    sign = "/" if deck.suffix.lower() == ".rad" else "*"
+    notes = Notes(deck, frozenset(f"{sign}{each.lstrip('*/').upper()}" for each in drop))
     if deck.suffix.lower() not in _READERS:
         problem = Problem(
             "", f"no deck that is read: {deck.suffix or 'no ending'}", f"give one of {', '.join(_READERS)}"
@@ -55,7 +65,7 @@ def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
     if units and units not in SYSTEMS:
         raise CaseError([Problem("--units", "unknown units", suggest(units, SYSTEMS, "units"), units)], deck)
     sheets = [material for material in read.materials.values() if not material.is_rigid]
-    found = SYSTEMS[units] if units else find_units(sheets)
+    found = SYSTEMS[units] if units else read.units or find_units(sheets)
     if found is None:
         fault = "density and stiffness of the sheet are those of a metal in no units, or in several"
         fault = fault if sheets else "no material of a sheet tells the units"

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from presswork.deck.notes import Place
+from presswork.deck.units import Units
 from presswork.model import FloatArray, IndexArray
 
 
@@ -51,7 +52,7 @@ class SectionCard:
 class Hardening:
     """Flow stress against plastic strain: a law of presswork with its parameters, or a curve."""
 
-    law: Literal["linear", "swift", "voce", "table"]
+    law: Literal["linear", "swift", "ludwik", "voce", "table"]
     parameters: dict[str, float] = field(default_factory=dict)
     curve: int = 0
     curve_scale: float = 1.0
@@ -72,6 +73,10 @@ class MaterialCard:
     """As in a case, its numbers without unit."""
     cowper_symonds: tuple[float, float] | None = None
     """C and P."""
+    johnson_cook: tuple[float, float] | None = None
+    """Sensitivity to the rate, and the rate of the hardening law."""
+    young_decrease: tuple[float, float] | None = None
+    """Young's modulus after large plastic strain, and the rate of its decrease."""
     rolling: tuple[float, float, float] | Literal["cell"] | None = None
     """Direction; or along the first side of each cell; None: x, or it does not matter."""
 
@@ -131,6 +136,8 @@ class Deck:
     """All that was read."""
 
     title: str = ""
+    units: Units | None = None
+    """Where the deck names them."""
     end: float | None = None
     end_place: Place | None = None
     breaks: list[float] = field(default_factory=list)

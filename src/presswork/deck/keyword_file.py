@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A file of keywords that begin with an asterisk, taken apart: what decks of all programs have in common."""
+"""A file of keywords that begin with a sign, taken apart: what decks of all programs have in common."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ _DEEPEST = 20
 """Files within files: beyond it they include each other."""
 _START = 1 << 16
 """Bytes at the begin of a file that tell whether it is text."""
+_PIECE = 8 << 20
+"""Bytes of rows that are taken apart at once."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,7 @@ class KeywordLine:
     """A line of a keyword, and where its data stand."""
 
     text: str
-    """Without the asterisk."""
+    """Without its first sign."""
     place: Place
     data: bytes
     """The whole file."""
@@ -35,8 +37,10 @@ class KeywordLine:
     """Where the next keyword begins, or the file ends."""
 
 
-def read_keyword_lines(path: Path, pattern: re.Pattern[bytes], program: str, depth: int) -> Iterator[KeywordLine]:
-    """Yield the keywords of a file that lies `depth` includes below the deck.
+def read_keyword_lines(
+    path: Path, pattern: re.Pattern[bytes], program: str, depth: int, sign: str = "an asterisk"
+) -> Iterator[KeywordLine]:
+    """Yield the keywords of a file that lies `depth` includes below the deck; sign: what they begin with, in words.
 
     Raises CaseError for a file that cannot be read, that holds no keyword, or that includes itself.
     """
@@ -50,10 +54,10 @@ def read_keyword_lines(path: Path, pattern: re.Pattern[bytes], program: str, dep
         raise CaseError([Problem("", "a binary file", f"give the deck of {program} as text")], path)
     if depth > _DEEPEST:
         fault = "files that include each other, one within the other without end"
-        raise CaseError([Problem("*INCLUDE", fault, "take one of the includes out")], path)
+        raise CaseError([Problem("include", fault, "take one of the includes out")], path)
     found = list(pattern.finditer(data))
     if not found:
-        remedy = "give a deck whose lines of keywords begin with an asterisk"
+        remedy = f"give a deck whose lines of keywords begin with {sign}"
         raise CaseError([Problem("", f"no keyword of {program} in it", remedy)], path)
     line, counted = 1, 0
     for number, match in enumerate(found):
@@ -61,3 +65,14 @@ def read_keyword_lines(path: Path, pattern: re.Pattern[bytes], program: str, dep
         counted = match.start()
         end = found[number + 1].start() if number + 1 < len(found) else len(data)
         yield KeywordLine(match.group().decode("latin-1")[1:], Place(path.name, line), data, match.end(), end)
+
+
+def rows_in_pieces(data: bytes, begin: int, end: int, comments: tuple[bytes, ...]) -> Iterator[list[bytes]]:
+    """Yield the rows of a part of a file without comments and blanks, some megabytes at once."""
+    while begin < end:
+        stop = end
+        if end - begin > _PIECE:
+            stop = data.rfind(b"\n", begin, begin + _PIECE) + 1 or end
+        text = data[begin:stop].replace(b"\r", b"")
+        yield [row for row in text.split(b"\n") if row and not row.startswith(comments) and not row.isspace()]
+        begin = stop

@@ -30,6 +30,12 @@ def describe_material(card: MaterialCard, deck: Deck, units: Units, notes: Notes
     if card.cowper_symonds is not None:
         c, p = card.cowper_symonds
         found["rate"] = {"law": "cowper_symonds", "D": c / units.time, "q": p}
+    if card.johnson_cook is not None:
+        c, rate = card.johnson_cook
+        found["rate"] = {"law": "johnson_cook", "C": c, "reference_rate": rate / units.time}
+    if card.young_decrease is not None:
+        saturated, decrease = card.young_decrease
+        found["young_decrease"] = {"saturated": saturated * units.stress, "rate": decrease}
     laws = [str(found["hardening"]["law"]), *([str(card.yield_function["law"])] if card.yield_function else [])]
     notes.keep(card.place, card.keyword, f"the sheet's material: {', '.join(laws)}")
     return found
@@ -45,12 +51,12 @@ def _describe_hardening(
     if hardening.curve:
         curve = deck.curves.get(hardening.curve)
         if curve is None:
-            remedy = "add *DEFINE_CURVE; tables of several rates are not read"
+            remedy = "add it (*DEFINE_CURVE, /FUNCT); tables of several rates are not read"
             raise notes.fail(card.place, f"{card.keyword}: there is no curve {hardening.curve}", remedy)
         points = curve.copy()
     else:
         points = np.array(list(hardening.parameters.values())).reshape(-1, 2)
-    points[:, 1] *= units.stress
+    points[:, 1] *= units.stress * hardening.curve_scale
     return {"law": "table", "points": _clean(points, card, notes).tolist()}
 
 

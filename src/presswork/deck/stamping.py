@@ -88,7 +88,7 @@ class _Reader:
         if len(sheets) != 1:
             names = ", ".join(f"{n} ({deck.parts[n].title})" for n, _ in sheets) or "none"
             fault = f"expected one part of shells that deforms, the blank; found: {names}"
-            raise self.notes.fail(None, fault, "make tools rigid (*MAT_RIGID), and give one sheet")
+            raise self.notes.fail(None, fault, "make tools rigid (*MAT_RIGID, *RIGID BODY, /RBODY), and give one sheet")
         return sheets[0]
 
     def _find_tools(self) -> dict[int, PartCard]:
@@ -101,9 +101,7 @@ class _Reader:
         used = set(np.unique(self.shells.part).tolist())
         touched = {number: part for number, part in touched.items() if number in used}
         if not touched:
-            raise self.notes.fail(
-                None, "no rigid part touches the blank", "give *CONTACT_FORMING between blank and tools"
-            )
+            raise self.notes.fail(None, "no rigid part touches the blank", "give a contact between blank and tools")
         for number in used - set(touched) - {self.blank}:
             part = self.deck.parts[number]
             self.notes.drop(part.place, part.keyword, f"part {number} ({part.title}) touches nothing")
@@ -184,13 +182,13 @@ class _Reader:
     def _find_end(self) -> float:
         if self.deck.end:
             return self.deck.end
-        raise self.notes.fail(None, "the deck does not say when it ends", "add *CONTROL_TERMINATION")
+        raise self.notes.fail(None, "the deck does not say when it ends", "add *CONTROL_TERMINATION or /RUN")
 
     def _curve(self, of: Motion | Push) -> FloatArray:
         curve = self.deck.curves.get(of.curve)
         if curve is None or len(curve) < 2:
             raise self.notes.fail(
-                of.place, f"{of.keyword}: there is no curve {of.curve} of two points", "add *DEFINE_CURVE"
+                of.place, f"{of.keyword}: there is no curve {of.curve} of two points", "add *DEFINE_CURVE or /FUNCT"
             )
         return curve
 
@@ -205,7 +203,7 @@ class _Reader:
 def make_stamping(deck: Deck, units: Units, notes: Notes) -> ImportedStamping:
     """Return the case of a stamping. Raises CaseError where the deck is none."""
     if deck.shells is None:
-        raise notes.fail(None, "no *ELEMENT_SHELL in it", "give a deck of sheet forming")
+        raise notes.fail(None, "no shells in it", "give a deck of sheet forming")
     reader = _Reader(deck, units, notes)
     names, kinds = _name_tools(reader)
     meshes = {"blank.vtk": reader.surface(reader.blank)}
@@ -285,13 +283,17 @@ def _describe_blank(reader: _Reader) -> dict[str, Any]:
     part = deck.parts[reader.blank]
     section = deck.sections.get(part.section)
     if section is None:
-        raise notes.fail(part.place, f"the blank's section {part.section} is missing", "add *SECTION_SHELL")
+        raise notes.fail(
+            part.place,
+            f"the blank's section {part.section} is missing",
+            "add it (*SECTION_SHELL, *SHELL SECTION, /PROP)",
+        )
     own = reader.shells.thickness[reader.shells.part == reader.blank]
     thickness = section.thickness
     if np.isfinite(own).any():
         thickness = float(np.nanmean(own))
         if np.nanmax(np.abs(own - thickness)) > 1e-6 * thickness:
-            notes.refuse(part.place, "*ELEMENT_SHELL_THICKNESS", "a blank whose thickness differs from cell to cell")
+            notes.refuse(part.place, part.keyword, "a blank whose thickness differs from cell to cell")
             notes.check()
     blank: dict[str, Any] = {
         "shape": "file",

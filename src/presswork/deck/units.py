@@ -1,17 +1,34 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Units of decks, which name none: found from density and stiffness of the sheet, or given."""
+"""Units of decks: named in them, or found from density and stiffness of the sheet, or given."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from presswork.deck.contents import MaterialCard
+if TYPE_CHECKING:
+    from presswork.deck.contents import MaterialCard
 
 _YOUNG = (40e3, 250e3)
 """Of sheet metals, from magnesium to steel [MPa]."""
 _DENSITY = (1.5e-9, 9.5e-9)
 """From magnesium to copper [t/mm^3]."""
+_PREFIXES = {
+    "": 1.0,
+    "G": 1e9,
+    "M": 1e6,
+    "k": 1e3,
+    "h": 1e2,
+    "da": 1e1,
+    "d": 1e-1,
+    "c": 1e-2,
+    "m": 1e-3,
+    "mu": 1e-6,
+    "u": 1e-6,
+    "n": 1e-9,
+    "p": 1e-12,
+}
 
 
 @dataclass(frozen=True)
@@ -38,6 +55,11 @@ class Units:
         """To t/mm^3."""
         return self.mass / self.length**3
 
+    def is_as(self, other: Units) -> bool:
+        """Say whether numbers mean the same in other units."""
+        pairs = ((self.length, other.length), (self.mass, other.mass), (self.time, other.time))
+        return all(abs(own - its) <= 1e-9 * own for own, its in pairs)
+
 
 SYSTEMS = {
     units.name: units
@@ -50,6 +72,28 @@ SYSTEMS = {
         Units("in-lbf-s", 25.4, 0.1751268, 1.0),
     )
 }
+
+
+def name_units(mass: str, length: str, time: str) -> Units:
+    """Return the units of three names (g, m or s with a prefix) or numbers (in kg, m, s). Raises ValueError."""
+    grams, metres, seconds = 1e3 * _in_kg(mass), _to_base(length, "m"), _to_base(time, "s")
+    found = Units(f"{mass or 'kg'}-{length or 'm'}-{time or 's'}", 1e3 * metres, 1e-6 * grams, seconds)
+    return next((units for units in SYSTEMS.values() if units.is_as(found)), found)
+
+
+def _in_kg(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return 1e-3 * _to_base(text, "g") if text else 1.0
+
+
+def _to_base(text: str, base: str) -> float:
+    """Return a name of a unit, or a number, in its base; 1 for nothing."""
+    if not text:
+        return 1.0
+    prefix = text.removesuffix(base)
+    return _PREFIXES[prefix] if prefix != text and prefix in _PREFIXES else float(text)
 
 
 def find_units(materials: Iterable[MaterialCard]) -> Units | None:

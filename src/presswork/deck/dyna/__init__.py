@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Decks of LS-DYNA (.k, .key, .dyn): blocks of keywords (blocks.py), fields of rows (fields.py), what they mean."""
+"""Decks of LS-DYNA (.k, .key, .dyn): blocks of keywords (blocks.py), what they mean."""

@@ -9,13 +9,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from presswork.case.errors import CaseError, Problem
-from presswork.deck.dyna.fields import Parameters, read_fields, to_number
-from presswork.deck.keyword_file import KeywordLine, read_keyword_lines
+from presswork.deck.fields import Parameters, read_fields, to_number
+from presswork.deck.keyword_file import KeywordLine, read_keyword_lines, rows_in_pieces
 from presswork.deck.notes import Place
 
 _KEYWORD = re.compile(rb"^\*[^\r\n]*", re.MULTILINE)
-PIECE = 8 << 20
-"""Bytes of rows that are taken apart at once."""
 
 
 @dataclass(frozen=True)
@@ -42,14 +40,7 @@ class Block:
 
     def pieces(self) -> Iterator[list[bytes]]:
         """Yield rows without comments and blanks, some megabytes at once."""
-        begin = self.begin
-        while begin < self.end:
-            end = self.end
-            if end - begin > PIECE:
-                end = self.data.rfind(b"\n", begin, begin + PIECE) + 1 or self.end
-            text = self.data[begin:end].replace(b"\r", b"")
-            yield [row for row in text.split(b"\n") if row and not row.startswith(b"$") and not row.isspace()]
-            begin = end
+        yield from rows_in_pieces(self.data, self.begin, self.end, (b"$",))
 
     def numbers(self, row: bytes, n: int = 8) -> list[float]:
         """Return the first n fields of a row of numbers; empty ones are 0."""

@@ -13,8 +13,8 @@ import numpy as np
 
 from presswork.deck.contents import Contact, Deck, Held, Motion, PartCard, Push, SectionCard, Shells
 from presswork.deck.dyna.blocks import Block, BlocksOfDeck
-from presswork.deck.dyna.fields import FieldError, read_table
 from presswork.deck.dyna.materials import read_material
+from presswork.deck.fields import FieldError, read_table
 from presswork.deck.notes import Notes
 from presswork.model import IndexArray
 

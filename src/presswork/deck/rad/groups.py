@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Groups of nodes (/GRNOD), shells (/GRSHEL, /GRSH3N) and surfaces (/SURF) of OpenRadioss, by their members."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from presswork.deck.contents import Shells
+from presswork.deck.rad.blocks import Block, read_labels, read_row
+from presswork.model import IndexArray
+
+_ROOMS = ("GRNOD", "GRSHEL", "GRSH3N", "SURF")
+_KINDS = {
+    "NODE": "nodes",
+    "NODENS": "nodes",
+    "GENE": "ranges",
+    "PART": "parts",
+    "SEG": "segments",
+    "GRNOD": "GRNOD",
+    "GRSHEL": "GRSHEL",
+    "GRSH3N": "GRSH3N",
+    "SURF": "SURF",
+}
+
+
+@dataclass(frozen=True)
+class _Group:
+    kind: str
+    """Of its members: nodes, ranges of nodes, parts, segments, or another room of groups."""
+    members: list[int]
+    """Their numbers; negative ones are taken away."""
+
+
+@dataclass
+class Groups:
+    """All groups of a deck, by room and number."""
+
+    _groups: dict[tuple[str, int], _Group] = field(default_factory=dict)
+
+    def take(self, block: Block) -> bool:
+        """Take a group whose members can be told; return whether it was one. Raises FieldError."""
+        room, *kinds = block.words
+        if room not in _ROOMS or not kinds or kinds[0] not in _KINDS:
+            return False
+        kind = _KINDS[kinds[0]]
+        rows = block.titled()[1]
+        if kind == "segments":
+            members = [int(value) for row in rows for value in read_row(row, *[10] * 5)[1:] if value]
+        else:
+            members = read_labels(rows)
+        self._groups[room, block.number] = _Group("nodes" if kind == "segments" else kind, members)
+        return True
+
+    def nodes(self, room: str, number: int, shells: Shells) -> IndexArray:
+        """Return the labels of the nodes of a group, in order (n,). Raises KeyError for one that is not known."""
+        found: set[int] = set()
+        group = self._groups[room, number]
+        if group.kind == "ranges":
+            pairs = zip(group.members[::2], group.members[1::2], strict=False)
+            return np.array(sorted(n for first, last in pairs for n in range(first, last + 1)), dtype=np.intp)
+        for member in group.members:
+            own = {abs(member)}
+            if group.kind == "parts":
+                own = set(shells.nodes[shells.part == abs(member)].ravel().tolist())
+            elif group.kind != "nodes":
+                own = set(self.nodes(group.kind, abs(member), shells).tolist())
+            found = found | own if member > 0 else found - own
+        return np.array(sorted(found), dtype=np.intp)
+
+    def parts(self, room: str, number: int, shells: Shells) -> tuple[int, ...]:
+        """Return the parts with a shell all of whose nodes are in a group. Raises KeyError."""
+        own = np.isin(shells.nodes, self.nodes(room, number, shells)).all(axis=1)
+        return tuple(np.unique(shells.part[own]).tolist())

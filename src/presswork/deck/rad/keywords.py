@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Keywords of OpenRadioss that carry nothing of a case."""
+
+STARTER = frozenset(
+    {
+        "ACCEL",
+        "AMS",
+        "ANALY",
+        "ARCH",
+        "CHECK",
+        "DAMP",
+        "DEFAULT",
+        "DEF_SHELL",
+        "DEF_SOLID",
+        "DT",
+        "FRAME",
+        "GRBEAM",
+        "GRNOD",
+        "GRSH3N",
+        "GRSHEL",
+        "GRSPRI",
+        "IOFLAG",
+        "KEY",
+        "MEMORY",
+        "PRINT",
+        "RANDOM",
+        "SECT",
+        "SENSOR",
+        "SHFRA",
+        "SKEW",
+        "SPMD",
+        "STAMPING",
+        "SUBSET",
+        "SURF",
+        "TABLE",
+        "TH",
+        "VERS",
+    }
+)
+"""What steers numerics and output, and groups and frames, which matter only where they are named."""
+ENGINE = frozenset(
+    {
+        "ABF",
+        "ANIM",
+        "CHECK",
+        "DEBUG",
+        "DT",
+        "DTIX",
+        "DTSDE",
+        "FXINP",
+        "H3D",
+        "IMPL",
+        "INCMP",
+        "MON",
+        "NEGVOL",
+        "OUTP",
+        "PARITH",
+        "PROC",
+        "PRINT",
+        "RFILE",
+        "SHVER",
+        "STATE",
+        "STOP",
+        "TFILE",
+        "TH",
+        "THERM",
+        "TITLE",
+        "VERS",
+    }
+)
+"""What steers numerics and output."""
