@@ -23,6 +23,10 @@ class Shells:
     """Labels of their nodes (n, 4); a triangle has its last one twice."""
     thickness: FloatArray
     """Of its own, NaN where the section gives it (n,)."""
+    labels: IndexArray | None = None
+    """Their own (n,), where the sheet may have a past."""
+    angle: FloatArray | None = None
+    """From their first side to x of the material (n,) [degree]; None: 0."""
 
 
 @dataclass(frozen=True)
@@ -155,6 +159,10 @@ class Deck:
     held: list[Held] = field(default_factory=list)
     part_sets: dict[int, tuple[int, ...]] = field(default_factory=dict)
     node_sets: dict[int, IndexArray] = field(default_factory=dict)
+    layers: dict[int, FloatArray] = field(default_factory=dict)
+    """Height, six stresses in space and plastic strain of each layer, bottom first (k, 8), by the label of a shell."""
+    strains: dict[int, FloatArray] = field(default_factory=dict)
+    """Strain of the middle surface in space (6,), by the label of a shell."""
     levels: int = 0
     """How often a shell may be split."""
     springs_back: bool = False

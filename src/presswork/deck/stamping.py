@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from presswork.deck.contents import Deck, MaterialCard, Motion, PartCard, Push
+from presswork.deck.formed import has_past, read_past
 from presswork.deck.material import describe_material
 from presswork.deck.notes import Notes
 from presswork.deck.place import Seat, find_normal, find_planes, seat
 from presswork.deck.stages import find_breaks, find_way, sample_times
 from presswork.deck.units import Units
-from presswork.model import FloatArray, IndexArray
+from presswork.model import FloatArray, FormedSheet, IndexArray
 
 _HOLDER = re.compile(r"hold|bind|pad|ring|clamp", re.IGNORECASE)
 _PUNCH = re.compile(r"punch|stamp|post", re.IGNORECASE)
@@ -42,6 +43,8 @@ class ImportedStamping:
 
     case: dict[str, Any]
     meshes: dict[str, Surface]
+    formed: FormedSheet | None = None
+    """The sheet, where it has a past: it is blank.dynain."""
 
 
 class _Reader:
@@ -58,6 +61,7 @@ class _Reader:
         self.blank, self.material = self._find_blank()
         self.tools = self._find_tools()
         self.sheet_points, self.sheet_index = self._points_of(self.blank)
+        self.has_past = has_past(deck, self.blank)
         self.seat, self.symmetry = self._find_seat()
         self.times, self.ways = self._find_ways()
 
@@ -114,6 +118,12 @@ class _Reader:
         index[labels] = np.arange(len(labels))
         return self.deck.points[self.row_of[labels]] * self.units.length, index
 
+    @property
+    def angle(self) -> FloatArray:
+        """Of the material from the first side of each shell of the blank (n,) [rad]."""
+        own = self.shells.part == self.blank
+        return np.zeros(int(own.sum())) if self.shells.angle is None else np.radians(self.shells.angle[own])
+
     def surface(self, part: int) -> Surface:
         """Return the shells of a part in the frame of the case."""
         points, index = self._points_of(part)
@@ -123,11 +133,14 @@ class _Reader:
 
     def _find_seat(self) -> tuple[Seat, tuple[str, ...]]:
         points = self.sheet_points
+        driven: list[Motion | Push] = [*self.deck.motions, *self.deck.pushes]
         normal = find_normal(points)
+        axes = {each.axis for each in driven if each.part in self.tools}
+        if self.has_past and len(axes) == 1:
+            normal = axes.pop() % 3
         if normal is None:
             fault = "the blank is not flat, or not normal to x, y or z"
             raise self.notes.fail(self.deck.parts[self.blank].place, fault, "form the part from its flat blank")
-        driven: list[Motion | Push] = [*self.deck.motions, *self.deck.pushes]
         for other in driven:
             if other.part in self.tools and other.axis != normal:
                 axis = "xyz"[other.axis] if other.axis < 3 else f"a turn about {'xyz'[other.axis - 3]}"
@@ -206,7 +219,7 @@ def make_stamping(deck: Deck, units: Units, notes: Notes) -> ImportedStamping:
         raise notes.fail(None, "no shells in it", "give a deck of sheet forming")
     reader = _Reader(deck, units, notes)
     names, kinds = _name_tools(reader)
-    meshes = {"blank.vtk": reader.surface(reader.blank)}
+    meshes = {} if reader.has_past else {"blank.vtk": reader.surface(reader.blank)}
     tools: dict[str, Any] = {}
     for number, name in names.items():
         meshes[f"{name}.stl"] = reader.surface(number)
@@ -220,7 +233,7 @@ def make_stamping(deck: Deck, units: Units, notes: Notes) -> ImportedStamping:
         }
         notes.keep(part.place, part.keyword, f"part {number} ({part.title}) is the tool {name}, a {kinds[number]}")
     material = describe_material(reader.material, deck, units, notes)
-    blank = _describe_blank(reader)
+    blank, formed = _describe_blank(reader)
     if text := reader.seat.describe():
         notes.change(deck.parts[reader.blank].place, "*NODE", text)
     case: dict[str, Any] = {
@@ -235,7 +248,7 @@ def make_stamping(deck: Deck, units: Units, notes: Notes) -> ImportedStamping:
         case["explicit"] = {"element": "shell4_mitc_plus"}
     if deck.springs_back:
         case["springback"] = {}
-    return ImportedStamping(case, meshes)
+    return ImportedStamping(case, meshes, formed)
 
 
 def _name_tools(reader: _Reader) -> tuple[dict[int, str], dict[int, str]]:
@@ -278,7 +291,7 @@ def _find_friction(reader: _Reader, tool: int) -> float:
     return 0.0
 
 
-def _describe_blank(reader: _Reader) -> dict[str, Any]:
+def _describe_blank(reader: _Reader) -> tuple[dict[str, Any], FormedSheet | None]:
     deck, notes = reader.deck, reader.notes
     part = deck.parts[reader.blank]
     section = deck.sections.get(part.section)
@@ -291,10 +304,7 @@ def _describe_blank(reader: _Reader) -> dict[str, Any]:
     own = reader.shells.thickness[reader.shells.part == reader.blank]
     thickness = section.thickness
     if np.isfinite(own).any():
-        thickness = float(np.nanmean(own))
-        if np.nanmax(np.abs(own - thickness)) > 1e-6 * thickness:
-            notes.refuse(part.place, part.keyword, "a blank whose thickness differs from cell to cell")
-            notes.check()
+        thickness = section.thickness if reader.has_past else float(np.nanmean(own))
     blank: dict[str, Any] = {
         "shape": "file",
         "path": "blank.vtk",
@@ -307,13 +317,20 @@ def _describe_blank(reader: _Reader) -> dict[str, Any]:
     notes.keep(section.place, section.keyword, f"{blank['thickness']:g} mm, {blank['points']} points through it")
     if not reader.symmetry:
         del blank["symmetry"]
+    if reader.has_past:
+        surface = reader.surface(reader.blank)
+        sheet, rule = read_past(deck, reader.blank, surface.points, surface.cells, reader.seat, reader.units, notes)
+        blank |= {"path": "blank.dynain", "points": len(sheet.heights), "rule": rule}
+        if deck.levels:
+            notes.change(part.place, part.keyword, "shells of a sheet with a past are not split")
+        return blank, sheet
     if deck.levels:
         blank["refine"] = {"levels": min(4, deck.levels)}
     if reader.material.rolling is not None:
         angle = _find_rolling(reader)
         if angle:
             blank["rolling_direction"] = angle
-    return blank
+    return blank, None
 
 
 def _find_rolling(reader: _Reader) -> float:
@@ -322,7 +339,9 @@ def _find_rolling(reader: _Reader) -> float:
     if rolling == "cell":
         sheet = reader.surface(reader.blank)
         sides = sheet.points[sheet.cells[:, 1]] - sheet.points[sheet.cells[:, 0]]
-        double = 2.0 * np.arctan2(sides[:, 1], sides[:, 0])
+        across = sheet.points[sheet.cells[:, 2]] - sheet.points[sheet.cells[:, 0]]
+        turn = reader.angle * np.sign(np.cross(sides, across)[:, 2])
+        double = 2.0 * (np.arctan2(sides[:, 1], sides[:, 0]) + turn)
         mean = np.exp(1j * double).mean()
         if abs(mean) < 0.999:
             text = "axes of the material along the first side of each cell, which point in many directions"

@@ -11,6 +11,7 @@ import tomli_w
 
 from presswork.deck.notes import Notes
 from presswork.deck.stamping import ImportedStamping, Surface
+from presswork.mesh.dynain import write_dynain
 from presswork.mesh.triangles import double_areas
 from presswork.model import FloatArray, IndexArray
 
@@ -20,6 +21,10 @@ def write_case(imported: ImportedStamping, notes: Notes, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     for name, surface in imported.meshes.items():
         _write_mesh(surface, folder / name)
+    if imported.formed is not None:
+        (folder / "blank.dynain").write_text(
+            write_dynain(imported.formed, str(imported.case["title"])), encoding="ascii"
+        )
     lines = [f"What became of {notes.source.name}, by file and line", "", *(str(note) for note in notes.in_order())]
     (folder / "import.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
     lost = [note for note in notes.in_order() if note.fate == "changed"]

@@ -19,6 +19,8 @@ from presswork.text_file import UnreadableError, read_bytes
 
 LARGEST = 4 << 30
 """Bytes of a file."""
+_START = 1 << 16
+"""Bytes at the begin of a file that tell whether it is text."""
 _BARE_EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]+)$")
 _WHOLE = ("KEYWORD", "TITLE", "NODE", "ELEMENT_SHELL_THICKNESS", "INITIAL_STRESS_SHELL", "INITIAL_STRAIN_SHELL")
 """Keywords that are read, or carry nothing more."""
@@ -70,11 +72,14 @@ def write_dynain(sheet: FormedSheet, title: str) -> str:
 def read_dynain(path: Path) -> FormedSheet:
     """Read a formed sheet. Raises MeshError for a file that is none, or is cut short."""
     try:
-        text = read_bytes(path, most=LARGEST).decode("latin-1").replace("\r", "")
+        content = read_bytes(path, most=LARGEST)
     except FileNotFoundError as error:
         raise MeshError("no such file", "check the path") from error
     except UnreadableError as error:
         raise MeshError(error.fault, error.remedy) from error
+    if b"\0" in content[:_START]:
+        raise MeshError("a binary file", "write the dynain as text (FTYPE = 0 of *INTERFACE_SPRINGBACK_LSDYNA)")
+    text = content.decode("latin-1").replace("\r", "")
     labels: list[int] = []
     points: list[list[float]] = []
     shells: list[list[int]] = []
@@ -93,9 +98,9 @@ def read_dynain(path: Path) -> FormedSheet:
                 sides = np.array([_numbers(row, 5) for row in rows[1::2]])
                 thickness, angle = [*thickness, *sides[:, :4].mean(axis=1)], [*angle, *sides[:, 4]]
             elif name == "INITIAL_STRESS_SHELL":
-                layers |= _read_stress(rows)
+                layers |= read_layers(rows)
             elif name == "INITIAL_STRAIN_SHELL":
-                strains |= _read_strain(rows)
+                strains |= read_strains(rows)
             elif name not in _WHOLE:
                 fault = f"*{name} is no part of a formed sheet that is read here"
                 raise MeshError(fault, "take it out, or give the whole deck to presswork import")
@@ -135,7 +140,7 @@ def _assemble(
     return FormedSheet(points, cells, thickness, axis, rows[0, :, 0], rows[:, :, 1:7], rows[:, :, 7], strain)
 
 
-def _read_stress(rows: Sequence[str]) -> dict[int, FloatArray]:
+def read_layers(rows: Sequence[str]) -> dict[int, FloatArray]:
     """Return height, six stresses and plastic strain of each layer, bottom first (k, 8), by the shell's label."""
     found, at = {}, 0
     while at < len(rows):
@@ -155,7 +160,7 @@ def _read_stress(rows: Sequence[str]) -> dict[int, FloatArray]:
     return found
 
 
-def _read_strain(rows: Sequence[str]) -> dict[int, FloatArray]:
+def read_strains(rows: Sequence[str]) -> dict[int, FloatArray]:
     """Return the mean of a shell's strains (6,) by its label: that of the middle surface of both faces."""
     found, at = {}, 0
     while at < len(rows):

@@ -182,7 +182,6 @@ BAD = {
         ("         2         3         0         3", "         2         7         0         3"),
         r"\*BOUNDARY_PRESCRIBED_MOTION_RIGID: part 2 is driven along a turn about z, the press works along z",
     ),
-    "a sheet with a past": (("*END", "*INITIAL_STRESS_SHELL\n         1\n*END"), "a sheet with a past"),
     "no time to end": (("*CONTROL_TERMINATION\n    7.3E-3\n", ""), r"does not say when it ends; add \*CONTROL_TERM"),
     "no curve": (("*DEFINE_CURVE\n         4\n", "*DEFINE_CURVE\n         5\n"), "there is no curve 4 of two points"),
     "cut short": (("*CONTROL_TERMINATION\n    7.3E-3\n", "*CONTROL_TERMINATION\n"), "the rows below it are cut short"),

@@ -16,6 +16,7 @@ from presswork.deck.dyna.blocks import Block, BlocksOfDeck
 from presswork.deck.dyna.materials import read_material
 from presswork.deck.fields import FieldError, read_table
 from presswork.deck.notes import Notes
+from presswork.mesh.dynain import read_layers, read_strains
 from presswork.model import IndexArray
 
 _SILENT = ("KEYWORD", "COMMENT")
@@ -38,6 +39,7 @@ class DynaDeck:
         self._points: list[np.ndarray] = []
         self._shells: list[np.ndarray] = []
         self._own_thickness: list[np.ndarray] = []
+        self._own_angle: list[np.ndarray] = []
         self._set_contacts: list[tuple[Block, list[float], list[float]]] = []
         self._set_supports: list[tuple[Block, int, tuple[bool, ...]]] = []
 
@@ -46,8 +48,8 @@ class DynaDeck:
         for block in BlocksOfDeck(self._path).read():
             try:
                 self._take(block)
-            except (FieldError, IndexError) as error:
-                text = str(error) if isinstance(error, FieldError) else "the rows below it are cut short"
+            except (FieldError, IndexError, ValueError) as error:
+                text = "the rows below it are cut short" if isinstance(error, IndexError) else str(error)
                 raise self.notes.fail(block.place, f"*{block.name}: {text}", "check the rows below it") from error
         self._finish()
         return self.deck
@@ -83,14 +85,16 @@ class DynaDeck:
             return
         width = 20 if block.is_long else 10 if block.has_wide_labels else 8
         for rows in block.pieces():
-            thickness = np.full(len(rows), np.nan)
+            thickness, angle = np.full(len(rows), np.nan), np.zeros(len(rows))
             if "THICKNESS" in options:
-                first = read_table(rows[1::2], (16, 16, 16, 16), block.parameters)
-                rows, thickness = rows[::2], first.mean(axis=1)
+                first = read_table(rows[1::2], (16,) * 5, block.parameters)
+                rows, thickness, angle = rows[::2], first[:, :4].mean(axis=1), first[:, 4]
+                thickness[thickness == 0.0] = np.nan
             table = read_table(rows, (width,) * 6, block.parameters).astype(np.intp)
             table[:, 5] = np.where(table[:, 5] == 0, table[:, 4], table[:, 5])
-            self._shells.append(table[:, 1:])
+            self._shells.append(table)
             self._own_thickness.append(thickness[: len(rows)])
+            self._own_angle.append(angle[: len(rows)])
 
     # --- parts -------------------------------------------------------------------------------------------------------
 
@@ -238,9 +242,19 @@ class DynaDeck:
         self.notes.change(block.place, f"*{block.name}", "the part is released in the same run ([springback])")
 
     def _initial(self, block: Block) -> None:
-        what = block.name.removeprefix("INITIAL_").lower().replace("_", " ")
-        remedy = "form the sheet from its flat blank, or give its dynain as blank.path of a case of your own"
-        self.notes.refuse(block.place, f"*{block.name}", f"a sheet with a past ({what}) cannot begin a case", remedy)
+        if block.name not in ("INITIAL_STRESS_SHELL", "INITIAL_STRAIN_SHELL") or block.is_long:
+            what = block.name.removeprefix("INITIAL_").lower().replace("_", " ")
+            remedy = "write it by *INITIAL_STRESS_SHELL and *INITIAL_STRAIN_SHELL in the standard form, as a dynain"
+            self.notes.refuse(block.place, f"*{block.name}", f"a past that is not read ({what})", remedy)
+            return
+        rows = [row.decode("latin-1") for row in block.rows() if row.strip()]
+        if block.name == "INITIAL_STRAIN_SHELL":
+            self.deck.strains |= read_strains(rows)
+            return
+        self.deck.layers |= read_layers(rows)
+        if any(int(row[30:40].strip() or 0) + int(row[40:50].strip() or 0) for row in rows[:1]):
+            text = "history variables beyond the plastic strain (back stresses, damage) are left out"
+            self.notes.change(block.place, f"*{block.name}", text)
 
     def _finish(self) -> None:
         deck, notes = self.deck, self.notes
@@ -249,7 +263,8 @@ class DynaDeck:
         deck.labels, deck.points = np.concatenate(self._labels), np.concatenate(self._points)
         if self._shells:
             table = np.concatenate(self._shells)
-            deck.shells = Shells(table[:, 0], table[:, 1:], np.concatenate(self._own_thickness))
+            thickness, angle = np.concatenate(self._own_thickness), np.concatenate(self._own_angle)
+            deck.shells = Shells(table[:, 1], table[:, 2:], thickness, table[:, 0], angle)
         for block, first, second in self._set_contacts:
             a, b, a_kind, b_kind, *_ = first
             parts = (self._parts_of(block, int(a), int(a_kind)), self._parts_of(block, int(b), int(b_kind)))
