@@ -20,7 +20,11 @@ from presswork.deck.units import SYSTEMS, find_units
 from presswork.deck.write import write_case
 
 app = typer.Typer(add_completion=False)
-_READERS = dict.fromkeys((".k", ".key", ".dyn", ".dyna"), DynaDeck) | {".inp": AbaqusDeck, ".rad": RadDeck}
+_READERS: dict[str, type[DynaDeck | AbaqusDeck | RadDeck]] = {
+    **dict.fromkeys((".k", ".key", ".dyn", ".dyna"), DynaDeck),
+    ".inp": AbaqusDeck,
+    ".rad": RadDeck,
+}
 
 
 @app.command("import")

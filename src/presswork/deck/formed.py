@@ -94,7 +94,7 @@ def _read_layers(
 def _axis(deck: Deck, number: int, own: IndexArray, placed: FloatArray, cells: IndexArray, seat: Seat) -> FloatArray:
     """Return x of the material in each shell (n, 3): the rolling direction, or the first side turned by its angle."""
     assert deck.shells is not None
-    side, normal = first_sides(placed, cells)
+    side, normal = first_sides(placed, cells.astype(np.int32))
     rolling = deck.materials[deck.parts[number].material].rolling
     if isinstance(rolling, tuple):
         along = seat.turn @ np.array(rolling, dtype=float)

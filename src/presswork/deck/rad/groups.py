@@ -71,5 +71,5 @@ class Groups:
 
     def parts(self, room: str, number: int, shells: Shells) -> tuple[int, ...]:
         """Return the parts with a shell all of whose nodes are in a group. Raises KeyError."""
-        own = np.isin(shells.nodes, self.nodes(room, number, shells)).all(axis=1)
+        own = np.asarray(np.isin(shells.nodes, self.nodes(room, number, shells)).all(axis=1))
         return tuple(np.unique(shells.part[own]).tolist())

@@ -229,7 +229,7 @@ class RadDeck:
             self.notes.refuse(block.place, block.keyword, "a rigid body that a sensor makes (sens_ID)")
         room, number = ("GRNOD", group) if group else ("SURF", surface)
         nodes = np.union1d(self._groups.nodes(room, number, self._all), [main])
-        inside = np.isin(self._all.nodes, nodes).all(axis=1)
+        inside = np.asarray(np.isin(self._all.nodes, nodes).all(axis=1))
         parts = tuple(int(each) for each in np.unique(self._all.part) if inside[self._all.part == each].all())
         if not parts:
             self.notes.drop(block.place, block.keyword, "holds no whole part of shells together")
