@@ -1,5 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <type_traits>
+#include <vector>
+
 #include "contact/face_interface.hpp"
+#include "contact/facing_faces.hpp"
 #include "member_arrays.hpp"
 
 namespace presswork::bindings {
@@ -95,6 +100,31 @@ void bind_face_contact(nb::module_& m) {
       },
       nb::arg("slave"), nb::arg("master"), nb::arg("x"), nb::arg("margin"), nb::arg("self"),
       "Pairs of faces (n, 2) that may touch within the margin [mm], slave and master.");
+  m.def(
+      "find_facing_faces",
+      [](Doubles points, Ints own, Ints other, Doubles reach) {
+        require(points.ndim() == 2 && points.shape(1) == 3, "points must have shape (n_points, 3)");
+        const FaceList faces = face_list(own), others = face_list(other);
+        require(faces.nodes == others.nodes, "own and other faces must have as many nodes");
+        require(reach.size() == own.shape(0), "reach must have shape (n_own,)");
+        for (const Ints& sides : {own, other})
+          for (std::size_t i = 0; i < sides.size(); ++i)
+            require(sides.data()[i] >= 0 && std::size_t(sides.data()[i]) < points.shape(0),
+                    "faces must be node indices");
+        const auto found = find_facing_faces(points.data(), faces, others, reach.data());
+        const std::size_t n = found.own.size(), nodes = own.shape(1);
+        const auto give = [](const auto& values, std::vector<std::size_t> shape) {
+          typename std::decay_t<decltype(values)>::value_type* data;
+          auto result = new_array(shape, &data);
+          std::copy(values.begin(), values.end(), data);
+          return result;
+        };
+        return std::make_tuple(give(found.own, {n}), give(found.other, {n}), give(found.own_shape, {n, nodes}),
+                               give(found.other_shape, {n, nodes}), give(found.gap, {n}), give(found.area, {n}));
+      },
+      nb::arg("points"), nb::arg("own"), nb::arg("other"), nb::arg("reach"),
+      "Points of a rule on faces own (n, 3 | 4) that faces other (m, 3 | 4) face within reach (n,): the two faces of "
+      "each, the shape functions there, gap [mm] and area [mm2].");
 }
 
 }  // namespace presswork::bindings

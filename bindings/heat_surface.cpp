@@ -50,24 +50,27 @@ auto touch(Ints edges, Doubles areas, Flags holds, Doubles push, Doubles gap, Do
                          give(found.conductance, {n}));
 }
 
-auto pairs(Ints own_edge, Ints other_edge, Doubles own_shape, Doubles other_shape, Ints own, Ints other,
+auto pairs(Ints own_side, Ints other_side, Doubles own_shape, Doubles other_shape, Ints own, Ints other,
            const std::vector<Doubles>& amounts) {
-  const std::size_t n = own_edge.size();
-  require(other_edge.size() == n && own_shape.size() == 2 * n && other_shape.size() == 2 * n, "one value a point");
-  require(own.ndim() == 2 && own.shape(1) == 2 && other.ndim() == 2 && other.shape(1) == 2,
-          "edges must have shape (n, 2)");
+  const std::size_t n = own_side.size();
+  require(
+      own.ndim() == 2 && own.shape(1) >= 2 && own.shape(1) <= 4 && other.ndim() == 2 && other.shape(1) == own.shape(1),
+      "sides must have shape (n, 2 | 3 | 4)");
+  const std::size_t nodes = own.shape(1);
+  require(other_side.size() == n && own_shape.size() == nodes * n && other_shape.size() == nodes * n,
+          "one value a point");
   for (std::size_t i = 0; i < n; ++i)
-    require(own_edge.data()[i] >= 0 && std::size_t(own_edge.data()[i]) < own.shape(0) && other_edge.data()[i] >= 0 &&
-                std::size_t(other_edge.data()[i]) < other.shape(0),
-            "points lie on edges");
+    require(own_side.data()[i] >= 0 && std::size_t(own_side.data()[i]) < own.shape(0) && other_side.data()[i] >= 0 &&
+                std::size_t(other_side.data()[i]) < other.shape(0),
+            "points lie on sides");
   std::vector<const double*> at;
   for (const auto& amount : amounts) {
     require(amount.size() == n, "one amount a point");
     at.push_back(amount.data());
   }
-  const auto found =
-      sum_pairs({static_cast<int>(n), own_edge.data(), other_edge.data(), own_shape.data(), other_shape.data()},
-                own.data(), other.data(), at);
+  const auto found = sum_pairs({static_cast<int>(n), static_cast<int>(nodes), own_side.data(), other_side.data(),
+                                own_shape.data(), other_shape.data()},
+                               own.data(), other.data(), at);
   const std::size_t n_pairs = found.pairs.size() / 2;
   std::vector<NewDoubles> sums;
   for (const auto& each : found.sums) sums.push_back(give(each, {n_pairs}));
@@ -118,9 +121,9 @@ void bind_heat_surface(nb::module_& m) {
         "conductance: rows of pressure [MPa] and value (n, 2); width [mm]: across which heat passes; seen (n, nodes) "
         "loses what touches and what passes. Returns edges that touch (n,), the pressure at their nodes (n_points,), "
         "and the nodes that touch or are near with their areas and conductances.");
-  m.def("sum_pairs", &pairs, nb::arg("own_edge"), nb::arg("other_edge"), nb::arg("own_shape"), nb::arg("other_shape"),
+  m.def("sum_pairs", &pairs, nb::arg("own_side"), nb::arg("other_side"), nb::arg("own_shape"), nb::arg("other_shape"),
         nb::arg("own"), nb::arg("other"), nb::arg("amounts"),
-        "Pairs of nodes (n, 2), each once, and sums over them of amounts at points of edges own that face edges other, "
+        "Pairs of nodes (n, 2), each once, and sums over them of amounts at points of sides own that face sides other, "
         "as find_facing returns them.");
   m.def("link_tool", &link, nb::arg("points"), nb::arg("pieces"), nb::kw_only(), nb::arg("touching"),
         nb::arg("pressure"), nb::arg("profile"), nb::arg("gap"), nb::arg("conductance"), nb::arg("width"),

@@ -80,11 +80,13 @@ Touch find_touch(const SurfaceEdges& surface, const HeatingTool& tool, double* s
 
 PairSums sum_pairs(const FacingPoints& found, const int* own, const int* other,
                    const std::vector<const double*>& amounts) {
-  std::vector<std::pair<std::pair<int, int>, int>> places;  // nodes, and four places of each point
-  places.reserve(4 * std::size_t(found.n));
+  const int nodes = found.nodes, each = nodes * nodes;
+  std::vector<std::pair<std::pair<int, int>, int>> places;  // nodes, and the places of each point
+  places.reserve(each * std::size_t(found.n));
   for (int i = 0; i < found.n; ++i)
-    for (int k = 0; k < 4; ++k)
-      places.push_back({{own[2 * found.own[i] + k / 2], other[2 * found.other[i] + k % 2]}, 4 * i + k});
+    for (int k = 0; k < each; ++k)
+      places.push_back(
+          {{own[nodes * found.own[i] + k / nodes], other[nodes * found.other[i] + k % nodes]}, each * i + k});
   std::sort(places.begin(), places.end());
   PairSums result;
   result.sums.resize(amounts.size());
@@ -94,8 +96,8 @@ PairSums sum_pairs(const FacingPoints& found, const int* own, const int* other,
       result.pairs.insert(result.pairs.end(), {pair.first, pair.second});
       for (auto& sums : result.sums) sums.push_back(0.0);
     }
-    const int i = place / 4, k = place % 4;
-    const double shape = found.own_shape[2 * i + k / 2], across = found.other_shape[2 * i + k % 2];
+    const int i = place / each, k = place % each;
+    const double shape = found.own_shape[nodes * i + k / nodes], across = found.other_shape[nodes * i + k % nodes];
     for (std::size_t m = 0; m < amounts.size(); ++m) result.sums[m].back() += amounts[m][i] * shape * across;
   }
   return result;
@@ -138,7 +140,7 @@ PairSums link_tool(const double* points, Edges pieces, const bool* touching, int
     edge[i] = at.own, across[i] = at.other;
     for (int k = 0; k < 2; ++k) shape[2 * i + k] = at.own_shape[k], opposite[2 * i + k] = at.other_shape[k];
   }
-  return sum_pairs({n, edge.data(), across.data(), shape.data(), opposite.data()}, own.data(), tool.profile.nodes,
+  return sum_pairs({n, 2, edge.data(), across.data(), shape.data(), opposite.data()}, own.data(), tool.profile.nodes,
                    {conducted.data(), area.data()});
 }
 

@@ -39,17 +39,17 @@ struct Touch {
 // seen (n, nodes): loses what touches and what passes.
 Touch find_touch(const SurfaceEdges& surface, const HeatingTool& tool, double* seen);
 
-// Pairs of nodes, each once and in order, and the sums over them of amounts at points of facing edges (n_found). Each
-// point shares its amounts among the ends of both edges by their shape functions.
+// Pairs of nodes, each once and in order, and the sums over them of amounts at points of facing sides (n_found). Each
+// point shares its amounts among the nodes of both sides, edges or faces, by their shape functions.
 struct PairSums {
   std::vector<int> pairs;                 // (n, 2)
   std::vector<std::vector<double>> sums;  // of each amount (n)
 };
 
 struct FacingPoints {
-  int n;
-  const int *own, *other;                 // edges
-  const double *own_shape, *other_shape;  // (n, 2)
+  int n, nodes;                           // of points; of a side: 2 of edges, 3 or 4 of faces
+  const int *own, *other;                 // sides
+  const double *own_shape, *other_shape;  // (n, nodes)
 };
 
 PairSums sum_pairs(const FacingPoints& found, const int* own, const int* other,

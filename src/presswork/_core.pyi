@@ -655,6 +655,11 @@ def find_face_pairs(slave: Annotated[NDArray[numpy.int32], dict(order='C', devic
     Pairs of faces (n, 2) that may touch within the margin [mm], slave and master.
     """
 
+def find_facing_faces(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], own: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], reach: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.int32], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    Points of a rule on faces own (n, 3 | 4) that faces other (m, 3 | 4) face within reach (n,): the two faces of each, the shape functions there, gap [mm] and area [mm2].
+    """
+
 class ToolSurface:
     """Surface of a rigid tool in its own frame; see tool_surface.hpp."""
 
@@ -1749,9 +1754,9 @@ def find_touch(edges: Annotated[NDArray[numpy.int32], dict(order='C', device='cp
     holds, push [N], gap [mm]: at nodes (n_points,); conductance: rows of pressure [MPa] and value (n, 2); width [mm]: across which heat passes; seen (n, nodes) loses what touches and what passes. Returns edges that touch (n,), the pressure at their nodes (n_points,), and the nodes that touch or are near with their areas and conductances.
     """
 
-def sum_pairs(own_edge: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other_edge: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], own_shape: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], other_shape: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], own: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], amounts: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> tuple[NDArray[numpy.int32], list[NDArray[numpy.float64]]]:
+def sum_pairs(own_side: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other_side: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], own_shape: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], other_shape: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], own: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], other: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], amounts: Sequence[Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]) -> tuple[NDArray[numpy.int32], list[NDArray[numpy.float64]]]:
     """
-    Pairs of nodes (n, 2), each once, and sums over them of amounts at points of edges own that face edges other, as find_facing returns them.
+    Pairs of nodes (n, 2), each once, and sums over them of amounts at points of sides own that face sides other, as find_facing returns them.
     """
 
 def link_tool(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], pieces: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, touching: Annotated[NDArray[numpy.bool_], dict(order='C', device='cpu', writable=False)], pressure: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], profile: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], gap: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], conductance: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], width: float, chords: float, thickness: float) -> tuple[NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64]]:

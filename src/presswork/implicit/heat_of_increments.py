@@ -127,9 +127,10 @@ class HeatOfIncrements:
         arrays = trial[InterfaceArrays] if entries else None
         if arrays is None:
             return BetweenBodies({}, {}, trial.nodes.increment, 0.0)
+        shear = np.linalg.norm(arrays.shear, axis=1) if arrays.shear.ndim == 2 else np.abs(arrays.shear)
         return BetweenBodies(
             pressure={contact.name: self._spread(contact, arrays.pressure) for contact in entries},
-            shear={contact.name: self._spread(contact, np.abs(arrays.shear)) for contact in entries},
+            shear={contact.name: self._spread(contact, shear) for contact in entries},
             way=trial.nodes.increment,
             lost=self._interactions.bodies.work(state_n, trial)["friction_work"],
         )
@@ -139,7 +140,7 @@ class HeatOfIncrements:
         nodal = np.zeros(len(self._model.mesh.points))
         interface = next(i for i in self._interactions.bodies.interfaces if i.contact is contact)
         nodal[interface.nodes] = slots[interface.places]
-        if interface.slave.shape[1] == 3:
+        if self._model.dimension == 2 and interface.slave.shape[1] == 3:
             first, last, middle = interface.slave.T
             nodal[middle] = 0.5 * (nodal[first] + nodal[last])
         return nodal

@@ -156,8 +156,9 @@ def make_contacts(model: Model) -> list[PairFilm]:
     """Return the films between bodies that lie on each other and stay so."""
     assert model.heat is not None
     films = []
+    sides = model.mesh.boundary_faces if model.analysis == "solid" else model.mesh.boundary_edges
     for entry in model.heat.contacts:
-        own, other = (model.mesh.boundary_edges[model.bodies[i].owns(model.mesh.boundary_edges)] for i in entry.between)
+        own, other = (sides[model.bodies[i].owns(sides)] for i in entry.between)
         found = find_lying(model.mesh.points, own, other, None if model.analysis == "axisymmetric" else model.depth)
         conductance, _ = interpolate(entry.conductance, np.zeros(len(found.area)))
         pairs, (conducted,) = sum_pairs(found, own, other, conductance * found.area)

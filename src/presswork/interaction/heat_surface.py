@@ -18,7 +18,7 @@ from presswork.geometry.pose import ToolPose
 from presswork.interaction.forming_instant import FormingInstant
 from presswork.interaction.heat_films import Film, PairFilm, interpolate, make_surroundings, measure_sides
 from presswork.interaction.meshed_dies import Die, MeshedDies
-from presswork.mesh.facing import find_facing, split_edges, sum_pairs
+from presswork.mesh.facing import find_facing, measure_lengths, split_edges, sum_pairs
 from presswork.model import BodyContact, BoolArray, FloatArray, Heat, HeatContact, IntArray, Model, ToolHeat
 
 TOO_DEEP = 0.1
@@ -165,7 +165,7 @@ class HeatSurface:
         """Return how two bodies touch or are near."""
         contact, points = self._contacts[entry.name], now.points
         own, other = (self._pieces[self._model.bodies[b].owns(self._pieces)] for b in (contact.slave, contact.master))
-        length = np.linalg.norm(points[own[:, 1]] - points[own[:, 0]], axis=1)
+        length = measure_lengths(points, own)
         reach = np.full(len(own), entry.gap) + TOO_DEEP * length
         found = find_facing(points, own, other, reach, self._thickness)
         nodal = np.maximum(now.between.pressure[entry.name], 0.0)

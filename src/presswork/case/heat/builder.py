@@ -76,8 +76,6 @@ def _element(case: HeatCase, body: HeatBody) -> str:
 
 def _check_bodies(case: HeatCase) -> Iterator[Problem]:
     """Yield the problems of bodies that show without their meshes."""
-    if case.geometry == "solid" and case.bodies:
-        yield Problem("bodies", "in space there is one body yet", "join them in the mesh file, or take the plane")
     if case.geometry != "plane" and "depth" in case.model_fields_set:
         yield Problem("depth", "has a meaning in the plane alone", "remove it", case.depth)
     if "rows" in case.output.model_fields_set:
@@ -113,9 +111,13 @@ def _check_bodies(case: HeatCase) -> Iterator[Problem]:
             except ValueError as error:
                 fault = f"expected a unit of length, but {error}"
                 yield Problem(f"{key}.mesh.unit", fault, "e.g. mm, m, inch", body.mesh.unit)
-        if case.contacts and model.ELEMENTS[element].nodes > 4:
+        if case.contacts and case.geometry != "solid" and model.ELEMENTS[element].nodes > 4:
             fault = "heat flows between bodies with straight edges of two nodes only, so far"
             yield Problem(f"{key}.element", fault, "take quad4 or tri3", element)
+        elif case.bodies and model.ELEMENTS[element].cell != model.ELEMENTS[_element(case, case.workpiece)].cell:
+            fault = "hexahedra and tetrahedra do not go together in one case"
+            if case.geometry == "solid":
+                yield Problem(f"{key}.element", fault, "take cells of one kind for all bodies", element)
 
 
 def _check_contacts(case: HeatCase) -> Iterator[Problem]:
@@ -173,8 +175,11 @@ def _build_meshes(case: HeatCase) -> tuple[model.Mesh, tuple[model.Body, ...]]:
         material, element = materials.index(body.material), _element(case, body)
         if isinstance(body.mesh, MadeMesh) or case.geometry == "solid":
             assert not isinstance(body.mesh, Rectangle)
-            return mesh_space_body(key, body.mesh, element, material, case.source), ()
-        parts[name] = mesh_body(key, body.mesh, element, material, case.source)
+            parts[name] = mesh_space_body(key, body.mesh, element, material, case.source)
+        else:
+            parts[name] = mesh_body(key, body.mesh, element, material, case.source)
+    if case.geometry == "solid" and not case.bodies:
+        return parts[WORKPIECE], ()
     mesh, bodies = join_meshes(parts)
     return mesh, bodies
 
@@ -191,12 +196,14 @@ def _build_contacts(case: HeatCase, bodies: tuple[model.Body, ...]) -> tuple[mod
 
 def _check_touching(case: HeatCase, built: model.Model) -> Iterator[Problem]:
     """Yield the problems of bodies that name a contact and lie apart."""
-    edges = built.mesh.boundary_edges
+    edges = built.mesh.boundary_faces if case.geometry == "solid" else built.mesh.boundary_edges
     for name, entry in case.contacts.items():
         own, other = (edges[body.owns(edges)] for body in built.bodies if body.name in entry.between)
         if not len(find_lying(built.mesh.points, own, other, 1.0).area):
             fault = f"{entry.between[0]} and {entry.between[1]} do not lie on each other"
-            yield Problem(f"contacts.{name}.between", fault, "move one of them: straight edges must coincide")
+            yield Problem(
+                f"contacts.{name}.between", fault, "move one of them: straight edges, in space faces, must coincide"
+            )
 
 
 def _build_stage(stage: HeatStage) -> model.Stage:

@@ -157,7 +157,14 @@ def build_heat(
     """Return the Model's heat of a case of forming; bodies: the Model's; dies: meshes of tools by name."""
     if case.heat is None:
         return None
-    heat, around, parts = case.heat, case.heat.surroundings, [case.workpiece, *case.bodies.values()]
+    return make_heat(case, case.heat, bodies, dies)
+
+
+def make_heat(
+    case: schema.Case | SpaceCase, heat: FormingHeat, bodies: tuple[model.Body, ...], dies: Mapping[str, model.DieMesh]
+) -> model.Heat:
+    """Return the Model's heat in the plane or in space."""
+    around, parts = heat.surroundings, [case.workpiece, *case.bodies.values()]
     number = {body.name: i for i, body in enumerate(bodies)}
     initial = [heat.initial_temperature if t is None else t for t in (part.initial_temperature for part in parts)]
     return model.Heat(

@@ -42,11 +42,6 @@ def check_space_bodies(case: SpaceCase) -> list[Problem]:
         remedy = 'take procedure = "implicit"'
         for key in [*(f"bodies.{name}" for name in case.bodies), *(f"contacts.{name}" for name in case.contacts)]:
             problems.append(Problem(key, "the explicit procedure in space has one body, so far", remedy))
-    if case.heat is not None:
-        fault, remedy = "bodies in space exchange no heat, so far", "leave out [heat], or the body"
-        problems += [Problem(f"bodies.{name}", fault, remedy) for name in case.bodies]
-    fault, remedy = "bodies in space exchange no heat, so far", "leave it out"
-    problems += [Problem(f"contacts.{name}.heat", fault, remedy) for name, c in case.contacts.items() if c.heat]
     return problems + check_contacts(case.bodies, case.contacts, case.tools)
 
 

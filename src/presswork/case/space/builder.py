@@ -90,7 +90,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
         limits=case.limits.build(),
         points=points,
-        heat=build_space_heat(case),
+        heat=build_space_heat(case, bodies),
         remeshing=build_space_remeshing(case, mesh),
         case_text=case.text,
     )

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.heat.forming import FormingHeat
+from presswork.case.heat.quantities import Temperature
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.library import add_library_materials
@@ -42,6 +43,9 @@ class SpaceWorkpiece(Part):
     )
     velocity: VelocityVector3 | None = Field(
         default=None, description="explicit: velocity [x, y, z] of the whole workpiece at the start [mm/s]"
+    )
+    initial_temperature: Temperature | None = Field(
+        default=None, description="temperature at the start [degrees C]; without it that of [heat]"
     )
     mesh: SpaceMesh = Field(description="the mesh of the workpiece")
 
@@ -181,7 +185,7 @@ class SpaceCase(CaseFile):
     contacts: dict[Name, Contact] = Field(default={}, description="contacts between bodies by name")
     presses: dict[Name, Press] = Field(default={}, description="presses that stages refer to, by name")
     boundary: dict[Name, SpaceBoundary] = Field(default={}, description="supports and symmetry planes by name")
-    heat: FormingHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
+    heat: FormingHeat | None = Field(default=None, description="heat of the bodies as they are formed")
     remesh: SpaceRemesh | None = Field(
         default=None,
         description="when and how finely tetrahedra are meshed anew; without it: where their first mesh fails",
