@@ -25,17 +25,20 @@ using GivenLaw = std::variant<const Owned<SheetLaw>*, const Umat*>;
 ShellSection make_section(GivenLaw given, std::array<double, 2> elastic, double density, std::vector<double> height,
                           std::vector<double> weight, bool tabulated, ShellTreatment treatment, bool viscous,
                           std::array<double, 3> hourglass) {
-  require(height.size() == weight.size() && !height.empty(), "height and weight must have the same length, not 0");
+  require(height.size() == weight.size() && !height.empty() && height.size() <= LayerRule::most_points,
+          "height and weight must have the same length, 1 to 51");
   const ShellControl control{hourglass[0], hourglass[1], hourglass[2], viscous, density};
-  LayerRule rule{std::move(height), std::move(weight)};
+  LayerRule rule;
+  rule.points = static_cast<int>(height.size());
+  std::copy(height.begin(), height.end(), rule.height), std::copy(weight.begin(), weight.end(), rule.weight);
   if (const auto* umat = std::get_if<const Umat*>(&given)) {
     require(elastic[0] > 0.0, "a law from a shared library needs its young and poisson");
     auto own = std::make_shared<const Umat>(**umat);
     const UserSheet user{{own.get(), elastic[0], elastic[1]}};
-    return {user, {std::move(own)}, std::move(rule), density, treatment, control};
+    return {user, {std::move(own)}, rule, density, treatment, control};
   }
   const Owned<SheetLaw>& law = *std::get<const Owned<SheetLaw>*>(given);
-  ShellSection section{GeneralSheet{law.view}, law.data, std::move(rule), density, treatment, control};
+  ShellSection section{GeneralSheet{law.view}, law.data, rule, density, treatment, control};
   if (tabulated) {
     if (auto fast = find_fast_law(law)) {
       section.law = fast->view, section.law_data = std::move(fast->data);

@@ -25,6 +25,7 @@ void bind_heat_equation(nb::module_& m);
 void bind_heat_surface(nb::module_& m);
 void bind_damage(nb::module_& m);
 void bind_remesh(nb::module_& m);
+void bind_device(nb::module_& m);
 }  // namespace presswork::bindings
 
 NB_MODULE(_core, m) {
@@ -53,4 +54,5 @@ NB_MODULE(_core, m) {
   bind_heat_surface(m);
   bind_damage(m);
   bind_remesh(m);
+  bind_device(m);
 }

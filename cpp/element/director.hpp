@@ -15,7 +15,7 @@ namespace presswork {
 inline constexpr double largest_turn_squared = 9.0;  // rotation vectors of an increment are shorter than 3 rad
 
 template <class T>
-T dot3(const T a[3], const T b[3]) {
+PRESSWORK_DEVICE T dot3(const T a[3], const T b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 template <class T>

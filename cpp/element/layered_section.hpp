@@ -33,7 +33,7 @@ struct LayerConditions {
   double slower = 1.0;             // by which the process takes longer than it is computed
 
   // Time of the process, by which laws take their rates [s].
-  double law_dt() const { return dt * slower; }
+  PRESSWORK_DEVICE double law_dt() const { return dt * slower; }
   T temperature_or(double start, int layer) const { return temperature ? temperature[layer] : T(start); }
   // those of another point in the plane, of so many layers each
   LayerConditions at_point(int other, int layers) const {
@@ -139,15 +139,15 @@ struct UserSheet {
 
 struct FastMises : TabulatedMises {
   static constexpr bool can_fail = false;
-  static constexpr int rows() { return 4; }
+  PRESSWORK_DEVICE static constexpr int rows() { return 4; }
 
   template <class T>
-  T young_at(const T*) const {
+  PRESSWORK_DEVICE T young_at(const T*) const {
     return T(young);
   }
 
   template <class T>
-  T advance(T sum, T difference, T shear, const LayerConditions<T>&, int, T* state) const {
+  PRESSWORK_INLINE T advance(T sum, T difference, T shear, const LayerConditions<T>&, int, T* state) const {
     return TabulatedMises::advance(sum, difference, shear, state);
   }
 };
@@ -155,9 +155,36 @@ struct FastMises : TabulatedMises {
 inline constexpr double negligible_square = 1e-12;   // [MPa2]: square of a stress that is none
 inline constexpr double elastic_ratio = 1.0 - 2e-6;  // of stress to trial stress: what is more is round-off of floats
 
-// Heights in half thicknesses, -1 to 1, and weights that add up to one.
+// Points through the thickness: heights in half thicknesses, -1 to 1, and weights that add up to one.
 struct LayerRule {
-  std::vector<double> height, weight;
+  static constexpr int most_points = 51;
+  int points = 0;
+  double height[most_points], weight[most_points];
+};
+
+// The layers of a section one behind the other, as packs keep them: (points, rows).
+template <class T>
+struct LayersInRow {
+  T* first;
+  int rows;
+  PRESSWORK_DEVICE T* open(int k) const { return first + k * rows; }
+  PRESSWORK_DEVICE void close(int, const T*) const {}
+};
+
+// Those of a law of so many rows, each value `stride` behind the one before, as neighbouring lanes of a GPU keep them:
+// one layer at a time is in registers.
+template <class T, int rows>
+struct LayersApart {
+  T* first;
+  std::ptrdiff_t stride;
+  T now[rows];
+  PRESSWORK_INLINE T* open(int k) {
+    for (int i = 0; i < rows; ++i) now[i] = first[(k * rows + i) * stride];
+    return now;
+  }
+  PRESSWORK_INLINE void close(int k, const T* point) const {
+    for (int i = 0; i < rows; ++i) first[(k * rows + i) * stride] = point[i];
+  }
 };
 
 // Stress resultants of one shell [N/mm] and [N], sums and differences as above: of force, then of moment.
@@ -170,44 +197,46 @@ struct Resultants {
 
 // Square of von Mises' stress, by sum, difference and shear.
 template <class T>
-[[gnu::always_inline]] inline T mises_square(T sum, T difference, T shear) {
+PRESSWORK_INLINE T mises_square(T sum, T difference, T shear) {
   return T(0.25) * sum * sum + T(0.75) * difference * difference + T(3.0) * shear * shear;
 }
 
-// Advance all layers by the increments of membrane strain and curvature [1/mm]; layers: (points, rows) in place.
+// Advance all layers by the increments of membrane strain and curvature [1/mm]; layers: LayersInRow or LayersApart, in
+// place.
 // retained, unless null: what plastic flow leaves of stress beside that at the centre, as means over the layers of von
 // Mises' stress after the step over the elastic trial's, for membrane and for bending; 1 in elastic steps.
-template <class T, class Law>
-[[gnu::always_inline]] inline void advance_section(const Law& law, const LayerRule& rule, const T membrane[3],
-                                                   const T curvature[3], T thickness, const LayerConditions<T>& now,
-                                                   T* layers, Resultants<T>& out, T* retained = nullptr) {
+template <class T, class Law, class Layers>
+PRESSWORK_INLINE void advance_section(const Law& law, const LayerRule& rule, const T membrane[3], const T curvature[3],
+                                      T thickness, const LayerConditions<T>& now, Layers layers, Resultants<T>& out,
+                                      T* retained = nullptr) {
   T half = T(0.5) * thickness, bend[3], mean[3], turn[3], work(0.0), across(0.0);
   T found[2] = {T(negligible_square), T(negligible_square)}, trial[2] = {T(negligible_square), T(negligible_square)};
   for (int i = 0; i < 3; ++i) bend[i] = half * curvature[i], mean[i] = turn[i] = T(0.0);
-  const int points = static_cast<int>(rule.height.size()), rows = law.rows();
-  for (int k = 0; k < points; ++k, layers += rows) {
+  for (int k = 0; k < rule.points; ++k) {
+    T* point = layers.open(k);
     const T height(rule.height[k]), weight(rule.weight[k]);
     T sum = membrane[0] + height * bend[0], difference = membrane[1] + height * bend[1];
     T shear = membrane[2] + height * bend[2];
-    T before[3] = {layers[0], layers[1], layers[2]};
-    const T young = retained ? law.young_at(layers) : T(0.0);
-    across += weight * law.advance(sum, difference, shear, now, k, layers);
+    T before[3] = {point[0], point[1], point[2]};
+    const T young = retained ? law.young_at(point) : T(0.0);
+    across += weight * law.advance(sum, difference, shear, now, k, point);
     if (retained) {
       T s = before[0] + young * T(1.0 / (1.0 - law.poisson)) * sum, d = young * T(1.0 / (1.0 + law.poisson));
       T tried = weight * mises_square(s, before[1] + d * difference, before[2] + T(0.5) * d * shear);
-      T now = weight * mises_square(layers[0], layers[1], layers[2]);
+      T now = weight * mises_square(point[0], point[1], point[2]);
       T square = height * height;
       trial[0] += tried, trial[1] += square * tried;
       found[0] += now, found[1] += square * now;
     }
     // stress : strain = (sums + differences)/2 + shear
-    work += weight * (T(0.5) * ((before[0] + layers[0]) * sum + (before[1] + layers[1]) * difference) +
-                      (before[2] + layers[2]) * shear);
+    work += weight * (T(0.5) * ((before[0] + point[0]) * sum + (before[1] + point[1]) * difference) +
+                      (before[2] + point[2]) * shear);
     for (int i = 0; i < 3; ++i) {
-      T part = weight * layers[i];
+      T part = weight * point[i];
       mean[i] += part;
       turn[i] += height * part;
     }
+    layers.close(k, point);
   }
   for (int i = 0; i < 3; ++i) out.force[i] = thickness * mean[i], out.moment[i] = thickness * half * turn[i];
   out.thickness_strain = across;

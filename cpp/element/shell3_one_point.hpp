@@ -121,8 +121,9 @@ template <class T, class Law>
   // 2. layers
   const T t = state[thickness];
   Resultants<T> r;
-  advance_section(law, rule, membrane, curvature, t, now, state + head_rows, r);
-  squeeze_between_tools<3>(law, rule, room, state[spring] / s.area, t, membrane, state + head_rows, state[pressure], r);
+  const LayersInRow<T> layers{state + head_rows, law.rows()};
+  advance_section(law, rule, membrane, curvature, t, now, layers, r);
+  squeeze_between_tools<3>(law, rule, room, state[spring] / s.area, t, membrane, layers, state[pressure], r);
   T n[3], N[3], M[3];
   from_sums(r.force, n), from_frame(s.contra, s.area, n, N);
   from_sums(r.moment, n), from_frame(s.contra, s.area, n, M);

@@ -34,18 +34,18 @@ struct Forms {
 };
 
 template <class T>
-[[gnu::always_inline]] inline void to_patterns(const T x[4][3], T first[3], T second[3], T third[3]) {
+PRESSWORK_INLINE void to_patterns(const T x[4][3], T first[3], T second[3], T third[3]) {
   for (int i = 0; i < 3; ++i) {
     T a = x[2][i] - x[0][i], b = x[1][i] - x[3][i], c = x[0][i] + x[2][i], d = x[1][i] + x[3][i];
     first[i] = T(0.25) * (a + b), second[i] = T(0.25) * (a - b), third[i] = T(0.25) * (c - d);
   }
 }
 template <class T>
-[[gnu::always_inline]] inline void to_mean(const T x[4][3], T mean[3]) {
+PRESSWORK_INLINE void to_mean(const T x[4][3], T mean[3]) {
   for (int i = 0; i < 3; ++i) mean[i] = T(0.25) * ((x[0][i] + x[2][i]) + (x[1][i] + x[3][i]));
 }
 template <class T>
-[[gnu::always_inline]] inline void to_patterns(const T x[4][3], const T d[4][3], Patterns<T>& out) {
+PRESSWORK_INLINE void to_patterns(const T x[4][3], const T d[4][3], Patterns<T>& out) {
   to_patterns(x, out.g[0], out.g[1], out.h);
   to_patterns(d, out.d[0], out.d[1], out.e);
   to_mean(d, out.d0);
@@ -53,8 +53,7 @@ template <class T>
 
 // Transposed: what patterns' forces are at the nodes.
 template <class T>
-[[gnu::always_inline]] inline void from_patterns(const T mean[3], const T first[3], const T second[3], const T third[3],
-                                                 T x[4][3]) {
+PRESSWORK_INLINE void from_patterns(const T mean[3], const T first[3], const T second[3], const T third[3], T x[4][3]) {
   for (int i = 0; i < 3; ++i) {
     T a = first[i] + second[i], b = first[i] - second[i], even = mean[i] + third[i], odd = mean[i] - third[i];
     x[0][i] = T(0.25) * (even - a), x[2][i] = T(0.25) * (even + a);
@@ -65,7 +64,7 @@ template <class T>
 // Change of the strains by increment v, with c the configuration half-way; skew: h^1, h^2. finite: with the directors'
 // hourglass e, which small warped cells have none of, and the second powers of the height.
 template <bool finite, class T>
-[[gnu::always_inline]] inline void measure(const T skew[2], const Patterns<T>& c, const Patterns<T>& v, Forms<T>& out) {
+PRESSWORK_INLINE void measure(const T skew[2], const Patterns<T>& c, const Patterns<T>& v, Forms<T>& out) {
   auto change = [](const T a[3], const T b[3], const T da[3], const T db[3]) { return dot3(a, db) + dot3(b, da); };
   // 1. constant
   for (int k = 0; k < 2; ++k) {
@@ -91,7 +90,7 @@ template <bool finite, class T>
 
 // Forces on the patterns of configuration c from resultants; `measure` transposed.
 template <bool finite, class T>
-[[gnu::always_inline]] inline void spread(const T skew[2], const Patterns<T>& c, const Forms<T>& r, Patterns<T>& out) {
+PRESSWORK_INLINE void spread(const T skew[2], const Patterns<T>& c, const Forms<T>& r, Patterns<T>& out) {
   const T* Q = r.hourglass;
   const T both = Q[4] + Q[5];
   // 1. resultants less what the hourglass strains leave out
@@ -124,14 +123,14 @@ template <bool finite, class T>
 
 // Covariant strains of a plane to those in an orthonormal frame: contra[k] = components of g^(k+1) in it.
 template <class T>
-[[gnu::always_inline]] inline void to_frame(const T contra[2][2], const T E[3], T out[3]) {
+PRESSWORK_INLINE void to_frame(const T contra[2][2], const T E[3], T out[3]) {
   const T *p = contra[0], *r = contra[1];
   for (int i = 0; i < 2; ++i) out[i] = p[i] * p[i] * E[0] + r[i] * r[i] * E[1] + p[i] * r[i] * E[2];
   out[2] = T(2.0) * (p[0] * p[1] * E[0] + r[0] * r[1] * E[1]) + (p[0] * r[1] + p[1] * r[0]) * E[2];
 }
 // Resultants in the frame, times area, to those that do work on covariant strains.
 template <class T>
-[[gnu::always_inline]] inline void from_frame(const T contra[2][2], T area, const T n[3], T out[3]) {
+PRESSWORK_INLINE void from_frame(const T contra[2][2], T area, const T n[3], T out[3]) {
   const T *p = contra[0], *r = contra[1];
   out[0] = area * (p[0] * p[0] * n[0] + p[1] * p[1] * n[1] + T(2.0) * p[0] * p[1] * n[2]);
   out[1] = area * (r[0] * r[0] * n[0] + r[1] * r[1] * n[1] + T(2.0) * r[0] * r[1] * n[2]);
@@ -142,8 +141,7 @@ template <class T>
 // r, each without the others, which takes the parasitic shear out of in-plane bending, and the same for moments and
 // shear forces. Hellinger & Reissner's principle then gives every mode a modulus of its own; squares: of g1, g2.
 template <class T>
-[[gnu::always_inline]] inline void hourglass_stiffness(T young, T shear_modulus, T area, T thickness,
-                                                       const T squares[2], T k[6]) {
+PRESSWORK_INLINE void hourglass_stiffness(T young, T shear_modulus, T area, T thickness, const T squares[2], T k[6]) {
   const T third = T(1.0 / 3.0) * area * thickness, square = T(1.0 / 12.0) * thickness * thickness;
   for (int i = 0; i < 2; ++i) {
     T over = T(1.0) / squares[i];

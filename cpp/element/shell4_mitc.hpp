@@ -190,10 +190,9 @@ template <class T, class Law>
   for (int i = 0; i < 2; ++i) out.shear[i] = T(0.0);
   for (auto& Q : out.hourglass) Q = T(0.0);
   T on_B[2] = {T(0.0), T(0.0)}, done(0.0), mean(0.0);
-  T* layers = state + head_rows;
+  LayersInRow<T> layers{state + head_rows, law.rows()};
   T* point = state + first_point;
-  const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(rule.height.size()) * law.rows();
-  for (int q = 0; q < points; ++q, layers += stride, point += point_rows) {
+  for (int q = 0; q < points; ++q, layers.first += rule.points * layers.rows, point += point_rows) {
     const double r = at_r[q], s = at_s[q];
     T contra[2][2], e[3], membrane[3], curvature[3], shear_strain[2];
     place_frame(middle_metric, r, s, point + reference, contra);
@@ -211,8 +210,7 @@ template <class T, class Law>
 
     const T area = place_frame(metric, r, s, point + reference, contra), t = point[point_thickness];
     Resultants<T> found;
-    advance_section(law, rule, membrane, curvature, t, now.at_point(q, static_cast<int>(rule.height.size())), layers,
-                    found);
+    advance_section(law, rule, membrane, curvature, t, now.at_point(q, rule.points), layers, found);
     squeeze_between_tools<4>(law, rule, room, T(0.25) * state[spring] / area, t, membrane, layers, point[pressure],
                              found);
     T n[3], on[3];

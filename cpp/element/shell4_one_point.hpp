@@ -61,24 +61,24 @@ inline constexpr int head_rows = 18;
 // Adds an increment of thickness strain. What rounding takes is added to the next increment (Kahan 1965): steps of 1e-6
 // are 16 units in the last place of a float, all rounded the same way, and would drift.
 template <class T>
-[[gnu::always_inline]] inline void change_thickness(T strain, T& thickness, T& rounding) {
+PRESSWORK_INLINE void change_thickness(T strain, T& thickness, T& rounding) {
   const T before = thickness, change = before * strain + rounding;
   thickness = before + change;
   rounding = change - (thickness - before);
 }
 
 template <class T>
-[[gnu::always_inline]] inline T dot(const T a[3], const T b[3]) {
+PRESSWORK_INLINE T dot(const T a[3], const T b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 template <class T>
-[[gnu::always_inline]] inline void cross(const T a[3], const T b[3], T c[3]) {
+PRESSWORK_INLINE void cross(const T a[3], const T b[3], T c[3]) {
   c[0] = a[1] * b[2] - a[2] * b[1];
   c[1] = a[2] * b[0] - a[0] * b[2];
   c[2] = a[0] * b[1] - a[1] * b[0];
 }
 template <class T>
-[[gnu::always_inline]] inline void scale(T a[3], T by) {
+PRESSWORK_INLINE void scale(T a[3], T by) {
   for (int i = 0; i < 3; ++i) a[i] *= by;
 }
 
@@ -93,8 +93,7 @@ struct Geometry {
 
 // Diagonals p = x3 - x1, q = x4 - x2; sides g1 = p - q, g2 = p + q (twice the mean sides).
 template <class T>
-[[gnu::always_inline]] inline void make_frame(const T p[3], const T q[3], const T inverse[4], T e[3][3],
-                                              T& twice_area) {
+PRESSWORK_INLINE void make_frame(const T p[3], const T q[3], const T inverse[4], T e[3][3], T& twice_area) {
   T f1[3], f2[3], turned[3];
   cross(p, q, e[2]);
   twice_area = square_root(dot(e[2], e[2]));
@@ -111,7 +110,7 @@ template <class T>
 }
 
 template <class T>
-[[gnu::always_inline]] inline void measure(const T x[4][3], const T inverse[4], Geometry<T>& g) {
+PRESSWORK_INLINE void measure(const T x[4][3], const T inverse[4], Geometry<T>& g) {
   T p[3], q[3], h[3];
   for (int i = 0; i < 3; ++i) {
     p[i] = x[2][i] - x[0][i];
@@ -135,7 +134,7 @@ struct Pattern {
 };
 
 template <class T>
-[[gnu::always_inline]] inline void to_patterns(const T u[4][3], const T e[3][3], Pattern<T>& out) {
+PRESSWORK_INLINE void to_patterns(const T u[4][3], const T e[3][3], Pattern<T>& out) {
   T a[3], b[3], s13[3], s24[3], h[3], sum[3];
   for (int i = 0; i < 3; ++i) {
     a[i] = u[0][i] - u[2][i], b[i] = u[1][i] - u[3][i];
@@ -158,7 +157,7 @@ struct Strain {
 // Take the drilling rotation, beyond the element's own spin, into t_x, t_y: t = w - p w_z at each node, p_1 = -p_3, p_2
 // = -p_4.
 template <class T>
-[[gnu::always_inline]] inline void tilt_rotations(const Geometry<T>& g, T spin, Pattern<T>& w) {
+PRESSWORK_INLINE void tilt_rotations(const Geometry<T>& g, T spin, Pattern<T>& w) {
   const T z4 = g.H[2];  // four times the hourglass height
   const T s13 = T(0.5) * (w.sum[2] + w.h[2]) - T(2.0) * spin, s24 = T(0.5) * (w.sum[2] - w.h[2]) - T(2.0) * spin;
   const T p13[2] = {-z4 * g.bx[0], -z4 * g.by[0]}, p24[2] = {z4 * g.bx[1], z4 * g.by[1]};
@@ -175,7 +174,7 @@ template <class T>
 // (b_1 d13 - b_2 d24).H/4, and what is left to the hourglass mode is h.w + sum.H/4 + (d24.q - d13.p)/4, none for any
 // quadratic w with its own slopes.
 template <bool warped, class T>
-[[gnu::always_inline]] inline void measure_rotations(const Geometry<T>& g, const Pattern<T>& w, Strain<T>& out) {
+PRESSWORK_INLINE void measure_rotations(const Geometry<T>& g, const Pattern<T>& w, Strain<T>& out) {
   const T a = g.H[0] * g.bx[0] + g.H[1] * g.by[0], b = g.H[0] * g.bx[1] + g.H[1] * g.by[1];
   for (int i = 0; i < 2; ++i) out.q[3 + i] = w.h[i] - a * w.d13[i] - b * w.d24[i];
   out.shear[0] = out.shear[1] = out.q[2] = T(0.0);
@@ -190,8 +189,7 @@ template <bool warped, class T>
 
 // v, w: velocities times dt; w is left with the tilted rotations.
 template <bool warped, class T>
-[[gnu::always_inline]] inline void measure_strain(const Geometry<T>& g, const Pattern<T>& v, Pattern<T>& w,
-                                                  Strain<T>& out) {
+PRESSWORK_INLINE void measure_strain(const Geometry<T>& g, const Pattern<T>& v, Pattern<T>& w, Strain<T>& out) {
   measure_rotations<warped>(g, w, out);
   auto by_x = [&](T a, T b) { return g.bx[0] * a + g.bx[1] * b; };
   auto by_y = [&](T a, T b) { return g.by[0] * a + g.by[1] * b; };
@@ -227,8 +225,8 @@ template <bool warped, class T>
 
 // Stiffness [N/mm; rotations: N mm] of the five hourglass modes; sizes is the sum of b^2 over nodes and directions.
 template <class T>
-[[gnu::always_inline]] inline void hourglass_moduli(const ShellControl& control, double young, double poisson,
-                                                    const Geometry<T>& g, T thickness, T sizes, T k[5]) {
+PRESSWORK_INLINE void hourglass_moduli(const ShellControl& control, double young, double poisson, const Geometry<T>& g,
+                                       T thickness, T sizes, T k[5]) {
   T area = g.area, t2 = thickness * thickness;
   T membrane = T(control.membrane * young / 8.0) * thickness * area * sizes;
   T bending = T(control.rotation * young / 192.0) * thickness * t2 * area * sizes;
@@ -265,8 +263,7 @@ T bound_frequency(double young, double poisson, const Geometry<T>& g, T thicknes
 
 // Nodal forces and moments from resultants; force: (4, 6) in global axes.
 template <bool warped, class T>
-[[gnu::always_inline]] inline void spread(const Geometry<T>& g, const Resultants<T>& r, const T shear[2], const T Q[5],
-                                          T* force) {
+PRESSWORK_INLINE void spread(const Geometry<T>& g, const Resultants<T>& r, const T shear[2], const T Q[5], T* force) {
   T A = g.area;
   auto xx = [&](const T n[3]) { return T(0.5) * A * (n[0] + n[1]); };
   auto yy = [&](const T n[3]) { return T(0.5) * A * (n[0] - n[1]); };
@@ -329,9 +326,9 @@ template <bool warped, class T>
 // Advance one shell (or pack) by dt: positions x at the end of the step, velocity v and angular velocity w of it.
 // room: between tools at the nodes (4), or null. state: rows as above, in place. force: (4, 6), the internal force.
 template <bool warped, class T, class Law>
-[[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, const ShellControl& control,
-                                           const LayerConditions<T>& now, const T x[4][3], const T v[4][3],
-                                           const T w[4][3], const T* room, T* state, T* force) {
+PRESSWORK_INLINE void advance(const Law& law, const LayerRule& rule, const ShellControl& control,
+                              const LayerConditions<T>& now, const T x[4][3], const T v[4][3], const T w[4][3],
+                              const T* room, T* state, T* force) {
   // 1. kinematics, in the middle of the step
   const T dt(now.dt);
   Strain<T> strain;
@@ -353,9 +350,9 @@ template <bool warped, class T, class Law>
   // 2. layers
   T t = state[thickness];
   Resultants<T> r;
-  advance_section(law, rule, strain.membrane, strain.curvature, t, now, state + head_rows, r);
-  squeeze_between_tools<4>(law, rule, room, state[spring] / g.area, t, strain.membrane, state + head_rows,
-                           state[pressure], r);
+  const LayersInRow<T> layers{state + head_rows, law.rows()};
+  advance_section(law, rule, strain.membrane, strain.curvature, t, now, layers, r);
+  squeeze_between_tools<4>(law, rule, room, state[spring] / g.area, t, strain.membrane, layers, state[pressure], r);
   // 3. transverse shear
   const double shear_modulus = 0.5 * shear_factor * law.young / (1.0 + law.poisson);
   T shear[2];

@@ -28,7 +28,7 @@ struct Centre {
 };
 
 template <class T>
-[[gnu::always_inline]] inline void measure_centre(const T x[4][3], const T inverse[4], Centre<T>& out) {
+PRESSWORK_INLINE void measure_centre(const T x[4][3], const T inverse[4], Centre<T>& out) {
   Patterns<T>& c = out.c;
   to_patterns(x, c.g[0], c.g[1], c.h);
   T p[3], q[3], e[3][3], twice;
@@ -70,18 +70,18 @@ T stabilized_excess(const Geometry<T>& g) {
 
 // Sum, difference and shear of an in-plane tensor, from and to components.
 template <class T>
-[[gnu::always_inline]] inline void to_sums(const T e[3], T out[3]) {
+PRESSWORK_INLINE void to_sums(const T e[3], T out[3]) {
   out[0] = e[0] + e[1], out[1] = e[0] - e[1], out[2] = e[2];
 }
 template <class T>
-[[gnu::always_inline]] inline void from_sums(const T n[3], T out[3]) {
+PRESSWORK_INLINE void from_sums(const T n[3], T out[3]) {
   out[0] = T(0.5) * (n[0] + n[1]), out[1] = T(0.5) * (n[0] - n[1]), out[2] = n[2];
 }
 
 // Change of a director in dt. The drilling rotation of the node gives way to the element's own spin: it has no
 // stiffness of its own, and would find a way round shear and twist in warped elements.
 template <class T>
-[[gnu::always_inline]] inline T turn_director(const T w[3], T dt, T spin, const T normal[3], const T p[3], T out[3]) {
+PRESSWORK_INLINE T turn_director(const T w[3], T dt, T spin, const T normal[3], const T p[3], T out[3]) {
   const T drilling = dt * dot(w, normal) - spin;
   T own[3];
   for (int i = 0; i < 3; ++i) own[i] = dt * w[i] - drilling * normal[i];
@@ -91,8 +91,8 @@ template <class T>
 
 // Change of patterns and of strains in dt by velocities v and angular velocities w; skew as in `measure`.
 template <class T>
-[[gnu::always_inline]] inline void measure_change(const Centre<T>& g, double dt, const T v[4][3], const T w[4][3],
-                                                  Patterns<T>& change, const T skew[2], Forms<T>& strain) {
+PRESSWORK_INLINE void measure_change(const Centre<T>& g, double dt, const T v[4][3], const T w[4][3],
+                                     Patterns<T>& change, const T skew[2], Forms<T>& strain) {
   T step[4][3], turn[4][3], drilling[4];
   for (int a = 0; a < 4; ++a)
     for (int i = 0; i < 3; ++i) step[a][i] = T(dt) * v[a][i];
@@ -110,7 +110,7 @@ template <class T>
 // Nodal forces and moments (4, 6) from forces on the patterns, f, which is used up, and what bending does on drilling;
 // `measure_change` transposed.
 template <class T>
-[[gnu::always_inline]] inline void spread_to_nodes(const Centre<T>& g, const T bending[3], Patterns<T>& f, T* force) {
+PRESSWORK_INLINE void spread_to_nodes(const Centre<T>& g, const T bending[3], Patterns<T>& f, T* force) {
   T at[4][3], drilled[2] = {T(0.0), T(0.0)};
   for (int k = 0; k < 2; ++k)
     for (int i = 0; i < 3; ++i) drilled[k] += g.drill[k][i] * bending[i];
@@ -132,11 +132,12 @@ template <class T>
     for (int i = 0; i < 3; ++i) force[6 * a + i] = at[a][i];
 }
 
-// Advance one shell (or pack) by dt; arguments as those of `advance` in shell4_one_point.hpp.
-template <class T, class Law>
-[[gnu::always_inline]] inline void advance_stabilized(const Law& law, const LayerRule& rule,
-                                                      const LayerConditions<T>& now, const T x[4][3], const T v[4][3],
-                                                      const T w[4][3], const T* room, T* state, T* force) {
+// Advance one shell (or pack) by dt; arguments as those of `advance` in shell4_one_point.hpp, but that the layers need
+// not follow the other rows of the state.
+template <class T, class Law, class Layers>
+PRESSWORK_INLINE void advance_stabilized(const Law& law, const LayerRule& rule, const LayerConditions<T>& now,
+                                         const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
+                                         Layers layers, T* force) {
   const double dt = now.dt;
   // 1. strains, in the middle of the step
   Forms<T> strain;
@@ -160,8 +161,8 @@ template <class T, class Law>
   const T t = state[thickness];
   Resultants<T> r;
   T retained[2];
-  advance_section(law, rule, membrane, curvature, t, now, state + head_rows, r, retained);
-  squeeze_between_tools<4>(law, rule, room, state[spring] / g.area, t, membrane, state + head_rows, state[pressure], r);
+  advance_section(law, rule, membrane, curvature, t, now, layers, r, retained);
+  squeeze_between_tools<4>(law, rule, room, state[spring] / g.area, t, membrane, layers, state[pressure], r);
   Forms<T> out;
   T n[3];
   from_sums(r.force, n), from_frame(g.contra, g.area, n, out.membrane);

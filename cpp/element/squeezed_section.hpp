@@ -29,7 +29,7 @@ namespace squeezed {
 inline constexpr double stiffness = 0.5;  // 100 MPa on aluminium: 0.6 % of the thickness
 
 // Modulus of constrained compression
-inline double constrained_modulus(double young, double poisson) {
+PRESSWORK_DEVICE inline double constrained_modulus(double young, double poisson) {
   return young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
 }
 
@@ -43,9 +43,10 @@ inline double stiffest_spring(double young, double area, double thickness, int n
 // room (nodes): between the tools at the nodes [mm], infinite where they do not hold the sheet. spring/A [MPa/mm];
 // thickness [mm] and membrane, the increments of strain, at which the section `r` was found. In place: layers, pressure
 // q [MPa], and in the section force, thickness strain and work.
-template <int nodes, class T, class Law>
-[[gnu::noinline]] void squeeze_section(const Law& law, const LayerRule& rule, const T room[nodes], T spring_by_area,
-                                       T thickness, const T membrane[3], T* layers, T& pressure, Resultants<T>& r) {
+template <int nodes, class T, class Law, class Layers>
+[[gnu::noinline]] PRESSWORK_DEVICE void squeeze_section(const Law& law, const LayerRule& rule, const T room[nodes],
+                                                        T spring_by_area, T thickness, const T membrane[3],
+                                                        Layers layers, T& pressure, Resultants<T>& r) {
   const double nu = law.poisson;
   const T over_modulus = T(1.0 / squeezed::constrained_modulus(law.young, nu));
   const T found = thickness * (T(1.0) + r.thickness_strain), zero(0.0), before = pressure;
@@ -56,8 +57,11 @@ template <int nodes, class T, class Law>
   }
   const T change = (spring_by_area * excess - before) / (T(1.0) + spring_by_area * count * found * over_modulus);
   const T lift = T((1.0 - 2.0 * nu) / (1.0 - nu)) * change;  // of the layers' normal stresses
-  const int points = static_cast<int>(rule.height.size()), rows = law.rows();
-  for (int k = 0; k < points; ++k) layers[k * rows] += T(2.0) * lift;
+  for (int k = 0; k < rule.points; ++k) {
+    T* point = layers.open(k);
+    point[0] += T(2.0) * lift;
+    layers.close(k, point);
+  }
   pressure = before + change;
   r.force[0] += thickness * T(2.0) * (lift - pressure);
   r.thickness_strain -= change * over_modulus;
@@ -66,10 +70,10 @@ template <int nodes, class T, class Law>
 }
 
 // The same, unless no lane is squeezed or no room is given.
-template <int nodes, class T, class Law>
-[[gnu::always_inline]] inline void squeeze_between_tools(const Law& law, const LayerRule& rule, const T* room,
-                                                         T spring_by_area, T thickness, const T membrane[3], T* layers,
-                                                         T& pressure, Resultants<T>& r) {
+template <int nodes, class T, class Law, class Layers>
+PRESSWORK_INLINE void squeeze_between_tools(const Law& law, const LayerRule& rule, const T* room, T spring_by_area,
+                                            T thickness, const T membrane[3], Layers layers, T& pressure,
+                                            Resultants<T>& r) {
   if (!room) return;
   T least = room[0];
   for (int a = 1; a < nodes; ++a) least = smaller(least, room[a]);

@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "material/law_data.hpp"
+#include "tensor/on_device.hpp"
 #include "tensor/records.hpp"
 
 namespace presswork {
@@ -26,16 +27,16 @@ struct TabulatedHardening {
   template <class T>
   struct Piece {
     T c[4], left, width;
-    T value(T x) const {
+    PRESSWORK_DEVICE T value(T x) const {
       T t = x - left;
       return c[0] + t * (c[1] + t * (c[2] + t * c[3]));
     }
-    T slope(T x) const {
+    PRESSWORK_DEVICE T slope(T x) const {
       T t = x - left;
       return c[1] + t * (T(2.0) * c[2] + T(3.0) * t * c[3]);
     }
   };
-  double shift() const { return offset; }
+  PRESSWORK_DEVICE double shift() const { return offset; }
   // Flow stress and slope at equivalent plastic strain p.
   template <class Real>
   void evaluate(PackOf<Real> p, PackOf<Real>& flow, PackOf<Real>& slope) const {
@@ -46,11 +47,20 @@ struct TabulatedHardening {
     slope = piece.slope(x);
   }
   template <class T>
-  void find(T x, Piece<T>& piece) const {
+  PRESSWORK_DEVICE void find(T x, Piece<T>& piece) const {
     const std::int64_t row = row_of(value_of(x));
     for (int i = 0; i < 4; ++i) piece.c[i] = rows[4 * row + i];
     piece.left = left_of(row);
     piece.width = left_of(row + 1) - left_of(row);
+  }
+  PRESSWORK_DEVICE void find(float x, Piece<float>& piece) const {
+    const int shift = 23 - bits;
+    const auto start = std::bit_cast<std::int32_t>(static_cast<float>(offset)) >> shift;
+    const auto end = static_cast<std::int32_t>(last);
+    const std::int32_t found = (std::bit_cast<std::int32_t>(x) >> shift) - start, row = found < end ? found : end;
+    for (int i = 0; i < 4; ++i) piece.c[i] = float_rows[4 * row + i];
+    piece.left = std::bit_cast<float>((row + start) << shift);
+    piece.width = std::bit_cast<float>((row + start + 1) << shift) - piece.left;
   }
   template <class Real>
   void find(PackOf<Real> x, Piece<PackOf<Real>>& piece) const {
@@ -68,11 +78,13 @@ struct TabulatedHardening {
     piece.width = P(std::bit_cast<typename P::Vector>((row + start + 1) << shift)) - piece.left;
   }
 
-  std::int64_t row_of(double x) const {
+  PRESSWORK_DEVICE std::int64_t row_of(double x) const {
     const std::int64_t row = (std::bit_cast<std::int64_t>(x) >> (52 - bits)) - first;
     return row < last ? row : last;
   }
-  double left_of(std::int64_t row) const { return std::bit_cast<double>((row + first) << (52 - bits)); }
+  PRESSWORK_DEVICE double left_of(std::int64_t row) const {
+    return std::bit_cast<double>((row + first) << (52 - bits));
+  }
 
  private:
   template <class Real>

@@ -20,7 +20,7 @@ namespace presswork {
 struct TabulatedMises {
   // of G: half of it of the flow stress; in single precision a few units in the last place
   template <class T>
-  static constexpr double tolerance = std::is_same_v<T, FloatPack> ? 2e-6 : 1e-9;
+  static constexpr double tolerance = std::is_same_v<T, FloatPack> || std::is_same_v<T, float> ? 2e-6 : 1e-9;
   static constexpr int max_iterations = 60;
 
   double young = 0.0;  // [MPa]
@@ -30,7 +30,7 @@ struct TabulatedMises {
   // Advance the lanes by increments of strain: sum xx + yy, difference xx - yy, engineering shear. state: s, d, c and
   // the equivalent plastic strain, in place. Gives the increment of thickness strain.
   template <class T>
-  T advance(T sum, T difference, T shear, T state[4]) const {
+  PRESSWORK_DEVICE T advance(T sum, T difference, T shear, T state[4]) const {
     const double two_g = young / (1.0 + poisson);
     T s_n = state[0];
     T s = s_n + T(young / (1.0 - poisson)) * sum, d = state[1] + T(two_g) * difference;
@@ -56,8 +56,8 @@ struct TabulatedMises {
 
  private:
   template <class T>
-  void solve(T A, T B, T x_n, Mask<T> open, TabulatedHardening::Piece<T>& piece, T& y, T& H, T& over_u,
-             T& over_v) const {
+  PRESSWORK_DEVICE void solve(T A, T B, T x_n, Mask<T> open, TabulatedHardening::Piece<T>& piece, T& y, T& H, T& over_u,
+                              T& over_v) const {
     const T alpha(0.5 * young / (1.0 - poisson)), beta(1.5 * young / (1.0 + poisson));
     for (int iteration = 0;; ++iteration) {
       T x = x_n + y, slope = piece.slope(x);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A thin SIMD pack of doubles or floats, and the few scalar functions that kernels call on double and pack alike.
 //
-// A kernel is a template on its scalar T: double (one lane), Pack (the CPU's vector width), FloatPack or Dual
-// (dual.hpp).
+// A kernel is a template on its scalar T: double (one lane, also of a GPU) or float, Pack (the CPU's vector width),
+// FloatPack or Dual (dual.hpp).
 // Comparisons give Mask<T>; a branch is written select(mask, a, b) and any(mask).
 #pragma once
 
@@ -14,6 +14,8 @@
 #if defined(__AVX__)
 #include <immintrin.h>
 #endif
+
+#include "tensor/on_device.hpp"
 
 namespace presswork {
 
@@ -88,11 +90,12 @@ inline constexpr int pack_width = Pack::width;
 template <class T>
 using Mask = decltype(T(0.0) < T(0.0));
 
-inline double select(bool m, double a, double b) { return m ? a : b; }
-inline bool any(bool m) { return m; }
-inline bool both(bool a, bool b) { return a && b; }
-inline bool either(bool a, bool b) { return a || b; }
-inline bool invert(bool m) { return !m; }
+PRESSWORK_DEVICE inline double select(bool m, double a, double b) { return m ? a : b; }
+PRESSWORK_DEVICE inline float select(bool m, float a, float b) { return m ? a : b; }
+PRESSWORK_DEVICE inline bool any(bool m) { return m; }
+PRESSWORK_DEVICE inline bool both(bool a, bool b) { return a && b; }
+PRESSWORK_DEVICE inline bool either(bool a, bool b) { return a || b; }
+PRESSWORK_DEVICE inline bool invert(bool m) { return !m; }
 
 inline bool any(Pack::Mask m) {
 #if PRESSWORK_VECTOR_BYTES == 64
@@ -128,7 +131,8 @@ Pack map_lanes(Pack a, F f) {
   return r;
 }
 
-inline double square_root(double a) { return std::sqrt(a); }
+PRESSWORK_DEVICE inline double square_root(double a) { return std::sqrt(a); }
+PRESSWORK_DEVICE inline float square_root(float a) { return std::sqrt(a); }
 inline double logarithm(double a) { return std::log(a); }
 inline double logarithm_one_plus(double a) { return std::log1p(a); }
 inline double exponential(double a) { return std::exp(a); }
@@ -210,16 +214,16 @@ inline void narrow(Pack a, int half, FloatPack& to) {
 }
 
 template <class T>
-T smaller(T a, T b) {
+PRESSWORK_DEVICE T smaller(T a, T b) {
   return select(a < b, a, b);
 }
 template <class T>
-T larger(T a, T b) {
+PRESSWORK_DEVICE T larger(T a, T b) {
   return select(a > b, a, b);
 }
 
 // The value without derivatives: identity but for dual numbers.
-inline double value_of(double a) { return a; }
+PRESSWORK_DEVICE inline double value_of(double a) { return a; }
 inline Pack value_of(Pack a) { return a; }
 
 }  // namespace presswork

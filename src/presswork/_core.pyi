@@ -1839,3 +1839,35 @@ def apply_fit(donor: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu
     """
     Values (n, m) at new points by the fits of Donors from values at old ones (n_old, m).
     """
+
+class Device(enum.Enum):
+    """What takes the place of the CPU's loop."""
+
+    host = 0
+    """the device code on the CPU, a lane after the other"""
+
+    cuda = 1
+    """the first NVIDIA card"""
+
+@overload
+def find_device_lack(loop: SpaceLoop) -> str: ...
+
+@overload
+def find_device_lack(loop: SpaceLoopSingle) -> str:
+    """
+    What a loop has that no device computes yet, in words; empty where there is nothing.
+    """
+
+@overload
+def advance_on(loop: SpaceLoop, target: Device, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None: ...
+
+@overload
+def advance_on(loop: SpaceLoopSingle, target: Device, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
+    """
+    Advance a loop, of which nothing lacks, on a device: as many cycles of dt [s] as the scales have values. Raises RuntimeError where the device does not.
+    """
+
+def list_cuda_cards() -> tuple[list[tuple[str, int, float, float]], str]:
+    """
+    NVIDIA cards: name, ten times the compute capability, memory and free memory [bytes] of each; and why there are none.
+    """

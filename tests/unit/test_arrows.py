@@ -18,6 +18,7 @@ CPP_ROOMS = {
     "contact": {"tensor", "reference"},
     "assembly": {"tensor", "element", "contact"},
     "explicit": {"tensor", "element", "material", "assembly", "contact"},
+    "device": {"tensor", "element", "explicit"},
     "remesh": {"tensor"},
     "sanitize": set(),
 }
@@ -88,6 +89,7 @@ PYTHON_ROOMS = {
     "notebook": {"case", "outcome", "recorder", "report", "results"},
     "server": {"case", "examples", "model", "outcome", "process", "recorder", "report", "results"},
     "cli": {
+        "explicit",
         "fields",
         "case",
         "deck",

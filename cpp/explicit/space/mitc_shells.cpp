@@ -16,7 +16,7 @@ struct Mitc {
             .hourglass_work = -1,
             .layers = shell4_mitc::head_rows,
             .in_plane = shell4_mitc::points,
-            .across = static_cast<int>(section.rule.height.size()),
+            .across = section.rule.points,
             .law = std::visit([](const auto& law) { return law.rows(); }, section.law),
             .pressure = int(shell4_mitc::first_point) + int(shell4_mitc::pressure),
             .pressure_step = shell4_mitc::point_rows,

@@ -39,6 +39,11 @@ class SpaceNodes {
   // Kinetic energy, and the work of the first half of the next step.
   void add_half_step(const Step& step, Energies& energies) const;
   void list_state(std::vector<StateField>& fields);
+  // Freedoms that are held (n): a bit for each, the first the lowest, and `askew` of nodes held along directions; and
+  // their velocities (n, 6).
+  const std::vector<std::uint8_t>& held() const { return held_; }
+  const std::vector<Real>& prescribed() const { return prescribed_; }
+  static constexpr int askew = freedoms;
 
   int n;
   AlignedArray<double> position;  // (n, 4): x, y, z [mm], unused
@@ -62,7 +67,6 @@ class SpaceNodes {
   [[gnu::noinline]] void hold(int node, const Step& step, Record& after, Record& outer) const;
   [[gnu::noinline]] void add_reaction(int node, const Step& step, const Record& outer);
 
-  static constexpr int askew = freedoms;  // the bit of a node that directions hold
   FreeMotion free_motion(int node) const;
 
   std::vector<std::uint8_t> held_;  // (n): a bit for each freedom, the first the lowest: its velocity is prescribed

@@ -17,7 +17,7 @@ struct OnePoint {
             .hourglass_work = shell4::hourglass_work,
             .layers = shell4::head_rows,
             .in_plane = 1,
-            .across = static_cast<int>(section.rule.height.size()),
+            .across = section.rule.points,
             .law = std::visit([](const auto& law) { return law.rows(); }, section.law),
             .pressure = shell4::pressure,
             .spring = shell4::spring,
@@ -85,7 +85,8 @@ struct Quadrilateral : OnePoint<4> {
                                              const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
                                              T* force) {
     if constexpr (treatment == ShellTreatment::stabilized) {
-      shell4::advance_stabilized(law, section.rule, now, x, v, w, room, state, force);
+      const LayersInRow<T> layers{state + shell4::head_rows, law.rows()};
+      shell4::advance_stabilized(law, section.rule, now, x, v, w, room, state, layers, force);
     } else {
       shell4::advance<treatment == ShellTreatment::warped>(law, section.rule, section.control, now, x, v, w, room,
                                                            state, force);

@@ -23,10 +23,13 @@ struct StateRows {
   int reference = -1, hourglass = -1;
 };
 
+struct ShellSection;
+
 template <class Real>
 class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
  public:
   const StateRows& rows() const { return rows_; }
+  virtual const ShellSection& section() const = 0;
 
   // Mass [t] and rotary inertia over mass [mm2], shared out to an element's nodes, to each the same.
   void add_masses(std::vector<double>& sum) const override {

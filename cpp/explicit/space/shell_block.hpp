@@ -50,6 +50,8 @@ class ShellBlock final : public SheetBlock<Real> {
     }
   }
 
+  const ShellSection& section() const override { return section_; }
+
   int advance(const SpaceNodes<Real>& nodes, double dt, double time, int first, int last, Real* force) override {
     return std::visit([&](const auto& law) { return advance_packs(law, nodes, dt, time, first, last, force); },
                       section_.law);

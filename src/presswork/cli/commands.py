@@ -25,6 +25,7 @@ COMMANDS = {
     "sweep": "Run a family of cases in parallel, and leave one table and one picture.",
     "blank": "Find the blank whose drawn flange has the outline wanted: draw, correct, draw again.",
     "compensate": "Correct the tools for springback, loop by loop, until the part has the shape it is drawn to.",
+    "devices": "List what explicit runs can compute on: the CPU, and NVIDIA cards where there are any.",
     "materials": "List the sheet materials of the library.",
     "onestep": "Find the flat blank of a finished part: outline, thinning, formability, punch force.",
     "calibrate": "Find a parameter from measured tests.",

@@ -21,6 +21,8 @@ from presswork.law.umat import TOLD
 Array = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.intp]
 Loop = _core.PlaneLoop | _core.SpaceLoop | _core.SpaceLoopSingle
+Failed = tuple[int, _core.LawStatus, int]
+"""Element that has failed, what its law told, and the cycle; the element is -1 where none has."""
 SAFETY = 0.9
 """Time step over the bound of the stable one."""
 RENEWAL = 10
@@ -220,6 +222,13 @@ class Dynamics:
     def _check(self) -> None:
         """Raise ExplicitError where a call has ended in what no result should be taken from."""
 
+    def _advance_loop(self, force_scale: Array, velocity_scale: Array, damping: float) -> Failed:
+        """Run a cycle for each scale."""
+        failed: Failed = self._loop.advance(
+            self.time, self.dt, self._last_step(), force_scale, velocity_scale, damping=damping
+        )
+        return failed
+
     def advance(
         self,
         n: int,
@@ -241,9 +250,7 @@ class Dynamics:
         self._prepare(velocity)
         if self._reference is None:
             self._begin_balance(damping, float(force[0]), float(velocity[0]))
-        failed, told, cycle = self._loop.advance(
-            self.time, self.dt, self._last_step(), force, velocity, damping=damping
-        )
+        failed, told, cycle = self._advance_loop(force, velocity, damping)
         if failed >= 0:
             when = f"in cycle {self.cycle + cycle + 1} (t = {self.time + (cycle + 1) * self.dt:g} s)"
             raise ExplicitError(self._explain(int(self._elements[failed]), told, when))

@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from presswork.evolution.damage import DamageLaw
 from presswork.explicit.blocks import Shells
+from presswork.explicit.device import Device as Device
 from presswork.explicit.dynamics import PHASES as PHASES
 from presswork.explicit.dynamics import SAFETY as SAFETY
 from presswork.explicit.input_checks import ExplicitError as ExplicitError
@@ -47,6 +48,7 @@ class ExplicitShells(SpaceDynamics):
         heating: tuple[float, bool] = (20.0, False),
         options: ShellOptions | None = None,
         precision: Precision = "double",
+        device: Device = "cpu",
         hanging: npt.ArrayLike = (),
     ) -> None:
         shells = Shells(
@@ -59,7 +61,7 @@ class ExplicitShells(SpaceDynamics):
             heating=heating,
             options=options or ShellOptions(),
         )
-        super().__init__(points, [shells], precision=precision, hanging=hanging)
+        super().__init__(points, [shells], precision=precision, device=device, hanging=hanging)
 
     def inherit(
         self,

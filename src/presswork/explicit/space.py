@@ -20,8 +20,9 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.explicit.blocks import Shells, Solids
+from presswork.explicit.device import DEVICES, Device, advance_on, check_device
 from presswork.explicit.drawbeads import BeadsOfRun
-from presswork.explicit.dynamics import Dynamics
+from presswork.explicit.dynamics import Dynamics, Failed
 from presswork.explicit.input_checks import ExplicitError, check_points
 from presswork.explicit.layers import LayersOfRun
 from presswork.explicit.tools import ToolsOfRun
@@ -64,7 +65,9 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, Dynamics):
     points (n_nodes, 3) [mm]; blocks: at most one of Shells, which the properties of layers, thickness and tools mean,
     and it comes first. hanging: nodes that follow the ends of sides (n, 7), as SplitMesh.hanging gives them.
     precision: "single" computes shells and velocities in single precision, positions and energies in double: about half
-    the time and memory; docs/theory/explicit.md says where it is good enough.
+    the time and memory; docs/theory/explicit.md says where it is good enough. device: "cuda" computes the cycles on
+    the first NVIDIA card, "host" runs the card's code on the CPU, for tests; docs/theory/explicit.md says what a device
+    computes. The state is that of the CPU's loop: a dump goes on anywhere.
     """
 
     FREEDOMS = "uvwpqr"
@@ -75,11 +78,15 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, Dynamics):
         blocks: Sequence[Shells | Solids],
         *,
         precision: Precision = "double",
+        device: Device = "cpu",
         hanging: npt.ArrayLike = (),
     ) -> None:
         x = np.array(points, dtype=float)
         if precision not in LOOPS:
             raise ExplicitError(f"precision = {precision!r}: give 'double' or 'single'")
+        if device not in DEVICES:
+            raise ExplicitError(f"device = {device!r}: give {' or '.join(map(repr, DEVICES))}")
+        self.device = device
         if not blocks or any(isinstance(block, Shells) for block in blocks[1:]):
             raise ExplicitError("blocks: give one at least, and Shells at most once, as the first")
         if precision != "double" and isinstance(blocks[0], Shells) and isinstance(blocks[0].law, SheetUmat):
@@ -124,6 +131,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, Dynamics):
             loop.set_hanging(place[follow])
         self._start_tools()
         self._start_beads()
+        check_device(device, loop)
         super().__init__(loop, nodes, np.concatenate(elements))
 
     @property
@@ -173,6 +181,14 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, Dynamics):
     def _prepare(self, velocity_scale: Array) -> None:
         self._prepare_tools(velocity_scale)
         self._prepare_beads(len(velocity_scale))
+
+    def _advance_loop(self, force_scale: Array, velocity_scale: Array, damping: float) -> Failed:
+        if self.device == "cpu":
+            return super()._advance_loop(force_scale, velocity_scale, damping)
+        check_device(self.device, self._loop)
+        return advance_on(
+            self.device, self._loop, (self.dt, self._last_step()), force_scale, velocity_scale, damping=damping
+        )
 
     def _check(self) -> None:
         self._check_tools()

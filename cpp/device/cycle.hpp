@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// A cycle of the explicit loop with a lane a thread: shells of one point with physical stabilisation, von Mises with
+// hardening from a table, and their nodes. The same functions are compiled for the CPU (host.cpp) and for a GPU
+// (cuda.cu), and take the same Problem.
+//
+// A cycle is three passes, each over lanes that know nothing of each other:
+//   move_node      a = (f_ext - f_int)/m, v += a h, x += v dt of one node
+//   advance_shell  one shell over the move: its state, and its forces at its four corners
+//   gather_forces  f_int of one node: the sum over a list of (corner, shell), always in the same order
+// So nothing is added by atomics, and the bits depend neither on the number of threads nor on the run. Arrays are as
+// neighbouring lanes read them: a row of a shell's state is one number of every shell; a node's record is its own.
+//
+// Arithmetic is that of nodes.cpp and of the kernels in element/: results differ from those of the CPU's loop by
+// round-off, since a node adds up its forces in another order.
+#pragma once
+
+#include <cstdint>
+
+#include "element/shell4_stabilized.hpp"
+#include "explicit/step.hpp"
+
+namespace presswork::device {
+
+using explicit_dynamics::Step;
+
+inline constexpr int freedoms = 6, corners = 4, law_rows = FastMises::rows();
+
+// Real: of velocities, forces and shells; positions, work and what is done with a node in a step are double.
+template <class Real>
+struct Nodes {
+  int n;
+  double* position;          // (n, 4) [mm]; the last unused
+  Real* motion;              // (n, 8): velocity [mm/s], angular velocity [1/s], 1/mass, 1/inertia
+  Real* internal_force;      // (n, 6) [N, N mm]
+  const Real* force;         // (n, 6) from outside
+  const std::uint8_t* held;  // (n): a bit for each freedom whose velocity is prescribed
+  const Real* prescribed;    // (n, 6)
+  double* reaction_impulse;  // (n, 6) [N s, N mm s]
+  double* work;              // (n, 2): of forces from outside, lost by mass damping, summed up over the cycles [N mm]
+  const int* first_corner;   // (n + 1) into corner
+  const int* corner;         // of the shells round each node: number of the shell + its corner times their number
+};
+
+template <class Real>
+struct Shells {
+  int n;
+  const int* node;  // (4, n)
+  Real* state;      // (rows, n): those of shell4_one_point.hpp, then the layers
+  Real* force;      // (24, n): at the corners
+  FastMises law;
+  LayerRule rule;
+};
+
+// A loop's nodes and shells for a call, in the memory of the host or of the device; rows: of a shell's state.
+template <class Real>
+struct Problem {
+  Nodes<Real> nodes;
+  Shells<Real> shells;
+  int rows;
+};
+
+// Cycles of dt, the step before was dt_before [s]; the scales (n) multiply forces and prescribed velocities.
+struct Cycles {
+  int n;
+  double dt, dt_before, damping;
+  const double *force_scale, *velocity_scale;
+
+  Step step(int cycle) const {
+    return {dt, cycle == 0 ? 0.5 * (dt_before + dt) : dt, damping, force_scale[cycle], velocity_scale[cycle]};
+  }
+};
+
+template <class Real>
+PRESSWORK_INLINE void move_node(const Nodes<Real>& nodes, const Step& step, int node) {
+  const std::size_t row = std::size_t(freedoms) * node;
+  Real* own = nodes.motion + 8 * std::size_t(node);
+  const int held = nodes.held[node];
+  double done = 0.0, damped = 0.0;
+  for (int i = 0; i < freedoms; ++i) {
+    const double before = own[i], inverse = own[i < 3 ? 6 : 7];
+    const double given = step.force_scale * nodes.force[row + i];
+    double outer = given,
+           after = step.kept * before + step.push * inverse * (outer - double(nodes.internal_force[row + i]));
+    if (held >> i & 1) {
+      const double free = after;
+      after = step.velocity_scale * nodes.prescribed[row + i];
+      if (inverse > 0.0) outer += (after - free) / (step.push * inverse);
+      nodes.reaction_impulse[row + i] += step.mean_dt * (outer - given);
+    }
+    done += outer * (before + after);
+    if (step.damping > 0.0 && inverse > 0.0) damped += 0.25 * (before + after) * (before + after) / inverse;
+    own[i] = static_cast<Real>(after);
+    // by the velocity as it is kept: what moves a node is what strains its elements
+    if (i < 3) nodes.position[4 * std::size_t(node) + i] += step.dt * own[i];
+  }
+  nodes.work[2 * std::size_t(node)] += 0.5 * step.mean_dt * done;
+  nodes.work[2 * std::size_t(node) + 1] += step.mean_dt * step.damping * damped;
+}
+
+template <class Real>
+PRESSWORK_INLINE void advance_shell(const Nodes<Real>& nodes, const Shells<Real>& shells, double dt, int shell) {
+  const std::size_t n = shells.n;
+  Real x[4][3], v[4][3], w[4][3], state[shell4::head_rows], force[freedoms * corners];
+  // positions less that of the first node: elements use differences alone
+  const double* origin = nodes.position + 4 * std::size_t(shells.node[shell]);
+  for (int a = 0; a < corners; ++a) {
+    const std::size_t node = shells.node[a * n + shell];
+    const double* at = nodes.position + 4 * node;
+    const Real* motion = nodes.motion + 8 * node;
+    for (int i = 0; i < 3; ++i) {
+      x[a][i] = static_cast<Real>(at[i] - origin[i]);
+      v[a][i] = motion[i], w[a][i] = motion[3 + i];
+    }
+  }
+  Real* rows = shells.state + shell;
+  for (int r = 0; r < shell4::head_rows; ++r) state[r] = rows[r * n];
+  const LayersApart<Real, law_rows> layers{rows + shell4::head_rows * n, static_cast<std::ptrdiff_t>(n), {}};
+  const LayerConditions<Real> now{dt};
+  shell4::advance_stabilized(shells.law, shells.rule, now, x, v, w, static_cast<const Real*>(nullptr), state, layers,
+                             force);
+  for (int r = 0; r < shell4::head_rows; ++r) rows[r * n] = state[r];
+  for (int i = 0; i < freedoms * corners; ++i) shells.force[i * n + shell] = force[i];
+}
+
+template <class Real>
+PRESSWORK_INLINE void gather_forces(const Nodes<Real>& nodes, const Shells<Real>& shells, int node) {
+  const std::size_t n = shells.n;
+  double sum[freedoms] = {};
+  for (int s = nodes.first_corner[node]; s < nodes.first_corner[node + 1]; ++s) {
+    const int at = nodes.corner[s], corner = at / shells.n, shell = at - corner * shells.n;
+    for (int i = 0; i < freedoms; ++i) sum[i] += shells.force[(freedoms * corner + i) * n + shell];
+  }
+  for (int i = 0; i < freedoms; ++i) nodes.internal_force[std::size_t(freedoms) * node + i] = static_cast<Real>(sum[i]);
+}
+
+}  // namespace presswork::device

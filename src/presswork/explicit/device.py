@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Devices that explicit runs compute on: the CPU, an NVIDIA card, and the card's code on the CPU."""
+
+from __future__ import annotations
+
+from typing import Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from presswork import _core
+from presswork.explicit.input_checks import ExplicitError
+
+Array = npt.NDArray[np.float64]
+Device = Literal["cpu", "host", "cuda"]
+DEVICES: tuple[Device, ...] = get_args(Device)
+OLDEST = 80
+"""Ten times the least compute capability."""
+
+
+def check_device(device: Device, loop: _core.SpaceLoop | _core.SpaceLoopSingle) -> None:
+    """Raise ExplicitError where a device is not there, or the loop has what it does not compute."""
+    if device == "cpu":
+        return
+    lack = _core.find_device_lack(loop)
+    if lack:
+        raise ExplicitError(f'device = {device!r} does not compute {lack}: take device = "cpu"')
+    if device == "cuda":
+        cards, why = _core.list_cuda_cards()
+        if cards and cards[0][1] < OLDEST:
+            why = f"{cards[0][0]} is too old, it must have compute capability 8.0 or more"
+        if why:
+            raise ExplicitError(f'device = "cuda": {why}; or take device = "cpu"')
+
+
+def advance_on(
+    device: Device,
+    loop: _core.SpaceLoop | _core.SpaceLoopSingle,
+    steps: tuple[float, float],
+    force_scale: Array,
+    velocity_scale: Array,
+    *,
+    damping: float,
+) -> tuple[int, _core.LawStatus, int]:
+    """Advance a cycle for each scale; steps: the present one and that before [s]. Raises ExplicitError.
+
+    Returns that no element has failed: laws of a device find a stress for any strain.
+    """
+    try:
+        _core.advance_on(loop, _core.Device[device], *steps, force_scale, velocity_scale, damping=damping)
+    except RuntimeError as error:
+        raise ExplicitError(f"device = {device!r}: {error}") from None
+    return -1, _core.LawStatus.done, -1
+
+
+def describe_devices() -> list[tuple[str, str]]:
+    """List each device and what is to be said of it."""
+    cards, why = _core.list_cuda_cards()
+    rows = [
+        ("cpu", "all that explicit runs have, in packs of SIMD width; the default"),
+        ("host", "the code for cards on the CPU, a shell at a time: slow, for tests"),
+    ]
+    for name, capability, memory, free in cards:
+        fit = "" if capability >= OLDEST else ", too old: 8.0 is needed"
+        said = f"compute capability {capability / 10:.1f}{fit}, {free * 1e-9:.1f} of {memory * 1e-9:.1f} GB free"
+        rows.append(("cuda", f"{name}, {said}"))
+    return rows if cards else [*rows, ("cuda", f"not here: {why or 'there is no NVIDIA card'}")]

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The code for cards, by its host build: agreement with the loop of the CPU, threads, restart across both, refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from presswork import _core
+from presswork.cli.commands import app
+from presswork.explicit.shells import Device, ExplicitError, ExplicitShells, ShellOptions
+from presswork.explicit.space import Precision
+from tests.consistency.test_explicit_shells import SWIFT, N, mesh, results
+
+CYCLES = 300
+AGREEMENT = {"double": 1e-12, "single": 1e-5}
+"""Of the largest value, after CYCLES: round-off; 5e-15 and 1e-6 are found."""
+
+
+def make_run(device: Device, precision: Precision = "double", n: int = N, **changes: object) -> ExplicitShells:
+    """One edge held, the opposite one pulled at 20 m/s, and pressed out of the plane; some mass added."""
+    points, cells = mesh(n)
+    given = {"law": SWIFT, "options": ShellOptions()} | changes
+    shells = ExplicitShells(
+        points, cells, 0.8, density=7.85e-9, precision=precision, device=device, **given  # type: ignore[arg-type]
+    )  # fmt: skip
+    shells.fix(np.flatnonzero(points[:, 0] == 0), "uvwpqr")
+    shells.fix(np.flatnonzero(points[:, 0] == 48), "u", 20000.0)
+    shells.force = np.tile([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], (len(points), 1))
+    shells.scale_mass(1.2 * shells.stable_step())
+    return shells
+
+
+def advance(shells: ExplicitShells, n: int) -> None:
+    shells.advance(n, damping=50.0, force_scale=np.linspace(0.5, 1.0, n), velocity_scale=np.linspace(0.2, 1.0, n))
+
+
+def everything(shells: ExplicitShells) -> list[np.ndarray]:
+    energies = shells.energies()
+    kinds = [energies.internal, energies.hourglass, energies.kinetic, energies.external, energies.damping]
+    return [*results(shells), shells.internal_force, shells.reaction_impulse, np.array(kinds)]
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_host_build_agrees_with_the_loop(precision: Precision) -> None:
+    """Motion, layers, thickness, forces, reactions and energies after plastic flow."""
+    runs = [make_run(device, precision) for device in ("cpu", "host")]
+    for run in runs:
+        advance(run, CYCLES)
+    assert runs[0].history_at_points.max() > 0.04
+    for expected, found in zip(*map(everything, runs), strict=True):
+        np.testing.assert_allclose(found, expected, rtol=0, atol=AGREEMENT[precision] * np.abs(expected).max())
+
+
+def test_threads_and_a_second_run_do_not_change_a_bit() -> None:
+    before, runs = _core.max_threads(), []
+    for threads in (1, 2, 3, 3):
+        _core.set_threads(threads)
+        shells = make_run("host", n=36)
+        advance(shells, 60)
+        runs.append(everything(shells))
+    _core.set_threads(before)
+    for other in runs[1:]:
+        for a, b in zip(runs[0], other, strict=True):
+            np.testing.assert_array_equal(a, b)
+
+
+@pytest.mark.parametrize(("first", "second"), [("host", "host"), ("cpu", "host"), ("host", "cpu")])
+def test_a_dump_goes_on_across_devices(first: Device, second: Device) -> None:
+    """With the same bits as one device that is never stopped; from one to another by the agreement of both."""
+    whole, begun, resumed = make_run(second), make_run(first), make_run(second)
+    whole.advance(120)
+    begun.advance(70)
+    resumed.restore(begun.dump())
+    resumed.advance(50)
+    for expected, found in zip(results(whole), results(resumed), strict=True):
+        if first == second:
+            np.testing.assert_array_equal(found, expected)
+        else:
+            np.testing.assert_allclose(found, expected, rtol=0, atol=AGREEMENT["double"] * np.abs(expected).max())
+
+
+def test_what_no_device_computes_is_refused() -> None:
+    power = _core.SheetLaw(
+        207e3, 0.3, _core.YieldFunction.hill1948([0.4, 0.5, 0.5, 1.5, 1.5, 1.5]), _core.HardeningLaw.swift,
+        [565.0, 0.007, 0.26],
+    )  # fmt: skip
+    with pytest.raises(ExplicitError, match=r"does not compute laws other than von Mises .*take device = \"cpu\""):
+        make_run("host", law=power)
+    with pytest.raises(ExplicitError, match="does not compute shells other than shell4_1pt"):
+        make_run("host", options=ShellOptions(hourglass="stiffness"))
+    points, cells = mesh()
+    above = points + np.array([0.0, 0.0, 9.0])
+    halves = np.concatenate([cells[:1, [0, 1, 2, 2]], cells[:1, [0, 2, 3, 3]], cells[1:]])
+    with pytest.raises(ExplicitError, match="does not compute triangles"):
+        ExplicitShells(points, halves, 0.8, SWIFT, 7.85e-9, device="host")
+    with pytest.raises(ExplicitError, match="give 'cpu' or 'host' or 'cuda'"):
+        ExplicitShells(points, cells, 0.8, SWIFT, 7.85e-9, device="gpu")  # type: ignore[arg-type]
+    run = make_run("host")
+    run.add_tool("punch", _core.ToolSurface.triangles(above, cells[:, [0, 2, 1]].copy()))
+    with pytest.raises(ExplicitError, match="does not compute rigid tools"):
+        run.advance(1)
+
+
+def test_a_card_that_is_not_there_is_refused_with_the_way_out() -> None:
+    cards, why = _core.list_cuda_cards()
+    if cards:
+        pytest.skip("there is a card")
+    assert "PRESSWORK_CUDA=ON" in why or "NVIDIA" in why
+    with pytest.raises(ExplicitError, match=r'device = "cuda": .*; or take device = "cpu"'):
+        make_run("cuda")
+    listed = CliRunner().invoke(app, ["devices"]).output
+    assert [line.split()[0] for line in listed.splitlines()] == ["cpu", "host", "cuda"]
+    assert why in listed

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The library for NVIDIA cards compiles on a machine without one, by the compiler from wheels.
+
+`python -m pytest -s validation/test_cuda_build.py` prints registers and spills by kernel.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.validation
+
+ROOT = Path(__file__).parents[1]
+WHEELS = ("nvidia-cuda-nvcc", "nvidia-nvvm", "nvidia-cuda-crt", "nvidia-cuda-runtime")
+KERNELS = ("move_nodes", "advance_shells", "gather_nodes")
+CAPABILITIES = ("80", "90")
+FEW_SPILLS = 64
+"""Bytes a thread."""
+
+
+@pytest.fixture(scope="module")
+def nvcc(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The compiler, installed in a folder of its own."""
+    folder = tmp_path_factory.mktemp("cuda")
+    install = [sys.executable, "-m", "pip", "install", "-q", "--target", folder, *(f"{name}==13.*" for name in WHEELS)]
+    done = subprocess.run(install, capture_output=True, text=True, timeout=900)
+    if done.returncode:
+        pytest.skip(f"the compiler's wheels cannot be had here: {done.stderr.strip().splitlines()[-1]}")
+    return folder / "nvidia" / "cu13" / "bin" / "nvcc"
+
+
+@pytest.fixture(scope="module")
+def build(nvcc: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """The folder of the library, and what the compiler told."""
+    folder = tmp_path_factory.mktemp("build")
+    options = ["-DPRESSWORK_CUDA=ON", f"-DPRESSWORK_NVCC={nvcc}", f"-DPython_EXECUTABLE={sys.executable}"]
+    subprocess.run(["cmake", "-S", ROOT, "-B", folder, *options], check=True, capture_output=True, timeout=300)
+    command = ["cmake", "--build", folder, "--target", "presswork_cuda"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=1200)
+    told = done.stdout + done.stderr
+    assert done.returncode == 0, told
+    return folder, told
+
+
+def read_kernels(told: str) -> dict[tuple[str, str, str], tuple[int, int]]:
+    """Registers and spilled bytes a thread, by kernel, precision and compute capability."""
+    found = {}
+    for name, capability, spilled, registers in re.findall(
+        r"entry function '(\w+)' for 'sm_(\d+)'.*?(\d+) bytes spill stores.*?Used (\d+) registers", told, re.DOTALL
+    ):
+        kernel = next(each for each in KERNELS if each in name)
+        precision = "double" if f"{kernel}Id" in name else "single"
+        found[kernel, precision, capability] = (int(registers), int(spilled))
+    return found
+
+
+def test_kernels_fit_into_registers(build: tuple[Path, str]) -> None:
+    found = read_kernels(build[1])
+    assert set(found) == {(k, p, c) for k in KERNELS for p in ("double", "single") for c in CAPABILITIES}
+    for (kernel, precision, capability), (registers, spilled) in sorted(found.items()):
+        print(f"sm_{capability} {kernel:15s} {precision}: {registers:3d} registers, {spilled} bytes spilled")
+        assert registers <= 255
+        assert spilled <= FEW_SPILLS
+
+
+def test_the_library_is_opened_and_says_what_is_missing(build: tuple[Path, str]) -> None:
+    """On a machine without driver or card; on one with a card it is counted."""
+    library = ctypes.CDLL(str(build[0] / "libpresswork_cuda.so"))
+    cards, message = ctypes.c_int(0), ctypes.create_string_buffer(512)
+    if library.presswork_cuda_count(ctypes.byref(cards), message):
+        assert "there is no NVIDIA" in message.value.decode()
+    else:
+        assert cards.value > 0
