@@ -28,20 +28,28 @@ class SheetSection:
 
 
 def cut_sheet(
-    result: Result, angle: float = 0.0, step: int = -1, *, start: tuple[float, float] = ORIGIN
+    result: Result,
+    angle: float = 0.0,
+    step: int = -1,
+    *,
+    start: tuple[float, float] = ORIGIN,
+    whole: bool = False,
 ) -> SheetSection:
     """Cut the sheet along the ray from `start` (x, y) [mm] at an angle from x [rad].
 
     The ray is drawn on the undeformed blank, so that the same material is seen at every step; of its places now the
-    part along the ray is returned. A ray that starts outside the blank cuts it from side to side.
+    part along the ray is returned. A ray that starts outside the blank cuts it from side to side, and so does one that
+    is whole: distances behind its start are negative.
 
     Pieces where the radius runs along a side of two cells belong to one of them.
     """
-    return _cut_mesh(result.mesh_at(step), result.points(step), angle, start)
+    return _cut_mesh(result.mesh_at(step), result.points(step), angle, start, -np.inf if whole else 0.0)
 
 
-def _cut_mesh(mesh: ResultMesh, now: FloatArray, angle: float, start: tuple[float, float]) -> SheetSection:
-    """Cut a mesh whose nodes are at `now` (n_points, 3), as cut_sheet."""
+def _cut_mesh(
+    mesh: ResultMesh, now: FloatArray, angle: float, start: tuple[float, float], least: float = 0.0
+) -> SheetSection:
+    """Cut a mesh whose nodes are at `now` (n_points, 3), as cut_sheet, from a distance on."""
     out, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     origin = np.asarray(start, dtype=float)
     before = mesh.points[:, :2] - origin
@@ -53,7 +61,7 @@ def _cut_mesh(mesh: ResultMesh, now: FloatArray, angle: float, start: tuple[floa
     for block in mesh.blocks:
         cells = block.connectivity
         sides = np.sign(off[cells])
-        touched = (sides.min(axis=1) <= 0) & (sides.max(axis=1) >= 0) & (along[cells].max(axis=1) > 0)
+        touched = (sides.min(axis=1) <= 0) & (sides.max(axis=1) >= 0) & (along[cells].max(axis=1) > least)
         for number in np.flatnonzero(touched):
             ends = _cut_cell(cells[number], off)
             if ends is None:
@@ -61,7 +69,7 @@ def _cut_mesh(mesh: ResultMesh, now: FloatArray, angle: float, start: tuple[floa
             places = [(_between(along, *end), _between(now, *end)) for end in ends]
             places.sort(key=lambda place: float(place[0]))
             middle = 0.5 * float(places[0][0] + places[1][0])
-            if middle > 0:
+            if middle > least:
                 line = np.array([[float((p[:2] - origin) @ out), float(p[2])] for _, p in places])
                 pieces.append((middle, line, first + int(number)))
         first += len(cells)
@@ -90,9 +98,15 @@ def _between(values: FloatArray, first: int, second: int, part: float) -> FloatA
 
 
 def cut_tool(
-    result: Result, tool: str, angle: float = 0.0, step: int = -1, *, start: tuple[float, float] = ORIGIN
+    result: Result,
+    tool: str,
+    angle: float = 0.0,
+    step: int = -1,
+    *,
+    start: tuple[float, float] = ORIGIN,
+    whole: bool = False,
 ) -> FloatArray:
-    """Cut a tool in space by the half plane from `start` (x, y) [mm] at an angle from x [rad].
+    """Cut a tool in space by the half plane from `start` (x, y) [mm] at an angle from x [rad], or by the whole plane.
 
     Return lines (n, 2, 2) of distance from the start and height [mm].
     """
@@ -112,8 +126,7 @@ def cut_tool(
         place = cut[crosses, a] + part[:, None] * (cut[crosses, b] - cut[crosses, a])
         lines[crosses, count[crosses]] = np.column_stack([place[:, :2] @ out, place[:, 2]])
         count[crosses] += 1
-    outside: FloatArray = lines[lines[:, :, 0].max(axis=1) > 0]
-    return outside
+    return lines if whole else np.asarray(lines[lines[:, :, 0].max(axis=1) > 0])
 
 
 def measure_draw_in(result: Result, angle: float = 0.0, step: int = -1) -> float:

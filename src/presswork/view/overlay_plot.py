@@ -52,7 +52,7 @@ def _overlay_sections(results: Sequence[Result], names: Sequence[str]) -> Figure
     figure = bare_figure(7.4, 6.0)
     upper, lower = figure.subplots(2, 1, height_ratios=(2, 1))
     for number, (result, name) in enumerate(zip(results, names, strict=True)):
-        sheet = cut_sheet(result)
+        sheet = cut_sheet(result, whole=True)
         if len(sheet.way) == 0:
             continue
         shape = np.concatenate([sheet.line[:, 0], sheet.line[-1:, 1]])
@@ -60,8 +60,8 @@ def _overlay_sections(results: Sequence[Result], names: Sequence[str]) -> Figure
         strain = result.field("thickness_strain")[sheet.cell]
         lower.plot(sheet.way, strain, ".-", color=f"C{number}", linewidth=1.2, markersize=3)
     upper.set_aspect("equal")
-    upper.set(xlabel="distance from the axis [mm]", ylabel="z [mm]", title="section at 0 degrees")
-    lower.set(xlabel="distance from the axis in the undeformed blank [mm]", ylabel="thickness strain [–]")
+    upper.set(xlabel="distance from the middle [mm]", ylabel="z [mm]", title="section at 0 degrees")
+    lower.set(xlabel="distance from the middle in the undeformed blank [mm]", ylabel="thickness strain [–]")
     lower.axhline(0.0, color="0.5", linewidth=0.8)
     upper.legend(frameon=False, fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
     for ax in (upper, lower):

@@ -29,7 +29,7 @@ def plot_section(
     start: tuple[float, float] = ORIGIN,
     figure: Figure | None = None,
 ) -> Figure:
-    """Draw the section along the ray from `start` (x, y) [mm] at an angle from x [degree].
+    """Draw the section along the ray from `start` (x, y) [mm] at an angle from x [degree]; without a start, all of it.
 
     Sheet and tools above, thickness strain below. Raises ResultError where the ray misses the sheet.
     """
@@ -40,13 +40,13 @@ def plot_section(
     upper, lower = figure.subplots(2, 1, height_ratios=(2, 1))
     figure.set_layout_engine("constrained", w_pad=0.15)  # else the wider labels of the lower axes are cut
     radians = float(np.radians(angle))
-    sheet = cut_sheet(result, radians, step, start=start)
+    sheet = cut_sheet(result, radians, step, start=start, whole=start == ORIGIN)
     if len(sheet.way) == 0:
         raise ResultError(f"the section from ({start[0]:g}, {start[1]:g}) mm at {angle:g} degrees misses the blank")
     lines = sheet.line
     thickness = result.field("thickness", step)[sheet.cell]
     for colour, tool in zip(_TOOL_COLOURS, result.tools_at_work(step), strict=False):
-        cut = cut_tool(result, tool, radians, step, start=start)
+        cut = cut_tool(result, tool, radians, step, start=start, whole=start == ORIGIN)
         upper.add_collection(LineCollection(list(cut), colors=colour, linewidths=1.0))
         upper.plot([], [], color=colour, label=tool)
     along = lines[:, 1] - lines[:, 0]
@@ -56,10 +56,11 @@ def plot_section(
     upper.add_collection(PolyCollection(list(faces), facecolor="#c03030", edgecolor="#c03030", linewidths=0.3))
     low, high = lines.reshape(-1, 2).min(axis=0), lines.reshape(-1, 2).max(axis=0)
     margin = 0.08 * float((high - low).max())
-    left = 0.0 if start == ORIGIN else float(low[0]) - margin
+    is_half = start == ORIGIN and sheet.way[0] >= 0.0
+    left = 0.0 if is_half else float(low[0]) - margin
     upper.set(xlim=(left, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     upper.set_aspect("equal")
-    beginning = "the axis" if start == ORIGIN else f"({start[0]:g}, {start[1]:g}) mm"
+    beginning = "the middle" if start == ORIGIN else f"({start[0]:g}, {start[1]:g}) mm"
     upper.set_xlabel(f"distance from {beginning} [mm]")
     upper.set_ylabel("z [mm]")
     if result.surfaces:
@@ -70,7 +71,7 @@ def plot_section(
     lower.set_xlabel(f"distance from {beginning} in the undeformed blank [mm]")
     lower.set_ylabel("thickness strain [–]")
     lower.axhline(0.0, color="0.5", linewidth=0.8)
-    if start == ORIGIN:
+    if is_half:
         lower.set_xlim(left=0.0)
     clean_axes(lower)
     return figure

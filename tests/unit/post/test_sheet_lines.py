@@ -22,6 +22,7 @@ from presswork.post import (
 )
 from presswork.results import OutputError, Result, ResultError, append_step, write_outline
 from presswork.view import plot_all, plot_outline
+from presswork.view.section_plot import plot_section
 
 DRAWN = np.array([-0.1, -0.2, 0.0])
 """Displacement gradient along x and y; z is 0.5 x."""
@@ -82,6 +83,17 @@ def test_a_section_follows_any_line_from_side_to_side(tmp_path: Path) -> None:
 def test_a_section_that_begins_inside_goes_one_way(tmp_path: Path) -> None:
     cut = cut_sheet(plate(tmp_path, "xy"), start=(7.5, 3.0))
     np.testing.assert_allclose(cut.way, np.arange(9.0, 20.0, 2.0) - 7.5)
+
+
+def test_a_whole_section_goes_both_ways_and_a_half_or_quarter_of_a_part_has_one(tmp_path: Path) -> None:
+    for symmetry, middles in (("", np.arange(-19.0, 20.0, 2.0)), ("xy", np.arange(1.0, 20.0, 2.0))):
+        folder = tmp_path / f"of_{symmetry}"
+        folder.mkdir()
+        result = plate(folder, symmetry)
+        cut = cut_sheet(result, start=(0.0, 3.0), whole=True)
+        np.testing.assert_allclose(cut.way, middles, atol=1e-9)
+        left = plot_section(result).axes[0].get_xlim()[0]
+        assert left == 0.0 if symmetry else left < -18.0
 
 
 def test_the_thickness_along_a_section_is_written(tmp_path: Path) -> None:
