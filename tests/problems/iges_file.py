@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
 UNITS = {"mm": (2, "MM"), "inch": (1, "IN"), "m": (6, "M")}
@@ -16,7 +17,7 @@ def write_iges(profile: Sequence[tuple[float, float]], angle: float, unit: str =
     text += "15H20260101.000000,1.0E-7,1000.0,2Hme,2Hme,11,0,15H20260101.000000;"
     heads = [text[i : i + 72].ljust(72) + "G" + f"{i // 72 + 1:7d}" for i in range(0, len(text), 72)]
     entities: list[tuple[int, str]] = [(110, "110,0.0,0.0,0.0,0.0,0.0,1.0;")]
-    for (r, z), (r1, z1) in zip(profile[:-1], profile[1:], strict=True):
+    for (r, z), (r1, z1) in itertools.pairwise(profile):
         entities.append((110, f"110,{r!r},0.0,{z!r},{r1!r},0.0,{z1!r};"))
         entities.append((120, f"120,1,{2 * len(entities) - 1},0.0,{angle!r};"))
     directory, parameters = [], []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The surface of a rigid tool from a file: STL, a model in STEP, or a mesh of triangles and quadrilaterals."""
+"""The surface of a rigid tool from a file: STL, a model in STEP or IGES, or a mesh of triangles and quadrilaterals."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from presswork.mesh.cad import is_cad, read_cad
 from presswork.mesh.checks import MeshError, check_size
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
-from presswork.mesh.step import is_step, read_step
 from presswork.mesh.topology import count_corners
 from presswork.mesh.triangles import (
     double_areas,
@@ -44,11 +44,11 @@ def read_tool(
     alone will do. facing: direction out of the metal towards the sheet, for open surfaces: their mean normal must not
     point the other way, and is turned over if it does. usual_size: about the diagonal that the tool should have, such
     as that of the blank [mm]; where the file is in another unit, the unit that comes nearest is suggested first.
-    tolerance: of a model in STEP, the largest distance of its triangles from the surface [mm] (mesh/step.py).
+    tolerance: of a model in STEP or IGES, the largest distance of its triangles from the surface [mm] (mesh/cad.py).
     Points that coincide are merged, triangles without area and doubled ones dropped, quadrilaterals split, facets wound
     against most of their part turned over. Raises MeshError.
     """
-    raw = read_step(path, tolerance) if is_step(path) else read_raw(path)
+    raw = read_cad(path, tolerance) if is_cad(path) else read_raw(path)
     points, cells = _take_facets(raw, scale)
     size = float(np.linalg.norm(np.ptp(points[cells.reshape(-1)], axis=0)))
     check_size("tool", size, scale, usual_size)

@@ -145,9 +145,9 @@ def write_section(
     """Write the thickness along a section as CSV, a row a piece of the sheet.
 
     Columns: undeformed distance from the start of the ray, that of the deformed sheet and its height [mm] at the middle
-    of the piece, thickness [mm], thickness strain. Arguments as cut_sheet. Raises OutputError.
+    of the piece, thickness [mm], thickness strain. Arguments as cut_sheet; whole without a start. Raises OutputError.
     """
-    sheet = cut_sheet(result, angle, step, start=start)
+    sheet = cut_sheet(result, angle, step, start=start, whole=start == ORIGIN)
     middle = sheet.line.mean(axis=1)
     fields = [result.field(name, step)[sheet.cell] for name in ("thickness", "thickness_strain")]
     rows = np.column_stack([sheet.way, middle, *fields])

@@ -203,8 +203,8 @@ def test_a_clean_surface_has_no_crossing_facets() -> None:
         ({"shape": "cylinder", "radius": 3, "length": 4, "edge_radius": 2.5, "position": [0, 0, 20]}, "no room"),
         ({"shape": "box", "size": [4, 0, 4]}, "three values > 0"),
         ({"shape": "sphere", "radius": -1}, "greater than 0|> 0"),
-        ({"shape": "file", "path": "die.stl", "tolerance": 0.1}, "STEP file only"),
-        ({"shape": "file", "path": "die.step", "unit": "mm"}, "no meaning with a STEP file"),
+        ({"shape": "file", "path": "die.stl", "tolerance": 0.1}, "CAD file only"),
+        ({"shape": "file", "path": "die.step", "unit": "mm"}, "no meaning with a CAD file"),
         ({"shape": "box", "size": [8, 8, 4], "position": [2, 0, 10]}, "halves differ"),
     ],
 )

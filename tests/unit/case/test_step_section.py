@@ -58,5 +58,5 @@ def test_case_takes_its_punch_from_a_model(tmp_path: Path) -> None:
     assert sorted(on_face[0, [0, 2]]) == pytest.approx(sorted(faces[0][0, [0, 2]]), abs=1e-6)
     for key in ('layer = "a"', 'unit = "m"'):
         case.write_text(text.replace("profile = [[0, 15], [30, 15]]", f"{drawn}\n{key}"), encoding="utf-8")
-        with pytest.raises(CaseError, match="no meaning with a STEP file"):
+        with pytest.raises(CaseError, match="no meaning with a CAD file"):
             Case.from_toml(case)

@@ -22,7 +22,7 @@ from presswork.case.units import (
     Stiffness,
     fault,
 )
-from presswork.mesh.step import is_step
+from presswork.mesh.cad import is_cad
 
 Axis = Literal["x", "y"]
 
@@ -207,11 +207,11 @@ class Tool(Part):
         if self.profile_file is None:
             remedy = "give points [x, y], joined by lines, or profile_file"
             raise fault("missing key", remedy, key="profile")
-        if self.section is not None and not is_step(self.profile_file):
-            raise fault("has a meaning with a STEP file only", "remove it", key="section")
-        if is_step(self.profile_file):
+        if self.section is not None and not is_cad(self.profile_file):
+            raise fault("has a meaning with a CAD file only", "remove it", key="section")
+        if is_cad(self.profile_file):
             for key in {"layer", "unit"} & self.model_fields_set:
-                raise fault("has no meaning with a STEP file", "remove it", key=key)
+                raise fault("has no meaning with a CAD file", "remove it", key=key)
         elif not self.profile_file.lower().endswith(".dxf"):
             if self.layer is not None:
                 raise fault("has no meaning with a text file", "remove it", key="layer")

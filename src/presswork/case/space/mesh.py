@@ -163,7 +163,7 @@ class ClosedSurface(Part):
     """The inside of a closed surface, filled with tetrahedra; its sets are those of a box round it."""
 
     kind: Literal["surface"] = Field(description="the inside of a closed surface, filled with tetrahedra")
-    path: str = Field(description="file of the surface: .stl, .step or .stp")
+    path: str = Field(description="file of the surface: .stl, .step, .stp, .iges or .igs")
     unit: str = Field(default="mm", description="unit of the file's coordinates; STEP says its own")
     size: Length = Field(gt=0, description="mean edge of cells [mm]; they are smaller at small features")
 

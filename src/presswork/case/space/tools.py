@@ -15,7 +15,7 @@ from presswork.case.part import Part
 from presswork.case.solid.contact import require_friction
 from presswork.case.solid.tool import ProfilePoint, check_motion
 from presswork.case.units import Angle, Direction3, Force, Length, Number, Place3, Point3, Stiffness, fault
-from presswork.mesh.step import is_step
+from presswork.mesh.cad import is_cad
 
 
 def unit_vector3(direction: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -192,20 +192,20 @@ class ToolFile(_SpaceTool):
     """A tool's surface from a file, its normals out of the metal."""
 
     shape: Literal["file"] = Field(description="a surface from an STL file, or the faces of a model in STEP")
-    path: str = Field(description="the file, relative to the case file: .stl, .step, .stp")
+    path: str = Field(description="the file, relative to the case file: .stl, .step, .stp, .iges, .igs")
     unit: str = Field(default="mm", description="length unit of an STL file's coordinates, e.g. mm, m, inch")
     tolerance: Length | None = Field(
         default=None,
         gt=0,
-        description="STEP: how far facets may lie off the faces [mm]; default: 1e-4 of the model's diagonal",
+        description="STEP, IGES: how far facets may lie off the faces [mm]; default: 1e-4 of the model's diagonal",
     )
 
     @model_validator(mode="after")
     def _check_step(self) -> Self:
-        if is_step(self.path) and "unit" in self.model_fields_set:
-            raise fault("has no meaning with a STEP file", "remove it", key="unit")
-        if self.tolerance is not None and not is_step(self.path):
-            raise fault("has a meaning with a STEP file only", "remove it", key="tolerance")
+        if is_cad(self.path) and "unit" in self.model_fields_set:
+            raise fault("has no meaning with a CAD file", "remove it", key="unit")
+        if self.tolerance is not None and not is_cad(self.path):
+            raise fault("has a meaning with a CAD file only", "remove it", key="tolerance")
         return self
 
 

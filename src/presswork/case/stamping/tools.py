@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from presswork.case.heat.forming import ToolHeat
 from presswork.case.part import Part
 from presswork.case.units import Length, Number, Point, Point3, fault
-from presswork.mesh.step import is_step
+from presswork.mesh.cad import is_cad
 from presswork.model import ToolKind
 
 
@@ -202,25 +202,25 @@ class RingTool(_Tool):
 
 
 class ToolFile(_Tool):
-    """A tool's surface from an STL or STEP file, its normals out of the metal."""
+    """A tool's surface from an STL, STEP or IGES file, its normals out of the metal."""
 
     shape: Literal["file"] = Field(description="a surface from a file")
-    path: str = Field(description="the file, STL or STEP, relative to the case file")
+    path: str = Field(description="the file, STL, STEP or IGES, relative to the case file")
     unit: str = Field(
-        default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch; STEP says its own"
+        default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch; STEP and IGES say their own"
     )
     tolerance: Length | None = Field(
         default=None,
         gt=0,
-        description="STEP: largest distance of the triangles from the surface [mm]; default: 1e-4 of its diagonal",
+        description="STEP, IGES: largest distance of triangles from the surface [mm]; default: 1e-4 of its diagonal",
     )
 
     @model_validator(mode="after")
     def _check_file(self) -> Self:
-        if is_step(self.path) and "unit" in self.model_fields_set and self.unit != "mm":
-            raise fault("a STEP file says its unit itself", "remove it", key="unit")
-        if not is_step(self.path) and self.tolerance is not None:
-            raise fault("has no meaning with triangles", "remove it, or give a STEP file", key="tolerance")
+        if is_cad(self.path) and "unit" in self.model_fields_set and self.unit != "mm":
+            raise fault("a CAD file says its unit itself", "remove it", key="unit")
+        if not is_cad(self.path) and self.tolerance is not None:
+            raise fault("has no meaning with triangles", "remove it, or give a CAD file", key="tolerance")
         return self
 
 

@@ -14,7 +14,7 @@ from presswork.case.tools.profile import MEETING, Outline, ProfileError, draw_ou
 from presswork.case.tools.step_section import read_section
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.chain import ProfileFileError, join_pieces
-from presswork.mesh.step import is_step
+from presswork.mesh.cad import is_cad
 from presswork.text_file import UnreadableError, read_text
 
 
@@ -31,7 +31,7 @@ def read_outline(path: Path, tool: Tool, *, is_half: bool = False) -> Outline:
     """
     if not path.is_file():
         raise ProfileFileError("no such file", "check the path, which is relative to the case file")
-    if is_step(path):
+    if is_cad(path):
         chain = join_pieces(*read_section(path, tool.section or "xy", tool.tolerance, is_half=is_half))
     elif is_drawing(path):
         factor = None if tool.unit is None else unit_factor(tool.unit, LENGTH)

@@ -13,8 +13,8 @@ from presswork.case.tools.profile import RELATIVE_TOLERANCE
 from presswork.case.units import LENGTH
 from presswork.geometry.biarc import Curve, CurveError, fit_biarcs
 from presswork.geometry.chain import Piece, ProfileFileError
+from presswork.mesh.cad import open_cad
 from presswork.mesh.checks import MeshError
-from presswork.mesh.step import open_step
 from presswork.model import FloatArray
 
 Plane = Literal["xy", "xz", "yz"]
@@ -34,7 +34,7 @@ def read_section(path: Path, plane: Plane, tolerance: float | None, *, is_half: 
     out what lies at negative values of the first axis. Raises ProfileFileError.
     """
     try:
-        model = open_step(path)
+        model = open_cad(path)
     except MeshError as error:
         raise ProfileFileError(error.fault, error.remedy) from None
     order = _AXES[plane]

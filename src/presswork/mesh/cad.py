@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""CAD models in STEP, read by Open CASCADE through netgen (extra `cad`), as triangles of their faces."""
+"""CAD models in STEP and IGES, read by Open CASCADE through netgen (extra `cad`), as triangles of their faces."""
 
 from __future__ import annotations
 
 import re
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ from presswork.mesh.checks import MeshError
 from presswork.mesh.raw import RawMesh
 from presswork.model import FloatArray
 
-STEP_ENDINGS = (".step", ".stp")
+_IGES = (".iges", ".igs")
+_ENDINGS = (".step", ".stp", *_IGES)
 RELATIVE_TOLERANCE = 1e-4
 """Distance of triangles from the surface where none is asked for, as a part of the model's diagonal."""
 _MOST_ROUNDS = 5
@@ -21,22 +23,26 @@ _MOST_ROUNDS = 5
 _ANGLE = 0.2
 """Largest angle between neighbouring triangles on a curved face [rad]: eight to a quarter of a circle."""
 _REMEDY = "export it again as STEP AP214 or AP242"
+_SEWN = 1e-3
+"""How far apart edges of neighbouring faces may lie in IGES, whose faces share none [mm]."""
+_LAST_RECORD = re.compile(rb"^S *[0-9]+G *[0-9]+D *[0-9]+P *[0-9]+ *T", re.MULTILINE)
+"""Of a file in IGES: how many records of each kind it has."""
 _ELSEWHERE = re.compile(rb"DOCUMENT_FILE|EXTERNALLY_DEFINED_|EXTERNAL_SOURCE", re.IGNORECASE)
 """Entities of a file whose parts lie in other files."""
 
 
-def is_step(path: Path | str) -> bool:
-    """Say whether a file's name is that of a STEP model."""
-    return Path(path).suffix.lower() in STEP_ENDINGS
+def is_cad(path: Path | str) -> bool:
+    """Say whether a file's name is that of a model in STEP or IGES."""
+    return Path(path).suffix.lower() in _ENDINGS
 
 
-def read_step(path: Path, tolerance: float | None = None) -> RawMesh:
+def read_cad(path: Path, tolerance: float | None = None) -> RawMesh:
     """Return triangles that follow the faces of a model within a tolerance, their normals out of its solids.
 
     tolerance: largest distance from the surface [mm], by default RELATIVE_TOLERANCE of the diagonal. Coordinates come
     in mm, whatever the unit of the file. Raises MeshError.
     """
-    geometry = open_step(path)
+    geometry = open_cad(path)
     low, high = (np.array([*corner]) for corner in geometry.shape.bounding_box)
     wanted = RELATIVE_TOLERANCE * float(np.linalg.norm(high - low)) if tolerance is None else tolerance
     chord, angle = wanted, _ANGLE
@@ -46,7 +52,7 @@ def read_step(path: Path, tolerance: float | None = None) -> RawMesh:
         if error <= wanted:
             break
         chord, angle = 0.7 * chord * wanted / error, angle * float(np.sqrt(0.7 * wanted / error))
-        geometry = open_step(path)
+        geometry = open_cad(path)
     triangles = np.arange(3 * len(corners), dtype=np.int32).reshape(-1, 3)
     a, b, c = corners.swapaxes(0, 1)
     is_turned = np.einsum("ij,ij->i", np.cross(b - a, c - a), normals.sum(axis=1)) < 0.0
@@ -77,18 +83,20 @@ def _estimate_error(corners: FloatArray, normals: FloatArray) -> float:
     return float(np.maximum(rise.max(axis=1), 4.0 / 9.0 * rise.sum(axis=1)).max())
 
 
-def open_step(path: Path) -> Any:
+def open_cad(path: Path) -> Any:
     """Return the model of a file. Raises MeshError."""
     try:
         from netgen import occ
     except ImportError as error:
         raise MeshError(
-            "STEP files are read by netgen, which is not installed",
+            "STEP and IGES files are read by netgen, which is not installed",
             'pip install "presswork[cad]" (34 MB), or export the surface as STL',
         ) from error
     if not path.is_file():
         raise MeshError(f"no such file ({path})", "check the path, which is relative to the case file")
     content = path.read_bytes()
+    if path.suffix.lower() in _IGES:
+        return _open_iges(content, occ)
     if not content.lstrip()[:13].upper().startswith(b"ISO-10303-21"):
         raise MeshError(
             "this is no STEP file: it does not begin with ISO-10303-21", "export it again as STEP AP214 or AP242"
@@ -101,3 +109,20 @@ def open_step(path: Path) -> Any:
         reason = " ".join(str(error).split())[:100]
         raise MeshError(f"the model cannot be read ({reason})", _REMEDY) from error
     return geometry
+
+
+def _open_iges(content: bytes, occ: Any) -> Any:
+    """Return the model of a file in IGES, its faces sewn together. Raises MeshError."""
+    if content[72:73] not in (b"S", b"C") or not _LAST_RECORD.search(content.replace(b"\r", b"")):
+        fault = "this is no whole IGES file of records of 80 columns"
+        raise MeshError(fault, "export it again, uncompressed, or as STEP AP214 or AP242")
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "model.iges"  # netgen knows no other ending
+        copy.write_bytes(content)
+        try:
+            faces = list(occ.OCCGeometry(str(copy)).shape.faces)
+        except Exception as error:  # netgen's own, and what Open CASCADE raises through it
+            raise MeshError("the model cannot be read, or is empty", _REMEDY) from error
+    if not faces:
+        raise MeshError("the model has no faces", "export a solid or its surfaces, not curves alone")
+    return occ.OCCGeometry(occ.Sew(faces, _SEWN))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Models in STEP become triangles within a tolerance, normals outwards; what cannot be read is said with its remedy."""
+"""Models in STEP and IGES become triangles within a tolerance, normals outwards; the unreadable has a remedy."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ import tomli_w
 from presswork import build_model, read_case
 from presswork.case import CaseError
 from presswork.examples import copy_example
+from presswork.mesh.cad import read_cad
 from presswork.mesh.checks import MeshError
-from presswork.mesh.step import read_step
 from presswork.mesh.tool_file import read_tool
-from presswork.mesh.triangles import enclosed_volumes
+from presswork.mesh.triangles import double_areas, enclosed_volumes
+from tests.problems.iges_file import write_iges
 
 RADIUS, HEIGHT = 20.0, 30.0
 
@@ -51,16 +52,16 @@ def test_triangles_lie_within_the_tolerance_and_face_outwards(model: Path, toler
 
 
 def test_finer_tolerance_gives_more_triangles(model: Path) -> None:
-    counts = [len(read_step(model, tolerance).points) for tolerance in (0.5, 0.05, 0.005)]
+    counts = [len(read_cad(model, tolerance).points) for tolerance in (0.5, 0.05, 0.005)]
     assert counts[0] < counts[1] < counts[2]
 
 
 def test_unit_of_the_file_becomes_mm(model: Path) -> None:
-    size = np.ptp(read_step(model).points, axis=0)
+    size = np.ptp(read_cad(model).points, axis=0)
     np.testing.assert_allclose(size, [2 * RADIUS, 2 * RADIUS, RADIUS + HEIGHT], rtol=1e-3)
     text = model.read_text()
     model.write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT(.CENTI.,.METRE.)"))
-    np.testing.assert_allclose(np.ptp(read_step(model).points, axis=0), 10.0 * size, rtol=1e-3)
+    np.testing.assert_allclose(np.ptp(read_cad(model).points, axis=0), 10.0 * size, rtol=1e-3)
 
 
 def test_damaged_models_are_refused_with_a_remedy(model: Path) -> None:
@@ -73,15 +74,15 @@ def test_damaged_models_are_refused_with_a_remedy(model: Path) -> None:
     for content, words in faults.items():
         model.write_text(content)
         with pytest.raises(MeshError, match=words):
-            read_step(model)
+            read_cad(model)
     with pytest.raises(MeshError, match="no such file"):
-        read_step(model.with_name("other.step"))
+        read_cad(model.with_name("other.step"))
 
 
 def test_without_netgen_the_remedy_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setitem(sys.modules, "netgen", None)
     with pytest.raises(MeshError, match=r"presswork\[cad\].*STL"):
-        read_step(tmp_path / "punch.step")
+        read_cad(tmp_path / "punch.step")
 
 
 def test_stamping_takes_its_punch_from_a_model(model: Path) -> None:
@@ -100,3 +101,43 @@ def test_stamping_takes_its_punch_from_a_model(model: Path) -> None:
         case.write_text(tomli_w.dumps({**data, "tools": {**data["tools"], punch: changed}}), encoding="utf-8")
         with pytest.raises(CaseError, match=words):
             read_case(case)
+
+
+WALL = [(20.0, 0.0), (30.0, 0.0), (40.0, 10.0), (40.0, 25.0)]
+"""Of a die: a ring, a cone, a cylinder (r, z) [mm]."""
+AREA = np.pi * (30.0**2 - 20.0**2 + (30.0 + 40.0) * np.hypot(10.0, 10.0) + 2.0 * 40.0 * 15.0) / 4.0
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("mm", 1.0), ("inch", 25.4), ("m", 1e3)])
+@pytest.mark.parametrize("ending", ["igs", "iges"])
+def test_faces_in_iges_are_sewn_into_one_surface_in_mm(tmp_path: Path, unit: str, factor: float, ending: str) -> None:
+    pytest.importorskip("netgen.occ", reason='no netgen: pip install "presswork[cad]"')
+    path = tmp_path / f"die.{ending}"
+    path.write_text(write_iges([(r / factor, z / factor) for r, z in WALL], 0.5 * np.pi, unit))
+    tool, notes = read_tool(path, facing=(0.0, 0.0, 1.0), tolerance=0.05)
+    assert len([note for note in notes if "open rim" in note]) == 1
+    assert not [note for note in notes if "parts that share no edge" in note]
+    area = 0.5 * np.linalg.norm(double_areas(tool.points, tool.triangles), axis=1).sum()
+    assert area == pytest.approx(AREA, rel=3e-3)
+    r = np.linalg.norm(tool.points[:, :2], axis=1)
+    profile = np.array(WALL)
+    on = np.interp(tool.points[:, 2], profile[1:, 1], profile[1:, 0])
+    is_ring = tool.points[:, 2] < 1e-9
+    np.testing.assert_allclose(r[~is_ring], on[~is_ring], atol=1e-6)
+    middles = tool.points[tool.triangles].mean(axis=1)
+    is_wall = middles[:, 2] > 10.0
+    assert (40.0 - np.linalg.norm(middles[is_wall, :2], axis=1)).max() < 0.05
+
+
+def test_damaged_models_in_iges_are_refused_with_a_remedy(tmp_path: Path) -> None:
+    pytest.importorskip("netgen.occ", reason='no netgen: pip install "presswork[cad]"')
+    text = write_iges(WALL, 0.5 * np.pi)
+    faults = {
+        text[: len(text) // 2]: "no whole IGES file",
+        "solid x": "no whole IGES file",
+        write_iges(WALL[:1], 0.5 * np.pi): "no faces|cannot be read",
+    }
+    for content, words in faults.items():
+        (tmp_path / "die.igs").write_text(content)
+        with pytest.raises(MeshError, match=words):
+            read_cad(tmp_path / "die.igs")
