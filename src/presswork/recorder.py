@@ -148,12 +148,16 @@ def append_snapshot(path: Path, mesh: Mesh, now: Snapshot) -> None:
     )
 
 
-def write_start(model: Model, folder: Path) -> None:
-    """Write the start of a process as a run of one step into a folder that is there. Raises StartError, OutputError."""
+def write_start(model: Model, folder: Path) -> list[str]:
+    """Write the start of a process as a run of one step into a folder that is there; return its columns of history.csv.
+
+    Raises StartError, OutputError.
+    """
     recording = begin(model, 1)
     (folder / RESULTS).unlink(missing_ok=True)
     append_snapshot(folder / RESULTS, recording.mesh, recording.snapshot())
     (folder / CASE).write_text(model.case_text, encoding="utf-8")
+    return list(recording.columns)
 
 
 class _Log(logging.FileHandler):

@@ -82,7 +82,7 @@ PYTHON_ROOMS = {
     "view": {"fields", "formability", "model", "post", "results"},
     "report": {"case", "fields", "formability", "model", "post", "results", "view"},
     "recorder": {"model", "outcome", "process", "results", "stop"},
-    "study": {"api", "case", "geometry", "model", "outcome", "post", "recorder", "results", "view"},
+    "study": {"api", "case", "fields", "geometry", "model", "outcome", "post", "recorder", "results", "view"},
     "material": {"case", "formability", "law", "model", "view"},
     "onestep": {"case", "explicit", "fields", "implicit", "mesh", "model", "results"},
     "api": {"case", "mesh", "model", "onestep", "recorder", "results"},

@@ -154,6 +154,16 @@ def to_number(value: object, dimension: Dimension) -> float:
     return number
 
 
+def split_quantity(value: object) -> tuple[float, str] | None:
+    """Return number and unit of a plain number, or of a text such as "2 kN"; None if it is neither."""
+    if isinstance(value, str):
+        match = _NUMBER_AND_UNIT.match(value) if len(value) <= 2 * _LONGEST else None
+        return (float(match.group(1)), match.group(2)) if match else None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < LARGEST_FLOAT:
+        return None
+    return float(value), ""
+
+
 def to_pair(value: object, dimension: Dimension) -> tuple[float, float]:
     """Convert [x, y], each a number or a string with a unit."""
     if not isinstance(value, list | tuple) or len(value) != 2:

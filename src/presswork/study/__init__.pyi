@@ -5,6 +5,7 @@ from .calibrate import Calibration, CalibrationCurves, FrictionFit, calibrate_ri
 from .cluster.connection import Cluster, ClusterError
 from .compensate import Compensation, Loop, compensate_springback
 from .measured import MeasuredRings, read_measured
+from .optimum.optimise import Optimum, optimise
 from .ring import RingMeasures, measure_ring
 from .sweep import MemberResult, SweepProgress, SweepResult, run_sweep
 from .vary import parse_variation
@@ -21,6 +22,7 @@ __all__ = [
     "Loop",
     "MeasuredRings",
     "MemberResult",
+    "Optimum",
     "RingMeasures",
     "SweepProgress",
     "SweepResult",
@@ -30,6 +32,7 @@ __all__ = [
     "fit_friction",
     "integrate_ring",
     "measure_ring",
+    "optimise",
     "parse_variation",
     "read_measured",
     "run_sweep",

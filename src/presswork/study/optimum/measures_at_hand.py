@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Which measures the runs of a case will have, told from its start before anything is computed."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+from presswork.case import CaseError
+from presswork.case.errors import Problem, suggest
+from presswork.fields.table import find_row
+from presswork.model import Model, OneStepModel
+from presswork.recorder import write_start
+from presswork.results import Result, ResultError
+from presswork.study.measures import Column, parse_column
+
+_ALWAYS = (
+    "fraction_computed", "increments", "iterations", "cutbacks", "wall_seconds",
+    "max_equivalent_plastic_strain", "max_effective_stress",
+)  # fmt: skip
+_ONE_STEP = ("punch.force", "blank_area", "strip_utilisation_percent")
+
+
+def check_measures(measures: Mapping[str, str], model: Model | OneStepModel, study_file: Path) -> tuple[Column, ...]:
+    """Return the columns among measures; measures: each with the key of the study file that names it.
+
+    Raises CaseError, with every one that the runs of the model will not have.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        start = _Start(model, Path(folder))
+        problems, columns = [], []
+        for measure, key in measures.items():
+            try:
+                column = start.find(measure)
+            except CaseError as error:
+                problems += [Problem(key, p.expected, p.remedy, measure) for p in error.problems]
+                continue
+            columns += [column] if column else []
+    if problems:
+        raise CaseError(problems, study_file)
+    return tuple(columns)
+
+
+class _Start:
+    """The start of a run, and what can be measured of it."""
+
+    def __init__(self, model: Model | OneStepModel, folder: Path) -> None:
+        self.result: Result | None = None
+        self.history: list[str] = ["iteration", "unbalanced"]
+        names = list(_ALWAYS)
+        if isinstance(model, OneStepModel):
+            names += [*_ONE_STEP, "max_thinning_percent"]
+            names += ["min_forming_limit_margin", "cracked_cells"] if model.material.formability.curve else []
+        else:
+            self.history = write_start(model, folder)
+            self.result = Result(folder)
+            names += self._of_process(model)
+        self.names = names
+
+    def _of_process(self, model: Model) -> list[str]:
+        """Return the names of the table of a process in time."""
+        assert self.result is not None
+        fields, names = self.result.field_names, []
+        for column in self.history:
+            tool, _, quantity = column.rpartition(".")
+            names += [column, f"{tool}.force", f"{tool}.max_force"] if tool and quantity == "stroke" else []
+        names += ["max_thinning_percent"] if "thinning" in fields else []
+        names += ["min_forming_limit_margin", "cracked_cells"] if "forming_limit_margin" in fields else []
+        names += ["min_temperature", "max_temperature"] if "temperature" in fields else []
+        names += ["min_draw_in", "max_draw_in"] if self.result.is_stamping else []
+        springs = model.springback or any(operation.springback for operation in model.following)
+        names += ["max_springback", "min_deviation", "max_deviation"] if springs else []
+        return names
+
+    def find(self, measure: str) -> Column | None:
+        """Return the column of a measure, None of one that every row has. Raises CaseError if there is no such one."""
+        if measure in self.names:
+            return None
+        if ":" not in measure:
+            remedy = suggest(measure, self.names, "measures of this case")
+            remedy += "; or max:FIELD, min:FIELD, last:COLUMN of history.csv"
+            raise CaseError([Problem("", "the runs of this case have no such measure", remedy)])
+        column = parse_column(measure)
+        if column.name in self.history:
+            return column
+        known = self.history if column.extreme == "last" else list(self.result.field_names) if self.result else []
+        if column.extreme != "last" and self._may_have(column.name):
+            return column
+        what = "columns of history.csv" if column.extreme == "last" else "fields"
+        raise CaseError(
+            [Problem("", f"the runs of this case have no {column.name}", suggest(column.name, known, what))]
+        )
+
+    def _may_have(self, field: str) -> bool:
+        """Say whether the start has a field, or a later step may have it."""
+        if self.result is not None:
+            try:
+                self.result.scalar(field)
+                return True
+            except ResultError:
+                pass
+        return find_row(field) is not None and (self.result is None or field not in self.result.field_names)
