@@ -70,6 +70,7 @@ void bind_interface(nb::module_& m) {
       .def_prop_ro("pressure_slopes", &field<&InterfaceOutput::pressure_slopes, 2>,
                    "d pressure / d position of active slots (n, 2) [MPa/mm].")
       .def_prop_ro("status", &field<&InterfaceOutput::status>, "0 apart, 1 sticks, 2 slides (n_slots,).")
+      .def_prop_ro("weight", &field<&InterfaceOutput::weight>, "Surface in contact (n_slots,) [mm2].")
       .def_prop_ro("push", &field<&InterfaceOutput::push>, "On the master's nodes (n_points,) [N].")
       .def_prop_ro("drag", &field<&InterfaceOutput::drag>, "On the master's nodes (n_points,) [N].")
       .def_prop_ro("area", &field<&InterfaceOutput::area>, "Share of the master's nodes in the contact [mm2].")

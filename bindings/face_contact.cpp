@@ -76,6 +76,7 @@ void bind_face_contact(nb::module_& m) {
       .def_prop_ro("pressure_slopes", &field<&Output::pressure_slopes, 3>,
                    "d pressure / d position of active slots (n, 3) [MPa/mm].")
       .def_prop_ro("status", &field<&Output::status>, "0 apart, 1 sticks, 2 slides (n_slots,).")
+      .def_prop_ro("weight", &field<&Output::weight>, "Surface in contact (n_slots,) [mm2].")
       .def_prop_ro("push", &field<&Output::push>, "On the master's nodes (n_points,) [N].")
       .def_prop_ro("drag", &field<&Output::drag, 3>, "On the master's nodes (n_points, 3) [N].")
       .def_prop_ro("area", &field<&Output::area>, "Share of the master's nodes in the contact [mm2].")

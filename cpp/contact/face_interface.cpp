@@ -287,6 +287,7 @@ class FaceInterface {
       out_.pressure.push_back(slot.pressure);
       out_.gap.push_back(slot.weight > 0.0 ? slot.gap : std::numeric_limits<double>::infinity());
       out_.status.push_back(static_cast<std::uint8_t>(slot.status));
+      out_.weight.push_back(slot.weight);
       for (int k = 0; k < 3; ++k) {
         out_.shear.push_back(slot.shear[k]);
         out_.slip.push_back(slot.slip[k]);

@@ -277,6 +277,7 @@ class Interface {
       out_.gap.push_back(slot.weight > 0.0 ? slot.gap : std::numeric_limits<double>::infinity());
       out_.slip.push_back(slot.slip);
       out_.status.push_back(static_cast<std::uint8_t>(slot.status));
+      out_.weight.push_back(slot.weight);
     }
   }
 

@@ -74,6 +74,7 @@ struct InterfaceOutput {
   std::vector<int> slope_places;         // (n_slopes, 2): slot and node of what follows
   std::vector<double> pressure_slopes;   // (n_slopes, 2): d pressure / d position [MPa/mm], as if the slot were active
   std::vector<std::uint8_t> status;      // (n_slots)
+  std::vector<double> weight;            // surface in contact (n_slots) [mm2]
   std::vector<double> push, drag, area;  // (n_points): of the interface on the master's nodes [N, N, mm2]
   double master_force[2] = {0, 0};       // of the slave on the master [N]
 };

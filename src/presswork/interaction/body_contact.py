@@ -51,6 +51,8 @@ class BodyForces(Forces):
     gap: FloatArray
     slip: FloatArray
     status: MaskArray
+    covered: FloatArray
+    """Of the surface that each slot stands for, the part in contact (n_slots,)."""
     details: tuple[Any, ...]
     """Of each interface: what its kernel returns."""
 
@@ -138,6 +140,7 @@ class BodyContacts(Interaction):
             gap=np.concatenate([r.gap for r in results]),
             slip=np.concatenate([r.slip for r in results]),
             status=np.concatenate([r.status for r in results]),
+            covered=np.concatenate([i.find_covered(r) for i, r in zip(self.interfaces, results, strict=True)]),
             details=tuple(results),
         )
 
@@ -211,11 +214,16 @@ class BodyContacts(Interaction):
         return BodyTraction(pressure, shear, state[InterfaceArrays].force)
 
     def augment(self, trial: State, own: Any) -> bool:
-        """Take over the multipliers if bodies penetrate, or slip where they stick, by more than is allowed."""
+        """Take over the multipliers if bodies penetrate, or slip where they stick, by more than is allowed.
+
+        Slots of which only a sliver is in contact, as beside a corner, count in proportion to it: what they would need
+        of pressure is nearly no force.
+        """
+        part = own.covered / self._edge
         pushes, sticks = own.pressure > 0, own.status == STICKS
         excess = max(
-            float(np.abs(own.gap[pushes] / self._edge[pushes]).max(initial=0.0)),
-            float((_lengths(own.slip[sticks]) / self._edge[sticks]).max(initial=0.0)),
+            float(np.abs(own.gap[pushes] * part[pushes]).max(initial=0.0)),
+            float((_lengths(own.slip[sticks]) * part[sticks]).max(initial=0.0)),
         )
         if excess <= PENETRATION:
             return False

@@ -92,7 +92,8 @@ class BodySurfaces(ABC, Generic[Result]):
         # the same at all slots: then a uniform pressure makes a uniform penetration, and passes the patch test
         self.stiffness = np.full(len(self.nodes), STIFFNESS * young / self.edge)
         self.credible = CREDIBLE * young
-        self._least_weight: FloatArray = COVERED * self._measure_slots()
+        self._whole = self._measure_slots()
+        self._least_weight: FloatArray = COVERED * self._whole
         self._cell_of = [self._find_cells(sides) for sides in (self.slave, self.master)]
         self.pairs: IntArray = np.zeros((0, 2), dtype=np.int32)
         # how deep the other body may reach behind each side before the two count as apart: half a cell
@@ -165,6 +166,10 @@ class BodySurfaces(ABC, Generic[Result]):
     def push(self, state: State, x: FloatArray) -> FloatArray:
         """Return the part of these forces that the pressure alone makes (n_points, 2 | 3) [N]."""
         return np.asarray(self._apply(state, x, np.zeros_like(state[InterfaceArrays].shear)).force)
+
+    def find_covered(self, result: Result) -> FloatArray:
+        """Return the part in contact of the surface that each slot stands for, at most 1 (n_slots,)."""
+        return np.minimum(np.asarray(result.weight) / self._whole, 1.0)
 
     def _apply(self, state: State, x: FloatArray, shear: FloatArray) -> Result:
         n = len(self.nodes)
