@@ -55,6 +55,15 @@ def test_bodies_push_each_other_with_the_same_force(case, reference) -> None:
         assert set(np.unique(result.field("body"))) == {0.0, 1.0}
 
 
+def test_a_sliver_of_contact_beside_a_corner_asks_for_no_augmentations(tmp_path) -> None:
+    """On a punch with m = 1 the ring's upper corner ends a few hundredths of an edge above a node of the core."""
+    case = Case.from_toml(copy_example("two_bodies", tmp_path), ["tools.punch.m=1", "stages.0.tools.punch.stroke=4.25"])
+    assert run(case, tmp_path / "out", threads=1).status == "completed"
+    rows = Result(tmp_path / "out").history
+    assert len(rows["increment"]) < 70
+    assert rows["iterations"].max() < 20
+
+
 def test_checkpoint_of_another_contact_is_refused(case, reference, tmp_path) -> None:
     name = next(iter(case.contacts))
     other = case.model_copy(update={"contacts": {name: case.contacts[name].model_copy(update={"mu": 0.2})}})
