@@ -553,6 +553,10 @@ class InterfaceResult:
         """0 apart, 1 sticks, 2 slides (n_slots,)."""
 
     @property
+    def weight(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """Surface in contact (n_slots,) [mm2]."""
+
+    @property
     def push(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
         """On the master's nodes (n_points,) [N]."""
 
@@ -628,6 +632,10 @@ class FaceInterfaceResult:
     @property
     def status(self) -> Annotated[NDArray[numpy.uint8], dict(writable=False)]:
         """0 apart, 1 sticks, 2 slides (n_slots,)."""
+
+    @property
+    def weight(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:
+        """Surface in contact (n_slots,) [mm2]."""
 
     @property
     def push(self) -> Annotated[NDArray[numpy.float64], dict(writable=False)]:

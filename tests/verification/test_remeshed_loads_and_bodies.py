@@ -117,6 +117,36 @@ def test_contact_of_bodies_survives_new_meshes(two_bodies, keys):
     assert abs(procedure.energy_balance()["error_percent"]) < 0.5
 
 
+def test_a_gap_to_another_body_gets_small_cells_before_they_touch():
+    """A block comes down 0.8 mm on a wider one 0.4 mm below it: cells beneath its corner are small before any force."""
+    block = {"material": "steel", "element": "quad4_fbar"}
+    case = Case(
+        title="two blocks",
+        analysis="plane_strain",
+        workpiece=block | {"mesh": {"size": [8, 4], "cells": [8, 4]}},
+        bodies={"upper": block | {"mesh": {"origin": [0, 4.4], "size": [3.3, 3], "cells": [4, 3]}}},
+        contacts={"joint": {"between": ["workpiece", "upper"], "contact": "coulomb", "mu": 0.1}},
+        materials={"steel": STEEL},
+        boundary={
+            "axis": {"set": "left", "fix": ["x"]},
+            "upper_axis": {"set": "upper.left", "fix": ["x"]},
+            "foot": {"set": "bottom", "fix": ["y"]},
+        },
+        stages=[{"name": "press", "displacement": [{"set": "upper.top", "component": "y", "value": -0.8}]}],
+        solver={"max_increment": 0.1},
+        remesh={"size": 1.0, "smallest_size": 0.25, "bodies": {"upper": {"size": 1.0, "smallest_size": 0.25}}},
+    )
+    rows, recording = run(case)
+    first = int(np.flatnonzero(rows["remesh_cause"] == 8)[0])
+    force = np.abs(rows["joint.force_y"])
+    assert force[first - 1] == 0.0
+    once, _ = run(case.model_copy(update={"remesh": case.remesh.model_copy(update={"enabled": False})}))
+    assert force[-1] == pytest.approx(np.abs(once["joint.force_y"][-1]), rel=0.01)
+    procedure = recording.procedure
+    x = procedure.model.mesh.points[:, :2] + procedure.state.nodes.displacement
+    assert np.sort(np.abs(x[:, 0] - 3.3)[np.abs(x[:, 1] - 3.8) < 0.4])[3] < 0.5
+
+
 def test_the_slave_is_chosen_anew_unless_the_case_names_it(two_bodies):
     path, _ = two_bodies
     keys = ["remesh.size=0.4", "remesh.bodies.ring.size=0.2", "remesh.every=0.5", "stages.0.tools.punch.stroke=1"]

@@ -167,7 +167,7 @@ class BodySurfaces(ABC, Generic[Result]):
         """Return the part of these forces that the pressure alone makes (n_points, 2 | 3) [N]."""
         return np.asarray(self._apply(state, x, np.zeros_like(state[InterfaceArrays].shear)).force)
 
-    def find_covered(self, result: Result) -> FloatArray:
+    def find_covered(self, result: Any) -> FloatArray:
         """Return the part in contact of the surface that each slot stands for, at most 1 (n_slots,)."""
         return np.minimum(np.asarray(result.weight) / self._whole, 1.0)
 

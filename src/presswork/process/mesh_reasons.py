@@ -11,6 +11,7 @@ from presswork.implicit.progress import Progress
 from presswork.interaction.tool_arrays import ToolArrays
 from presswork.model import BoolArray, FloatArray, Model, Remeshing, ToolMotion
 from presswork.remesh.fill import SizeField
+from presswork.remesh.narrow_gaps import find_narrow_gap
 from presswork.remesh.section import OldSection, measure_sizes
 from presswork.remesh.size_field import metal_thickness
 from presswork.remesh.triggers import (
@@ -30,7 +31,7 @@ EARLY = 1.15
 """Factor by which edges are too long earlier just before a tool lands: a new mesh changes no force then."""
 DUE, FAILS, STEP = "due", "the next increment fails", "the stable step is below"
 """Reasons that procedures know."""
-CAUSES = (DUE, FAILS, "of quality", "deep in an edge", "too long", "cells across", STEP, "")
+CAUSES = (DUE, FAILS, "of quality", "deep in an edge", "too long", "cells across", STEP, "narrow for", "")
 """What reasons say, by the number that `remesh_cause` has in the history, from 1 on; the last: others."""
 
 
@@ -52,6 +53,10 @@ def find_reason(
         if cut is not None:
             return cut
     size = measure_sizes(old, settings)
+    gaps = (find_narrow_gap(*before, size, wait=wait) for before in old.before_others)
+    narrow = next((gap for gap in gaps if gap is not None), None)
+    if narrow is not None:
+        return narrow
     longest = wait * TOO_LONG / early
     long = next((found for line in lines if (found := find_long_edge(line, size, longest=longest)) is not None), None)
     return long or _find_few_across(old, size, wait)

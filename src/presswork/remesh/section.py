@@ -17,6 +17,7 @@ from presswork.remesh.boundary import NewLine, OldLine, refuse_fold, resample
 from presswork.remesh.carrier import SurfacePlaces
 from presswork.remesh.fill import close_loops, fill_with_quadrilaterals
 from presswork.remesh.landing import draw_outline, find_landings
+from presswork.remesh.narrow_gaps import find_corners_ahead
 from presswork.remesh.size_field import (
     GradedSize,
     SizeSources,
@@ -112,6 +113,23 @@ class OldSection:
         return np.concatenate(held)
 
     @cached_property
+    def before_others(self) -> list[tuple[FloatArray, BoolArray, FloatArray]]:
+        """Each loop (k, 2) [mm] before the outline of each body that it may touch, between them its nodes that nothing
+        holds and that come nearer to it (k,).
+        """
+        closing = () if self.closing is None else self.closing[len(self.profiles) :]
+        return [
+            (self.position[chain], (self.loose & nearer)[chain], outline)
+            for chain in self.chains
+            for outline, nearer in zip(self.others, closing, strict=False)
+        ]
+
+    @cached_property
+    def loose(self) -> BoolArray:
+        """The nodes that neither tools nor bodies nor supports hold, marked (n_points,)."""
+        return np.asarray(~self.on_tool.any(axis=0) & ~self.fixed.any(axis=1))
+
+    @cached_property
     def sides(self) -> FloatArray:
         """The sides of the boundary, loop after loop (k, 2, 2) [mm]."""
         return np.concatenate([list_sides(self.position[chain]) for chain in self.chains])
@@ -157,6 +175,10 @@ def _ask_for_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
     ]
     if settings.error and old.power is not None:
         sources.append(error_sources(old.position[old.corners()], old.corners(), old.power, settings.error))
+    sources += [
+        find_corners_ahead(*before, smallest=settings.smallest_size, largest=settings.size)
+        for before in old.before_others
+    ]
     landings, others = _find_landings(old, settings), join_sources(*sources)
     least = min(settings.smallest_size, float(landings.size.min(initial=np.inf)))
     joined = join_sources(landings, SizeSources(others.place, np.maximum(others.size, settings.smallest_size)))
@@ -168,7 +190,6 @@ def _ask_for_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
 
 def _find_landings(old: OldSection, settings: Remeshing) -> SizeSources:
     """Return the sizes wanted where the free surface comes to lie on tools and on other bodies."""
-    loose = ~old.on_tool.any(axis=0) & ~old.fixed.any(axis=1)
     sizes = {"smallest": settings.smallest_size, "largest": settings.size}
     closing = () if old.closing is None else old.closing
     share = np.zeros(len(old.position)) if old.share is None else old.share
@@ -176,7 +197,9 @@ def _find_landings(old: OldSection, settings: Remeshing) -> SizeSources:
     return join_sources(
         SizeSources(np.zeros((0, 2)), np.zeros(0)),
         *(
-            find_landings(old.position[chain], on_tool[chain], (loose & nearer)[chain], profile, share[chain], **sizes)
+            find_landings(
+                old.position[chain], on_tool[chain], (old.loose & nearer)[chain], profile, share[chain], **sizes
+            )
             for chain in old.chains
             for profile, on_tool, nearer in zip([*old.profiles, *old.others], held, closing, strict=False)
         ),

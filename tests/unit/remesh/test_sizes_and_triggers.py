@@ -128,6 +128,6 @@ def test_every_reason_has_its_number_in_the_history():
         "due", "the next increment fails", "a cell near (1, 2) of quality 0.1 after the next increment",
         "a tool 0.2 mm deep in an edge near (1, 2)", "an edge 1.6 times too long near (1, 2)",
         "2 cells across the metal near (1, 2)", "the stable step is below 0.3 of that of the mesh at first",
-        "asked for",
+        "a gap of 0.1 mm to another body, narrow for an edge of 1 mm near (1, 2)", "asked for",
     )  # fmt: skip
-    assert [find_cause(reason) for reason in reasons] == list(range(1, 9))
+    assert [find_cause(reason) for reason in reasons] == list(range(1, 10))
