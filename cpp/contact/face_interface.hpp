@@ -62,7 +62,7 @@ struct FaceInterfaceOutput {
   std::vector<int> slope_places;        // (n_slopes, 2): slot and node of what follows
   std::vector<double> pressure_slopes;  // (n_slopes, 3) [MPa/mm]
   std::vector<std::uint8_t> status;     // (n_slots)
-  std::vector<double> weight;            // surface in contact (n_slots) [mm2]
+  std::vector<double> weight;           // surface in contact (n_slots) [mm2]
   std::vector<double> push, area;       // (n_points): of the interface on the master's nodes [N, mm2]
   std::vector<double> drag;             // (n_points, 3) [N]
   double master_force[3] = {0, 0, 0};   // of the slave on the master [N]
