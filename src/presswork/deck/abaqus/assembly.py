@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from presswork.deck.abaqus.blocks import Block, DataError
+from presswork.deck.abaqus.drawn import KINDS, DrawnSurface, read_drawn
 from presswork.model import FloatArray, IndexArray
 
 Name = tuple[str, str]
@@ -16,6 +17,10 @@ _SHELLS = ("S4", "S4R", "S4RS", "S4RSW", "S3", "S3R", "S3RS", "R3D4", "R3D3")
 _POINTS = ("MASS", "ROTARYI")
 _LOOSE = 1 << 40
 """What is added to labels of the assembly's own nodes and cells: more than any instance has."""
+
+
+_DRAWN, _APART = 46, 24
+"""Labels of what is drawn: bits from which its number stands, and by which nodes of instances are kept apart."""
 
 
 @dataclass
@@ -30,6 +35,8 @@ class PartMesh:
     cell_sets: dict[str, list[int]] = field(default_factory=dict)
     surfaces: dict[str, list[str]] = field(default_factory=dict)
     """Sets of cells that a surface lies on."""
+    drawn: dict[str, DrawnSurface] = field(default_factory=dict)
+    """Analytical surfaces."""
     others: dict[str, Block] = field(default_factory=dict)
     """Kinds of elements that are not read."""
 
@@ -46,6 +53,8 @@ class PartMesh:
                 self._add(self.node_sets, block.name_of("NSET"), _read_labels(block, self.node_sets))
             case "ELSET":
                 self._add(self.cell_sets, block.name_of("ELSET"), _read_labels(block, self.cell_sets))
+            case "SURFACE" if block.name_of("TYPE") in KINDS:
+                self.drawn[block.name_of("NAME")] = read_drawn(block)
             case "SURFACE":
                 names = [row[0].upper() for row in block.rows() if row[0]]
                 self.surfaces.setdefault(block.name_of("NAME"), []).extend(names)
@@ -64,6 +73,17 @@ class PartMesh:
         table[:, 4] = np.where(table[:, 4] == 0, table[:, 3], table[:, 4])
         self.shells.append(table)
         self._add(self.cell_sets, block.name_of("ELSET"), table[:, 0].astype(int).tolist())
+
+    def draw(self, name: str, number: int, sheet: FloatArray, tolerance: float) -> None:
+        """Make shells of an analytical surface, in a set of its name; number: of this one among all. Raises DataError.
+
+        sheet: points of what is formed in the frame of this mesh (n, 3); tolerance: of chords in arcs.
+        """
+        points, cells = self.drawn[name].mesh(sheet, tolerance)
+        labels = (number << _DRAWN) + (np.arange(1, max(len(points), len(cells)) + 1) << _APART)
+        self.nodes.append(np.column_stack([labels[: len(points)], points]).astype(np.float64))
+        self.shells.append(np.column_stack([labels[: len(cells)], labels[cells]]).astype(np.float64))
+        self.cell_sets[name] = labels[: len(cells)].tolist()
 
     @staticmethod
     def _add(sets: dict[str, list[int]], name: str, labels: list[int]) -> None:

@@ -54,6 +54,8 @@ _NUMERICS = (
 )
 """What steers numerics and output; hard contact."""
 _USUAL_POINTS = 5
+_CHORD = 1e-4
+"""Of the sheet's size: how far chords lie off the arcs of analytical surfaces."""
 
 
 class AbaqusDeck:
@@ -128,11 +130,6 @@ class AbaqusDeck:
         self._sections.append((self._part, block))
 
     def _rigid_body(self, block: Block) -> None:
-        if "ANALYTICAL SURFACE" in block.parameters:
-            self.notes.refuse(
-                block.place, "*RIGID BODY", "an analytical surface", "mesh the tool (R3D4), or give an STL"
-            )
-            return
         self._rigid.append((self._part, block))
 
     def _surface_interaction(self, block: Block) -> None:
@@ -154,11 +151,40 @@ class AbaqusDeck:
 
     # --- the whole ---------------------------------------------------------------------------------------------------
 
+    def _draw_surfaces(self) -> None:
+        """Make shells of the analytical surfaces of rigid bodies, past the sheet and with its size."""
+        labels, points = self._assembly.all_nodes()
+        used = np.isin(labels, self._assembly.all_shells()[:, 1:])
+        sheet = points[used]
+        if not len(sheet):
+            return
+        tolerance = _CHORD * float(np.linalg.norm(np.ptp(sheet, axis=0)))
+        for number, (owner, block) in enumerate(self._rigid, start=2):
+            name = block.name_of("ANALYTICAL SURFACE")
+            if not name:
+                continue
+            mesh = self._assembly.parts[owner] if owner else self._assembly.loose
+            if name not in mesh.drawn:
+                raise self.notes.fail(block.place, f"*RIGID BODY: there is no surface {name}", "check its name")
+            if mesh.drawn[name].kind == "SEGMENTS":
+                fault = "a profile in the plane (TYPE=SEGMENTS), where shells in space are read"
+                self.notes.refuse(block.place, "*RIGID BODY", fault, "give TYPE=CYLINDER or REVOLUTION")
+                continue
+            own = next(i for i in self._assembly.instances.values() if i.mesh is mesh)
+            try:
+                mesh.draw(name, number, (sheet - own.shift) @ own.turn, tolerance)
+            except (DataError, ValueError) as error:
+                raise self._explain(block.place, block.name, error) from error
+            text = f"{name}, an analytical surface, is a mesh whose chords lie within {tolerance:.3g} of its arcs"
+            self.notes.change(block.place, "*RIGID BODY", text)
+
     def _finish(self) -> Deck:
         try:
-            labels, points = self._assembly.all_nodes()
+            self._assembly.all_nodes()
         except ValueError as error:
             raise self.notes.fail(None, "no *NODE in it", "give the whole deck, with its files") from error
+        self._draw_surfaces()
+        labels, points = self._assembly.all_nodes()
         order = np.argsort(labels)
         labels, points = labels[order], points[order]
         shells = self._assembly.all_shells()
@@ -200,7 +226,8 @@ class AbaqusDeck:
         for owner, block in self._rigid:
             number = len(deck.parts) + 1
             try:
-                own = self._assembly.sets_in_instances(owner, block.name_of("ELSET"))
+                name = block.name_of("ELSET") or block.name_of("ANALYTICAL SURFACE")
+                own = self._assembly.sets_in_instances(owner, name)
                 reference = block.name_of("REF NODE")
                 if owner:
                     mesh = self._assembly.parts[owner]
@@ -211,7 +238,7 @@ class AbaqusDeck:
                     title = owner if len(instances) == 1 else instances[0][0]
                 else:
                     bodies[number] = self._assembly.nodes_of(reference)
-                    title = block.name_of("ELSET").rpartition(".")[2]
+                    title = name.rpartition(".")[2]
             except KeyError as error:
                 raise self._explain(block.place, block.name, error) from error
             is_own = np.isin(cells, own)
