@@ -68,6 +68,20 @@ def test_tools_of_profiles_make_the_case_of_meshed_ones(tmp_path: Path) -> None:
             assert surface.points[:, 0].min() == pytest.approx(-PUNCH)
 
 
+def test_profiles_may_stand_in_instances_of_empty_parts(tmp_path: Path) -> None:
+    text = deck_of_drawn_tools()
+    for name in PROFILES:
+        begin, end = text.index(f"*Part, name={name}\n"), text.index("*End Part", text.index(f"*Part, name={name}\n"))
+        content = text[begin:end].partition("\n")[2]
+        text = text[:begin] + f"*Part, name={name}\n" + text[end:]
+        place = text.index("*End Instance", text.index(f"*Instance, name={name}-1"))
+        text = text[:place] + content + text[place:]
+    found, other = import_it(tmp_path, text), import_it(tmp_path, deck_of_drawn_tools())
+    assert found.case == other.case
+    for name, surface in other.meshes.items():
+        np.testing.assert_allclose(found.meshes[name].points, surface.points, atol=1e-9)
+
+
 def surface_of(text: str, **parameters: str):
     return read_drawn(
         Block(

@@ -145,14 +145,22 @@ class Assembly:
         self.instances: dict[str, Instance] = {"": Instance(self.loose, np.eye(3), np.zeros(3), _LOOSE, _LOOSE)}
         self._sets: dict[tuple[str, str], list[int]] = {}
 
-    def add(self, name: str, part: str, rows: list[list[str]]) -> None:
-        """Put an instance of a part in its place. Raises KeyError for an unknown part."""
+    def add(self, name: str, part: str, rows: list[list[str]]) -> bool:
+        """Put an instance of a part in its place. Raises KeyError for an unknown part.
+
+        One of an empty part has a part of its own, of its name, as analytical surfaces stand in instances; return
+        whether it has.
+        """
         mesh = self.parts[part]
+        is_empty = not mesh.nodes and not mesh.drawn
+        if is_empty:
+            mesh = self.parts[name] = PartMesh()
         before = [i for i in self.instances.values() if i.mesh is not self.loose]
         turn, shift = make_pose(rows)
         node = max((i.first_node + _largest(i.mesh.nodes) for i in before), default=0)
         cell = max((i.first_cell + _largest(i.mesh.shells) for i in before), default=0)
         self.instances[name] = Instance(mesh, turn, shift, node, cell)
+        return is_empty
 
     def add_set(self, block: Block) -> None:
         """Take a set of the assembly whose labels are those of an instance. Raises DataError, KeyError."""

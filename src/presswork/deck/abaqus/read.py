@@ -18,7 +18,6 @@ from presswork.deck.notes import Notes, Place
 _SILENT = (
     "PREPRINT",
     "END PART",
-    "END INSTANCE",
     "END ASSEMBLY",
     "ASSEMBLY",
     "SYSTEM",
@@ -66,6 +65,7 @@ class AbaqusDeck:
         self._path = path
         self._assembly = Assembly()
         self._part = ""
+        self._titles: dict[str, str] = {}
         self._materials = MaterialReader(notes)
         self._steps = Steps(notes)
         self._title = ""
@@ -121,7 +121,10 @@ class AbaqusDeck:
         self._part = ""
 
     def _instance(self, block: Block) -> None:
-        self._assembly.add(block.name_of("NAME"), block.name_of("PART"), block.rows())
+        name, part = block.name_of("NAME"), block.name_of("PART")
+        if self._assembly.add(name, part, block.rows()):
+            self._part = name
+            self._titles[name] = part
 
     def _section(self, block: Block) -> None:
         if "COMPOSITE" in block.parameters:
@@ -235,7 +238,7 @@ class AbaqusDeck:
                     bodies[number] = [
                         node for n, _ in instances for node in self._assembly.nodes_of(f"{n}.{reference}")
                     ]
-                    title = owner if len(instances) == 1 else instances[0][0]
+                    title = self._titles.get(owner, owner) if len(instances) == 1 else instances[0][0]
                 else:
                     bodies[number] = self._assembly.nodes_of(reference)
                     title = name.rpartition(".")[2]
@@ -269,6 +272,7 @@ _HANDLERS: dict[str, Callable[[AbaqusDeck, Block], None]] = {
     "PART": AbaqusDeck._begin_part,
     "END PART": AbaqusDeck._end_part,
     "INSTANCE": AbaqusDeck._instance,
+    "END INSTANCE": AbaqusDeck._end_part,
     "SHELL SECTION": AbaqusDeck._section,
     "SHELL GENERAL SECTION": AbaqusDeck._section,
     "RIGID BODY": AbaqusDeck._rigid_body,
