@@ -5,8 +5,13 @@ import numpy as np
 import pytest
 
 from presswork import build_model, read_case, run_model
+from presswork.model import CellBlock, Mesh
+from presswork.process.laps import find_laps
+from presswork.process.seams import Seams
 from presswork.remesh.space.closing import find_closing_faces
+from presswork.remesh.space.tetrahedra import find_skin
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, stop_at_fold
+from tests.unit.remesh.space.bodies import mesh_box
 
 LAWS = """
 [materials.soft]
@@ -66,9 +71,9 @@ displacement = [{set = "top", component = "x", value = 0}, {set = "top", compone
 """
 
 
-def model_of(text, folder):
+def model_of(text, folder, more=""):
     path = folder / "case.toml"
-    path.write_text(text + LAWS)
+    path.write_text(text + LAWS + more)
     return build_model(read_case(path))
 
 
@@ -124,6 +129,27 @@ def test_a_clamp_gets_contact_with_itself_and_goes_on_after_a_resume_with_the_sa
 
     parts = run_in_two_parts(model, tmp_path / "halves", stop_at_fold(tmp_path / "halves"))
     assert_same_bits(parts.folder, tmp_path / "whole")
+
+
+def test_a_clamp_of_tetrahedra_gets_new_meshes_after_it_has_folded(tmp_path) -> None:
+    tetrahedra = CLAMP.replace('material = "soft"', 'material = "soft"\nelement = "tet4_mini"', 1)
+    remesh = "\n[remesh]\nevery = 0.3\nsize = 1.5\nsmallest_size = 1.4\n"
+    whole = run_model(model_of(tetrahedra.replace("-2.2", "-1.3"), tmp_path, remesh), tmp_path / "whole", threads=1)
+    assert whole.status == "completed"
+    log = (tmp_path / "whole" / "run.log").read_text()
+    _, after = log.split("workpiece is about to fold onto itself near (")
+    assert " remesh " in after  # the one that is due at 90 %
+    assert whole.result.summary["volume"]["change_percent"] == pytest.approx(0.0, abs=0.1)
+
+
+def test_a_lap_in_space_is_told_with_its_area() -> None:
+    points, cells = mesh_box((2, 2, 2), (4.0, 3.0, 2.0))
+    faces, _ = find_skin(cells)
+    block = CellBlock("tet4_mini", cells.astype(np.int32), 0)
+    mesh = Mesh(points, (block,), {}, {}, np.zeros((0, 2), np.int32), boundary_faces=faces.astype(np.int32))
+    (lap,) = find_laps(mesh, points, (points[:, 2] == 2.0).astype(float), Seams())
+    assert lap.extent == pytest.approx(12.0)
+    assert lap.place == pytest.approx([2.0, 1.5, 2.0])
 
 
 PLATES = np.array(

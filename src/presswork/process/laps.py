@@ -45,7 +45,10 @@ def find_laps(mesh: Mesh, position: FloatArray, mark: FloatArray, seams: Seams) 
     in_space = position.shape[1] == 3
     sides = mesh.boundary_faces if in_space else mesh.boundary_edges[:, :2]
     touching = sides[folded[sides].all(axis=1)]
-    extent = face_areas(position, touching) if in_space else np.linalg.norm(np.diff(position[touching], axis=1), axis=2)
+    if in_space:
+        extent = face_areas(position, touching).sum(axis=1)
+    else:
+        extent = np.linalg.norm(np.diff(position[touching], axis=1), axis=2)
     edges = np.stack([sides, np.roll(sides, -1, axis=1)], axis=-1).reshape(-1, 2)
     alone = np.repeat(np.flatnonzero(marked)[:, None], 2, axis=1)
     along = [np.column_stack([np.full(len(nodes), nodes[0]), nodes]) for nodes in groups]

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import importlib.util
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +21,6 @@ from presswork.process.carrying import carry_state, carry_surface, find_undeclar
 from presswork.process.epochs import NamedArrays
 from presswork.process.mesh_reasons import LAST_CUT
 from presswork.process.remeshing import RemeshedForming
-from presswork.process.self_contact import touches_itself
 from presswork.process.space_surfaces import draw_tool
 from presswork.remesh.carrier import Carrier, Part, SkinPlaces
 from presswork.remesh.space.body import NewBody, OldBody
@@ -40,6 +39,7 @@ from presswork.remesh.space.triggers import (
     find_long_edge,
     measure_cut,
     measure_cut_face,
+    measure_edge,
 )
 
 PARTS = (1.0, 0.9, 0.8)
@@ -104,14 +104,6 @@ class RemeshedSpaceForming(RemeshedForming):
             )
         ]
 
-    def _may_change_mesh(self, failure: str = "") -> bool:
-        """As in the plane, but a body that has contact with itself keeps its mesh."""
-        if not failure:
-            self._watch_folds()
-        if touches_itself(self.model, 0):
-            return False
-        return super()._may_change_mesh(failure)
-
     def _reason_of(self, number: int, old: OldBody, wait: float) -> str | None:
         breach = find_breach(old, self.model.limits, left=self._left)
         if number in self._on_first:
@@ -120,10 +112,13 @@ class RemeshedSpaceForming(RemeshedForming):
         return find_reason(old, self._last_moves(), self.settings, wait, left=self._left) or breach
 
     def _remesh(self, reason: str, bodies: set[int] | None = None, *, must: bool = False, again: bool = False) -> bool:
+        waited = self._waited
         is_new = super()._remesh(reason, bodies, must=must, again=again)
+        (body,) = self._sections()
         if is_new:
-            (body,) = self._sections()
             self._left = measure_left(body, self.settings)
+        elif self._waited == waited:  # none can be made: asked for again once this one has become worse
+            self._left = self._left.worsen(measure_left(body, self.settings, self._last_moves()))
         return is_new
 
     def _epoch_arrays(self) -> NamedArrays:
@@ -190,12 +185,24 @@ class Left:
     """Depth of a tool in a face, over its longest side."""
     quality: float = 1.0
     """Of the worst cell."""
+    edge: float = 0.0
+    """Longest edge of the skin over the size wanted there, where another mesh was refused."""
+
+    def worsen(self, other: Left) -> Left:
+        """Return the worse of both in each respect."""
+        worse = [max(own, its) for own, its in zip(astuple(self), astuple(other), strict=True)]
+        return replace(Left(*worse), quality=min(self.quality, other.quality))
 
 
-def measure_left(body: OldBody, settings: Remeshing) -> Left:
-    """Return what is wrong with a mesh that has just been made."""
+def measure_left(body: OldBody, settings: Remeshing, moves: FloatArray | None = None) -> Left:
+    """Return what is wrong with a new mesh, or with one that stays.
+
+    moves: of the latter in an increment like the last (n, 3) [mm]: its cells after that and its long edges count, too.
+    """
     cuts = measure_cut(body, settings.smallest_size), measure_cut(body, sharp_counts=True), measure_cut_face(body)
-    return Left(*cuts, float(measure_quality(body.points, body.cells).min()))
+    then = [body.points] if moves is None else [body.points, body.points + moves]
+    quality = min(float(measure_quality(points, body.cells).min()) for points in then)
+    return Left(*cuts, quality, 0.0 if moves is None else measure_edge(body, list_sizes(settings)))
 
 
 def find_reason(
@@ -210,7 +217,7 @@ def find_reason(
         find_flat_cell(old, moves, min(settings.quality, left.quality / WORSE) / wait)
         or find_cut_edge(old, deepest=wait * max(TOO_DEEP, WORSE * left.cut), smallest=settings.smallest_size)
         or find_cut_edge(old, deepest=wait * max(LAST_CUT, WORSE * left.any_cut), sharp_counts=True)
-        or find_long_edge(old, list_sizes(settings), longest=wait * TOO_LONG)
+        or find_long_edge(old, list_sizes(settings), longest=wait * max(TOO_LONG, WORSE * left.edge))
     )
 
 

@@ -17,6 +17,8 @@ from presswork.model import FloatArray, IndexArray
 RIDGE = 30.0
 """[degrees]"""
 GRADATION = 1.3
+LARGER = 1.001
+"""Times the smallest edge: MMG takes no bounds that are equal."""
 REMEDY = "pip install mmgpy, where it has a wheel"
 
 
@@ -34,11 +36,13 @@ class FilledBody:
     """Of each face (k,)."""
 
 
-def mesh_to_size(body: FilledBody, size: FloatArray, *, smallest: float, largest: float, away: float) -> FilledBody:
+def mesh_to_size(
+    body: FilledBody, size: FloatArray, *, smallest: float, largest: float, away: float, keeps_skin: bool = False
+) -> FilledBody:
     """Return a body meshed anew with edges of a size at its points (n,) [mm].
 
-    smallest, largest: bounds of edges [mm]; away: largest distance of the new skin from the old one, smoothed [mm].
-    Raises MeshError.
+    smallest, largest: bounds of edges [mm]; away: largest distance of the new skin from the old one, smoothed [mm];
+    keeps_skin: the faces stay as they are. Raises MeshError.
     """
     try:
         from mmgpy import MmgMesh3D
@@ -49,12 +53,21 @@ def mesh_to_size(body: FilledBody, size: FloatArray, *, smallest: float, largest
     mesh.set_vertices(np.ascontiguousarray(body.points))
     mesh.set_tetrahedra(np.ascontiguousarray(body.cells, dtype=np.int32))
     mesh.set_triangles(np.ascontiguousarray(body.faces, dtype=np.int32), body.number.astype(np.int64) + 1)
+    largest = max(largest, LARGER * smallest)
     mesh["metric"] = np.ascontiguousarray(size[:, None])
     try:
-        mesh.remesh(verbose=-1, hmin=smallest, hmax=largest, hausd=away, hgrad=GRADATION, ar=RIDGE)
+        mesh.remesh(
+            verbose=-1, hmin=smallest, hmax=largest, hausd=away, hgrad=GRADATION, ar=RIDGE, nosurf=int(keeps_skin)
+        )
     except (RuntimeError, ValueError) as error:
         raise MeshError(f"MMG cannot mesh the body anew ({error})", "smaller cells") from error
-    faces, reference = mesh.get_triangles_with_refs()
+    triangles, reference = mesh.get_triangles_with_refs()
     points = np.array(mesh.get_vertices())
     cells = np.asarray(mesh.get_tetrahedra(), dtype=np.intp)
-    return FilledBody(points, cells, np.asarray(faces, dtype=np.intp), np.asarray(reference, dtype=np.intp) - 1)
+    if not len(cells) or cells.max() >= len(points):
+        raise MeshError("MMG has left no whole mesh", "smaller cells")
+    used, number = np.unique(cells, return_inverse=True)  # MMG leaves nodes behind that no cell has
+    place = np.zeros(len(points), dtype=np.intp)
+    place[used] = np.arange(len(used))
+    faces = place[np.asarray(triangles, dtype=np.intp)]
+    return FilledBody(points[used], number.reshape(cells.shape), faces, np.asarray(reference, dtype=np.intp) - 1)

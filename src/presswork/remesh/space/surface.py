@@ -29,7 +29,7 @@ SNAP = 0.45
 """Of its mean edge, within which a node comes to lie on a tool's sharp edge."""
 APART = 0.3
 """Of its mean edge, within which it then has no neighbour."""
-_NEAREST = 24
+_NEAREST, _OTHER_SIDE = 24, 1e6
 _ROUNDS = 12
 
 
@@ -43,9 +43,16 @@ class FacePlaces:
     """Of the face's corners, in it or on its rim (n, 3)."""
 
 
-def locate_on_skin(points: FloatArray, faces: IndexArray, wanted: FloatArray) -> FacePlaces:
-    """Find the nearest place of faces (k, 3) over points to each wanted point (n, 3)."""
+def locate_on_skin(
+    points: FloatArray, faces: IndexArray, wanted: FloatArray, normals: FloatArray | None = None
+) -> FacePlaces:
+    """Find the nearest place of faces (k, 3) over points to each wanted point (n, 3).
+
+    normals: outwards at the wanted points, of any length (n, 3). Where the skin has folded onto itself the face on the
+    other side of the fold, which looks the other way, may be nearer.
+    """
     corners = points[faces]
+    outwards = area_vectors(points, faces)
     n_near = min(_NEAREST, len(faces))
     _, near = cKDTree(corners.mean(axis=1)).query(wanted, k=n_near)
     near = near.reshape(len(wanted), n_near)
@@ -54,6 +61,8 @@ def locate_on_skin(points: FloatArray, faces: IndexArray, wanted: FloatArray) ->
     for candidate in near.T:
         found = _nearest_shares(corners[candidate], wanted)
         away = np.linalg.norm(np.einsum("nk,nki->ni", found, corners[candidate]) - wanted, axis=1)
+        if normals is not None:
+            away = np.where(np.einsum("ni,ni->n", outwards[candidate], normals) < 0.0, away + _OTHER_SIDE, away)
         better = away < best * (1.0 - 1e-12)
         best[better], face[better], share[better] = away[better], candidate[better], found[better]
     return FacePlaces(face, share)

@@ -35,17 +35,26 @@ def find_flat_cell(body: OldBody, increment: FloatArray, least: float) -> str | 
 
 def find_long_edge(body: OldBody, sizes: EdgeSizes, *, longest: float = TOO_LONG) -> str | None:
     """Say which edge of the skin is too long for the tools ahead of it or the metal beneath it."""
+    ratio, middle = _find_longest(body, sizes)
+    return f"an edge {ratio:.2g} times too long near {_name_place(middle)}" if ratio > longest else None
+
+
+def measure_edge(body: OldBody, sizes: EdgeSizes) -> float:
+    """Return the longest edge of the skin over the size wanted there."""
+    return _find_longest(body, sizes)[0]
+
+
+def _find_longest(body: OldBody, sizes: EdgeSizes) -> tuple[float, FloatArray]:
+    """Return the length over the wanted one of the edge where that is largest, and its middle (3,)."""
     edges = list_edges(body.faces)
     ends = body.points[edges]
     try:
         wanted = measure_sizes(body, sizes)[edges].mean(axis=1)
     except MeshError:  # the budget has no shorter ones
-        return None
+        return 0.0, ends[0].mean(axis=0)
     ratio = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / wanted
     worst = int(np.argmax(ratio))
-    if ratio[worst] <= longest:
-        return None
-    return f"an edge {ratio[worst]:.2g} times too long near {_name_place(ends[worst].mean(axis=0))}"
+    return float(ratio[worst]), ends[worst].mean(axis=0)
 
 
 def find_cut_edge(

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from presswork.mesh.checks import MeshError
-from presswork.model import Limits
-from presswork.process.remeshing_in_space import Left, find_breach
+from presswork.model import Limits, Remeshing
+from presswork.process.remeshing_in_space import Left, find_breach, find_reason, measure_left
 from presswork.remesh.space.body import OldBody
+from presswork.remesh.space.fill import FilledBody, mesh_to_size
+from presswork.remesh.space.inside import improve_cells, spread_moves
 from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.size_field import EdgeSizes, expect_cells, measure_sizes, measure_thickness
 from presswork.remesh.space.tetrahedra import area_vectors, find_skin, list_edges, measure_quality, measure_volumes
@@ -168,3 +170,38 @@ def test_a_mesh_gives_way_before_a_pin_between_its_edges_reaches_the_limit():
         find_breach(body, Limits(penetration=1.6 * share), left=Left(face=share)) is None
     )  # no new mesh has mended it
     assert find_breach(body, Limits(penetration=1.2 * share), left=Left(face=share)) is not None
+
+
+def test_a_skin_that_is_kept_stays_where_it_is_and_the_inside_gets_the_size():
+    points, cells = mesh_box((4, 4, 4), (4.0, 4.0, 4.0))
+    faces, _ = find_skin(cells)
+    body = FilledBody(points, cells, faces, np.zeros(len(faces), dtype=np.intp))
+    made = mesh_to_size(body, np.full(len(points), 0.6), smallest=0.3, largest=0.7, away=0.1, keeps_skin=True)
+    places = {tuple(p) for p in np.round(made.points[np.unique(made.faces)], 9).tolist()}
+    assert places == {tuple(p) for p in np.round(points[np.unique(faces)], 9).tolist()}
+    assert len(made.cells) > 1.5 * len(cells)
+    assert (np.unique(made.cells) == np.arange(len(made.points))).all()  # no node without a cell
+
+
+def test_a_mesh_that_could_not_be_made_is_asked_for_again_once_the_present_one_is_worse():
+    body, settings = upset_block(), Remeshing(size=0.6, smallest_size=0.3, max_cells=1_000_000)
+    still = np.zeros_like(body.points)
+    assert "times too long" in find_reason(body, still, settings, 1.0)
+    left = Left().worsen(measure_left(body, settings, still))
+    assert left.edge > 2.2
+    assert find_reason(body, still, settings, 1.0, left=left) is None
+    assert find_reason(body, still, replace(settings, size=0.4), 1.0, left=left) is not None
+
+
+def test_an_inner_node_that_a_tool_has_passed_comes_back_into_the_body():
+    points, cells = mesh_box((4, 4, 4), (4.0, 4.0, 4.0))
+    faces, _ = find_skin(cells)
+    skin, placed = np.unique(faces), points.copy()
+    placed[np.flatnonzero((points == [2.0, 2.0, 4.0]).all(axis=1)), 2] = 2.3  # the node beneath it is at 3
+    spread = spread_moves(points, cells, skin, placed)
+    better = improve_cells(spread, cells, skin, 0.25)
+    assert measure_quality(spread, cells).min() < 0.0
+    assert measure_quality(better, cells).min() > 0.1
+    np.testing.assert_array_equal(better[skin], placed[skin])
+    good = improve_cells(points, cells, skin, 0.25)
+    assert good.tobytes() == points.tobytes()

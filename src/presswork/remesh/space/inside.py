@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Where the inner nodes of a new mesh come to lie once its skin has moved to its place."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.model import BoolArray, FloatArray, IndexArray
+from presswork.remesh.space.tetrahedra import list_edges, measure_quality
+
+_SWEEPS = 40
+"""In which moves of the skin spread into the body."""
+_ROUNDS, _STEPS = 6, 10
+"""In which nodes of bad cells are visited, and steps of the search for a better place of each."""
+_FIRST_STEP, _GAIN = 0.4, 1e-3
+"""First step of that search, over the mean edge round the node; least gain of quality that a step must bring."""
+_DIRECTIONS = np.array([d for d in np.ndindex(3, 3, 3) if d != (1, 1, 1)], dtype=float) - 1.0
+_DIRECTIONS /= np.linalg.norm(_DIRECTIONS, axis=1)[:, None]
+
+
+def spread_moves(points: FloatArray, cells: IndexArray, skin: IndexArray, placed: FloatArray) -> FloatArray:
+    """Return all nodes (n, 3), those of the skin as placed, others moved with the nodes round them.
+
+    An inner node takes the mean of its neighbours' moves, weighted by the inverse square of their distance.
+    """
+    edges = list_edges(cells)
+    weight = 1.0 / np.maximum(((points[edges[:, 1]] - points[edges[:, 0]]) ** 2).sum(axis=1), 1e-300)
+    total = np.bincount(edges.ravel(), np.repeat(weight, 2), len(points))
+    moves: FloatArray = np.zeros_like(points)
+    moves[skin] = placed[skin] - points[skin]
+    inner: BoolArray = np.ones(len(points), dtype=bool)
+    inner[skin] = False
+    for _ in range(_SWEEPS):
+        for axis in range(3):
+            own = moves[:, axis]
+            given = np.bincount(edges[:, 0], weight * own[edges[:, 1]], len(points))
+            given += np.bincount(edges[:, 1], weight * own[edges[:, 0]], len(points))
+            moves[inner, axis] = given[inner] / total[inner]
+    result = points + moves
+    result[skin] = placed[skin]
+    return result
+
+
+def improve_cells(points: FloatArray, cells: IndexArray, skin: IndexArray, wanted: float) -> FloatArray:
+    """Return nodes (n, 3) of which inner ones have moved to where the worst cell round them is best.
+
+    Only nodes of cells whose quality is below the wanted one move: a tool that cuts off the skin above an inner node
+    leaves it outside the body, and moves that spread evenly do not bring it back.
+    """
+    points = points.copy()
+    inner: BoolArray = np.ones(len(points), dtype=bool)
+    inner[skin] = False
+    order = np.argsort(cells.ravel(), kind="stable")
+    first = np.searchsorted(cells.ravel()[order], np.arange(len(points) + 1))
+    for _ in range(_ROUNDS):
+        quality = measure_quality(points, cells)
+        nodes = np.unique(cells[quality < wanted])
+        moved = False
+        for node in nodes[inner[nodes]].tolist():
+            around = cells[order[first[node] : first[node + 1]] // 4]
+            better = _search(points, around, node)
+            moved |= bool((better != points[node]).any())
+            points[node] = better
+        if not moved:
+            break
+    return points
+
+
+def _search(points: FloatArray, around: IndexArray, node: int) -> FloatArray:
+    """Return where the worst of the cells (k, 4) round a node is best, by steps along 26 directions."""
+    own = around == node
+    corners = points[around]
+    others = corners[~own]
+    edge = float(np.linalg.norm(others - points[node], axis=1).mean())
+
+    def measure(places: FloatArray) -> FloatArray:
+        """Return the worst quality with the node at each of the places (m, 3)."""
+        tried = np.where(own[None, :, :, None], places[:, None, None], corners[None])
+        flat = tried.reshape(-1, 3)
+        quality = measure_quality(flat, np.arange(len(flat)).reshape(-1, 4))
+        return np.asarray(quality.reshape(len(places), -1).min(axis=1))
+
+    place: FloatArray = points[node]
+    step = _FIRST_STEP * edge
+    best = float(measure(place[None])[0])
+    for _ in range(_STEPS):
+        places = place + step * _DIRECTIONS
+        found = measure(places)
+        top = int(np.argmax(found))
+        if found[top] > best + _GAIN:
+            place, best = places[top], float(found[top])
+        else:
+            step *= 0.5
+    return place
