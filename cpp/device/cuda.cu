@@ -19,18 +19,17 @@ __global__ void __launch_bounds__(256)
   if (node < nodes.n) move_node(nodes, step, node);
 }
 
-template <class Real>
+template <int corners, class Real>
 __global__ void __launch_bounds__(128)
     advance_shells(const __grid_constant__ Nodes<Real> nodes, const __grid_constant__ Shells<Real> shells, double dt) {
   const int shell = blockIdx.x * blockDim.x + threadIdx.x;
-  if (shell < shells.n) advance_shell(nodes, shells, dt, shell);
+  if (shell < shells.n) advance_shell<corners>(nodes, shells, dt, shell);
 }
 
 template <class Real>
-__global__ void __launch_bounds__(256)
-    gather_nodes(const __grid_constant__ Nodes<Real> nodes, const __grid_constant__ Shells<Real> shells) {
+__global__ void __launch_bounds__(256) gather_nodes(const __grid_constant__ Nodes<Real> nodes) {
   const int node = blockIdx.x * blockDim.x + threadIdx.x;
-  if (node < nodes.n) gather_forces(nodes, shells, node);
+  if (node < nodes.n) gather_forces(nodes, node);
 }
 
 void check(cudaError_t told, const char* what) {
@@ -91,24 +90,32 @@ int blocks(int n, int threads) { return (n + threads - 1) / threads; }
 template <class Real>
 void advance(Problem<Real> p, const Cycles& cycles) {
   Nodes<Real>& nodes = p.nodes;
-  Shells<Real>& shells = p.shells;
-  const std::size_t n = nodes.n, cells = shells.n;
+  const std::size_t n = nodes.n, slots = nodes.n_slots;
   Arrays arrays;
   arrays.add(nodes.position, 4 * n, true), arrays.add(nodes.motion, 8 * n, true);
   arrays.add(nodes.internal_force, freedoms * n, true), arrays.add(nodes.force, freedoms * n, false);
   arrays.add(nodes.held, n, false), arrays.add(nodes.prescribed, freedoms * n, false);
   arrays.add(nodes.reaction_impulse, freedoms * n, true), arrays.add(nodes.work, 2 * n, true);
-  arrays.add(nodes.first_corner, n + 1, false), arrays.add(nodes.corner, corners * cells, false);
-  arrays.add(shells.node, corners * cells, false), arrays.add(shells.state, p.rows * cells, true);
-  arrays.add(shells.force, freedoms * corners * cells, false);
-  TabulatedHardening& table = shells.law.hardening;
-  const std::size_t pieces = 4 * static_cast<std::size_t>(table.last + 1);
-  arrays.add(table.rows, pieces, false), arrays.add(table.float_rows, pieces, false);
+  arrays.add(nodes.first_corner, n + 1, false), arrays.add(nodes.corner, slots, false);
+  arrays.add(nodes.corner_force, freedoms * slots, false);
+  const auto add_shells = [&](Shells<Real>& shells, std::size_t corners) {
+    if (shells.n == 0) return;
+    arrays.add(shells.node, corners * shells.n, false), arrays.add(shells.state, std::size_t(p.rows) * shells.n, true);
+    TabulatedHardening& table = shells.law.hardening;
+    const std::size_t pieces = 4 * static_cast<std::size_t>(table.last + 1);
+    arrays.add(table.rows, pieces, false), arrays.add(table.float_rows, pieces, false);
+  };
+  add_shells(p.quadrilaterals, 4), add_shells(p.triangles, 3);
   arrays.send();
+  const auto launch = [&]<int corners>(const Shells<Real>& shells) {
+    if (shells.n > 0)
+      advance_shells<corners><<<blocks(shells.n, threads_of_shells), threads_of_shells>>>(nodes, shells, cycles.dt);
+  };
   for (int cycle = 0; cycle < cycles.n; ++cycle) {
     move_nodes<<<blocks(nodes.n, threads_of_nodes), threads_of_nodes>>>(nodes, cycles.step(cycle));
-    advance_shells<<<blocks(shells.n, threads_of_shells), threads_of_shells>>>(nodes, shells, cycles.dt);
-    gather_nodes<<<blocks(nodes.n, threads_of_nodes), threads_of_nodes>>>(nodes, shells);
+    launch.template operator()<4>(p.quadrilaterals);
+    launch.template operator()<3>(p.triangles);
+    gather_nodes<<<blocks(nodes.n, threads_of_nodes), threads_of_nodes>>>(nodes);
     check(cudaGetLastError(), "start a cycle");
   }
   check(cudaDeviceSynchronize(), "end its cycles");

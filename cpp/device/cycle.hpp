@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A cycle of the explicit loop with a lane a thread: shells of one point with physical stabilisation, von Mises with
+// A cycle of the explicit loop with a lane a thread: shells of one point, those of four
+// nodes with physical stabilisation, von Mises with
 // hardening from a table, and their nodes. The same functions are compiled for the CPU (host.cpp) and for a GPU
 // (cuda.cu), and take the same Problem.
 //
 // A cycle is three passes, each over lanes that know nothing of each other:
 //   move_node      a = (f_ext - f_int)/m, v += a h, x += v dt of one node
 //   advance_shell  one shell over the move: its state, and its forces at its four corners
-//   gather_forces  f_int of one node: the sum over a list of (corner, shell), always in the same order
+//   gather_forces  f_int of one node: the sum over a list of corners of shells, always in the same order
 // So nothing is added by atomics, and the bits depend neither on the number of threads nor on the run. Arrays are as
 // neighbouring lanes read them: a row of a shell's state is one number of every shell; a node's record is its own.
 //
@@ -16,14 +17,14 @@
 
 #include <cstdint>
 
-#include "element/shell4_stabilized.hpp"
+#include "element/shell3_one_point.hpp"
 #include "explicit/step.hpp"
 
 namespace presswork::device {
 
 using explicit_dynamics::Step;
 
-inline constexpr int freedoms = 6, corners = 4, law_rows = FastMises::rows();
+inline constexpr int freedoms = 6, law_rows = FastMises::rows();
 
 // Real: of velocities, forces and shells; positions, work and what is done with a node in a step are double.
 template <class Real>
@@ -38,15 +39,17 @@ struct Nodes {
   double* reaction_impulse;  // (n, 6) [N s, N mm s]
   double* work;              // (n, 2): of forces from outside, lost by mass damping, summed up over the cycles [N mm]
   const int* first_corner;   // (n + 1) into corner
-  const int* corner;         // of the shells round each node: number of the shell + its corner times their number
+  const int* corner;         // of the shells round each node: slots
+  int n_slots;
+  Real* corner_force;  // (6, n_slots): of the shells at their corners
 };
 
+// Shells of three or four nodes. Corner a of shell i has the slot first_slot + a n + i.
 template <class Real>
 struct Shells {
-  int n;
-  const int* node;  // (4, n)
+  int n, first_slot;
+  const int* node;  // (corners, n)
   Real* state;      // (rows, n): those of shell4_one_point.hpp, then the layers
-  Real* force;      // (24, n): at the corners
   FastMises law;
   LayerRule rule;
 };
@@ -55,7 +58,7 @@ struct Shells {
 template <class Real>
 struct Problem {
   Nodes<Real> nodes;
-  Shells<Real> shells;
+  Shells<Real> quadrilaterals, triangles;
   int rows;
 };
 
@@ -97,10 +100,10 @@ PRESSWORK_INLINE void move_node(const Nodes<Real>& nodes, const Step& step, int 
   nodes.work[2 * std::size_t(node) + 1] += step.mean_dt * step.damping * damped;
 }
 
-template <class Real>
+template <int corners, class Real>
 PRESSWORK_INLINE void advance_shell(const Nodes<Real>& nodes, const Shells<Real>& shells, double dt, int shell) {
   const std::size_t n = shells.n;
-  Real x[4][3], v[4][3], w[4][3], state[shell4::head_rows], force[freedoms * corners];
+  Real x[corners][3], v[corners][3], w[corners][3], state[shell4::head_rows], force[freedoms * corners];
   // positions less that of the first node: elements use differences alone
   const double* origin = nodes.position + 4 * std::size_t(shells.node[shell]);
   for (int a = 0; a < corners; ++a) {
@@ -116,20 +119,22 @@ PRESSWORK_INLINE void advance_shell(const Nodes<Real>& nodes, const Shells<Real>
   for (int r = 0; r < shell4::head_rows; ++r) state[r] = rows[r * n];
   const LayersApart<Real, law_rows> layers{rows + shell4::head_rows * n, static_cast<std::ptrdiff_t>(n), {}};
   const LayerConditions<Real> now{dt};
-  shell4::advance_stabilized(shells.law, shells.rule, now, x, v, w, static_cast<const Real*>(nullptr), state, layers,
-                             force);
+  const Real* no_room = nullptr;
+  if constexpr (corners == 4)
+    shell4::advance_stabilized(shells.law, shells.rule, now, x, v, w, no_room, state, layers, force);
+  else
+    shell3::advance(shells.law, shells.rule, now, x, v, w, no_room, state, layers, force);
   for (int r = 0; r < shell4::head_rows; ++r) rows[r * n] = state[r];
-  for (int i = 0; i < freedoms * corners; ++i) shells.force[i * n + shell] = force[i];
+  for (int a = 0; a < corners; ++a)
+    for (int i = 0; i < freedoms; ++i)
+      nodes.corner_force[std::size_t(i) * nodes.n_slots + shells.first_slot + a * n + shell] = force[freedoms * a + i];
 }
 
 template <class Real>
-PRESSWORK_INLINE void gather_forces(const Nodes<Real>& nodes, const Shells<Real>& shells, int node) {
-  const std::size_t n = shells.n;
+PRESSWORK_INLINE void gather_forces(const Nodes<Real>& nodes, int node) {
   double sum[freedoms] = {};
-  for (int s = nodes.first_corner[node]; s < nodes.first_corner[node + 1]; ++s) {
-    const int at = nodes.corner[s], corner = at / shells.n, shell = at - corner * shells.n;
-    for (int i = 0; i < freedoms; ++i) sum[i] += shells.force[(freedoms * corner + i) * n + shell];
-  }
+  for (int s = nodes.first_corner[node]; s < nodes.first_corner[node + 1]; ++s)
+    for (int i = 0; i < freedoms; ++i) sum[i] += nodes.corner_force[std::size_t(i) * nodes.n_slots + nodes.corner[s]];
   for (int i = 0; i < freedoms; ++i) nodes.internal_force[std::size_t(freedoms) * node + i] = static_cast<Real>(sum[i]);
 }
 

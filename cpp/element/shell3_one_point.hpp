@@ -31,7 +31,7 @@ struct Sides {
 };
 
 template <class T>
-[[gnu::always_inline]] inline void measure_sides(const T x[3][3], const T inverse[4], Sides<T>& out) {
+PRESSWORK_INLINE void measure_sides(const T x[3][3], const T inverse[4], Sides<T>& out) {
   T p[3], q[3], e[3][3];
   for (int i = 0; i < 3; ++i) {
     out.g[0][i] = x[1][i] - x[0][i], out.g[1][i] = x[2][i] - x[0][i];
@@ -49,20 +49,20 @@ template <class T>
 
 // Products of the sides with two vectors a, b: 11, 22, 12.
 template <class T>
-[[gnu::always_inline]] inline void multiply(const T g[2][3], const T a[3], const T b[3], T out[3]) {
+PRESSWORK_INLINE void multiply(const T g[2][3], const T a[3], const T b[3], T out[3]) {
   out[0] = dot(g[0], a), out[1] = dot(g[1], b), out[2] = dot(g[0], b) + dot(g[1], a);
 }
 
 // Factor of the shear modulus.
 template <class T>
-[[gnu::always_inline]] inline T relieve(T thickness, T area) {
+PRESSWORK_INLINE T relieve(T thickness, T area) {
   T square = thickness * thickness;
   return square / (square + T(relief) * area);
 }
 
 // Mean of curl's shear squared over the triangle: (A^11 + A^22 + A^12)/18.
 template <class T>
-[[gnu::always_inline]] inline T curl_metric(const Sides<T>& s) {
+PRESSWORK_INLINE T curl_metric(const Sides<T>& s) {
   const T *a = s.contra[0], *b = s.contra[1];
   return T(1.0 / 18.0) * (a[0] * a[0] + a[1] * a[1] + b[0] * b[0] + b[1] * b[1] + a[0] * b[0] + a[1] * b[1]);
 }
@@ -88,11 +88,10 @@ T bound_frequency(double young, double poisson, const Sides<T>& s, T thickness, 
   return larger(membrane, bending + shear);
 }
 
-// Advance one shell (or pack) by dt; arguments as those of shell4::advance, for three nodes.
-template <class T, class Law>
-[[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, const LayerConditions<T>& now,
-                                           const T x[3][3], const T v[3][3], const T w[3][3], const T* room, T* state,
-                                           T* force) {
+// Advance one shell (or pack) by dt; arguments as those of shell4::advance_stabilized, for three nodes.
+template <class T, class Law, class Layers>
+PRESSWORK_INLINE void advance(const Law& law, const LayerRule& rule, const LayerConditions<T>& now, const T x[3][3],
+                              const T v[3][3], const T w[3][3], const T* room, T* state, Layers layers, T* force) {
   const double dt = now.dt;
   using namespace shell4;
   // 1. strains, in the middle of the step
@@ -121,7 +120,6 @@ template <class T, class Law>
   // 2. layers
   const T t = state[thickness];
   Resultants<T> r;
-  const LayersInRow<T> layers{state + head_rows, law.rows()};
   advance_section(law, rule, membrane, curvature, t, now, layers, r);
   squeeze_between_tools<3>(law, rule, room, state[spring] / s.area, t, membrane, layers, state[pressure], r);
   T n[3], N[3], M[3];

@@ -11,16 +11,20 @@ from presswork import _core
 from presswork.cli.commands import app
 from presswork.explicit.shells import Device, ExplicitError, ExplicitShells, ShellOptions
 from presswork.explicit.space import Precision
-from tests.consistency.test_explicit_shells import SWIFT, N, mesh, results
+from tests.consistency.test_explicit_shells import SWIFT, N, halve, mesh, results
 
-CYCLES = 300
+CYCLES = 400
 AGREEMENT = {"double": 1e-12, "single": 1e-5}
 """Of the largest value, after CYCLES: round-off; 5e-15 and 1e-6 are found."""
 
 
 def make_run(device: Device, precision: Precision = "double", n: int = N, **changes: object) -> ExplicitShells:
-    """One edge held, the opposite one pulled at 20 m/s, and pressed out of the plane; some mass added."""
+    """One edge held, the opposite one pulled at 20 m/s, and pressed out of the plane; some mass added.
+
+    One quadrilateral in five is halved into triangles.
+    """
     points, cells = mesh(n)
+    cells = halve(cells)
     given = {"law": SWIFT, "options": ShellOptions()} | changes
     shells = ExplicitShells(
         points, cells, 0.8, density=7.85e-9, precision=precision, device=device, **given  # type: ignore[arg-type]
@@ -92,9 +96,6 @@ def test_what_no_device_computes_is_refused() -> None:
         make_run("host", options=ShellOptions(hourglass="stiffness"))
     points, cells = mesh()
     above = points + np.array([0.0, 0.0, 9.0])
-    halves = np.concatenate([cells[:1, [0, 1, 2, 2]], cells[:1, [0, 2, 3, 3]], cells[1:]])
-    with pytest.raises(ExplicitError, match="does not compute triangles"):
-        ExplicitShells(points, halves, 0.8, SWIFT, 7.85e-9, device="host")
     with pytest.raises(ExplicitError, match="give 'cpu' or 'host' or 'cuda'"):
         ExplicitShells(points, cells, 0.8, SWIFT, 7.85e-9, device="gpu")  # type: ignore[arg-type]
     run = make_run("host")

@@ -55,7 +55,8 @@ struct Triangle : OnePoint<3> {
   [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, const LayerConditions<T>& now,
                                              const T x[3][3], const T v[3][3], const T w[3][3], const T* room, T* state,
                                              T* force) {
-    shell3::advance(law, section.rule, now, x, v, w, room, state, force);
+    const LayersInRow<T> layers{state + shell4::head_rows, law.rows()};
+    shell3::advance(law, section.rule, now, x, v, w, room, state, layers, force);
   }
 
   template <class T>
