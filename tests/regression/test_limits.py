@@ -255,6 +255,21 @@ def test_a_closed_cavity_stops_a_run_that_would_go_on_beyond_its_limits(tmp_path
     assert on.status == "completed"
 
 
+def test_a_closed_cavity_stops_with_its_fill_and_force(tmp_path) -> None:
+    """The punch has a cone of 2 mm on a radius of 8 mm: the container is full where 6.41 mm of the stroke are done."""
+    keys = ["tools.punch.profile=[[0, 22], [8, 20], [12.5, 20]]", "workpiece.mesh.cells=[8, 14]"]
+    outcome = run(write(tmp_path, CLOSED_DIE), tmp_path / "out", *keys, "stages.0.tools.punch.stroke=8")
+    assert outcome.status == "gave_up"
+    last = {name: column[-1] for name, column in outcome.result.history.items()}
+    full = 20.0 - (20.0 * 10**2 - 2.0 * 8**2 / 3.0) / 12**2
+    assert full < last["punch.stroke"] < full + 0.6
+    assert "tools and supports hold 100 % of the surface" in outcome.reason
+    assert f"the wall of punch is filled to {100.0 * last['punch.fill']:.3g} %" in outcome.reason
+    assert last["punch.fill"] > 0.85
+    assert f"punch presses with {abs(last['punch.force']):.4g} N" in outcome.reason
+    assert "shorten the stroke, make the workpiece smaller, or open the die" in outcome.reason
+
+
 @pytest.fixture(scope="module")
 def torn(tmp_path_factory) -> dict[str, Outcome]:
     """The cup stopped at the limit, and let go on to its end."""
