@@ -21,6 +21,11 @@ from presswork.study.compensate import CASE, Loop, compensate_springback
 
 def compensate(
     case: Annotated[Path, typer.Argument(help="The stamping (TOML), with [springback].", show_default=False)],
+    target: Annotated[
+        Path | None,
+        typer.Option(help="A face or the middle of the wanted part, STL or STEP; default: the part as drawn."),
+    ] = None,
+    unit: Annotated[str, typer.Option(help="Unit of lengths in the target's STL file.")] = "mm",
     tolerance: Annotated[float, typer.Option(help="Largest distance of the part from its goal (mm).")] = 0.1,
     loops: Annotated[int, typer.Option(min=1, help="Corrections at most.")] = 6,
     fix_binder: Annotated[bool, typer.Option("--fix-binder", help="Leave the binder under holders as it is.")] = False,
@@ -49,7 +54,8 @@ def compensate(
                     bar.console.print(_describe(loop, row, tolerance), markup=False)
 
             found = compensate_springback(
-                case, folder, tolerance=tolerance, most=loops, fix_binder=fix_binder, settings=set_ or [],
+                case, folder, tolerance=tolerance, target=target, unit=unit, most=loops,
+                fix_binder=fix_binder, settings=set_ or [],
                 threads=threads, member_timeout=member_timeout or None, resume=resume, overwrite=overwrite,
                 on_progress=show, on_loop=tell,
             )  # fmt: skip

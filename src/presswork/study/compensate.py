@@ -22,8 +22,9 @@ from presswork.case import CaseError, StampingCase, build_model
 from presswork.case.case_file import write_as_run
 from presswork.case.errors import Problem
 from presswork.case.reader import apply_overrides, read_toml
-from presswork.model import FloatArray
-from presswork.post.released_part import Misfit, read_released
+from presswork.case.stamping.target_part import read_target_part
+from presswork.model import FloatArray, IntArray
+from presswork.post.released_part import Misfit, ReleasedPart, read_released
 from presswork.post.springback import find_formed_step
 from presswork.recorder import Progress
 from presswork.results import Result, open_output_folder
@@ -39,7 +40,7 @@ from presswork.study.compensated_tools import (
     find_undercut,
     place_tools,
 )
-from presswork.study.compensation_goal import Goal, set_goal
+from presswork.study.compensation_goal import Goal, NotThePartError, set_goal
 from presswork.study.one_member import compute_member, open_search_folder
 from presswork.study.open_runner import open_runner
 from presswork.study.runner import Runner
@@ -100,6 +101,8 @@ def compensate_springback(
     folder: Path | str,
     *,
     tolerance: float,
+    target: Path | None = None,
+    unit: str = "mm",
     most: int = 6,
     fix_binder: bool = False,
     settings: Sequence[str] = (),
@@ -110,15 +113,17 @@ def compensate_springback(
     on_progress: Callable[[int, Progress], None] | None = None,
     on_loop: Callable[[Loop, dict[str, Any]], None] | None = None,
 ) -> Compensation:
-    """Correct the tools of a stamping until its part, after springback, lies within a tolerance of its shape as drawn.
+    """Correct the tools of a stamping until its part, after springback, lies within a tolerance of a goal.
 
-    tolerance: largest distance from the goal along its normal after the best fit [mm]; most: corrections at most.
+    tolerance: largest distance from the goal along its normal after the best fit [mm]. target: STL or STEP file of a
+    face or the middle of the wanted part, in this unit; None: the part as the tools as drawn form it, closed. most:
+    corrections at most.
     fix_binder: the binder under holders stays as it is. settings: `key=value` texts that change the case. threads: of a
     run, 0 for all of the machine. member_timeout: longest time of a run [s], which ends the search. With `resume` runs
     that are there are kept, and one that was stopped goes on. on_loop: called after each, with its row of the table.
     Raises CaseError for a case that cannot be used, OutputError for a folder that cannot.
     """
-    search = _Search(Path(case_file), settings, tolerance, fix_binder=fix_binder)
+    search = _Search(Path(case_file), settings, tolerance, target, unit, fix_binder=fix_binder)
     with open_runner(1, None, member_timeout, threads=threads) as runner:
         search.open_folder(Path(folder), resume, overwrite)
         status, reason = search.run(most, runner, resume, on_progress, on_loop)
@@ -130,7 +135,16 @@ def compensate_springback(
 class _Search:
     """One search for tools."""
 
-    def __init__(self, case_file: Path, settings: Sequence[str], tolerance: float, *, fix_binder: bool) -> None:
+    def __init__(
+        self,
+        case_file: Path,
+        settings: Sequence[str],
+        tolerance: float,
+        target: Path | None,
+        unit: str,
+        *,
+        fix_binder: bool,
+    ) -> None:
         if not tolerance > 0:
             raise CaseError([Problem("--tolerance", f"{tolerance:g} is not > 0", "give a length in mm")])
         self.tolerance, self.fix_binder = tolerance, fix_binder
@@ -141,11 +155,12 @@ class _Search:
         model = build_model(self.case)
         self.data: dict[str, Any] = tomllib.loads(write_as_run(data, case_file.parent))
         self.planes = model.symmetry
+        size = np.ptp(model.mesh.points[:, :2], axis=0) * np.where(self.planes, 2.0, 1.0)
+        self.target = None if target is None else read_target_part(target, unit, float(np.linalg.norm(size)))
         points, cells = model.mesh.points, model.mesh.blocks[0].connectivity
         edge = np.linalg.norm(points[cells[:, 0]] - points[cells[:, 1]], axis=1)
-        self.tools = cut_into_triangles(model, _LONGEST * float(np.median(edge)))
+        self.drawn = cut_into_triangles(model, _LONGEST * float(np.median(edge)))
         self.goal: Goal | None = None
-        self.drawn: tuple[PressedTool, ...] = ()
         self.loops: list[Loop] = []
 
     def open_folder(self, folder: Path, resume: bool, overwrite: bool) -> None:
@@ -166,17 +181,12 @@ class _Search:
         """Form and correct until the part is within the tolerance; return how it ended, and why not well."""
         from presswork.study.compensation_plot import draw_deviation
 
-        origin = np.zeros(3)
-        self.drawn = tuple(
-            PressedTool(t.name, t.kind or "die", t.shape, np.array(t.position), origin)  # type: ignore[arg-type]
-            for t in self.tools
-        )
         correction: FloatArray | None = None
         anderson: Anderson | None = None
         for number in range(most + 1):
             tools = self.drawn
             if self.goal is not None and correction is not None:
-                tools = bend_tools(self.drawn, self.goal.make_warp(correction))
+                tools = bend_tools(self.drawn, self.goal.make_warp(correction), fix_holders=self.fix_binder)
             folder = self.folder / f"loop_{number:02d}"
             try:
                 case, lower = self.write_case(number, tools)
@@ -193,13 +203,9 @@ class _Search:
             result = Result(folder)
             part, points, triangles = read_released(result)
             if self.goal is None:
-                self.drawn = find_closed(self.tools, result, find_formed_step(result))
-                held = tuple(t for t in self.drawn if t.kind == "holder") if self.fix_binder else ()
-                thickness = self.case.blank.thickness
-                self.goal = set_goal(part, (points, triangles), held, thickness, self.planes)
-                correction = np.zeros_like(self.goal.points)
-                anderson = Anderson(self.goal.weight)
-                tools = self.drawn
+                tools = self.drawn = find_closed(self.drawn, result, find_formed_step(result))
+                self.goal = self.set_goal(part, points, triangles)
+                correction, anderson = np.zeros_like(points), Anderson(self.goal.weight)
             assert correction is not None
             assert anderson is not None
             misfit = self.goal.measure(part, correction, lower)
@@ -222,6 +228,15 @@ class _Search:
             f"the part is still {self.loops[-1].worst:.3g} mm off after {most} corrections, "
             f"near {self.place_of_worst()}"
         )
+
+    def set_goal(self, part: ReleasedPart, points: FloatArray, triangles: IntArray) -> Goal:
+        """Return the goal by the part of the tools as drawn. Raises CaseError for a target that is not this part."""
+        held = tuple(tool for tool in self.drawn if tool.kind == "holder") if self.fix_binder else ()
+        thickness = self.case.blank.thickness
+        try:
+            return set_goal(part, (points, triangles), held, thickness, self.planes, self.target)
+        except NotThePartError as error:
+            raise CaseError([Problem("--target", str(error), "give the part that the tools make")]) from error
 
     def add_loop(self, number: int, folder: Path, misfit: Misfit, tools: tuple[PressedTool, ...]) -> None:
         """Note what tools have made, and what they are like."""

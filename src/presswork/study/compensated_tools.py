@@ -15,7 +15,7 @@ from presswork.geometry.foot_on_triangles import split_long
 from presswork.geometry.rigid_warp import RigidWarp
 from presswork.geometry.swept_tool import triangulate
 from presswork.geometry.tool_surface import make_surface
-from presswork.model import FloatArray, Model, SweptProfile, Tool, ToolKind, Triangulation
+from presswork.model import FloatArray, Model, SweptProfile, ToolKind, Triangulation
 from presswork.results import Result
 
 WITHIN = 0.002
@@ -61,8 +61,11 @@ class Undercut:
     """In the closed tools (3,) [mm]."""
 
 
-def cut_into_triangles(model: Model, longest: float) -> tuple[Tool, ...]:
-    """Return the tools with drawn shapes cut into triangles, and triangles split to edges of this length [mm]."""
+def cut_into_triangles(model: Model, longest: float) -> tuple[PressedTool, ...]:
+    """Return the tools with drawn shapes cut into triangles, and triangles split to edges of this length [mm].
+
+    They are where they start, without travel.
+    """
     length = _STRIP * float(np.ptp(model.mesh.points[:, 1])) * (2.0 if model.symmetry[1] else 1.0)
     found = []
     for tool in model.tools:
@@ -72,25 +75,24 @@ def cut_into_triangles(model: Model, longest: float) -> tuple[Tool, ...]:
             shape = Triangulation(points, triangles, is_closed=False)
         assert isinstance(shape, Triangulation)
         points, triangles = split_long(shape.points, shape.triangles, longest)
-        found.append(replace(tool, shape=Triangulation(points, triangles, shape.is_closed)))
-    return tuple(found)
-
-
-def find_closed(tools: Sequence[Tool], result: Result, step: int) -> tuple[PressedTool, ...]:
-    """Return the tools and how far they had travelled at a saved step."""
-    found = []
-    for tool in tools:
-        assert isinstance(tool.shape, Triangulation)
         assert tool.kind is not None
-        travel = result.surface_displacement(tool.name, step)
-        found.append(PressedTool(tool.name, tool.kind, tool.shape, np.array(tool.position), travel))
+        split = Triangulation(points, triangles, shape.is_closed)
+        found.append(PressedTool(tool.name, tool.kind, split, np.array(tool.position), np.zeros(3)))
     return tuple(found)
 
 
-def bend_tools(tools: Sequence[PressedTool], warp: RigidWarp) -> tuple[PressedTool, ...]:
-    """Return the tools with their faces carried by a map of the closed tools' space."""
+def find_closed(tools: Sequence[PressedTool], result: Result, step: int) -> tuple[PressedTool, ...]:
+    """Return the tools and how far they had travelled at a saved step."""
+    return tuple(replace(tool, travel=result.surface_displacement(tool.name, step)) for tool in tools)
+
+
+def bend_tools(tools: Sequence[PressedTool], warp: RigidWarp, *, fix_holders: bool = False) -> tuple[PressedTool, ...]:
+    """Return the tools with their faces carried by a map of the closed tools' space; fix_holders: theirs are not."""
     bent = []
     for tool in tools:
+        if fix_holders and tool.kind == "holder":
+            bent.append(tool)
+            continue
         points = warp.carry(tool.closed) - tool.position - tool.travel
         bent.append(replace(tool, shape=replace(tool.shape, points=points)))
     return tuple(bent)

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.geometry.best_fit import nodal_areas
-from presswork.geometry.foot_on_triangles import find_feet
+from presswork.geometry.fit_to_surface import SurfaceFit, fit_to_surface
+from presswork.geometry.foot_on_triangles import find_feet, split_long
 from presswork.geometry.rigid_warp import RigidWarp
 from presswork.geometry.smooth_extension import extend_smoothly
 from presswork.geometry.tool_surface import make_surface
-from presswork.model import BoolArray, FloatArray, IntArray
+from presswork.model import BoolArray, FloatArray, IntArray, Triangulation
 from presswork.post.released_part import Misfit, ReleasedPart, measure_misfit
 from presswork.study.compensated_tools import PressedTool
 
@@ -20,7 +21,9 @@ _ON_PART = 0.05
 """Of an edge: a node of the whole sheet nearer to the trimmed part belongs to it."""
 _UNDER_HOLDER = 0.3
 """Of the thickness: a node this much farther from the holder's face than half of it is held."""
-_BLEND = 12.0
+_BESIDE, _SHARE = 0.05, 0.05
+"""Of the part's size, and of the target's points: so many farther off make it another part."""
+_BLEND = 4.0
 """Times the thickness: within it of the binder the correction fades."""
 
 
@@ -70,10 +73,12 @@ def set_goal(
     holders: tuple[PressedTool, ...],
     thickness: float,
     planes: tuple[bool, bool],
+    target: Triangulation | None = None,
 ) -> Goal:
-    """Return the goal of the part as drawn.
+    """Return the goal of the part as the tools as drawn have formed it.
 
-    whole: points and triangles of the sheet before trimming. holders: whose binder stays as it is.
+    whole: points and triangles of the sheet before trimming. holders: whose binder stays as it is. target: a face or
+    the middle of the wanted part; None: the part as formed. Raises NotThePartError.
     """
     points, triangles = whole
     edge = float(np.median(np.linalg.norm(points[triangles[:, 0]] - points[triangles[:, 1]], axis=1)))
@@ -81,14 +86,48 @@ def set_goal(
     off = np.linalg.norm(feet.interpolate(part.formed, part.triangles) - points, axis=1)
     is_part = off < _ON_PART * edge
     is_fixed = _find_held(points, holders, thickness)
+    weight = np.linalg.norm(nodal_areas(points, [triangles]), axis=1)
+    wanted = points
+    if target is not None:
+        fit = _lay(target, points, triangles, np.where(is_part, weight, 0.0), thickness, planes, edge)
+        is_part &= fit.is_over
+        wanted = fit.wanted
     is_steered = is_part & ~is_fixed
     if is_fixed.any():
         from scipy.spatial import cKDTree
 
         away, _ = cKDTree(points[is_fixed]).query(points)
         is_steered &= away > _BLEND * thickness
-    weight = np.linalg.norm(nodal_areas(points, [triangles]), axis=1)[is_part]
-    return Goal(points, triangles, is_part, is_fixed, is_steered, points[is_part], weight, planes)
+    return Goal(points, triangles, is_part, is_fixed, is_steered, wanted[is_part], weight[is_part], planes)
+
+
+class NotThePartError(Exception):
+    """The target is not the part that the tools make."""
+
+
+def _lay(
+    target: Triangulation, points: FloatArray, triangles: IntArray, weight: FloatArray, thickness: float,
+    planes: tuple[bool, bool], edge: float,
+) -> SurfaceFit:  # fmt: skip
+    """Lay the target to the part as formed; weight: of nodes (n_points,), 0 of what is trimmed off."""
+    surface, cells = split_long(target.points, target.triangles, 2.0 * edge)
+    fit = fit_to_surface(points, weight, surface, cells, thickness, planes, _ON_PART * edge)
+    folded = fit.surface.copy()
+    for axis in (0, 1):
+        if planes[axis]:
+            side = 1.0 if points[:, axis].mean() > 0 else -1.0
+            folded[:, axis] = side * np.abs(folded[:, axis])
+    found = find_feet(folded, points, triangles).interpolate(points, triangles)
+    far = np.linalg.norm(found - folded, axis=1)
+    limit = max(_BESIDE * float(np.linalg.norm(np.ptp(points, axis=0))), 2.0 * thickness)
+    if (far > limit).mean() > _SHARE:
+        x, y, z = fit.surface[int(np.argmax(far))]
+        raise NotThePartError(
+            f"{(far > limit).mean():.0%} of the target lie more than {limit:.3g} mm off the part that the tools as "
+            f"drawn form, up to {far.max():.3g} mm near ({x:.4g}, {y:.4g}, {z:.4g}): it is another part, or does not "
+            "lie as it is pressed, with z up and symmetry planes at x = 0 and y = 0"
+        )
+    return fit
 
 
 def _find_held(points: FloatArray, holders: tuple[PressedTool, ...], thickness: float) -> BoolArray:

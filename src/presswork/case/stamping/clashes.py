@@ -181,7 +181,9 @@ def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> li
     else:
         strength = first_flow_stress(sheet.to_model(case.blank.material))
     for holder in (t for t in tools if t.kind == "holder"):
-        area = find_held_area(mesh, make_surface(holder.surface), holder.position) * 2 ** len(set(case.blank.symmetry))
+        bent = 0.5 * case.blank.thickness if isinstance(holder.shape, Triangulation) else 0.0
+        area = find_held_area(mesh, make_surface(holder.surface), holder.position, bent)
+        area *= 2 ** len(set(case.blank.symmetry))
         for index, stage in enumerate(case.stages):
             action = stage.tools.get(holder.name)
             if action is None or action.force is None:

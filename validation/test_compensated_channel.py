@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A channel of DP780 whose dies are corrected for springback."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from validation.compensated_channel import compensate_channel
+
+pytestmark = pytest.mark.validation
+
+
+def test_four_loops_leave_a_hundredth_of_a_channels_deviation(tmp_path: Path) -> None:
+    """1.03 mm, then 0.147, 0.052, 0.023 and 0.007 mm."""
+    loops = compensate_channel(tmp_path).loops
+    assert loops[0].worst > 0.9
+    assert loops[2].worst < 0.1 * loops[0].worst
+    assert loops[-1].worst < 0.02 * loops[0].worst
+    assert all(loop.gap_change < 0.01 for loop in loops)
