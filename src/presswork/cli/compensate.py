@@ -23,7 +23,7 @@ def compensate(
     case: Annotated[Path, typer.Argument(help="The stamping (TOML), with [springback].", show_default=False)],
     target: Annotated[
         Path | None,
-        typer.Option(help="A face or the middle of the wanted part, STL or STEP; default: the part as drawn."),
+        typer.Option(help="A face or the middle of the wanted part, STL, STEP or IGES; default: the part as drawn."),
     ] = None,
     unit: Annotated[str, typer.Option(help="Unit of lengths in the target's STL file.")] = "mm",
     tolerance: Annotated[float, typer.Option(help="Largest distance of the part from its goal (mm).")] = 0.1,

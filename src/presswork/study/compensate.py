@@ -115,7 +115,7 @@ def compensate_springback(
 ) -> Compensation:
     """Correct the tools of a stamping until its part, after springback, lies within a tolerance of a goal.
 
-    tolerance: largest distance from the goal along its normal after the best fit [mm]. target: STL or STEP file of a
+    tolerance: largest distance from the goal along its normal after the best fit [mm]. target: STL, STEP or IGES file of a
     face or the middle of the wanted part, in this unit; None: the part as the tools as drawn form it, closed. most:
     corrections at most.
     fix_binder: the binder under holders stays as it is. settings: `key=value` texts that change the case. threads: of a

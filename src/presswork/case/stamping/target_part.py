@@ -12,7 +12,7 @@ import numpy as np
 from presswork.case.errors import CaseError, Problem
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
-from presswork.mesh.step import is_step
+from presswork.mesh.cad import is_cad
 from presswork.mesh.tool_file import read_tool
 from presswork.model import Triangulation
 
@@ -24,9 +24,9 @@ _UNITS = ("mm", "cm", "m", "inch")
 
 
 def read_target_part(path: Path, unit: str, blank: float) -> Triangulation:
-    """Return a face, or the middle, of a part in an STL or STEP file [mm].
+    """Return a face, or the middle, of a part in an STL, STEP or IGES file [mm].
 
-    unit: of the file's lengths; STEP says its own. blank: diagonal of the whole blank [mm]. Raises CaseError for a file
+    unit: of the file's lengths; STEP and IGES say their own. blank: diagonal of the whole blank [mm]. Raises CaseError for a file
     that cannot be read, holds a closed body, or is no part of this blank by its size.
     """
     try:
@@ -34,9 +34,9 @@ def read_target_part(path: Path, unit: str, blank: float) -> Triangulation:
     except ValueError as error:
         raise CaseError([Problem("--unit", "unknown unit of length", f"one of {', '.join(_UNITS)}", unit)]) from error
     if not path.is_file():
-        raise CaseError([Problem("--target", "there is no such file", "give an STL or STEP file", str(path))])
+        raise CaseError([Problem("--target", "there is no such file", "give an STL, STEP or IGES file", str(path))])
     try:
-        surface, notes = read_tool(path, scale=1.0 if is_step(path) else scale, usual_size=blank)
+        surface, notes = read_tool(path, scale=1.0 if is_cad(path) else scale, usual_size=blank)
     except MeshError as error:
         raise CaseError(
             [Problem("--target", error.fault.replace("the tool", "the target"), error.remedy, str(path))]
