@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from presswork.bead_forces import find_bead_forces
 from presswork.case import build_model
 from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 from presswork.model import Model, OneStepModel
@@ -37,10 +38,13 @@ def run(
 
 
 def build(job: AnyCase | Model | OneStepModel) -> Model | OneStepModel:
-    """Return the Model of a case, which holds all that its files do; a Model as it is. Raises CaseError."""
+    """Return the Model of a case, which holds all that its files do; a Model as it is. Raises CaseError.
+
+    Drawbeads that are given by their geometry are computed first, unless the file beside the case has their forces.
+    """
     if isinstance(job, Model | OneStepModel):
         return job
-    return build_onestep_model(job) if isinstance(job, OneStepCase) else build_model(job)
+    return build_onestep_model(job) if isinstance(job, OneStepCase) else build_model(find_bead_forces(job))
 
 
 def compute(

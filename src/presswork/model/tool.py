@@ -146,3 +146,5 @@ class Drawbead:
     """Name of the tool that it moves with; None: it stands still."""
     closing_force: float = 0.0
     """Of a stamping: per length [N/mm], taken off the force of a pushed holder."""
+    is_sought: bool = False
+    """Whether its forces are still to be found from its geometry: such a Model is described and drawn, not computed."""

@@ -17,7 +17,8 @@ from typing import Any, Literal
 import numpy as np
 import tomli_w
 
-from presswork.case import CaseError, StampingCase, build_model
+from presswork.bead_forces import build_stamping
+from presswork.case import CaseError, StampingCase
 from presswork.case.case_file import write_as_run
 from presswork.case.errors import Problem
 from presswork.case.reader import apply_overrides, read_toml
@@ -159,7 +160,7 @@ class _Search:
         if self.case.trim:
             fault = "the drawn flange is compared with the target, and a trim line would cut it"
             raise CaseError([Problem("trim", fault, "leave the trim lines out")], case_file)
-        model = build_model(self.case)
+        model = build_stamping(self.case)
         self.data: dict[str, Any] = tomllib.loads(write_as_run(data, case_file.parent))
         self.element_size = getattr(self.case.blank, "element_size", None) or _mean_size(model)
         self.draws: list[Draw] = []
@@ -186,7 +187,7 @@ class _Search:
         for number in range(most):
             folder = self.folder / f"draw_{number:02d}"
             try:
-                model = build_model(self.write_case(number, outline))
+                model = build_stamping(self.write_case(number, outline))
                 show = None if on_progress is None else lambda now, n=number: on_progress(n, now)
             except CaseError as error:
                 return "gave_up", f"draw {number} cannot be started: {error}"

@@ -18,7 +18,8 @@ from typing import Any, Literal
 import numpy as np
 import tomli_w
 
-from presswork.case import CaseError, StampingCase, build_model
+from presswork.bead_forces import build_stamping
+from presswork.case import CaseError, StampingCase
 from presswork.case.case_file import write_as_run
 from presswork.case.errors import Problem
 from presswork.case.reader import apply_overrides, read_toml
@@ -152,7 +153,7 @@ class _Search:
         apply_overrides(data, settings, case_file)
         self.case = StampingCase.from_toml(case_file, settings)  # says all that is wrong, by the case's own name
         _check(self.case, fix_binder)
-        model = build_model(self.case)
+        model = build_stamping(self.case)
         self.data: dict[str, Any] = tomllib.loads(write_as_run(data, case_file.parent))
         self.planes = model.symmetry
         size = np.ptp(model.mesh.points[:, :2], axis=0) * np.where(self.planes, 2.0, 1.0)
@@ -190,7 +191,7 @@ class _Search:
             folder = self.folder / f"loop_{number:02d}"
             try:
                 case, lower = self.write_case(number, tools)
-                model = build_model(case)
+                model = build_stamping(case)
             except CaseError as error:
                 return "gave_up", f"loop {number} cannot be started: {error}"
             show = None if on_progress is None else lambda now, n=number: on_progress(n, now)

@@ -38,6 +38,7 @@ ELEMENTS_ROUND_AN_EDGE = 3
 """Of a quarter turn: the fewest that bend a sheet round it without large errors."""
 MANY_CYCLES = 5e6
 """A hundred times those of a usual draw."""
+_SOUGHT = "held by a force that a run first finds from its geometry, by pulling a strip through it"
 WAVE = 0.85
 """Stable step over shortest side/wave speed, about."""
 
@@ -109,9 +110,10 @@ def _describe_operation(problem: Model, following: Operation | None) -> Iterator
         yield f"tool {tool.name}: {_describe_tool(tool, following)}"
     for bead in problem.beads:
         length = problem.whole * float(bead.length.sum())
-        closing = f", {bead.closing_force:g} N/mm to close it" if bead.closing_force else ""
+        closing = f", {bead.closing_force:.4g} N/mm to close it" if bead.closing_force else ""
         stages = ", ".join(s.name for s in problem.stages if s.bead_share[bead.name][:, 1].any()) or "no stage"
-        yield f"{bead.name}: {length:.4g} mm, {bead.force:g} N/mm{closing}, in {stages}"
+        force = f"{bead.force:.4g} N/mm{closing}" if not bead.is_sought else _SOUGHT
+        yield f"{bead.name}: {length:.4g} mm, {force}, in {stages}"
     if following is None:
         yield from _describe_closing(problem)
     yield from _hint_at_coarse_mesh(problem)

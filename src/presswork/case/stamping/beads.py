@@ -90,8 +90,11 @@ def build_beads(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> tupl
             beside = modelled[2][~over].sum()
             logger.warning("beads.%d.points: %.4g mm of the line lie beside the blank and do nothing", index, beside)
         beads.append(
-            Drawbead(f"bead_{index + 1}", place, across, length, bead.force, die, closing_force=bead.closing_force)
-        )
+            Drawbead(
+                f"bead_{index + 1}", place, across, length, bead.force, die, closing_force=bead.closing_force,
+                is_sought=bead.geometry is not None,
+            )
+        )  # fmt: skip
     return tuple(beads), problems
 
 

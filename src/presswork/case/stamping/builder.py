@@ -20,6 +20,7 @@ from presswork.case.press.builder import Halves, build_drive
 from presswork.case.settings import RAMP
 from presswork.case.shell.schema import FREEDOMS, HOLDS
 from presswork.case.solid.references import check_set_names
+from presswork.case.stamping.bead_strip import refuse_unknown
 from presswork.case.stamping.beads import build_beads, check_bead_stages, check_closing, closed_stages
 from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank
 from presswork.case.stamping.checks import (
@@ -67,8 +68,10 @@ SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
 def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> model.Model:
     """Build the Model of a stamping; raises CaseError with every problem of the first kind that is found.
 
-    run_user_code: try the shared libraries that it names.
+    run_user_code: try the shared libraries that it names. Without it beads may be described by their geometry alone.
     """
+    if run_user_code:
+        refuse_unknown(case)
     if not case.operations:
         return _build_first(case, _check_first(case, None), run_user_code)
     _stop_at(check_operations(case), case)

@@ -15,6 +15,7 @@ from presswork.case.press.builder import Timing
 from presswork.case.press.schema import StagePress
 from presswork.case.shell.schema import ShellDisplacement
 from presswork.case.stamping.bead import Bead
+from presswork.case.stamping.bead_geometry import BeadGeometry
 from presswork.case.stamping.heat import Dwell
 from presswork.case.stamping.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
 from presswork.case.units import Force, Length, LineForce, Time, Velocity, fault
@@ -109,6 +110,12 @@ class StampingStage(Part):
 class StampingBead(Bead):
     """A drawbead between die and holder."""
 
+    force: LineForce = Field(default=0.0, ge=0, description="restraining force per length [N/mm]")
+    geometry: BeadGeometry | None = Field(
+        default=None,
+        description="instead of force and closing_force: the bead's section, from which both are found by pulling a "
+        "strip of the blank's sheet through it",
+    )
     closing_force: LineForce = Field(
         default=0.0,
         ge=0,
@@ -120,6 +127,16 @@ class StampingBead(Bead):
         description="names of the stages in which die and holder are closed on it; without it: those in which no "
         "stroke moves the holder to or from the die",
     )
+
+    @model_validator(mode="after")
+    def _check_one_source(self) -> Self:
+        given = self.model_fields_set
+        if self.geometry is None and "force" not in given:
+            raise fault("a bead needs a force", 'give it, "50 N/mm", or geometry', key="force")
+        if self.geometry is not None and given & {"force", "closing_force"}:
+            key = "force" if "force" in given else "closing_force"
+            raise fault("the geometry gives the forces", "leave it out, or leave geometry out", key=key)
+        return self
 
 
 class Springback(Part):
