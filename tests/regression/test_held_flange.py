@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe
-from presswork.process.held_flange import warn_of_holders
+from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.recorder import StartError, run_model
 
 AREA = np.pi * (33.0**2 - 19.2**2)
@@ -52,6 +52,8 @@ def test_a_holder_lifted_by_more_than_the_sheet_thickens_tells_of_wrinkles() -> 
     model = build_model(cup())
     assert warn_of_holders(model, history(lift=0.2), thickest=0.95) == [], "0.05 mm are too little to speak of"
     (warning,) = warn_of_holders(model, history(lift=0.2), thickest=0.8)
+    found = summarise_holders(model, history(lift=0.2), thickest=0.85)["wrinkles"]
+    assert found["height_mm"] == pytest.approx(0.15)
     assert warning.startswith(
         "the flange has not stayed flat: it lifted holder by 0.2 mm (t = 3 s), 0.2 mm more than the"
     )

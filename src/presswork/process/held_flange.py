@@ -8,7 +8,7 @@ that thickens to more than the distance is squeezed, and friction keeps it from 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -57,10 +57,9 @@ def _warn_of_wrinkles(
 ) -> Iterator[str]:
     """Compare how far a pushed holder has been lifted with what the sheet has thickened."""
     thickness = model.sheet[0].thickness
-    closed: FloatArray = np.sum([history[f"{t.name}.stroke"] for t in (holder, *dies)], axis=0)[pushed]
-    if not len(closed):
+    lift = _find_lift(history, pushed, [holder, *dies])
+    if not len(lift):
         return
-    lift = np.maximum.accumulate(closed) - closed
     row = int(np.argmax(lift))
     height = float(lift[row]) - max(thickest - thickness, 0.0)
     if height > WRINKLED * thickness:
@@ -69,6 +68,25 @@ def _warn_of_wrinkles(
             f"{history['time'][pushed][row]:.4g} s), {height:.3g} mm more than the sheet thickened, and so high are "
             f"its wrinkles, or its curl; push {holder.name} harder"
         )
+
+
+def _find_lift(history: Mapping[str, NDArray[Any]], pushed: NDArray[np.bool_], tools: Sequence[Tool]) -> FloatArray:
+    """Return how far a holder has been lifted off its dies in the rows in which it is pushed (n,) [mm]."""
+    closed: FloatArray = np.sum([history[f"{tool.name}.stroke"] for tool in tools], axis=0)[pushed]
+    return np.asarray(np.maximum.accumulate(closed) - closed)
+
+
+def summarise_holders(
+    model: Model, history: Mapping[str, NDArray[Any]], thickest: float
+) -> dict[str, dict[str, float]]:
+    """Return the height of wrinkles [mm] under pushed holders: their lift, less what the sheet has thickened."""
+    dies = [tool for tool in model.tools if tool.kind == "die"]
+    heights = []
+    for holder in (tool for tool in model.tools if tool.kind == "holder"):
+        pushed = _rows_pushed(model, history, [holder, *dies])
+        lift = _find_lift(history, pushed, [holder, *dies])
+        heights += [float(lift.max()) - max(thickest - model.sheet[0].thickness, 0.0)] if len(lift) else []
+    return {"wrinkles": {"height_mm": max(0.0, *heights)}} if heights else {}
 
 
 def _warn_of_squeezing(

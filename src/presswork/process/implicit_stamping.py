@@ -28,7 +28,7 @@ from presswork.interaction.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
 from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
-from presswork.process.held_flange import warn_of_holders
+from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
 from presswork.process.peaks import peak_columns, peak_row
@@ -293,8 +293,11 @@ class ImplicitStamping(IncrementRecording):
         energy = self.procedure.energy_balance()
         untouched = find_never_touched([t.name for t in self.model.tools], history)
         warnings = [f"the tool {name} never touched the blank" for name in untouched]
+        held: dict[str, dict[str, float]] = {}
         if not self._begins_formed:
-            warnings += warn_of_holders(self.model, history, float(fields["thickness"].max()))
+            thickest = float(fields["thickness"].max())
+            warnings += warn_of_holders(self.model, history, thickest)
+            held = summarise_holders(self.model, history, thickest)
         if abs(energy["error_percent"]) > WORTH_A_WARNING:
             error = f"the energy balance is off by {energy['error_percent']:.3g} %"
             warnings.append(f"{error}: set implicit.max_increment lower")
@@ -314,6 +317,7 @@ class ImplicitStamping(IncrementRecording):
             **({"heat": summarise_sheet_heat(heat.sheet, state[SheetHeatArrays])} if heat else {}),
             **state[LawWindow].summarise(self.model.materials),
             "formability": verdict.to_summary(),
+            **held,
             "linear_solver": self.procedure.equilibrium.solver.name,
             "warnings": [*warnings, *self._warn_of_ram(history), *verdict.warnings()],
         }

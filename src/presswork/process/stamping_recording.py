@@ -21,7 +21,7 @@ from presswork.formability import Formability
 from presswork.model import ExplicitSheet, FloatArray, IntArray, Model
 from presswork.process.explicit_heat import ExplicitHeat
 from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
-from presswork.process.held_flange import warn_of_holders
+from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.peaks import find_peaks, peak_row
@@ -199,6 +199,10 @@ class StampingRecording(RowRecording):
         """Return warnings of holders on a flat blank."""
         return list(warn_of_holders(self.model, history, thickest)) if self._start is None else []
 
+    def _summarise_holders(self, history: Mapping[str, NDArray[Any]], thickest: float) -> dict[str, dict[str, float]]:
+        """Return the height of wrinkles under holders on a flat blank."""
+        return summarise_holders(self.model, history, thickest) if self._start is None else {}
+
     def judge(self) -> FormingVerdict:
         """Return the verdict on the present sheet."""
         return self._judge(self._cell_fields())
@@ -224,6 +228,7 @@ class StampingRecording(RowRecording):
             **({"heat": summarise_sheet_heat(self.heat.sheet, self.heat.arrays)} if self.heat else {}),
             **self.layers.summarise(),
             "formability": verdict.to_summary(),
+            **self._summarise_holders(history, float(fields["thickness"].max())),
             "warnings": [
                 *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
                 *self._warn_of_holders(history, float(fields["thickness"].max())),

@@ -109,12 +109,14 @@ def _measure_tools(history: Mapping[str, NDArray[Any]]) -> dict[str, float]:
 
 
 def _measure_sheet(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return thinning [%], least margin to the forming limit and cells beyond it, and springback [mm]."""
+    """Return thinning [%], least margin to the forming limit and cells beyond it, wrinkles and springback [mm]."""
     found: dict[str, Any] = {}
     if verdict := summary.get("formability"):
         found["max_thinning_percent"] = verdict["largest_thinning_percent"]["value"]
         if margin := verdict["least_margin"]:
             found |= {"min_forming_limit_margin": margin["value"], "cracked_cells": verdict["failing_cells"]}
+    if wrinkles := summary.get("wrinkles"):
+        found["wrinkle_height"] = wrinkles["height_mm"]
     if sprung := summary.get("springback"):
         low, high = sprung["deviation_mm"]
         found |= {"max_springback": sprung["largest_mm"], "min_deviation": low, "max_deviation": high}

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,9 @@ from presswork.case import read_case
 from presswork.examples import copy_example
 from presswork.study.optimum.optimise import Optimum, check_study, search
 from presswork.study.optimum.runs import open_study_folder
+from presswork.study.optimum.search import Outcome, find_best
 from presswork.study.optimum.study_file import read_study
+from presswork.study.optimum.surrogate import search_by_surrogate
 from presswork.study.runner import Ended, Event, Started, Task
 
 Function = Callable[[float, float], tuple[float, float] | None]
@@ -117,6 +119,22 @@ def test_surrogate_leaves_local_minima_behind(tmp_path: Path) -> None:
     assert found.best.outcome is not None
     assert found.best.x[0] == pytest.approx((1.5 * np.pi - 0.01) / 5.99, abs=0.01)
     assert found.best.outcome.goal < -1.98, "0.5 % of its range, and flat in y"
+
+
+def test_one_variable_with_a_kink_on_its_limit_is_found() -> None:
+    """|x - 0.3| within x >= 0.35, whose start is one of Halton's points, too."""
+    found: list[Outcome] = []
+
+    def evaluate(points: Sequence[np.ndarray]) -> list[Outcome]:
+        outcomes = [Outcome(x, abs(float(x[0]) - 0.3), 0.35 - x) for x in points]
+        found.extend(outcomes)
+        assert len(found) <= 20
+        return outcomes
+
+    search_by_surrogate(evaluate, np.array([0.5]), together=2, tolerance=0.01)
+    place = find_best(found)
+    assert place is not None
+    assert found[place].x[0] == pytest.approx(0.35, abs=0.005)
 
 
 @pytest.mark.parametrize("method", ["surrogate", "gradient"])

@@ -69,6 +69,7 @@ class _Start:
         names += ["min_forming_limit_margin", "cracked_cells"] if "forming_limit_margin" in fields else []
         names += ["min_temperature", "max_temperature"] if "temperature" in fields else []
         names += ["min_draw_in", "max_draw_in"] if self.result.is_stamping else []
+        names += ["wrinkle_height"] if _has_pushed_holder(model) else []
         springs = model.springback or any(operation.springback for operation in model.following)
         names += ["max_springback", "min_deviation", "max_deviation"] if springs else []
         return names
@@ -101,3 +102,10 @@ class _Start:
             except ResultError:
                 pass
         return find_row(field) is not None and (self.result is None or field not in self.result.field_names)
+
+
+def _has_pushed_holder(model: Model) -> bool:
+    """Say whether a force pushes a flat blank's holder, or the die against it."""
+    kinds = {tool.name: tool.kind for tool in model.tools}
+    pushed = {kinds.get(name) for stage in model.stages for name, motion in stage.tool_motion.items() if motion.push}
+    return model.formed is None and "holder" in kinds.values() and bool(pushed & {"holder", "die"})

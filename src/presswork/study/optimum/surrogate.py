@@ -78,7 +78,7 @@ def search_by_surrogate(evaluate: Evaluate, start: FloatArray, *, together: int,
 
 def _fit_model(outcomes: Sequence[Outcome], tolerance: float) -> _Fit | None:
     """Fit all runs that have results; None if these are too few, or lie in a line or plane."""
-    known = [outcome for outcome in outcomes if outcome.is_known]
+    known = list({outcome.x.tobytes(): outcome for outcome in outcomes if outcome.is_known}.values())
     if not known:
         return None
     x = np.array([outcome.x for outcome in known])
