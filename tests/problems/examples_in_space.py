@@ -25,7 +25,7 @@ from presswork import build_model
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.implicit.progress import Progress
-from presswork.model import FloatArray, IndexArray, Mesh, Model, Profile
+from presswork.model import BoolArray, FloatArray, IndexArray, Mesh, Model, Profile
 from presswork.outcome import GaveUpError
 from presswork.process.begin import begin as begin_run
 from presswork.state import State
@@ -39,6 +39,9 @@ THICK = 0.5
 PARTS = 20
 ENDS = 1e-3
 """Of the way of a blow: ends by their energy closer than that are taken as one."""
+REST = 1e-3
+"""Of the way of a blow: there the speed, and with it the force of metal that depends on the rate, falls to nothing; the
+force after an increment follows from its mean speed, and so from how each run cuts its last increments."""
 SAME = 1e-9
 """Of a stage: ends of increments closer than that are one."""
 BEYOND = 5.0
@@ -116,7 +119,7 @@ class Comparison:
     reached: float
     """Part of the increments of the plane that the other went, too."""
     force: FloatArray
-    """Difference after each increment over the largest force (n_increments,)."""
+    """Difference after each increment over the largest force (n_increments,), but for the REST of blows."""
     part: FloatArray
     """Difference of the mean over each of PARTS of the way, over the largest force (PARTS,)."""
     work: float
@@ -150,7 +153,7 @@ def compare(name: str) -> Comparison:
     return Comparison(
         (one, two),
         len(at) / len(one.force),
-        (other - force) / np.abs(one.force).max(),
+        ((other - force) / np.abs(one.force).max())[find_moving(one)[at]],
         (behind - lead) / np.abs(one.force).max(),
         float(way @ other / (way @ force) - 1.0),
         measure_profiles(one, two),
@@ -317,6 +320,12 @@ def _aim(state: State, lead: Course | None) -> None:
     ahead = lead.fraction[(lead.stage == now.stage) & (lead.fraction > now.fraction + SAME)]
     if len(ahead):
         now.next_size = float(ahead[0]) - now.fraction
+
+
+def find_moving(course: Course) -> BoolArray:
+    """Mark the rows of a course that are not in the last REST of a stage that its energy has ended (n_rows,)."""
+    ends = np.array([course.fraction[course.stage == stage].max() for stage in course.stage])
+    return np.asarray((ends == 1.0) | (course.fraction < (1.0 - REST) * ends))
 
 
 def match(one: Course, two: Course) -> tuple[IndexArray, Callable[[FloatArray], FloatArray]]:

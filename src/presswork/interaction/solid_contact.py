@@ -33,7 +33,7 @@ from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.floating_space_tools import FloatingSpaceTools
 from presswork.interaction.resting import SOFT, RestingBody, find_loose
-from presswork.interaction.space_contact import SpaceContact, SpaceForces, TouchingNodes, limit_friction
+from presswork.interaction.space_contact import STEEPEST, SpaceContact, SpaceForces, TouchingNodes, limit_friction
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.faces import nodal_normals, take_bearing
 from presswork.model import FloatArray, IndexArray, IntArray, Model, Tool, Triangulation, find_held_side
@@ -41,14 +41,23 @@ from presswork.state import State
 
 GUESSES = 8
 """Guesses of an increment after which the area that shears stays."""
+RENEWALS, STALE = 3, 0.05
+"""Times in an increment that equilibrium is found anew with the area as it lies there, and the part of a node's share
+of the surface by which it then differs."""
 PENETRATION = 1e-3
 """Of the root of a node's share of the surface: more than that takes another iteration."""
+SUDDEN, GIVES = 0.2, 1e-4
+"""Change of the nodes' forces in an increment, over all of them, beyond which so much of that length takes another
+iteration: where a blow begins, the force rises as steeply as the springs give."""
 OF_SMALLEST = 0.5
 """Of the smallest cell: spacing of the lattice by which edges of tools are rounded where meshes change."""
 WITHIN = 1e-3
 """Of that spacing: how far a tool that ends at a symmetry plane may end beside it."""
 ROUNDING = 1e-4
 """Gap, over the same length, below which a node begins to touch."""
+
+Touched = tuple[IndexArray, FloatArray, FloatArray]
+"""Of a tool the nodes that touch it (n,), its normals there (n, 3) and its push on them (n,) [N]."""
 
 
 class SolidContact(SpaceContact):
@@ -66,7 +75,8 @@ class SolidContact(SpaceContact):
         self._inside[outer] = False
         self._length = np.ones(n)
         self._sticking = [t for t, tool in enumerate(model.space_tools) if tool.friction.law == "sticking"]
-        self._shear_flow, self._n_guesses = np.zeros(n), 0
+        self._shear_flow, self._n_guesses, self._n_renewals = np.zeros(n), 0, 0
+        self._latest: tuple[FloatArray, Sequence[Touched]] = (np.zeros((n, 3)), [])
         self._covered = (np.zeros((0, 3), dtype=np.int32), np.zeros(0))
         self._lay = np.zeros((len(model.space_tools), n), dtype=bool)
         self._multiplier = np.zeros((len(model.space_tools), n))
@@ -116,19 +126,20 @@ class SolidContact(SpaceContact):
                 self._resting.take(t, np.where(self._inside, np.inf, seen), along, self._length)
         if self._needs_shear:
             self._shear_flow, self._n_guesses = self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0), 0
+            self._n_renewals = 0
 
-    def limit_by_shear(
-        self, x: FloatArray, touched: Sequence[tuple[IndexArray, FloatArray, FloatArray]]
-    ) -> Sequence[FloatArray | None]:
+    def limit_by_shear(self, x: FloatArray, touched: Sequence[Touched]) -> Sequence[FloatArray | None]:
         """Return the largest friction on nodes of each tool whatever the push (n,) [N]; None: no law asks for it.
 
         As in the plane, the area at a guess is that of the faces all of whose nodes that bear touch a tool, and a node
-        that lands on a sticking tool sticks from the next increment on. Where a node is pressed on by less than its
-        shear, its faces count in that part: area that jumped with a node that hardly touches would never settle. After
-        some guesses the faces and their parts stay, so that an iteration that goes on settles on them.
+        that lands on a sticking tool sticks from the next increment on. Where a node is pressed on by less than a part
+        of its shear, its faces count in proportion: area that jumped with a node that hardly touches would never
+        settle. After some guesses the faces and their parts stay, so that an iteration that goes on settles on them; in
+        equilibrium they are looked at again (augment).
         """
         found: list[FloatArray | None] = [None] * len(touched)
         if self._needs_shear:
+            self._latest = x, touched
             if self._n_guesses < GUESSES:
                 self._covered = self._cover(x, touched)
             self._n_guesses += 1
@@ -139,9 +150,7 @@ class SolidContact(SpaceContact):
             found[t] = np.where(self._lay[t, touched[t][0]], np.inf, 0.0)
         return found
 
-    def _cover(
-        self, x: FloatArray, touched: Sequence[tuple[IndexArray, FloatArray, FloatArray]]
-    ) -> tuple[IntArray, FloatArray]:
+    def _cover(self, x: FloatArray, touched: Sequence[Touched]) -> tuple[IntArray, FloatArray]:
         """Return the faces that lie on tools at a guess (n, k), and the part of each that counts (n,)."""
         faces = self._model.mesh.boundary_faces
         lies, part = np.zeros(len(x), dtype=bool), np.zeros(len(x))
@@ -150,7 +159,7 @@ class SolidContact(SpaceContact):
         covered = nodal_normals(x, faces)
         for tool, (nodes, out, push) in zip(self._model.space_tools, touched, strict=True):
             shear = float(tool.friction.m) * self._shear_flow[nodes] * _project(covered[nodes], out)
-            part[nodes] = np.maximum(part[nodes], np.minimum(1.0, push / np.maximum(shear, 1e-300)))
+            part[nodes] = np.maximum(part[nodes], np.minimum(1.0, STEEPEST * push / np.maximum(shear, 1e-300)))
         return faces, part[take_bearing(faces)].min(axis=1)
 
     def touching(self, tool: int) -> TouchingNodes:
@@ -225,14 +234,29 @@ class SolidContact(SpaceContact):
         """Take the multipliers over if nodes lie too deep in a tool, or too far off one that they push.
 
         Metal that answers elastically is as stiff as the springs, and would take ten rounds of that; the next increment
-        gives back what is left.
+        gives back what is left. Iterate on, too, where the area that shears is no longer that of the faces that touch.
         """
+        renewed = self._renew_cover()
         if self._cells.answers_elastically:
-            return False
+            return renewed
         push = np.linalg.norm(own.by_tool - own.friction, axis=2)
-        if not (np.abs(push - self._multiplier) > PENETRATION * self._young * self._length**2).any():
-            return False
+        change = np.abs(push - self._multiplier)
+        allowed = GIVES if change.sum() > SUDDEN * push.sum() else PENETRATION
+        if not (change > allowed * self._young * self._length**2).any():
+            return renewed
         self._multiplier = push
+        return True
+
+    def _renew_cover(self) -> bool:
+        """Take the area that shears as it lies in equilibrium, if it has stayed behind; say whether it has."""
+        if self._n_guesses <= GUESSES or self._n_renewals == RENEWALS:
+            return False
+        places, touched = self._latest
+        now = self._cover(places, touched)
+        change = nodal_normals(places, *now) - nodal_normals(places, *self._covered)
+        if not (np.linalg.norm(change, axis=1) > STALE * self._length**2).any():
+            return False
+        self._covered, self._n_renewals = now, self._n_renewals + 1
         return True
 
 

@@ -31,7 +31,7 @@ from presswork.state import Arrays, State
 
 TANGENTIAL = 0.1
 """Of the spring that a sticking node hangs on, over the contact's."""
-STEEPEST = 1.0
+STEEPEST = 5.0
 """Of a node's friction over its normal force, where the law asks for more: a node that hardly touches is not held."""
 
 
