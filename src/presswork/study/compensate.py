@@ -116,9 +116,9 @@ def compensate_springback(
 ) -> Compensation:
     """Correct the tools of a stamping until its part, after springback, lies within a tolerance of a goal.
 
-    tolerance: largest distance from the goal along its normal after the best fit [mm]. target: STL, STEP or IGES file of a
-    face or the middle of the wanted part, in this unit; None: the part as the tools as drawn form it, closed. most:
-    corrections at most.
+    tolerance: largest distance from the goal along its normal after the best fit [mm]. target: STL, STEP or IGES file
+    of a face or the middle of the wanted part, in this unit; None: the part as the tools as drawn form it, closed.
+    most: corrections at most.
     fix_binder: the binder under holders stays as it is. settings: `key=value` texts that change the case. threads: of a
     run, 0 for all of the machine. member_timeout: longest time of a run [s], which ends the search. With `resume` runs
     that are there are kept, and one that was stopped goes on. on_loop: called after each, with its row of the table.
