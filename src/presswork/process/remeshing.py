@@ -265,6 +265,8 @@ class RemeshedForming(FoldingRecording):
                 found.append(self._try_mesh(old, own, part, may_yield=again))
             except (MeshError, GaveUpError) as error:
                 faults.append(str(error))
+                if self.waits_first and not must and isinstance(error, MeshError):  # finer ones have been tried, too
+                    break
                 continue
             if found[-1].jump <= MOST_JUMP or (self.waits_first and not must and self._may_wait()):
                 break
