@@ -112,6 +112,55 @@ def test_bodies_in_space_have_the_same_bits_after_a_resume_and_on_threads(tmp_pa
     assert histories[0] == histories[1] == histories[2]
 
 
+def heat_up(text):
+    """Return the case of the punch with a cold punch on a hot block."""
+    for old, more in (
+        ('material = "hard"\n', "initial_temperature = 20\n"),
+        ('name = "press"\n', "duration = 0.1\n"),
+    ):
+        text = text.replace(old, old + more)
+    return text
+
+
+HOT = """
+[heat]
+initial_temperature = 300
+[contacts.joint.heat]
+conductance = "10 kW/(m^2*K)"
+gap = 0.1
+[materials.soft.thermal]
+conductivity = 200
+specific_heat = "900 J/(kg*K)"
+[materials.hard.thermal]
+conductivity = 30
+specific_heat = "500 J/(kg*K)"
+"""
+
+
+def test_heat_between_bodies_in_space_has_the_same_bits_after_a_resume(tmp_path) -> None:
+    path = tmp_path / "case.toml"
+    laws = LAWS.replace("poisson = 0.33\n", 'poisson = 0.33\ndensity = "2700 kg/m^3"\n')
+    laws = laws.replace("poisson = 0.3\n", 'poisson = 0.3\ndensity = "7800 kg/m^3"\n')
+    path.write_text(heat_up(PUNCH) + laws + HOT)
+    model = build_model(read_case(path))
+    whole = run_model(model, tmp_path / "whole", threads=1)
+    assert whole.status == "completed"
+    temperature, body = whole.result.field("nodal_temperature"), whole.result.points(0)[:, 2] > 4.0
+    assert temperature[body].max() > 35.0
+    assert temperature.min() >= 20.0 - 1e-9
+    seen = []
+
+    def stop(progress):
+        seen.append(progress)
+        if len(seen) == 5:
+            raise KeyboardInterrupt
+
+    assert run_model(model, tmp_path / "halves", threads=1, on_increment=stop).status == "interrupted"
+    assert run_model(model, tmp_path / "halves", threads=1, resume=True).status == "completed"
+    histories = [(tmp_path / name / "history.csv").read_bytes() for name in ("whole", "halves")]
+    assert histories[0] == histories[1]
+
+
 def test_a_clamp_gets_contact_with_itself_and_goes_on_after_a_resume_with_the_same_bits(tmp_path) -> None:
     model = model_of(CLAMP, tmp_path)
     whole = run_model(model, tmp_path / "whole", threads=1)
