@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The library for NVIDIA cards compiles on a machine without one, by the compiler from wheels.
 
-`python -m pytest -s validation/test_cuda_build.py` prints registers and spills by kernel.
+`python -m pytest -n 0 -s -m validation validation/test_cuda_build.py` prints registers and spills by kernel.
 """
 
 from __future__ import annotations

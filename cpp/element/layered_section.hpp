@@ -147,7 +147,7 @@ struct FastMises : TabulatedMises {
   }
 
   template <class T>
-  PRESSWORK_INLINE T advance(T sum, T difference, T shear, const LayerConditions<T>&, int, T* state) const {
+  PRESSWORK_DEVICE T advance(T sum, T difference, T shear, const LayerConditions<T>&, int, T* state) const {
     return TabulatedMises::advance(sum, difference, shear, state);
   }
 };
@@ -212,7 +212,8 @@ PRESSWORK_INLINE void advance_section(const Law& law, const LayerRule& rule, con
   T half = T(0.5) * thickness, bend[3], mean[3], turn[3], work(0.0), across(0.0);
   T found[2] = {T(negligible_square), T(negligible_square)}, trial[2] = {T(negligible_square), T(negligible_square)};
   for (int i = 0; i < 3; ++i) bend[i] = half * curvature[i], mean[i] = turn[i] = T(0.0);
-  for (int k = 0; k < rule.points; ++k) {
+  const int points = rule.points;
+  for (int k = 0; k < points; ++k) {
     T* point = layers.open(k);
     const T height(rule.height[k]), weight(rule.weight[k]);
     T sum = membrane[0] + height * bend[0], difference = membrane[1] + height * bend[1];
