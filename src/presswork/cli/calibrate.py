@@ -89,12 +89,12 @@ def ring(
 @app.command()
 def damage(
     test: Annotated[Path, typer.Argument(help="The test: a case file, or the folder of its run.", show_default=False)],
-    stroke: Annotated[float, typer.Option(help="Stroke of the tool at the first crack [mm].", show_default=False)],
+    stroke: Annotated[float, typer.Option(help="Stroke of the tool at the first crack (mm).", show_default=False)],
     tool: Annotated[str, typer.Option(help="Name of that tool, if several move.")] = "",
     criterion: Annotated[str, typer.Option(help="Criterion of fracture.")] = "cockcroft_latham",
     at: Annotated[
         str,
-        typer.Option(metavar="X,Y[,Z]", help="Place of the crack in the formed part [mm]; else the largest counts."),
+        typer.Option(metavar="X,Y[,Z]", help="Place of the crack in the formed part (mm); else the largest counts."),
     ] = "",
     set_: Settings = None,
     output: Annotated[Path | None, typer.Option(help="Folder of the run; default: the case's name, _damage.")] = None,

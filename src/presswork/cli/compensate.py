@@ -20,7 +20,7 @@ from presswork.study.compensate import CASE, Loop, compensate_springback
 
 
 def compensate(
-    case: Annotated[Path, typer.Argument(help="The stamping (TOML), with [springback].", show_default=False)],
+    case: Annotated[Path, typer.Argument(help="The stamping (TOML), with its springback table.", show_default=False)],
     target: Annotated[
         Path | None,
         typer.Option(help="A face or the middle of the wanted part, STL, STEP or IGES; default: the part as drawn."),
