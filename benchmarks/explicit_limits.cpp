@@ -54,7 +54,7 @@ struct Shell {
     for (int a = 0; a < 4; ++a)
       for (int j = 0; j < 2; ++j) x[a][j] = T(value_of_lane(x[a][j]) + step * value_of_lane(v[a][j]));
     shell4::advance_stabilized(law, rule, LayerConditions<T>{step}, x, v, w, static_cast<const T*>(nullptr), state,
-                               force);
+                               LayersInRow<T>{state + shell4::head_rows, FastMises::rows()}, force);
   }
   double plastic_strain() const { return value_of_lane(state[shell4::head_rows + 3]); }
 
@@ -103,6 +103,7 @@ int main() {
   const HardeningTable table(Hardening{hardening::Swift{565.0, 0.007, 0.26}});
   const FastMises law{{207e3, 0.3, table.view()}};
   const LayerRule rule{
+      5,
       {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640},
       {0.1184634425280945, 0.2393143352496832, 0.2844444444444444, 0.2393143352496832, 0.1184634425280945}};
 

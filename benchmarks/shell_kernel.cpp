@@ -97,6 +97,7 @@ int main() {
   const HardeningTable table(Hardening{hardening::Swift{565.0, 0.007, 0.26}});
   const FastMises law{{207e3, 0.3, table.view()}};
   const LayerRule rule{
+      5,
       {-0.9061798459386640, -0.5384693101056831, 0.0, 0.5384693101056831, 0.9061798459386640},
       {0.1184634425280945, 0.2393143352496832, 0.2844444444444444, 0.2393143352496832, 0.1184634425280945}};
   for (int threads : {1, 2})

@@ -8,7 +8,7 @@ from tests.problems.examples_in_space import TRIALS, compare
 
 pytestmark = pytest.mark.validation
 
-FORCE = {"extrusion_curved": 0.02, "warm_extrusion": 0.02}
+FORCE = {"extrusion_curved": 0.015, "warm_extrusion": 0.015}
 """After single increments: nodes that pass an edge sharper than a cell."""
 
 

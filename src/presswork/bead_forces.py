@@ -40,7 +40,7 @@ def find_bead_forces(case: AnyCase, *, may_compute: bool = True) -> AnyCase:
     there. may_compute: without it beads whose forces are not there stay as they are. Raises CaseError for a strip that
     cannot be pulled through its bead.
     """
-    if case.analysis != "stamping":
+    if getattr(case, "analysis", None) != "stamping":  # what is no case is told by build_model
         return case
     from presswork.case.stamping.bead_strip import list_geometries, make_strip, put_forces, read_forces
     from presswork.case.stamping.schema import StampingCase

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from presswork.bead_forces import find_bead_forces
 from presswork.case import build_model, read_case
 from presswork.case.errors import CaseError
 from presswork.cli.terminal import refuse
@@ -23,7 +22,11 @@ def load_model(
 
             assert isinstance(case, OneStepCase)
             return build_onestep_model(case)
-        return build_model(find_bead_forces(case, may_compute=run_user_code), run_user_code=run_user_code)
+        if case.analysis == "stamping":
+            from presswork.bead_forces import find_bead_forces
+
+            case = find_bead_forces(case, may_compute=run_user_code)
+        return build_model(case, run_user_code=run_user_code)
     except CaseError as error:
         raise refuse(f"{error}{picture_undercut(error, folder)}") from error
 

@@ -9,9 +9,11 @@ from presswork import _core
 from presswork.explicit.space_walls import SpaceWall
 from presswork.geometry.pose import find_space_pose
 from presswork.geometry.tool_surface import make_surface
-from presswork.interaction.space_contact import STEEPEST
 from presswork.mesh.faces import nodal_normals
 from presswork.model import FloatArray, Friction, Mesh, Tool
+
+STEEPEST = 1.0
+"""Of a node's friction over its normal force: what a node brings along as it lands is stopped within the cycle."""
 
 
 def find_coefficient(law: Friction) -> float:
