@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from presswork import Case, run
+from presswork.examples import copy_example
 from validation.extrusion import CASES, CURVED, PACKAGED, cone, extrude, run_case, theory, write_billet
 from validation.extrusion_theory import avitzur, homogeneous_work_factor, slab_coulomb, slab_shear
 
@@ -78,6 +80,25 @@ def test_volume_and_energy_are_kept(angle, m):
     run = run_case(angle, m)
     assert abs(run.volume_error) < 0.01
     assert abs(run.energy_error) < 1.0
+
+
+@pytest.mark.parametrize(("poisson", "m"), [(0.3, 0.1), (0.05, 0.0)])
+def test_container_pressure_is_that_of_confined_metal(poisson, m, tmp_path: Path):
+    """Metal that yields nowhere pushes with nu / (1 - nu) of the axial pressure, other metal with that less its flow
+    stress. The axial pressure is the ram's less the container's friction above; half a diameter from the die.
+    """
+    settings = [f"materials.steel.poisson={poisson}", f"tools.container.m={m}", "tools.die.m=0.2"]
+    case = Case.from_toml(copy_example("extrusion_cone", tmp_path), [*settings, "stages.0.tools.ram.stroke=3"])
+    result = run(case, tmp_path / "out", threads=1).result
+    points, first = result.points(-1), 700 * 0.015**0.2
+    wall = (np.abs(points[:, 0] - 10) < 1e-2) & (points[:, 1] > 10) & (points[:, 1] < 18)
+    above = points[:, 1].max() - points[wall, 1].mean()
+    axial = result.history["ram.force"][-1] / (np.pi * 100) - 2 * m * first / np.sqrt(3) * above / 10
+    is_elastic = axial < first * (1 - poisson) / (1 - 2 * poisson)
+    assert is_elastic == (poisson == 0.3)
+    found, pushes = result.field("contact_pressure", -1)[wall].mean(), poisson / (1 - poisson) * axial
+    print(f"axial {axial:.1f}, on the container {found:.1f} MPa")
+    assert found == pytest.approx(pushes if is_elastic else axial - first, abs=0.03 * axial)
 
 
 @pytest.mark.parametrize("name", PACKAGED)
