@@ -32,6 +32,8 @@ from presswork.remesh.volume import enclosed_volume
 
 LEAST_ACROSS = 1.5
 """Cells across the metal below which a budget is too small."""
+_NOTHING = 1e-12
+"""Area of a body over the square of its diagonal, at or below which it has none."""
 _ATTEMPTS, _FINER = 3, 0.8
 """Where the boundary cannot be kept, or filled, cells are made smaller by a factor, and tried again."""
 
@@ -243,9 +245,21 @@ def _check_budget(old: OldSection, settings: Remeshing, size: GradedSize, expect
         )
 
 
+def _check_volume(old: OldSection, chains: Sequence[IntArray]) -> None:
+    """Raise MeshError for a body that encloses nothing, or whose edges have no length."""
+    size = float(np.linalg.norm(np.ptp(old.position, axis=0)))
+    area = sum(enclosed_volume(old.position[chain], ring=False) for chain in chains)
+    if not area > _NOTHING * size**2:
+        raise MeshError(
+            f"the body has no volume left: its outline of {size:.4g} mm encloses {area:.4g} mm2",
+            "give its size in mm, or end the stroke before it is pressed flat",
+        )
+
+
 def remesh_section(old: OldSection, settings: Remeshing, *, part: float = 1.0) -> NewSection:
     """Return a new mesh of the same element and material, of a part of the size. Raises MeshError if there is none."""
     chains = old.chains
+    _check_volume(old, chains)
     size = _ask_for_sizes(old, settings)
     expected = _expect_cells(old, size)
     _check_budget(old, settings, size, expected)

@@ -5,11 +5,12 @@ import numpy as np
 import pytest
 
 from presswork.geometry.polygon import list_sides
+from presswork.mesh.checks import MeshError
 from presswork.mesh.structured import mesh_rectangle
 from presswork.mesh.topology import chain_edges
 from presswork.model import Remeshing
 from presswork.process.mesh_reasons import find_cause
-from presswork.remesh.section import OldSection, measure_sizes
+from presswork.remesh.section import OldSection, measure_sizes, remesh_section
 from presswork.remesh.size_field import GRADATION, GradedSize, SizeSources, grade, metal_thickness, tool_curvature
 from presswork.remesh.triggers import (
     count_across,
@@ -91,6 +92,15 @@ def test_a_finer_mesh_keeps_to_the_budget():
     middle = np.array([[5.0, 5.0]])
     assert measure_sizes(old, free, part=0.5)(middle)[0] == pytest.approx(0.5)
     assert measure_sizes(old, bound, part=0.5)(middle)[0] == pytest.approx(np.sqrt(100 / 120), rel=0.02)
+
+
+@pytest.mark.parametrize("height", [1e-200, 1e-12])
+def test_a_body_that_has_been_pressed_flat_gets_no_mesh_and_says_so(height):
+    mesh = mesh_rectangle(np.linspace(0, 10, 3), np.linspace(0, height, 3), element="quad4_fbar")
+    nothing = np.zeros((1, len(mesh.points)), dtype=bool)
+    old = OldSection(mesh, mesh.points, nothing, np.zeros((len(mesh.points), 2), bool), (), True, range(9))
+    with pytest.raises(MeshError, match="the body has no volume left: its outline of 10 mm encloses"):
+        remesh_section(old, Remeshing(1.0, 0.5))
 
 
 def test_metal_too_thin_for_its_cells_is_told_where_smaller_ones_are_asked_for():
