@@ -245,7 +245,7 @@ def _check_budget(old: OldSection, settings: Remeshing, size: GradedSize, expect
         )
 
 
-def _check_volume(old: OldSection, chains: Sequence[IntArray]) -> None:
+def _check_volume(old: OldSection, chains: Sequence[IndexArray]) -> None:
     """Raise MeshError for a body that encloses nothing, or whose edges have no length."""
     size = float(np.linalg.norm(np.ptp(old.position, axis=0)))
     area = sum(enclosed_volume(old.position[chain], ring=False) for chain in chains)
