@@ -21,9 +21,9 @@ class ToolSurface {
 
   // Nearest place of the surface to x [mm] if it is closer than `reach`, a penetration up to depth() included. `hint`
   // is where it was found last (-1: unknown) and is updated; it speeds the search up and changes nothing else. Without
-  // a touch, touch.gap alone is set: how far x is at least from the surface, or, too deep in the metal, from where it
-  // would be found. A point comes no nearer than it moves: so it need not be asked about again before it and the tool
-  // have moved by its gap against each other.
+  // a touch, touch.past_rim alone is set, and touch.gap: how far x is at least from the surface, or, too deep in the
+  // metal, from where it would be found. A point comes no nearer than it moves: so it need not be asked about again
+  // before it and the tool have moved by its gap against each other.
   bool nearest(const double x[3], double reach, int& hint, Touch& touch) const {
     return std::visit([&](const auto& surface) { return surface.nearest(x, reach, hint, touch); }, surface_);
   }

@@ -11,6 +11,7 @@ struct Touch {
   // How far the point may move along the tangent plane until another part of the surface may be nearer [mm], as far as
   // the flat part that it is nearest to and its neighbours tell; not above zero where it is nearest to no flat part.
   double flat;
+  bool past_rim = false;  // no touch: the nearest place is an open rim of triangles, and the point lies beyond it
 };
 
 // How gap and normal change with the point [1, 1/mm].

@@ -257,7 +257,7 @@ bool Triangulation::nearest(const double x[3], double reach, int& hint, Touch& t
   const double bound = std::max(reach, depth_);
   Near near{bound * bound, none, 0, {}};
   search(x, hint, near);
-  touch.gap = std::sqrt(near.distance2);
+  touch.gap = std::sqrt(near.distance2), touch.past_rim = false;
   if (near.triangle == none) return false;
   hint = near.triangle;
   // the normal of the feature gives the sign, and the normal of the touch when the point lies on it
@@ -271,7 +271,8 @@ bool Triangulation::nearest(const double x[3], double reach, int& hint, Touch& t
   double length2 = dot(normal, normal);
   const double distance = touch.gap, tolerance = 1e-3 * padding_;
   if (length2 == 0.0) {  // an open edge: straight above it counts as inside
-    if (near.distance2 - height * height > tolerance * tolerance + 1e-14 * near.distance2) return false;
+    touch.past_rim = near.distance2 - height * height > tolerance * tolerance + 1e-14 * near.distance2;
+    if (touch.past_rim) return false;
     normal = tri.normal, length2 = 1.0;
   } else if (near.feature != 0) {
     height = std::copysign(distance, dot(from, normal));

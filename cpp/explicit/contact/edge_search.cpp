@@ -136,7 +136,7 @@ void EdgeContact::ask(const Tool& tool, Pairs& of, int edge, const Segment& seen
   }
   contact::Touch found;
   if (!find_lowest(*tool.surface, seen, p.seen == followed, p.s, p.hint, found)) {
-    if (was_pressed) lost = std::min(lost, n_nodes_ + edge);
+    if (was_pressed && !found.past_rim) lost = std::min(lost, n_nodes_ + edge);
     return sleep(std::max(found.gap - most - 0.25 * seen.length, memory_), near);
   }
   if (!was_pressed) p.half = half_at(tool.grip, half, edge, p.s);

@@ -205,7 +205,7 @@ void ToolContact::ask(const Tool& tool, Pairs& of, int slot, int lane, const Pac
   const double x[3] = {place[0][lane], place[1][lane], place[2][lane]};
   contact::Touch found;
   if (!tool.surface->nearest(x, reach_, of.hint[slot + lane], found)) {
-    if (p.pressed[lane] > 0.0) sums.lost = std::min(sums.lost, slot + lane);
+    if (p.pressed[lane] > 0.0 && !found.past_rim) sums.lost = std::min(sums.lost, slot + lane);
     for (Pack& n : p.normal) n.set(lane, 0.0);
     p.offset.set(lane, -std::max(found.gap, half_[slot + lane] + memory_));
     p.left.set(lane, 0.0);

@@ -131,6 +131,24 @@ def test_a_node_that_goes_through_is_reported() -> None:
         sheet.advance(60)
 
 
+def test_a_node_that_is_pulled_past_the_rim_of_a_tool_is_not_lost() -> None:
+    """Held between a table and a smaller plate, the sheet flies out from under the plate's open rim."""
+    sheet = build(height=0.4)
+    sheet.add_tool("die", TABLE)
+    right = float(POINTS[:, 0].max())
+    corners = np.array([[-10, -10, 0.8], [right + 0.05, -10, 0.8], [right + 0.05, 10, 0.8], [-10, 10, 0.8]])
+    plate = _core.ToolSurface.triangles(corners, np.array([[0, 2, 1], [0, 3, 2]], dtype=np.int32), depth=0.5)
+    start = np.zeros((6, 6))
+    start[:, 0] = 1e4
+    holder = sheet.add_tool("holder", plate)
+    holder.push([0, 0, -1], 2000.0)
+    sheet.velocity = start
+    sheet.advance(8)
+    assert holder.force[2] > 100.0
+    sheet.advance(100)
+    assert sheet.position[:, 0].max() > right + 0.1
+
+
 def test_a_tool_taken_away_needs_no_drive_and_keeps_no_energy() -> None:
     """F for 10 cycles from rest gives m v^2/2 with v = 10 dt F/m; that goes with the tool, and long calls go on."""
     sheet = build(height=3.0)
