@@ -60,6 +60,12 @@ class CaseFile(Part):
         case._text = write_as_run(data, path.parent) if overrides or names_files(data) else text
         return case
 
+    def beside(self, data: dict[str, Any]) -> Self:
+        """Return a case of the same kind and file with other data. Raises CaseError with every problem found."""
+        case = self.model_validate(data, context={"source": self._source})
+        case._source = self._source
+        return case
+
     @classmethod
     def analyses(cls) -> tuple[str, ...]:
         """Return the values of `analysis` that make a case of this kind."""

@@ -109,6 +109,10 @@ def build_model(case: AnyCase, *, run_user_code: bool = True) -> Model:
         raise CaseError([Problem("analysis", text, remedy, case.analysis)], case.source)
     options = {"run_user_code": run_user_code} if kind.has_laws else {}
     model: Model = resolve_name(kind.builder)(case, **options)
+    if (wanted := getattr(case, "gradients", None)) is not None:
+        from presswork.case.gradients import add_gradients
+
+        return add_gradients(case, wanted, model, lambda beside: resolve_name(kind.builder)(beside, **options))
     return model
 
 

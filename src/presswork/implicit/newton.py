@@ -146,9 +146,7 @@ class Equilibrium:
 
     def _begin(self, state_n: State, trial: State, step: Step, guess: FloatArray) -> Point | BadGuess:
         """Return the forces at a first guess; at none where it cannot be evaluated."""
-        self._mechanics.begin_increment(state_n, step)
-        for interaction in self._interactions:
-            interaction.begin_increment(state_n, step)
+        self.begin(state_n, step)
         point = self.evaluate(state_n, trial, step, guess, with_stiffness=True)
         if not isinstance(point, BadGuess) or point.is_final:
             return point
@@ -224,9 +222,7 @@ class Equilibrium:
                 point = self._evaluate_again(k, state_n, trial, point)
             changes += changed
         started = perf_counter()
-        constraints = self._nothing_held(point)
-        for interaction in self._interactions:
-            constraints = interaction.constrain(state_n, trial, point, constraints)
+        constraints = self._constrain(state_n, trial, point)
         length = self._mechanics.length
         resistances, drag, lacking = self._resist(state_n, trial, point, constraints)
         tuned = 0
@@ -242,6 +238,31 @@ class Equilibrium:
             changes += moved
         self._timing.add("contact", started)
         return point, Balance(constraints, resistances, drag, tuple(borders), lacking, changes, tuned, length)
+
+    def balance_like(
+        self, other: Equilibrium, state_n: State, trial: State, held: State, point: Point
+    ) -> tuple[Constraints, FloatArray]:
+        """Return what holds the nodes, and what is out of balance in their frames (n_points, freedoms) [N].
+
+        The nodes are held that another run of nearly the same model holds in a state of its own.
+        """
+        for own, led_by in zip(self._interactions, other._interactions, strict=True):
+            own.hold_like(led_by, trial, held, point)
+        constraints = self._constrain(state_n, trial, point)
+        return constraints, self._resist(state_n, trial, point, constraints)[2]
+
+    def begin(self, state_n: State, step: Step) -> None:
+        """Take note of an increment that begins."""
+        self._mechanics.begin_increment(state_n, step)
+        for interaction in self._interactions:
+            interaction.begin_increment(state_n, step)
+
+    def _constrain(self, state_n: State, trial: State, point: Point) -> Constraints:
+        """Return what is prescribed of the nodes at a guess."""
+        constraints = self._nothing_held(point)
+        for interaction in self._interactions:
+            constraints = interaction.constrain(state_n, trial, point, constraints)
+        return constraints
 
     def _resist(
         self, state_n: State, trial: State, point: Point, constraints: Constraints

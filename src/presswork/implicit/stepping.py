@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
@@ -44,6 +45,19 @@ BACK = 1e-3
 the tangent from there is that of unloading."""
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
+
+
+class Follower(Protocol):
+    """Who goes along with a run, increment after increment."""
+
+    def note(self, trial: State) -> None:
+        """Take note of a trial state in equilibrium, before it is completed."""
+
+    def follow(self, state_n: State, trial: State, step: Step, next_stage: int | None) -> None:
+        """Go through the increment that has led to a completed trial state.
+
+        state_n: the converged state before it, and before its stage began. next_stage: that begins after it, if any.
+        """
 
 
 @dataclass(frozen=True)
@@ -97,6 +111,8 @@ class ImplicitProcedure:
         elif model.heat is not None and isinstance(self.mechanics, ShellMechanics):
             self.sheet_heat = HeatOfStamping(model, self.mechanics)
         self.evolution = Evolution(model)
+        self.followers: list[Follower] = []
+        """Who is told of every increment in equilibrium."""
         self.state = self.at_rest()
         self._start, self._lets_go, self._to_rest = self.state, False, False
         if before:
@@ -210,6 +226,8 @@ class ImplicitProcedure:
                 outcome = self._conduct(self.heat, trial, self._step(stage, fraction_n, fraction), outcome)
             if not isinstance(outcome, Failed):
                 made = self._step(stage, fraction_n, fraction)
+                for follower in self.followers:
+                    follower.note(trial)
                 self._settle(trial, made)
                 if self.sheet_heat is not None:
                     outcome = self.sheet_heat.find(self._start, trial, made, outcome.log)
@@ -309,9 +327,13 @@ class ImplicitProcedure:
 
     def _settle(self, trial: State, step: Step) -> None:
         """Complete the trial state, which is in equilibrium."""
-        self.mechanics.settle(self._start, trial, step.dt)
+        self.settle(self._start, trial, step)
+
+    def settle(self, state_n: State, trial: State, step: Step) -> None:
+        """Complete a trial state in equilibrium."""
+        self.mechanics.settle(state_n, trial, step.dt)
         for interaction in self.interactions.all:
-            interaction.commit(self._start, trial, step)
+            interaction.commit(state_n, trial, step)
 
     def _commit(
         self,
@@ -338,7 +360,7 @@ class ImplicitProcedure:
             self.ram.commit(state_n, trial, step)
         if self.sheet_heat is not None:
             self.sheet_heat.take(trial)
-        self.evolution.advance(state_n, trial, step.dt, self._temperatures(state_n, trial))
+        self.evolve(state_n, trial, step)
         p = trial[Progress]
         p.time += step.dt
         p.increments += 1
@@ -360,10 +382,17 @@ class ImplicitProcedure:
                     interaction.stop(trial, stage, fraction)
             p.stage, p.fraction, p.last_size = stage + 1, 0.0, 0.0
             if stage + 1 < len(self.model.stages):
-                self._end_stage(trial, stage + 1)
+                self.end_stage(trial, stage + 1)
             p.next_size = min(size, settings.initial_increment) if stage + 1 < len(self.model.stages) else size
+        ahead = is_over and stage + 1 < len(self.model.stages)
+        for follower in self.followers:
+            follower.follow(self.state, trial, step, stage + 1 if ahead else None)
         self.state = trial
         return is_over
+
+    def evolve(self, state_n: State, trial: State, step: Step) -> None:
+        """Bring what laws of evolution follow up to date at the end of an increment."""
+        self.evolution.advance(state_n, trial, step.dt, self._temperatures(state_n, trial))
 
     def _temperatures(self, state_n: State, trial: State) -> list[tuple[FloatArray, FloatArray] | None]:
         """Return temperatures of each block's points (n_cells, p) [degrees C] before and after an increment."""
@@ -378,7 +407,7 @@ class ImplicitProcedure:
                 found.append((heat.at_points(state_n, block), heat.at_points(trial, block)) if heat else None)
         return found
 
-    def _end_stage(self, state: State, next_stage: int) -> None:
+    def end_stage(self, state: State, next_stage: int) -> None:
         """Prepare a converged state for the next stage."""
 
         def internal() -> FloatArray:

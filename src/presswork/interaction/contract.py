@@ -12,6 +12,7 @@ Newton's method asks every interaction of a run the same questions, in this orde
     resist            forces that follow from the reactions of what is held, such as friction
     tune              near equilibrium: what a law leaves open, such as a friction between none and all
     border            freedoms of its own, one equation each, such as a tool that a force pushes
+    hold_like         of a neighbour of the run, whose derivatives are asked for: hold the nodes that the run holds
     augment           in equilibrium: whether multipliers are taken over and the iteration goes on
     settle            the increment has converged; what the next one needs goes into the trial state
     commit, work      the trial state becomes the converged one; work done in the increment [N mm]
@@ -26,7 +27,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 import scipy
@@ -195,6 +196,12 @@ class Interaction:
     def constrain(self, state_n: State, trial: State, point: Point, held: Constraints) -> Constraints:
         """Return what is prescribed, together with what others hold already."""
         return held
+
+    def hold_like(self, other: Self, trial: State, held: State, point: Point) -> None:
+        """Hold in a trial state the nodes that another run of nearly the same model holds, at a guess of its own.
+
+        other: the interaction of that run; held: its state in equilibrium.
+        """
 
     def resist(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> Resistance | None:
         """Return the forces that follow from the reactions."""

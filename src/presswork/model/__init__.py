@@ -19,6 +19,7 @@ from presswork.model.elements import (
     list_names,
 )
 from presswork.model.formed_sheet import FormedSheet
+from presswork.model.gradients import Gradients, Parameter
 from presswork.model.grain import DynamicRecrystallisation, Grain, GrainGrowth, PowerLaw, Recrystallisation
 from presswork.model.gtn import GROWN, GTN, POROSITY, Gtn
 from presswork.model.heat import (
@@ -149,6 +150,7 @@ __all__ = [
     "FormedSheet",
     "Friction",
     "FrictionTangent",
+    "Gradients",
     "Grain",
     "GrainGrowth",
     "Gtn",
@@ -173,6 +175,7 @@ __all__ = [
     "OneStepModel",
     "Operation",
     "OutputSettings",
+    "Parameter",
     "PartBead",
     "PartPlace",
     "Plane",

@@ -12,6 +12,7 @@ from presswork.model.arrays import IntArray
 from presswork.model.contact import Body, BodyContact
 from presswork.model.elements import ELEMENTS
 from presswork.model.formed_sheet import FormedSheet
+from presswork.model.gradients import Gradients
 from presswork.model.heat import Heat, Series
 from presswork.model.limits import Limits
 from presswork.model.marked_point import MarkedPoint
@@ -84,6 +85,8 @@ class Model:
     """Solids in space: the sector that is modelled of a body of cyclic symmetry; None: it is whole, or mirrored."""
     remeshing: Remeshing | None = None
     """Solids in the plane or in axisymmetry: new meshes in the run; None: one mesh to the end."""
+    gradients: Gradients | None = None
+    """Derivatives that an implicit run finds on its way; None: none."""
     case_text: str = ""
     """The case file as read, kept with the results."""
 

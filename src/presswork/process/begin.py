@@ -82,6 +82,10 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.impact import ExplicitImpact
 
         return ExplicitImpact(model, threads=threads)
+    if model.gradients is not None:
+        from presswork.process.differentiated import DifferentiatedForming
+
+        return DifferentiatedForming(model, threads=threads)
     if model.series is not None:
         from presswork.process.series import SeriesForming
 

@@ -13,6 +13,7 @@ from pydantic import (
 
 from presswork import model
 from presswork.case.case_file import CaseFile
+from presswork.case.gradients import Gradients
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.library import add_library_materials
@@ -177,6 +178,9 @@ class ShellCase(CaseFile):
     stages: tuple[ShellStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     output: Output = Field(default=Output(), description="what is saved, and when")
+    gradients: Gradients | None = Field(
+        default=None, description="derivatives of the history by numbers of the case, found in the run itself"
+    )
     points: dict[Name, Point3] = Field(default={}, description=POINTS)
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
 

@@ -25,6 +25,7 @@ from pydantic_core import CoreSchema
 
 from presswork import model
 from presswork.case.case_file import CaseFile
+from presswork.case.gradients import Gradients
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.series import Series
 from presswork.case.heat.thermal import Thermal
@@ -299,6 +300,9 @@ class Case(CaseFile):
     )
     points: dict[Name, Point] = Field(default={}, description=POINTS)
     output: Output = Field(default=Output(), description="what is saved, and when")
+    gradients: Gradients | None = Field(
+        default=None, description="derivatives of the history by numbers of the case, found in the run itself"
+    )
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
 
     @model_validator(mode="before")

@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from presswork import model
 from presswork.case.case_file import CaseFile
+from presswork.case.gradients import Gradients
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.quantities import Temperature
 from presswork.case.limits import Limits
@@ -197,6 +198,9 @@ class SpaceCase(CaseFile):
     )
     points: dict[Name, Point3] = Field(default={}, description=POINTS)
     output: Output = Field(default=Output(), description="what is saved, and when")
+    gradients: Gradients | None = Field(
+        default=None, description="derivatives of the history by numbers of the case, found in the run itself"
+    )
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
 
     @model_validator(mode="before")

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table [gradients]: which columns of the history are differentiated by which numbers of the case."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from presswork import model
+from presswork.case.case_file import CaseFile
+from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.part import Part
+from presswork.case.reader import apply_overrides
+
+STEP = 1e-4
+"""Of a number: by how much the neighbours of a run differ from it. The error is h^2 and that of round-off over h."""
+MOST = 50
+"""Numbers by which a run is differentiated."""
+
+
+class Gradients(Part):
+    """Derivatives of columns of history.csv by numbers of the case, found in the run itself."""
+
+    by: tuple[Annotated[str, Field(min_length=1)], ...] = Field(
+        min_length=1,
+        max_length=MOST,
+        description="keys of the case with a number, as --set takes them, e.g. tools.punch.m or "
+        "stages.0.tools.punch.stroke; the derivative is per mm, MPa, N, s",
+    )
+    of: tuple[str, ...] = Field(
+        default=(), description="columns of history.csv; without it the forces of all tools, e.g. punch.force"
+    )
+
+
+def add_gradients(
+    case: CaseFile, wanted: Gradients, built: model.Model, build: Callable[[CaseFile], model.Model]
+) -> model.Model:
+    """Return the Model with its neighbours, of which each has one number a little less or more.
+
+    build: makes a Model of a case. Raises CaseError with every key that has no number or no room on both sides, and
+    for what has no derivatives.
+    """
+    problems = _refuse(built)
+    data = case.model_dump(mode="json", exclude_unset=True)
+    data.pop("gradients", None)
+    found = []
+    for number, key in enumerate(wanted.by):
+        place = f"gradients.by.{number}"
+        value = _look_up(data, key)
+        if isinstance(value, Problem):
+            problems.append(replace(value, key=place))
+            continue
+        if value == 0.0:
+            remedy = "give it a value that is not zero: the step is a part of it"
+            problems.append(Problem(place, f"`{key}` is zero", remedy, key))
+            continue
+        step = STEP * abs(value)
+        try:
+            less, more = (build(_vary(case, data, key, value + change)) for change in (-step, step))
+        except CaseError as error:
+            reason = "; ".join(str(problem) for problem in error.problems)
+            remedy = "take a value with room on both sides, or another key"
+            problems.append(Problem(place, f"`{key}` cannot be a little less and more: {reason}", remedy, key))
+            continue
+        if not all(_has_mesh_of(side, built) for side in (less, more)):
+            remedy = "take a key that moves the nodes and leaves the cells as they are"
+            problems.append(Problem(place, f"`{key}` changes which cells there are", remedy, key))
+            continue
+        found.append(model.Parameter(key, value, step, *(replace(side, remeshing=None) for side in (less, more))))
+    if problems:
+        raise CaseError(problems, case.source)
+    return replace(built, gradients=model.Gradients(wanted.of, tuple(found)), remeshing=None)
+
+
+def _refuse(built: model.Model) -> list[Problem]:
+    """Return the problems of what a run does that has no derivatives yet."""
+    motions = [motion for stage in built.stages for motion in stage.tool_motion.values()]
+    asked = built.remeshing is not None and not built.remeshing.keeps_first
+    refused = (
+        (built.explicit is not None, "procedure", "dynamics", "implicit runs alone have"),
+        (asked, "remesh", "new meshes", "a run on one mesh has"),
+        (built.heat is not None, "heat", "heat", "a run without heat has"),
+        (built.series is not None, "series", "series of parts", "a run of one part has"),
+        (built.solver.control == "arc_length", "solver.control", "paths by arc length", "load control has"),
+        (built.solver.inertia > 0.0, "solver.inertia", "inertia", "a run without inertia has"),
+        (bool(built.contacts), "contacts", "contact of bodies", "one body between tools has"),
+        (built.cyclic is not None, "boundary", "cyclic sectors", "a sector between symmetry planes has"),
+        (any(t.spring is not None for t in built.tools), "tools", "tools on springs", "tools with strokes have"),
+        (any(m.push is not None for m in motions), "stages", "tools that forces push", "tools with strokes have"),
+        (any(s.drive is not None for s in built.stages), "stages", "presses", "stages by duration have"),
+    )
+    return [
+        Problem(f"gradients ({place})", f"there are no derivatives of {what} yet", f"{remedy} them")
+        for applies, place, what, remedy in refused
+        if applies
+    ]
+
+
+def _look_up(data: Any, key: str) -> float | Problem:
+    """Return the number at a key of a case, or what is wrong with the key."""
+    here = data
+    for depth, name in enumerate(names := key.split(".")):
+        choices = list(here) if isinstance(here, dict) else []
+        if isinstance(here, list):
+            choices = [str(i) for i in range(len(here))]
+        if name not in choices:
+            above = f"keys of `{'.'.join(names[:depth])}` in the case" if depth else "keys of the case"
+            return Problem("", f"the case does not say `{key}`", suggest(name, choices, above), key)
+        here = here[name] if isinstance(here, dict) else here[int(name)]
+    if isinstance(here, bool) or not isinstance(here, int | float):
+        return Problem("", f"`{key}` is not a number", "name a key with one number", key)
+    return float(here)
+
+
+def _vary(case: CaseFile, data: dict[str, Any], key: str, value: float) -> CaseFile:
+    """Return the case with another number at a key. Raises CaseError where it is not valid."""
+    changed = copy.deepcopy(data)
+    apply_overrides(changed, [f"{key}={value!r}"], case.source)
+    return case.beside(changed)
+
+
+def _has_mesh_of(side: model.Model, built: model.Model) -> bool:
+    """Say whether a Model has the cells of another, wherever their nodes are."""
+    own, other = side.mesh, built.mesh
+    return own.points.shape == other.points.shape and all(
+        np.array_equal(a.connectivity, b.connectivity) for a, b in zip(own.blocks, other.blocks, strict=True)
+    )

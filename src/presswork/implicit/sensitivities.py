@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Derivatives of a run by its parameters, increment by increment, by direct differentiation.
+
+With u the nodes' increment, s_n the state before and p a parameter, equilibrium R(u, s_n, p) = 0 of every converged
+increment gives
+
+    K du/dp = -(dR/dp + dR/ds_n ds_n/dp)      ds/dp = ds/du du/dp + ds/ds_n ds_n/dp + ds/dp
+
+K is the matrix that Newton's method has left, factorised; so a parameter costs back-substitutions and evaluations of
+forces, and no factors. Nodes stay held as the run holds them: contact is differentiated within the increment, its
+changes lie between increments. Increments are those of the run.
+
+The derivatives on the right are taken along one direction at a time, (du, ds_n, dp), by two neighbours of the run: the
+same model with the parameter a little less and a little more, whose states differ by the same part of ds/dp. So every
+law, cell, tool and load counts without a line of its own, and so does all that an increment keeps for the next one.
+K lacks what friction and curved tools add to the tangent and half of its unsymmetric part, so the solution is repeated
+with what is out of balance until nothing is. Tsay & Arora 1990, Comput. Methods Appl. Mech. Engrg. 81 (direct
+differentiation with history); there the derivatives are written out, here they are central differences of step h, with
+an error of h^2 and of round-off over h.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.contract import Constraints, Point, turn_back
+from presswork.model import FloatArray
+from presswork.outcome import BadGuess, GaveUpError, Step
+from presswork.state import Arrays, State
+
+BALANCED = 1e-10
+"""Out of balance over the largest change of a nodal force, below which a derivative is found."""
+ENOUGH = 1e-4
+"""The same, above which it is not."""
+MOST_ROUNDS = 30
+
+
+@dataclass
+class SensitivityArrays(Arrays):
+    """Derivatives of the converged state by the parameters of a run."""
+
+    owner = "sensitivities"
+    slope: dict[str, list[FloatArray]]
+    """Of each array of the State, by its name in a checkpoint: by one parameter after the other, in its form and unit
+    over that of the parameter."""
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Two runs beside one, with a parameter less and more by a step."""
+
+    key: str
+    """Name of the parameter."""
+    step: float
+    less: ImplicitProcedure
+    more: ImplicitProcedure
+
+    @property
+    def sides(self) -> tuple[tuple[ImplicitProcedure, float], ...]:
+        """Each with its change of the parameter."""
+        return (self.more, self.step), (self.less, -self.step)
+
+    def differ(self) -> dict[str, FloatArray]:
+        """Return the derivative of the state, array by array."""
+        more, less = self.more.state.to_arrays(), self.less.state.to_arrays()
+        found = {}
+        for name, values in more.items():
+            if values.dtype == np.float64:
+                with np.errstate(invalid="ignore"):  # infinite in both: what is not there
+                    change = np.subtract(values, less[name], dtype=np.float64) / (2.0 * self.step)
+                found[name] = np.nan_to_num(change, nan=0.0)
+        return found
+
+
+@dataclass
+class _Side:
+    """One neighbour in an increment."""
+
+    procedure: ImplicitProcedure
+    change: float
+    state_n: State
+    trial: State
+    point: Point
+    constraints: Constraints
+    lacking: FloatArray
+
+
+class Sensitivities:
+    """Follows a run and keeps the derivatives of its state; they are part of the state."""
+
+    def __init__(self, procedure: ImplicitProcedure, neighbours: Sequence[Neighbours]) -> None:
+        self._procedure = procedure
+        self.neighbours = neighbours
+        self.rounds = 0
+        """Back-substitutions so far, of all parameters."""
+        self._held: State = procedure.state
+        found = [each.differ() for each in neighbours]
+        procedure.state.add(SensitivityArrays({name: [f[name] for f in found] for name in found[0]}))
+        procedure.followers.append(self)
+
+    def note(self, trial: State) -> None:
+        """Take note of which nodes are held in equilibrium."""
+        self._held = trial.duplicate()
+
+    def follow(self, state_n: State, trial: State, step: Step, next_stage: int | None) -> None:
+        """Find the derivatives of a converged increment, and put them into its state. Raises GaveUpError."""
+        found = []
+        for number, each in enumerate(self.neighbours):
+            sides = [self._begin(*side, number, state_n, step) for side in each.sides]
+            self._solve(sides, each, step)
+            for side in sides:
+                side.procedure.equilibrium.fill(side.state_n, side.trial, side.point, side.constraints)
+                side.procedure.settle(side.state_n, side.trial, step)
+                side.procedure.evolve(side.state_n, side.trial, step)
+                if next_stage is not None:
+                    side.procedure.end_stage(side.trial, next_stage)
+                side.trial.replace(trial[Progress].duplicate())
+                side.procedure.state = side.trial
+            found.append(each.differ())
+        trial[SensitivityArrays].slope = {name: [f[name] for f in found] for name in found[0]}
+
+    def _begin(self, procedure: ImplicitProcedure, change: float, number: int, state_n: State, step: Step) -> _Side:
+        """Put a neighbour beside the state before an increment, and let the increment begin."""
+        beside = _shift(state_n, procedure.state, number, change)
+        if step.fraction_n == 0.0 and step.stage > 0:
+            for interaction in procedure.interactions.all:
+                interaction.begin_stage(beside, step.stage)
+        trial = beside.duplicate()
+        for interaction in procedure.interactions.all:
+            interaction.place(beside, trial, step, 1.0)
+        procedure.equilibrium.begin(beside, step)
+        side = _Side(procedure, change, beside, trial, None, None, None)  # type: ignore[arg-type]
+        self._evaluate(side, np.zeros_like(self._held.nodes.increment), step)
+        return side
+
+    def _evaluate(self, side: _Side, slope: FloatArray, step: Step) -> None:
+        """Find what is out of balance at a neighbour whose nodes go another way.
+
+        slope: derivative of the increment (n_points, freedoms).
+        """
+        increment = self._held.nodes.increment + side.change * slope
+        equilibrium = side.procedure.equilibrium
+        point = equilibrium.evaluate(side.state_n, side.trial, step, increment, with_stiffness=False)
+        if isinstance(point, BadGuess):
+            raise GaveUpError(f"no derivatives here: {point}")
+        side.point = point
+        side.constraints, side.lacking = equilibrium.balance_like(
+            self._procedure.equilibrium, side.state_n, side.trial, self._held, point
+        )
+
+    def _solve(self, sides: Sequence[_Side], each: Neighbours, step: Step) -> None:
+        """Find the derivative of the increment; leaves the neighbours there. Raises GaveUpError."""
+        system = self._procedure.equilibrium.system
+        more, less = sides
+        slope, last = np.zeros_like(self._held.nodes.increment), np.inf
+        for rounds in range(MOST_ROUNDS):
+            lacking, value, reaction = (
+                (a - b) / (2.0 * each.step)
+                for a, b in (
+                    (more.lacking, less.lacking),
+                    (more.constraints.value, less.constraints.value),
+                    (more.point.reaction, less.point.reaction),
+                )
+            )
+            off = float(np.abs(lacking).max()) / max(float(np.abs(reaction).max()), 1e-300)
+            missing = float(np.abs(value).max()) / max(float(np.abs(slope).max()), 1e-300)
+            if max(off, missing) < BALANCED or (rounds > 2 and max(off, missing) < ENOUGH and off > 0.5 * last):
+                return
+            held = system.constraints
+            way = np.where(held.mask == 1, value, 0.0)
+            slope = slope + system.respond(turn_back(held, lacking)) + turn_back(held, way)
+            last = off
+            self.rounds += 1
+            for side in sides:
+                self._evaluate(side, slope, step)
+        raise GaveUpError(f"the derivative by {each.key} is not found: {last:.1e} of its forces stay out of balance")
+
+
+def _shift(state: State, own: State, number: int, change: float) -> State:
+    """Return a state with the derivative by a parameter times its change added, in the form of a neighbour's own."""
+    shifted, arrays = own.duplicate(), state.to_arrays()
+    slope = state[SensitivityArrays].slope
+    shifted.load_arrays(
+        {
+            name: np.add(arrays[name], change * slope[name][number]) if name in slope else arrays[name]
+            for name in shifted.to_arrays()
+        }
+    )
+    return shifted

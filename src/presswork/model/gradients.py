@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Derivatives that a run finds on its way: of which columns of its history, by which numbers of its case."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from presswork.model.model import Model
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number of the case."""
+
+    key: str
+    """Its path in the case, for instance tools.punch.m."""
+    value: float
+    """In the units of the Model: mm, s, N, MPa."""
+    step: float
+    """By how much it is less and more in the two models."""
+    less: Model
+    more: Model
+
+
+@dataclass(frozen=True)
+class Gradients:
+    """What a run differentiates."""
+
+    of: tuple[str, ...]
+    """Columns of history.csv; empty: the forces of all tools."""
+    by: tuple[Parameter, ...]

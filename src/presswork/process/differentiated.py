@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: Apache-2.0
+"""An implicit run whose history has derivatives by numbers of the case beside its columns."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Any
+
+from presswork.implicit.sensitivities import Neighbours, Sensitivities
+from presswork.implicit.stepping import IncrementReport
+from presswork.model import Model
+from presswork.outcome import StartError
+from presswork.process.implicit_recording import ImplicitRecording
+from presswork.process.recording import Row
+
+NO_MEASURES = ("time", "stage", "increment", "iterations")
+"""Columns of the history that have no derivative."""
+
+
+def name_column(of: str, by: str) -> str:
+    """Return the column of the derivative of one column by a key of the case."""
+    return f"d({of})/d({by})"
+
+
+class DifferentiatedForming(ImplicitRecording):
+    """An implicit procedure at work beside its neighbours, whose rows give the derivatives.
+
+    A row of the neighbours is made as the run's own, so any of its columns has a derivative. Raises StartError for a
+    column that there is not.
+    """
+
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        super().__init__(model, threads=threads)
+        assert model.gradients is not None, "begin() makes this of models with derivatives"
+        self._own_columns = super().columns
+        measures = [name for name in self._own_columns if name not in NO_MEASURES]
+        forces = [f"{tool.name}.force" for tool in model.tools]
+        self._of = list(model.gradients.of or forces)
+        for name in self._of:
+            if name not in measures:
+                near = difflib.get_close_matches(name, measures, n=1, cutoff=0.4)
+                remedy = f"did you mean `{near[0]}`? " if near else ""
+                raise StartError(
+                    f"gradients.of: the history has no column `{name}`; {remedy}it has {', '.join(measures)}"
+                )
+        if not self._of:
+            raise StartError(f"gradients.of: say of what; the history has {', '.join(measures)}")
+        self._by = model.gradients.by
+        self._beside = [tuple(ImplicitRecording(side, threads=threads) for side in (p.less, p.more)) for p in self._by]
+        self._sensitivities = Sensitivities(
+            self.procedure,
+            [
+                Neighbours(p.key, p.step, less.procedure, more.procedure)
+                for p, (less, more) in zip(self._by, self._beside, strict=True)
+            ],
+        )
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        return [*super().columns, *(name_column(of, p.key) for p in self._by for of in self._of)]
+
+    def row(self, report: IncrementReport) -> Row:
+        """Return the row of the history."""
+        row = super().row(report)
+        for parameter, sides in zip(self._by, self._beside, strict=True):
+            less, more = (side.row(report) for side in sides)
+            for of in self._of:
+                change = float(more[of]) - float(less[of])
+                row[name_column(of, parameter.key)] = change / (2.0 * parameter.step)
+        return row
+
+    def summary(self, history: Any) -> dict[str, Any]:
+        """Return what summary.json says; of the derivatives those at the end."""
+        found = super().summary(history)
+        last = {
+            p.key: {"value": p.value}
+            | {of: float(history[name][-1]) for of in self._of if len(history[name := name_column(of, p.key)])}
+            for p in self._by
+        }
+        return found | {"gradients": last, "gradient_rounds": self._sensitivities.rounds}

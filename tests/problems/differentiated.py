@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cases with derivatives in their history, and the same derivatives by central differences of whole runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from presswork.case.case_file import CaseFile
+from presswork.case.kinds import build_model
+from presswork.model import FloatArray
+from presswork.process.differentiated import name_column
+from presswork.recorder import run_model
+from presswork.results import Result
+
+EXACT = {
+    "initial_increment": 0.25,
+    "max_increment": 0.25,
+    "force_tolerance": 1e-12,
+    "displacement_tolerance": 1e-11,
+}
+"""Settings of the solver with which runs of neighbours differ by their parameter alone."""
+APART = 3e-4
+"""Of a parameter: by how much whole runs differ."""
+
+
+def upset_cylinder(**changes: Any) -> dict[str, Any]:
+    """Return the data of a cylinder upset between platens with constant shear friction, without derivatives."""
+    return {
+        "title": "Upsetting with friction",
+        "analysis": "axisymmetric",
+        "workpiece": {
+            "material": "steel",
+            "element": "quad4_fbar",
+            "mesh": {"kind": "rectangle", "origin": [0, 0], "size": [10, 15], "cells": [4, 6], "pattern": "quad"},
+        },
+        "materials": {
+            "steel": {
+                "young": 200e3,
+                "poisson": 0.3,
+                "hardening": {"law": "swift", "K": 700.0, "e0": 0.01, "n": 0.2},
+            }
+        },
+        "tools": {"punch": {"profile": [[0, 15], [30, 15]], "contact": "shear", "m": 0.2}},
+        "boundary": {"axis": {"set": "left", "fix": ["x"]}, "middle_plane": {"set": "bottom", "fix": ["y"]}},
+        "stages": [{"name": "upset", "tools": {"punch": {"stroke": 1.2, "direction": [0, -1]}}}],
+        "solver": EXACT,
+        "output": {"steps": 1},
+        **changes,
+    }
+
+
+def run_case(kind: type[CaseFile], data: Mapping[str, Any], folder: Path) -> Result:
+    """Run a case to its end."""
+    outcome = run_model(build_model(kind.model_validate(data)), folder)
+    assert outcome.status == "completed", outcome.reason
+    return outcome.result
+
+
+def differentiate(
+    kind: type[CaseFile], data: dict[str, Any], of: Sequence[str], by: Mapping[str, float], folder: Path
+) -> dict[str, dict[str, tuple[FloatArray, FloatArray]]]:
+    """Return derivatives row by row: in the run, and by central differences of whole runs.
+
+    by: keys of the case, with their values.
+    """
+    own = run_case(kind, {**data, "gradients": {"of": list(of), "by": list(by)}}, folder / "own").history
+    found: dict[str, dict[str, tuple[FloatArray, FloatArray]]] = {}
+    for key, value in by.items():
+        change = APART * abs(value)
+        more, less = (
+            run_case(kind, set_value(data, key, value + way), folder / f"{key}{way:+g}").history
+            for way in (change, -change)
+        )
+        found[key] = {
+            name: (np.asarray(own[name_column(name, key)]), (more[name] - less[name]) / (2.0 * change)) for name in of
+        }
+    return found
+
+
+def set_value(data: Any, key: str, value: float) -> Any:
+    """Return the data of a case with another value at a key."""
+    name, _, rest = key.partition(".")
+    if isinstance(data, Mapping):
+        return {**data, name: set_value(data[name], rest, value) if rest else value}
+    return [
+        (set_value(each, rest, value) if rest else value) if i == int(name) else each for i, each in enumerate(data)
+    ]
+
+
+def largest_error(own: FloatArray, other: FloatArray) -> float:
+    """Return the largest difference of two courses over the largest value of the second."""
+    return float(np.abs(own - other).max() / np.abs(other).max())

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The table [gradients]: what it refuses, and that a resumed run goes on with the same bits."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswork.case.errors import CaseError
+from presswork.case.kinds import build_model
+from presswork.case.solid.schema import Case
+from presswork.outcome import StartError
+from presswork.process.begin import begin
+from presswork.recorder import run_model
+from tests.problems.differentiated import run_case, upset_cylinder
+
+LOOSE = {"initial_increment": 0.25, "max_increment": 0.25}
+
+
+def refuse(gradients: dict[str, Any], **changes: Any) -> str:
+    with pytest.raises(CaseError) as error:
+        build_model(Case.model_validate(upset_cylinder(solver=LOOSE, gradients=gradients, **changes)))
+    return str(error.value)
+
+
+def test_key_that_the_case_does_not_have_is_refused_with_the_nearest() -> None:
+    text = refuse({"by": ["tools.punsh.m"]})
+    assert "gradients.by.0" in text
+    assert "did you mean `punch`" in text
+
+
+def test_key_without_a_number_is_refused() -> None:
+    assert "is not a number" in refuse({"by": ["tools.punch.contact"]})
+
+
+def test_number_without_room_on_both_sides_is_refused() -> None:
+    tools = {"punch": {"profile": [[0, 15], [30, 15]], "contact": "shear", "m": 1.0}}
+    assert "cannot be a little less and more" in refuse({"by": ["tools.punch.m"]}, tools=tools)
+
+
+def test_zero_is_refused() -> None:
+    assert "is zero" in refuse({"by": ["workpiece.mesh.origin.0"]})
+
+
+def test_number_that_changes_cells_is_refused() -> None:
+    assert "cannot be a little less and more" in refuse({"by": ["workpiece.mesh.cells.0"]})
+
+
+def test_explicit_run_is_refused() -> None:
+    data = upset_cylinder(gradients={"by": ["tools.punch.m"]}, procedure="explicit")
+    data.pop("solver")
+    data["materials"]["steel"]["density"] = 7.85e-9
+    data["tools"]["punch"] = {"profile": [[0, 15], [30, 15]], "contact": "coulomb", "mu": 0.1}
+    data["workpiece"]["element"] = "quad4_1pt"
+    data["stages"][0]["duration"] = 1e-4
+    with pytest.raises(CaseError, match="there are no derivatives of dynamics yet"):
+        build_model(Case.model_validate({**data, "gradients": {"by": ["tools.punch.mu"]}}))
+
+
+def test_column_that_the_history_does_not_have_is_refused_before_the_run() -> None:
+    model = build_model(Case.model_validate(upset_cylinder(gradients={"of": ["punch.forse"], "by": ["tools.punch.m"]})))
+    with pytest.raises(StartError, match=r"did you mean `punch\.force`"):
+        begin(model, threads=1)
+
+
+def test_resumed_run_has_the_same_derivatives_to_the_bit(tmp_path: Path) -> None:
+    data = upset_cylinder(solver=LOOSE, gradients={"by": ["tools.punch.m"]})
+    data["output"] = {"steps": 1, "checkpoint_every": 1}
+    whole = run_case(Case, data, tmp_path / "whole").history
+    model = build_model(Case.model_validate(data))
+
+    def stop(progress: Any) -> None:
+        if progress.fraction > 0.4:
+            raise KeyboardInterrupt
+
+    with contextlib.suppress(KeyboardInterrupt):
+        run_model(model, tmp_path / "cut", on_increment=stop)
+    resumed = run_model(model, tmp_path / "cut", resume=True).result.history
+    name = "d(punch.force)/d(tools.punch.m)"
+    assert np.array_equal(whole[name], resumed[name])
