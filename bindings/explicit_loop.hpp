@@ -135,6 +135,7 @@ void check(Loop& self, const State& given) {
     const std::string kind = owner.starts_with("tool") || owner == "contact" ? "tools"
                              : owner.starts_with("wall")                     ? "walls"
                              : owner == "beads"                              ? "beads"
+                             : owner == "shell_contact"                      ? "contact of shells"
                                                                              : "mesh, elements or laws";
     throw nb::value_error(("the dump's " + kind + " are not those of this run").c_str());
   };

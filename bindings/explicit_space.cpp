@@ -9,6 +9,7 @@
 #include "explicit/space/shell_section.hpp"
 #include "explicit/space/solids.hpp"
 #include "sheet_layers.hpp"
+#include "shell_contact.hpp"
 #include "tabulated_mises.hpp"
 #include "tool_contact.hpp"
 
@@ -290,8 +291,9 @@ template <class Real>
 void restore(SpaceLoop<Real>& self, const explicit_loop::State& given) {
   explicit_loop::check(self, given);
   explicit_loop::write(self, given);
-  if (!self.contact || !(self.contact->step() > 0.0)) return;
-  self.set_contact_stiffness(self.contact->step());
+  const double step = self.contact ? self.contact->step() : self.shell_contact ? self.shell_contact->step() : 0.0;
+  if (!(step > 0.0)) return;
+  self.set_contact_stiffness(step);
   explicit_loop::write(self, given);
 }
 
@@ -303,6 +305,7 @@ auto bind_space(nb::module_& m, const char* name, const char* text) {
   bind_layers(loop);
   bind_tools(loop);
   bind_beads(loop);
+  bind_shell_contact(loop);
   loop.def("__init__", &make_loop<Real>, nb::arg("points"))
       .def("add_shells", &add_shells<Real>, nb::arg("connectivity"), nb::arg("thickness"), nb::arg("axis"),
            nb::arg("law"), nb::arg("density"), nb::arg("height"), nb::arg("weight"), nb::kw_only(),

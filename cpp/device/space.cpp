@@ -65,6 +65,7 @@ std::string find_lack(const SpaceLoop<Real>& loop) {
   const auto& nodes = loop.nodes;
   if (loop.contact) return "rigid tools";
   if (loop.beads) return "drawbeads";
+  if (loop.shell_contact) return "shells that touch shells";
   if (!loop.hanging.all().empty()) return "refined sheets";
   for (std::size_t b = 0; b < loop.blocks.size(); ++b)
     if (!loop.is_sheet(static_cast<int>(b))) return "solids";

@@ -1114,6 +1114,19 @@ class SpaceLoop:
     def bead_restraint(self, bead: int) -> float:
         """Restraining force, summed along the line [N]."""
 
+    def add_shell_contact(self, undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, friction: float, penalty: float, damping: float) -> None:
+        """
+        Let shells touch shells; undeformed (n_nodes, 3): by which those near along the sheet are left out [mm].
+        """
+
+    def shell_contact_force(self) -> NDArray[numpy.float64]:
+        """Forces of shells that touch shells on the nodes (n_nodes, 3) [N]."""
+
+    def deepest_in_shell(self) -> tuple[float, int, int]:
+        """
+        Overlap of the node that is deepest in a shell [mm], it, and the shell; 0, -1, -1 where none is.
+        """
+
     def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], number: Sequence[int] = []) -> None:
         """
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0.
@@ -1417,6 +1430,19 @@ class SpaceLoopSingle:
 
     def bead_restraint(self, bead: int) -> float:
         """Restraining force, summed along the line [N]."""
+
+    def add_shell_contact(self, undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, friction: float, penalty: float, damping: float) -> None:
+        """
+        Let shells touch shells; undeformed (n_nodes, 3): by which those near along the sheet are left out [mm].
+        """
+
+    def shell_contact_force(self) -> NDArray[numpy.float64]:
+        """Forces of shells that touch shells on the nodes (n_nodes, 3) [N]."""
+
+    def deepest_in_shell(self) -> tuple[float, int, int]:
+        """
+        Overlap of the node that is deepest in a shell [mm], it, and the shell; 0, -1, -1 where none is.
+        """
 
     def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], number: Sequence[int] = []) -> None:
         """

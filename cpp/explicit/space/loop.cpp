@@ -80,12 +80,43 @@ class SpaceLoop<Real>::SheetTools final : public Interaction<SpaceNodes<Real>> {
   SpaceLoop& loop_;
 };
 
+// Contact of shells with shells as an interaction: forces are found, then gathered.
+template <class Real>
+class SpaceLoop<Real>::SheetShells final : public Interaction<SpaceNodes<Real>> {
+ public:
+  explicit SheetShells(SpaceLoop& loop) : loop_(loop) {}
+  void move(const Step& step, int, double fastest) override {
+    if (loop_.shell_contact) loop_.shell_contact->follow(loop_.view(step.dt), fastest);
+  }
+  int n_rounds() const override { return loop_.shell_contact ? 2 : 0; }
+  int n_pieces(int) const override { return loop_.shell_contact->chunks(); }
+  void act(SpaceNodes<Real>& nodes, const Step& step, int, int round, int piece) override {
+    if (round == 0)
+      loop_.shell_contact->find_forces(piece, loop_.view(step.dt));
+    else
+      loop_.shell_contact->gather(piece, nodes.internal_force.data());
+  }
+  void close() override { loop_.shell_contact->close_cycle(); }
+  void add_energies(double, Energies& e) const override {
+    if (!loop_.shell_contact) return;
+    const ShellContact::Work& work = loop_.shell_contact->work();
+    e.contact += work.elastic, e.friction += work.friction, e.damping += work.damping;
+  }
+  void list_state(std::vector<StateField>& fields) override {
+    if (loop_.shell_contact) loop_.shell_contact->list_state(fields);
+  }
+
+ private:
+  SpaceLoop& loop_;
+};
+
 template <class Real>
 SpaceLoop<Real>::SpaceLoop(int n_nodes, const double* points)
     : Base(SpaceNodes<Real>(n_nodes, points)),
       sheet_beads_(std::make_unique<SheetBeads>(*this)),
-      sheet_tools_(std::make_unique<SheetTools>(*this)) {
-  this->interactions = {sheet_beads_.get(), sheet_tools_.get(), &hanging};
+      sheet_tools_(std::make_unique<SheetTools>(*this)),
+      sheet_shells_(std::make_unique<SheetShells>(*this)) {
+  this->interactions = {sheet_beads_.get(), sheet_tools_.get(), sheet_shells_.get(), &hanging};
 }
 
 template <class Real>
@@ -169,6 +200,7 @@ void SpaceLoop<Real>::inherit(const SpaceLoop& from, const int* node_parents, co
   }
   this->set_masses();
   // 3. contact
+  if (shell_contact || from.shell_contact) throw std::invalid_argument("shells that touch each other cannot be split");
   if (contact && from.contact) {
     set_contact_stiffness(from.contact->step());
     contact->inherit(*from.contact, node_parents);
@@ -191,32 +223,45 @@ contact::SheetUnder SpaceLoop<Real>::find_cells() const {
 template <class Real>
 std::unique_ptr<ToolContact> SpaceLoop<Real>::make_contact() const {
   const auto& nodes = this->nodes;
-  std::vector<int> start{0}, cells;
-  double thinnest = std::numeric_limits<double>::infinity(), widest = 0.0, edge = 0.0;
+  const Sheet sheet = list_cells();
+  double widest = 0.0, edge = 0.0;
   const auto apart = [&](int i, int j) {
     const double *a = nodes.position.data() + std::size_t(nodes.position_stride) * i,
                  *b = nodes.position.data() + std::size_t(nodes.position_stride) * j;
     return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
   };
+  for (std::size_t c = 0; c + 1 < sheet.start.size(); ++c) {
+    const int* corner = &sheet.node[sheet.start[c]];
+    const int each = sheet.start[c + 1] - sheet.start[c];
+    if (each > 0) widest = std::max(widest, apart(corner[0], corner[2]));
+    for (int a = 0; a < each; ++a) edge = std::max(edge, apart(corner[a], corner[(a + 1) % each]));
+  }
+  if (sheet.node.empty()) throw std::invalid_argument("tools touch shells, and there are none");
+  return std::make_unique<ToolContact>(nodes.n, sheet.start, sheet.node, sheet.thinnest, widest, edge, ironing);
+}
+
+template <class Real>
+typename SpaceLoop<Real>::Sheet SpaceLoop<Real>::list_cells() const {
+  Sheet all;
   for (std::size_t b = 0; b < sheets_.size(); ++b) {
-    if (!sheets_[b]) {  // solids: cells without corners
-      start.insert(start.end(), this->blocks[b]->n(), start.back());
-      continue;
-    }
-    const auto& connectivity = sheets_[b]->connectivity();
-    const int each = sheets_[b]->nodes_each();
-    cells.insert(cells.end(), connectivity.begin(), connectivity.end());
-    for (int e = 0; e < sheets_[b]->n(); ++e)
-      thinnest = std::min(thinnest, sheets_[b]->value(e, sheets_[b]->rows().thickness));
-    for (std::size_t i = 0; i < connectivity.size(); i += each) {
-      start.push_back(start.back() + each);
-      widest = std::max(widest, apart(connectivity[i], connectivity[i + 2]));
-      for (int a = 0; a < each; ++a)
-        edge = std::max(edge, apart(connectivity[i + a], connectivity[i + (a + 1) % each]));
+    const int each = sheets_[b] ? sheets_[b]->nodes_each() : 0;
+    for (int e = 0; e < this->blocks[b]->n(); ++e) all.start.push_back(all.start.back() + each);
+    if (!sheets_[b]) continue;
+    all.node.insert(all.node.end(), sheets_[b]->connectivity().begin(), sheets_[b]->connectivity().end());
+    for (int e = 0; e < sheets_[b]->n(); ++e) {
+      const double thickness = sheets_[b]->value(e, sheets_[b]->rows().thickness);
+      all.thinnest = std::min(all.thinnest, thickness), all.thickest = std::max(all.thickest, thickness);
     }
   }
-  if (cells.empty()) throw std::invalid_argument("tools touch shells, and there are none");
-  return std::make_unique<ToolContact>(nodes.n, start, cells, thinnest, widest, edge, ironing);
+  return all;
+}
+
+template <class Real>
+void SpaceLoop<Real>::add_shell_contact(const double* undeformed, const ShellGrip& grip) {
+  Sheet sheet = list_cells();
+  if (sheet.node.empty()) throw std::invalid_argument("there are no shells that could touch each other");
+  shell_contact = std::make_unique<ShellContact>(this->nodes.n, std::move(sheet.start), std::move(sheet.node),
+                                                 undeformed, sheet.thickest, grip);
 }
 
 template <class Real>
@@ -237,7 +282,8 @@ void SpaceLoop<Real>::set_contact_stiffness(double dt) {
   for (std::size_t e = 0; e < ratio.size(); ++e) ratio[e] = before[e] > 0.0 ? ratio[e] / before[e] : 1.0;
   const std::vector<double> sum = this->sum_masses();  // before hanging nodes give theirs away
   for (int i = 0; i < this->nodes.n; ++i) own_mass.push_back(sum[2 * std::size_t(i)]);
-  contact->set_stiffness(own_mass, this->element_masses(), ratio, dt);
+  if (contact) contact->set_stiffness(own_mass, this->element_masses(), ratio, dt);
+  if (shell_contact) shell_contact->set_stiffness(own_mass, dt);
 }
 
 template class SpaceLoop<double>;

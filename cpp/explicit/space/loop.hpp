@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The explicit loop in space: blocks of shells and of solids, and what acts on a sheet: drawbeads, rigid tools, hanging
-// nodes, which know the shells alone; and the rigid walls that hold solids off.
+// The explicit loop in space: blocks of shells and of solids, and what acts on a sheet: drawbeads, rigid tools, shells
+// that touch shells, hanging nodes, which know the shells alone; and the rigid walls that hold solids off.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
 #include "explicit/contact/drawbeads.hpp"
+#include "explicit/contact/shell_contact.hpp"
 #include "explicit/contact/tool_contact.hpp"
 #include "explicit/loop.hpp"
 #include "explicit/space/cyclic_ties.hpp"
@@ -53,6 +55,9 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   std::unique_ptr<ToolContact> contact;  // none without tools
   // To be called when there are tools, and after a change of masses.
   std::unique_ptr<ToolContact> make_contact() const;
+  // Let shells touch shells. undeformed (n_nodes, 3) [mm].
+  void add_shell_contact(const double* undeformed, const ShellGrip& grip);
+  std::unique_ptr<ShellContact> shell_contact;  // none: they do not
   void set_contact_stiffness(double dt);
   // What contact must know of the sheet, after a step of dt.
   auto view(double dt) const {
@@ -64,11 +69,19 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
  private:
   class SheetBeads;
   class SheetTools;
+  class SheetShells;
   double value(int element, const int StateRows::* row) const {
     std::size_t b = 0;
     for (; element >= this->blocks[b]->n(); ++b) element -= this->blocks[b]->n();
     return sheets_[b]->value(element, sheets_[b]->rows().*row);
   }
+  // The shells' corners, cell by cell (start, node), as contact takes them, solids without any; and their largest and
+  // least thickness.
+  struct Sheet {
+    std::vector<int> start{0}, node;
+    double thinnest = std::numeric_limits<double>::infinity(), thickest = 0.0;
+  };
+  Sheet list_cells() const;
   // Springs of squeezed shells (n_elements); 0 of solids.
   std::vector<double> springs() const;
 
@@ -77,6 +90,7 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   std::vector<SheetBlock<Real>*> sheets_;  // of blocks; null: solids
   std::unique_ptr<SheetBeads> sheet_beads_;
   std::unique_ptr<SheetTools> sheet_tools_;
+  std::unique_ptr<SheetShells> sheet_shells_;
 };
 
 }  // namespace presswork::explicit_dynamics

@@ -25,6 +25,7 @@ from presswork.explicit.drawbeads import BeadsOfRun
 from presswork.explicit.dynamics import Dynamics, Failed
 from presswork.explicit.input_checks import ExplicitError, check_points
 from presswork.explicit.layers import LayersOfRun
+from presswork.explicit.shell_contact import ShellContactOfRun
 from presswork.explicit.tools import ToolsOfRun
 from presswork.law.umat import TOLD, SheetUmat
 
@@ -59,7 +60,7 @@ class SolidState:
     """(n, q)."""
 
 
-class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, Dynamics):
+class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dynamics):
     """Blocks of shells and of solids in explicit dynamics.
 
     points (n_nodes, 3) [mm]; blocks: at most one of Shells, which the properties of layers, thickness and tools mean,
@@ -131,6 +132,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, Dynamics):
             loop.set_hanging(place[follow])
         self._start_tools()
         self._start_beads()
+        self._start_shell_contact()
         check_device(device, loop)
         super().__init__(loop, nodes, np.concatenate(elements))
 

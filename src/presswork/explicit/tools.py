@@ -149,6 +149,7 @@ class ToolsOfRun:
     _loop: Loop
     _nodes: npt.NDArray[np.intp]
     _reference: tuple[float, float] | None
+    touches_itself: bool
     cycle: int
     time: float
     dt: float
@@ -208,7 +209,7 @@ class ToolsOfRun:
         return out
 
     def _prepare_tools(self, velocity_scale: Array) -> None:
-        if self.tools and (self.dt > self._contact_step or self._new_tools):
+        if (self.tools or self.touches_itself) and (self.dt > self._contact_step or self._new_tools):
             self._contact_step = max(self.dt, self._contact_step)
             self._loop.set_contact_stiffness(self._contact_step)
         for tool in self._new_tools:

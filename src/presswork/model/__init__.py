@@ -75,7 +75,7 @@ from presswork.model.settings import (
     StrainMeasure,
     TangentTerms,
 )
-from presswork.model.sheet import Refinement, Springback, TrimLine
+from presswork.model.sheet import Refinement, SheetSelfContact, Springback, TrimLine
 from presswork.model.stage import (
     BodyForce,
     CyclicSector,
@@ -193,6 +193,7 @@ __all__ = [
     "Remeshing",
     "Section",
     "Series",
+    "SheetSelfContact",
     "ShellElement",
     "ShellPressure",
     "SizeWindow",

@@ -21,7 +21,7 @@ from presswork.model.mesh import Mesh, Section
 from presswork.model.operation import Operation
 from presswork.model.remeshing import Remeshing
 from presswork.model.settings import LARGE, ExplicitSheet, ExplicitSolid, OutputSettings, SolverSettings
-from presswork.model.sheet import Refinement, Springback, TrimLine
+from presswork.model.sheet import Refinement, SheetSelfContact, Springback, TrimLine
 from presswork.model.stage import CyclicSector, Stage, Support
 from presswork.model.tool import Drawbead, Profile, Tool
 
@@ -66,6 +66,8 @@ class Model:
     """Stampings: the state of the sheet at the start; its mesh has these points. None: the blank is flat and free."""
     refinement: Refinement | None = None
     """Explicit stampings: refinement of the blank; None: the mesh stays as it is."""
+    self_contact: SheetSelfContact | None = None
+    """Explicit stampings: contact of the sheet with itself; None: it passes through itself."""
     trim: tuple[TrimLine, ...] = ()
     """Stampings: lines along which the part is cut after the last stage."""
     springback: Springback | None = None

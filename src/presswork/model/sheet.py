@@ -20,6 +20,14 @@ class Refinement:
 
 
 @dataclass(frozen=True)
+class SheetSelfContact:
+    """Contact of a stamped sheet with itself, on both faces and with its thickness."""
+
+    mu: float = 0.0
+    """Coulomb's coefficient."""
+
+
+@dataclass(frozen=True)
 class TrimLine:
     """A line that the formed part is cut along, seen along z."""
 

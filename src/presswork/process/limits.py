@@ -106,6 +106,11 @@ def measure_sheet_penetration(name: str, depth: float, thickness: float) -> Meas
     return Measure("penetration", depth / thickness, fact)
 
 
+def measure_overlap(depth: float, thickness: float) -> Measure:
+    """Return by how much two parts of a sheet overlap [mm], by its thickness at the start [mm]."""
+    return Measure("penetration", depth / thickness, f"the sheet of {thickness:g} mm overlaps itself by {depth:.3g} mm")
+
+
 def measure_hydrostatic_stress(stress: FloatArray, flow_stress: FloatArray, centres: FloatArray) -> Measure:
     """Return the largest hydrostatic stress over the flow stress.
 

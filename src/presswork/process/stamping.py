@@ -76,6 +76,8 @@ class ExplicitStamping(StampingRecording):
         if self.settings.target_step is not None:
             self._scale_mass(self.settings.target_step)
         check_damping(self.settings.damping, self._longest_step())
+        if model.self_contact is not None:
+            self.shells.touch_itself(mu=model.self_contact.mu, undeformed=model.mesh.points)
         self.tools = StampingTools(model, self.shells)
         self.heat = ExplicitHeat(model, self.shells, self.tools.at_work) if model.heat else None
         self.layers = SheetHistory(model, self.shells)

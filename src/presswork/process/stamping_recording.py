@@ -22,7 +22,7 @@ from presswork.model import ExplicitSheet, FloatArray, IntArray, Model
 from presswork.process.explicit_heat import ExplicitHeat
 from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
 from presswork.process.held_flange import summarise_holders, warn_of_holders
-from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
+from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.peaks import find_peaks, peak_row
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
@@ -36,6 +36,12 @@ from presswork.process.transfer import ShellStart, law_axes
 
 CYCLES, ADDED_MASS, SHELL_CYCLES = range(2, 5)
 """Of the progress, after stage and row."""
+
+
+OVERLAP = "overlap"
+"""Column of the history: by how much two parts of the sheet overlap most [mm], their thickness counted."""
+WORTH_A_WARNING = 0.05
+"""Part of the thickness by which they may."""
 
 
 class StampingRecording(RowRecording):
@@ -66,6 +72,7 @@ class StampingRecording(RowRecording):
         first += [*(RAM_COLUMNS if has_ram(self.model) else ()), *self.reactions.columns]
         first += [f"{law.name}_max" for law in self._damage_laws]
         first += ["shells"] if self.model.refinement else []
+        first += [OVERLAP] if self.model.self_contact else []
         if self.heat is not None:
             first += ["process_time", *columns_of_sheet(self.heat.sheet, self.heat.arrays)]
         return [*first, *self.marked.columns(self.show()), *LAST_COLUMNS]
@@ -97,6 +104,7 @@ class StampingRecording(RowRecording):
             **self._measure_reactions(),
             **peak_row(self._evolved()),
             **({"shells": len(self._cells)} if self.model.refinement else {}),
+            **({OVERLAP: self.shells.find_overlap()[0]} if self.model.self_contact else {}),
             **(self._measure_heat() if self.heat else {}),
             **(self.marked.measure(self.show()) if self.model.points else {}),
             **self._end_row(report),
@@ -169,6 +177,8 @@ class StampingRecording(RowRecording):
         """Return how far the present state is towards its limits."""
         thickness = self.model.sheet[0].thickness
         depths = [measure_sheet_penetration(t.name, t.penetration, thickness) for t in self.shells.tools.values()]
+        if self.model.self_contact:
+            depths.append(measure_overlap(self.shells.find_overlap()[0], thickness))
         strained = watch_sheet(self._judge(self._cell_fields()))
         critical: dict[str, list[float | None]] = {
             law.name: [law.critical.get(law.name)] * len(self.model.mesh.blocks) for law in self._damage_laws
@@ -203,6 +213,27 @@ class StampingRecording(RowRecording):
         """Return the height of wrinkles under holders on a flat blank."""
         return summarise_holders(self.model, history, thickest) if self._start is None else {}
 
+    def _find_largest_overlap(self, history: Mapping[str, NDArray[Any]]) -> float:
+        """Return by how much the sheet has overlapped itself most in any row [mm]."""
+        return float(np.max(history[OVERLAP], initial=0.0))
+
+    def _summarise_overlap(self, history: Mapping[str, NDArray[Any]]) -> dict[str, float]:
+        """Return the largest overlap [mm] of a sheet that touches itself."""
+        return {"overlap_mm": self._find_largest_overlap(history)} if self.model.self_contact else {}
+
+    def _warn_of_overlap(self, history: Mapping[str, NDArray[Any]]) -> list[str]:
+        """Return a warning where the sheet has sunk into itself."""
+        if not self.model.self_contact:
+            return []
+        deep, thickness = self._find_largest_overlap(history), self.model.sheet[0].thickness
+        if deep <= WORTH_A_WARNING * thickness:
+            return []
+        share = 100.0 * deep / thickness
+        return [
+            f"the sheet overlaps itself by up to {deep:.3g} mm, {share:.2g} % of its thickness: leave tools more room "
+            "(less stroke), drive them slower, or refine the mesh"
+        ]
+
     def judge(self) -> FormingVerdict:
         """Return the verdict on the present sheet."""
         return self._judge(self._cell_fields())
@@ -228,9 +259,11 @@ class StampingRecording(RowRecording):
             **({"heat": summarise_sheet_heat(self.heat.sheet, self.heat.arrays)} if self.heat else {}),
             **self.layers.summarise(),
             "formability": verdict.to_summary(),
+            **self._summarise_overlap(history),
             **self._summarise_holders(history, float(fields["thickness"].max())),
             "warnings": [
                 *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
+                *self._warn_of_overlap(history),
                 *self._warn_of_holders(history, float(fields["thickness"].max())),
                 *warn_of_energies(history),
                 *verdict.warnings(),

@@ -146,6 +146,8 @@ def test_times_follow_from_velocity_duration_and_ramp() -> None:
     ("stages.0.duration", 1, ["stages.0.duration", "velocity and duration"]),
     ("stages.0.velocity", 0, ["stages.0.velocity", "> 0"]),
     ("stages.0.displacement", [{"set": "rim", "component": "x", "value": 1}], ["displacement.0.set", "no such node"]),
+    ("self_contact", {"mu": -1}, ["self_contact.mu", ">= 0"]),
+    ("tools.punch.direction", [1, 0, -1], ["tools.punch.direction", "give its position"]),
     ("explicit", {"safety": 1.2}, ["explicit.safety", "<= 1"]),
     ("explicit", {"target_step": -1}, ["explicit.target_step", "> 0"]),
     ("output", {"steps": 300}, ["output.steps", "no more than rows = 200"]),
@@ -371,3 +373,28 @@ def test_a_blank_is_meshed_inside_an_outline(tmp_path: Path) -> None:
     path.write_text("0, 0\n10, 0\n0, 10")
     with pytest.raises(CaseError, match=r"blank.element_size = 0.001.*more than memory"):
         build(blank=blank | {"element_size": 0.001})
+
+
+@pytest.mark.parametrize(("changes", "fragments"), [
+    ({"procedure": "implicit"}, ["self_contact", "the implicit procedure does not", 'take procedure = "explicit"']),
+    ({"blank.refine": {"levels": 1}}, ["self_contact", "cannot be split", "leave blank.refine out"]),
+])  # fmt: skip
+def test_contact_of_the_sheet_with_itself_is_refused_where_it_is_not_computed(changes, fragments) -> None:
+    with pytest.raises(CaseError) as error:
+        build(self_contact={}, **changes)
+    for fragment in fragments:
+        assert fragment in str(error.value)
+
+
+def test_a_drawn_tool_goes_aslant_only_with_its_mirror_image() -> None:
+    with pytest.raises(CaseError, match="cannot go along x"):
+        build(**{"tools.punch.direction": [1, 0, -1], "tools.punch.position": [0, 0, 5]})
+
+
+def test_direction_turns_strokes() -> None:
+    model = build(
+        **{"tools.punch.direction": [0, 0, -2], "tools.punch.position": [0, 0, 5], "self_contact": {"mu": 0.2}}
+    )
+    assert model.stages[0].tool_motion["punch"].move == (0.0, 0.0, -20.0)
+    assert model.self_contact is not None
+    assert model.self_contact.mu == 0.2

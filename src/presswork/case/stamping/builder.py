@@ -43,7 +43,7 @@ from presswork.case.stamping.line import (
     name_parts,
     view_operation,
 )
-from presswork.case.stamping.place import build_tools, find_way
+from presswork.case.stamping.place import build_tools, way_of_tool
 from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.stage import VELOCITY, StampingStage
@@ -164,6 +164,7 @@ def _build_first(case: StampingCase, stages: tuple[model.Stage, ...], run_user_c
         output=model.OutputSettings(**case.output.model_dump()),
         refinement=model.Refinement(blank.refine.levels, radians(blank.refine.angle)) if blank.refine else None,
         formed=_read_formed(case),
+        self_contact=model.SheetSelfContact(case.self_contact.mu) if case.self_contact else None,
         heat=build_sheet_heat(case),
         limits=case.limits.build(),
         points=points,
@@ -344,7 +345,7 @@ def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
     way = max((abs(a.stroke) for a in stage.tools.values() if a.stroke), default=0.0)
     motions = {}
     for name, action in stage.tools.items():
-        x, y, z = find_way(case.tools[name].kind)
+        x, y, z = way_of_tool(case.tools[name])
         if isinstance(action.force, tuple):
             rows = np.array(action.force, dtype=float)
             push = model.Push((x, y, z), np.column_stack([rows[:, 0] / way, rows[:, 1]]))

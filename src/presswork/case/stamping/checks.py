@@ -17,6 +17,7 @@ from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.shapes import clearance
 from presswork.case.stamping.stage import VELOCITY, StampingStage, TrimFile
 from presswork.case.stamping.tools import DrawnTool, ToolFile
+from presswork.case.stamping.tools import Tool as CaseTool
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.tool_surface import make_surface
 from presswork.model import FloatArray, Mesh, Stage, Tool, Triangulation
@@ -65,6 +66,7 @@ def check_names(case: StampingCase) -> list[Problem]:
     elif case.blank.refine is not None and case.explicit.element != "shell4_1pt":
         fault, remedy = "these shells cannot be split", 'take "shell4_1pt", or leave blank.refine out'
         problems.append(Problem("explicit.element", fault, remedy, case.explicit.element))
+    problems += _check_self_contact(case)
     names = [stage.name for stage in case.stages]
     for index, stage in enumerate(case.stages):
         key = f"stages.{index}"
@@ -77,6 +79,19 @@ def check_names(case: StampingCase) -> list[Problem]:
         ]
         problems += _check_timing(key, stage) + _check_press(case, index, stage)
     return [*problems, *check_needs(case.materials, [case.blank.material], case.stages, heated=case.heat is not None)]
+
+
+def _check_self_contact(case: StampingCase) -> list[Problem]:
+    """Return the problems of a sheet that is to touch itself."""
+    if case.self_contact is None:
+        return []
+    if case.procedure == "implicit":
+        fault = "the implicit procedure does not compute contact of a sheet with itself"
+        return [Problem("self_contact", fault, 'take procedure = "explicit", or leave it out')]
+    if case.blank.refine is not None:
+        fault = "shells that touch each other cannot be split"
+        return [Problem("self_contact", fault, "leave blank.refine out, and give a smaller element_size")]
+    return []
 
 
 def _check_element_size(blank: RectangularBlank | CircularBlank) -> list[Problem]:
@@ -151,6 +166,7 @@ def check_tools(case: StampingCase) -> list[Problem]:
                 fault = f"the tool's middle does not lie in the symmetry plane {plane} = 0"
                 remedy = f"set its {plane} to 0, or leave {plane} out of blank.symmetry"
                 problems.append(Problem(f"{key}.position", fault, remedy, list(tool.position or ())))
+        problems += _check_direction(case, key, tool)
         if name in KINDS and tool.kind != name:
             fault, remedy = f"the tool is called {name}, but is a {tool.kind}", "mend its kind, or give it another name"
             problems.append(Problem(f"{key}.kind", fault, remedy, tool.kind))
@@ -184,6 +200,27 @@ def check_tools(case: StampingCase) -> list[Problem]:
                 fault = f"the {case.tools[name].kind} is pushed, but no {opposite} lies on the other side of the blank"
                 problems.append(Problem(f"stages.{index}.tools.{name}.force", fault, f"add a {opposite}"))
     return problems
+
+
+def _check_direction(case: StampingCase, key: str, tool: CaseTool) -> list[Problem]:
+    """Return the problem of a drawn tool that goes aslant, and its mirror image, which is the same tool, with it."""
+    if tool.direction is None or isinstance(tool, ToolFile):
+        return []
+    aside = [plane for plane, part in zip("xy", tool.direction, strict=False) if part != 0.0]
+    is_straight = getattr(tool, "plan", tool.shape) == "strip"
+    if not aside or (aside == ["x"] and is_straight and "x" in case.blank.symmetry):
+        return []
+    if is_straight and aside == ["x"]:
+        fault, remedy = (
+            "the tool stands on both sides of x = 0, and one of them would go the wrong way",
+            ('compute half of the part (blank.symmetry = ["x"]), or give a tool from a file (shape = "file")'),
+        )
+    else:
+        fault, remedy = (
+            f"a tool round the middle cannot go along {' and '.join(aside)}",
+            ('give a tool from a file (shape = "file"), or a direction along z'),
+        )
+    return [Problem(f"{key}.direction", fault, remedy, list(tool.direction))]
 
 
 def _explain_clearance(case: StampingCase, punch: str, die: str, kind: str, gap: float) -> Problem:

@@ -212,6 +212,8 @@ def _check_pair(case: StampingCase, one: Tool, other: Tool, moved: dict[str, lis
     if closing is None or _is_pushed(case, one.name) or (other.kind == "die" and _is_pushed(case, other.name)):
         return None
     along = float(np.dot(np.array(other.way), np.array(one.way)))
+    if abs(along) < 1.0 - 1e-9 and any(moved[other.name]):
+        return None  # how two that move aslant to each other meet is not looked for
     before = {tool.name: 0.0 for tool in (one, other)}
     for index, _ in enumerate(case.stages):
         after = {tool.name: moved[tool.name][index] for tool in (one, other)}

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from pathlib import Path
 
 import numpy as np
@@ -46,14 +47,21 @@ def build_tools(
         if isinstance(position, Problem):
             problems.append(position)
             continue
-        way = find_way(tool.kind)
-        tools.append(ToolModel(name, shape, position, Friction(mu=tool.mu), tool.kind, way))
+        tools.append(ToolModel(name, shape, position, Friction(mu=tool.mu), tool.kind, way_of_tool(tool)))
     return tuple(tools), problems
 
 
 def find_way(kind: ToolKind) -> tuple[float, float, float]:
     """Return the unit vector along which a tool works: a die upwards, punch and holder downwards."""
     return 0.0, 0.0, 1.0 if kind == "die" else -1.0
+
+
+def way_of_tool(tool: Tool) -> tuple[float, float, float]:
+    """Return the unit vector along which a tool's strokes and forces count: its direction, or that of its kind."""
+    if tool.direction is None:
+        return find_way(tool.kind)
+    x, y, z = (each / math.hypot(*tool.direction) for each in tool.direction)
+    return x, y, z
 
 
 def _make_shape(name: str, tool: Tool, depth: float, radius: float, folder: Path) -> Surface | Problem:

@@ -136,6 +136,12 @@ class Implicit(Part):
         return SolverSettings(**self.model_dump(), symmetric=False, line_search=False)
 
 
+class SelfContact(Part):
+    """Contact of the sheet with itself, where a flange is hemmed or a wall folds: both faces, with their thickness."""
+
+    mu: Number = Field(default=0.1, ge=0, lt=1, description="coefficient of friction of the sheet on itself")
+
+
 class StampingOutput(Part):
     """What is saved, and when."""
 
@@ -187,6 +193,11 @@ class StampingCase(CaseFile):
         default=(),
         description="instead of tools, beads, boundary, stages, trim and springback: operations with their own, one "
         "after another",
+    )
+    self_contact: SelfContact | None = Field(
+        default=None,
+        description="contact of the sheet with itself, in the explicit procedure, as a hem needs it; an empty table "
+        "takes the defaults; without it: the sheet passes through itself",
     )
     implicit: Implicit = Field(default=Implicit(), description="how the implicit procedure goes and iterates")
     output: StampingOutput = Field(default=StampingOutput(), description="what is saved, and when")

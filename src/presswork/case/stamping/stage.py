@@ -31,7 +31,8 @@ class ToolAction(Part):
     """What a tool does in a stage."""
 
     stroke: Length | None = Field(
-        default=None, description="moves so far: punch and holder down, die up; negative: back [mm]"
+        default=None,
+        description="moves so far: punch and holder down, die up, or along the tool's direction; negative: back [mm]",
     )
     force: Force | tuple[ForceRow, ...] | None = Field(
         default=None,

@@ -32,6 +32,11 @@ class _Tool(Part):
     gap: Length | None = Field(
         default=None, gt=0, description="holder: distance of its face from the die's [mm]; without it: the thickness"
     )
+    direction: Point3 | None = Field(
+        default=None,
+        description="direction [x, y, z], of any length, in which it works: strokes and forces count along it; without "
+        "it punch and holder work down, a die up. It needs a position",
+    )
     heat: ToolHeat | None = Field(
         default=None, description="its temperature and conductance, with [heat]; without it: no heat passes into it"
     )
@@ -42,6 +47,17 @@ class _Tool(Part):
             raise fault("only a holder has a gap", "leave it out, or give the tool's position", key="gap")
         if self.gap is not None and self.position is not None:
             raise fault("gap and position both place the holder", "give one of them", key="gap")
+        return self
+
+    @model_validator(mode="after")
+    def _check_direction(self) -> Self:
+        if self.direction is None:
+            return self
+        if not any(self.direction):
+            raise fault("has no length", "for instance [-1, 0, -1]: aslant, down and to the left", key="direction")
+        if self.position is None:
+            fault_text = "where a tool that works aslant touches the blank is not looked for"
+            raise fault(fault_text, "give its position = [x, y, z]", key="direction")
         return self
 
 
