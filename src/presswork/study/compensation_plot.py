@@ -64,10 +64,10 @@ def _draw_map(figure: Figure, place: tuple[int, int, int], goal: Goal, loop: Loo
     ax: Axes3D = figure.add_subplot(*place, projection="3d")
     ax.set_proj_type("ortho")
     ax.view_init(28.0, -58.0)
-    frame_axes(ax, goal.wanted.min(axis=0), goal.wanted.max(axis=0))
+    frame_axes(ax, goal.wanted.min(axis=0), goal.wanted.max(axis=0), zoom=0.85)
     colours = shade(np.array(scaled.to_rgba(values), dtype=np.float64), find_normals(corners))
     draw_faces(ax, [corners], colours, 0.0)
     name = "tools as drawn" if loop.number == 0 else f"loop {loop.number}"
-    ax.set_title(f"{name}: {loop.worst:.3g} mm off at most", fontsize="medium")
+    ax.set_title(f"{name}: {loop.worst:.3g} mm off at most", fontsize="medium", y=0.9)
     bar = figure.colorbar(scaled, ax=ax, shrink=0.6, pad=0.1, orientation="horizontal")
     bar.set_label("deviation [mm]")

@@ -172,15 +172,15 @@ def find_normals(outlines: FloatArray) -> FloatArray:
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
 
 
-def frame_axes(ax: Axes3D, low: FloatArray, high: FloatArray) -> None:
-    """Set limits and labels, with the same scale along all axes."""
+def frame_axes(ax: Axes3D, low: FloatArray, high: FloatArray, zoom: float = 1.0) -> None:
+    """Set limits and labels, with the same scale along all axes; a zoom below 1 leaves room for neighbours."""
     from matplotlib.ticker import MaxNLocator
 
     size = high - low
     margin = 0.03 * float(size.max())
     ax.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     ax.set_zlim(low[2] - margin, high[2] + margin)
-    ax.set_box_aspect(size + 2 * margin, zoom=0.8 if size[2] > size[:2].max() else 1.0)  # a tall body: room for labels
+    ax.set_box_aspect(size + 2 * margin, zoom=zoom * (0.8 if size[2] > size[:2].max() else 1.0))  # a tall body: labels
     ax.set_xlabel("x [mm]", labelpad=8)
     ax.set_ylabel("y [mm]", labelpad=8)
     ax.set_zlabel("z [mm]")
