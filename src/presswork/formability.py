@@ -18,6 +18,10 @@ IntArray = NDArray[np.int32]
 ZONES = ("safe", "risk of cracks", "cracks", "insufficient stretch", "wrinkling tendency", "wrinkles unless held")
 """Names of the zones, by the number that find_zones gives."""
 CRACKS = ZONES.index("cracks")
+POLAR, STRESS = "forming_limit_margin_polar", "forming_limit_margin_stress"
+PATH_MARGINS = (POLAR, STRESS)
+"""Fields that follow the paths of a sheet's layers (evolution/forming_path.py), the second where stress follows from
+plastic strain alone."""
 LEAST_STRETCH = 0.02
 """Strain below which a sheet is said to be stretched too little: 2 %, the custom of outer panels."""
 
@@ -41,6 +45,15 @@ class FormingLimitCurve:
         i = np.clip(np.searchsorted(self.minor, minor), 1, len(self.minor) - 1)
         slope = (self.major[i] - self.major[i - 1]) / (self.minor[i] - self.minor[i - 1])
         return np.asarray(np.maximum(self.major[i - 1] + slope * (minor - self.minor[i - 1]), minor))
+
+    def meet(self, ratio: FloatArray) -> FloatArray:
+        """Return the major strain at which straight paths minor = ratio * major meet the curve; inf where none does."""
+        ratio = np.asarray(ratio, dtype=float)
+        i = np.clip(np.searchsorted(np.maximum.accumulate(self.minor / self.major), ratio), 1, len(self.minor) - 1)
+        slope = (self.major[i] - self.major[i - 1]) / (self.minor[i] - self.minor[i - 1])
+        height = self.major[i] - slope * self.minor[i]
+        nears = 1.0 - slope * ratio
+        return np.asarray(np.divide(height, nears, out=np.full(ratio.shape, np.inf), where=nears > 0.0))
 
     def lowest(self) -> tuple[float, float]:
         """Return minor and major strain of the lowest point."""

@@ -37,7 +37,7 @@ PYTHON_ROOMS = {
     "remesh": {"geometry", "mesh", "model"},
     "state": {"model"},
     "memory": {"model"},
-    "evolution": {"model", "state"},
+    "evolution": {"formability", "law", "model", "state"},
     "law": {"model"},
     "case": {
         "formability",
@@ -87,6 +87,7 @@ PYTHON_ROOMS = {
         "bead_forces",
         "case",
         "fields",
+        "formability",
         "geometry",
         "model",
         "outcome",

@@ -15,6 +15,7 @@ from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shell_energy import elastic_energy, plastic_work, plastic_work_at_layers
 from presswork.evolution.points import find_evolved
 from presswork.fields.contact_stress import BodyTraction, ContactForces
+from presswork.fields.evolved_layers import find_path_margins
 from presswork.fields.instant import Instant
 from presswork.fields.shell_fields import (
     ShellGeometry,
@@ -309,7 +310,7 @@ class ShellMechanics:
             for i in range(len(mesh.blocks))
         ]  # fmt: skip
         now = mesh.points + state.nodes.displacement[:, :3]
-        return shell_cell_fields(now, director, geometry, layers)
+        return shell_cell_fields(now, director, geometry, layers) | find_path_margins(mesh.blocks, find_evolved(state))
 
     def show(
         self,

@@ -141,7 +141,8 @@ def compute(
             f"{_percent(thinning.max())}; punch force {result.punch_force / 1e3:.1f} kN; "
             f"{strip['utilisation_percent']:.0f} % of a strip {strip['width_mm']:.1f} mm wide"
         )
-        typer.echo(f"{read.summary['formability']['verdict']}")
+        judged = read.summary["formability"]
+        typer.echo(judged["verdict"] + (f"; {judged['paths']}" if judged["least_margin"] else ""))
         typer.echo(f"{read.summary['work']}, {read.summary['wall_seconds']['total']:.1f} s; {folder / BLANK_DRAWING}")
     return read
 

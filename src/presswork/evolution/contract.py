@@ -36,6 +36,8 @@ class Quantity:
     """Whether it is a field of the results."""
     peak_counts: bool = False
     """Whether its largest value decides, so that no new mesh may flatten it."""
+    all_layers: bool = False
+    """Whether a sheet is as bad as its best layer: the largest value through the thickness is that of the cell."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,8 @@ class PointChange:
     """Temperature at its start (n,) [degrees C]; None: the model does not know temperatures."""
     temperature: FloatArray | None = None
     """At its end."""
+    back_stress: FloatArray | None = None
+    """Of a sheet with kinematic hardening at its end, components as the stress [MPa]; None: there is none."""
 
     @cached_property
     def strain(self) -> FloatArray:

@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from presswork.evolution import damage, grain, phases
+from presswork.evolution import damage, forming_path, grain, phases
 from presswork.evolution.contract import EvolutionLaw, Quantity
 from presswork.model import Material
 
 QUANTITIES: tuple[Quantity, ...] = (
     *damage.QUANTITIES.values(),
     *grain.QUANTITIES.values(),
+    *forming_path.QUANTITIES.values(),
     *phases.QUANTITIES,
 )
 """The quantities of all laws: each is a field."""
@@ -26,9 +27,9 @@ def make_laws(material: Material, *, is_solid: bool) -> tuple[EvolutionLaw, ...]
 
 def make_other_laws(material: Material, *, is_solid: bool) -> tuple[EvolutionLaw, ...]:
     """Return those of the laws that are not damage."""
-    laws: tuple[EvolutionLaw, ...] = ()
+    laws: tuple[EvolutionLaw, ...] = () if is_solid else forming_path.make_forming_path(material)
     if material.grain is not None:
-        laws = (grain.GrainLaw(material.grain),)
+        laws = (*laws, grain.GrainLaw(material.grain))
     if is_solid and material.transformation is not None:
         laws = (*laws, phases.PhaseLaw(material.transformation))
     return laws

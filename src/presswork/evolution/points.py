@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork.evolution.contract import EvolutionLaw, PointChange
 from presswork.evolution.of_material import BY_NAME, make_laws
+from presswork.law.elastic_plastic import back_stress
 from presswork.model import POROSITY, FloatArray, Model
 from presswork.state import POINT, Arrays, OnNewMesh, State
 
@@ -99,21 +100,25 @@ class Evolution:
         """The quantities whose largest value decides."""
         return [name for name in self.names if BY_NAME[name].peak_counts]
 
-    @staticmethod
     def _advance_block(
-        block: int, laws: Sequence[EvolutionLaw], state_n: State, trial: State, dt: float,
+        self, block: int, laws: Sequence[EvolutionLaw], state_n: State, trial: State, dt: float,
         temperatures: tuple[FloatArray, FloatArray] | None,
     ) -> None:  # fmt: skip
         cells_n, cells = state_n.cells, trial.cells
         before, after = state_n[EvolvedArrays].values, trial[EvolvedArrays].values
         components = cells.stress[block].shape[-1]
+        back, material = None, self._of_blocks[block]
+        if material.kinematic is not None and cells.history[block].ndim == 4:  # of shells
+            back = back_stress(material, cells.history[block], components).reshape(-1, components)
         change = PointChange(
             cells_n.stress[block].reshape(-1, components),
             cells.stress[block].reshape(-1, components),
             cells_n.eqps[block].ravel(),
             cells.eqps[block].ravel(),
             dt,
-            *((None, None) if temperatures is None else (degrees.ravel() for degrees in temperatures)),
+            None if temperatures is None else temperatures[0].ravel(),
+            None if temperatures is None else temperatures[1].ravel(),
+            back_stress=back,
         )
         for law in laws:
             found = law.advance({q.name: before[q.name][block].ravel() for q in law.quantities}, change)

@@ -4,13 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
 from presswork.formability import (
     CRACKS,
+    PATH_MARGINS,
+    POLAR,
     ZONES,
     Formability,
     find_margin,
@@ -67,6 +69,10 @@ class FormingVerdict:
     """The thinnest cell, in per cent."""
     note: str = ""
     """Notes on the curve."""
+    by_path: Mapping[str, Extreme] = field(default_factory=dict)
+    """Cells with the least margins along their paths, by the name of the field; empty where paths were not followed."""
+    failing_by_path: int = 0
+    """Number of cells beyond the polar limit at some time."""
 
     @property
     def failing(self) -> int:
@@ -80,17 +86,31 @@ class FormingVerdict:
             thin = f"thinning up to {self.thinning.value:.1f} % {self.thinning.where()}"
         if self.margin is None:
             return f"{thin}; the material has no forming_limit, so nothing is said of cracks"
-        count, worst = sum(self.zones.values()), 100 * self.margin.value
+        return f"{self._tell_strains(self.margin)}{self._tell_path()}; {thin}"
+
+    def _tell_strains(self, margin: Extreme) -> str:
+        """Return what strains say of cracks, as if they had come straight."""
+        count, worst = sum(self.zones.values()), 100 * margin.value
         if self.failing:
             return (
                 f"the part splits: {self.failing} of {count} elements lie above the forming limit, the worst by "
-                f"{-worst:.1f} % {self.margin.where()}; {thin}"
+                f"{-worst:.1f} % {margin.where()}"
             )
         near = self.zones[ZONES[1]]
         risk = f", {near} of {count} elements at risk" if near else ""
-        return (
-            f"no element lies above the forming limit{risk}; least margin {worst:.1f} % {self.margin.where()}; {thin}"
-        )
+        return f"no element lies above the forming limit{risk}; least margin {worst:.1f} % {margin.where()}"
+
+    def _tell_path(self) -> str:
+        """Return what the paths say of cracks, with a word before; empty where they were not followed."""
+        if POLAR not in self.by_path:
+            return ""
+        worst, count = self.by_path[POLAR], sum(self.zones.values())
+        if self.failing_by_path:
+            return (
+                f"; by their paths {self.failing_by_path} of {count} elements have passed it, the worst by "
+                f"{-100 * worst.value:.1f} % {worst.where()}"
+            )
+        return f"; along their paths {100 * worst.value:.1f} % {worst.where()}"
 
     def to_summary(self) -> dict[str, Any]:
         """Return what summary.json keeps."""
@@ -101,16 +121,20 @@ class FormingVerdict:
             "zones": self.zones,
             "failing_cells": self.failing,
             "least_margin": margin,
+            **{f"least_{name.removeprefix('forming_limit_')}": asdict(worst) for name, worst in self.by_path.items()},
+            **({"failing_cells_by_path": self.failing_by_path} if self.by_path else {}),
             "largest_thinning_percent": asdict(self.thinning),
         }
 
     def warnings(self) -> list[str]:
         """Return the verdict if the part splits, and what to know of the curve."""
-        return [text for text in (self.text() if self.failing else "", self.note) if text]
+        splits = self.failing or self.failing_by_path
+        return [text for text in (self.text() if splits else "", self.note) if text]
 
 
 def judge_fields(fields: Mapping[str, FloatArray], centres: FloatArray, judged: Formability) -> FormingVerdict | None:
-    """Return the verdict from the fields NEEDED and the deformed middles of the cells (n_cells, 3) [mm].
+    """Return the verdict from the fields NEEDED, PATH_MARGINS if they are there, and the deformed middles of the cells
+    (n_cells, 3) [mm].
 
     None for a body that is no sheet.
     """
@@ -128,4 +152,7 @@ def judge_fields(fields: Mapping[str, FloatArray], centres: FloatArray, judged: 
     counts = np.bincount(found["formability_zone"].astype(int), minlength=len(ZONES))
     margin = found["forming_limit_margin"]
     zones = {name: int(count) for name, count in zip(ZONES, counts, strict=True)}
-    return FormingVerdict(judged.curve.method, zones, extreme(margin, np.argmin(margin)), thinnest, judged.note)
+    by_path = {name: extreme(fields[name], np.nanargmin(fields[name])) for name in PATH_MARGINS if name in fields}
+    failing = int((fields[POLAR] < 0.0).sum()) if POLAR in fields else 0
+    least = extreme(margin, np.argmin(margin))
+    return FormingVerdict(judged.curve.method, zones, least, thinnest, judged.note, by_path, failing)

@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from presswork.evolution.of_material import BY_NAME, QUANTITIES
+from presswork.fields.evolved_layers import best_of_layers
 from presswork.fields.field import LAMINA, PLACES, TENSOR, VECTOR, Field
 from presswork.fields.instant import Instant, NodalContact
 from presswork.fields.solid_fields import effective_stress
@@ -144,13 +145,14 @@ def _evolved(name: str) -> Callable[[Instant], FloatArray | None]:
             return _in_cells(now, now.heated[name])
         if name not in now.evolved:
             return None
-        blocks = now.evolved[name]
-        cells = [len(block.connectivity) for block in now.model.mesh.blocks]
-        weights: Sequence[FloatArray | None] = [None] * len(cells) if now.points is None else _weights(now)
+        blocks, of_mesh = now.evolved[name], now.model.mesh.blocks
+        if BY_NAME[name].all_layers:
+            return best_of_layers(of_mesh, blocks)
+        weights: Sequence[FloatArray | None] = [None] * len(of_mesh) if now.points is None else _weights(now)
         parts = []
-        for values, weight, n in zip(blocks, weights, cells, strict=True):
+        for values, weight, block in zip(blocks, weights, of_mesh, strict=True):
             if len(values) == 0:
-                parts.append(np.full(n, np.nan))
+                parts.append(np.full(len(block.connectivity), np.nan))
             else:
                 of_layers = values.max(axis=1) if BY_NAME[name].peak_counts else values.mean(axis=1)
                 parts.append(of_layers if weight is None else (weight * values).sum(axis=1))

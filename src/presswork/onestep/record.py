@@ -25,6 +25,8 @@ from presswork.onestep.solve import OneStepResult, solve_one_step
 from presswork.results import History, OutputError, append_step, open_output_folder, write_outline, write_summary
 from presswork.results.folder import CASE, HISTORY, LOG, RESULTS, SUMMARY
 
+STRAIGHT = "one step knows the strains of the part alone: it judges them as if every path had been straight"
+"""Of the forming limit."""
 BLANK_POINTS, BLANK_DRAWING = "blank.csv", "blank.dxf"
 
 
@@ -129,7 +131,7 @@ def _summarise(result: OneStepResult, outline: BlankOutline, warnings: list[str]
         "cells": len(model.triangles) + len(model.quadrilaterals),
         "wall_seconds": {"total": total, **result.seconds},
         "extremes": {name: [float(v.min()), float(v.max())] for name, v in result.fields.items()},
-        "formability": verdict.to_summary(),
+        "formability": verdict.to_summary() | {"paths": STRAIGHT},
         "punch_force_kN": result.punch_force / 1e3,
         "held_force_N": result.held_force,
         "blank": {

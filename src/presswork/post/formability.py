@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.fields.formability_fields import NEEDED, FormingVerdict, formability_fields, judge_fields
-from presswork.formability import Formability
+from presswork.formability import PATH_MARGINS, Formability
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
 
@@ -24,7 +24,10 @@ def judge_part(result: Result, step: int = -1, judged: Formability | None = None
     """Return how many cells lie in each zone, and the worst; arguments and errors as judge_cells."""
     points = result.points(step)
     centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in result.mesh_at(step).blocks])
-    verdict = judge_fields(_strains(result, step), centres, result.formability if judged is None else judged)
+    fields = _strains(result, step)
+    if judged is None:  # paths were followed by the curve of the run
+        fields |= {name: result.field(name, step) for name in PATH_MARGINS if name in result.field_names}
+    verdict = judge_fields(fields, centres, result.formability if judged is None else judged)
     assert verdict is not None
     return verdict
 

@@ -33,6 +33,8 @@ class BlockPoints:
     """Equivalent plastic strain (...)."""
     temperature: FloatArray | None
     """(...) [degrees C]; None: not known."""
+    back_stress: FloatArray | None = None
+    """Of a sheet with kinematic hardening (..., 3) [MPa]."""
 
 
 class RowHistory:
@@ -88,14 +90,15 @@ class RowHistory:
 
     def _advance(self, block: int, before: BlockPoints, after: BlockPoints, dt: float) -> FloatArray:
         components = after.stress.shape[-1]
-        warm = before.temperature, after.temperature
         change = PointChange(
             before.stress.reshape(-1, components),
             after.stress.reshape(-1, components),
             before.eqps.ravel(),
             after.eqps.ravel(),
             dt,
-            *(None if degrees is None else degrees.ravel() for degrees in warm),
+            None if before.temperature is None else before.temperature.ravel(),
+            None if after.temperature is None else after.temperature.ravel(),
+            back_stress=None if after.back_stress is None else after.back_stress.reshape(-1, components),
         )
         hardens = np.ones_like(after.eqps)
         for law in self._laws[block]:

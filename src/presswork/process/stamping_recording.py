@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from presswork.evolution.damage import DamageLaw
 from presswork.explicit.energy import warn_of_energies
 from presswork.explicit.shells import ExplicitShells
+from presswork.fields.evolved_layers import find_path_margins
 from presswork.fields.explicit_fields import OnePointFields
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
@@ -159,7 +160,8 @@ class StampingRecording(RowRecording):
         )
         material = self.model.sheet[1]
         degrees = temperature_field(material, history, self.shells.given_temperature)
-        return fields | degrees | state_variable_field(material, history)
+        of_layers = find_path_margins(self.model.mesh.blocks, self._evolved())
+        return fields | degrees | state_variable_field(material, history) | of_layers
 
     def _evolved(self) -> dict[str, list[FloatArray]]:
         """Return what evolution laws keep at the layers by quantity and block of the mesh (n_cells, q k)."""

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from presswork.fields.formability_fields import FORMABILITY_FIELDS
 from presswork.fields.table import find_aliases, find_row, to_scalar
-from presswork.formability import Formability
+from presswork.formability import PATH_MARGINS, Formability
 from presswork.geometry.pose import ToolPose, find_pose_since, place_points, place_segments
 from presswork.model import FloatArray, IntArray
 from presswork.results.dies import read_dies
@@ -337,7 +337,7 @@ class Result:
         if name not in names:
             near = difflib.get_close_matches(name, [*names, *(find_aliases() if what == "field" else ())], n=1)
             hint = f" (did you mean {near[0]}?)" if near else ""
-            if name in FORMABILITY_FIELDS and self.is_shell:
+            if name in (*FORMABILITY_FIELDS, *PATH_MARGINS) and self.is_shell:
                 hint = " (the material has no forming_limit, or the results are older than this field)"
             there_are = ", ".join(sorted(names)) or "none"
             raise ResultError(f"{self.folder} has no {what} {name}{hint}; there are: {there_are}")

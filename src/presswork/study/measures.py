@@ -115,6 +115,11 @@ def _measure_sheet(summary: Mapping[str, Any]) -> dict[str, Any]:
         found["max_thinning_percent"] = verdict["largest_thinning_percent"]["value"]
         if margin := verdict["least_margin"]:
             found |= {"min_forming_limit_margin": margin["value"], "cracked_cells": verdict["failing_cells"]}
+        for name in ("polar", "stress"):
+            if worst := verdict.get(f"least_margin_{name}"):
+                found[f"min_forming_limit_margin_{name}"] = worst["value"]
+        if (passed := verdict.get("failing_cells_by_path")) is not None:
+            found["cracked_cells_by_path"] = passed
     if wrinkles := summary.get("wrinkles"):
         found["wrinkle_height"] = wrinkles["height_mm"]
     if sprung := summary.get("springback"):

@@ -10,6 +10,7 @@ from pathlib import Path
 from presswork.case import CaseError
 from presswork.case.errors import Problem, suggest
 from presswork.fields.table import find_row
+from presswork.formability import PATH_MARGINS, POLAR
 from presswork.model import Model, OneStepModel
 from presswork.recorder import write_start
 from presswork.results import Result, ResultError
@@ -67,6 +68,8 @@ class _Start:
             names += [column, f"{tool}.force", f"{tool}.max_force"] if tool and quantity == "stroke" else []
         names += ["max_thinning_percent"] if "thinning" in fields else []
         names += ["min_forming_limit_margin", "cracked_cells"] if "forming_limit_margin" in fields else []
+        names += [f"min_{margin}" for margin in PATH_MARGINS if margin in fields]
+        names += ["cracked_cells_by_path"] if POLAR in fields else []
         names += ["min_temperature", "max_temperature"] if "temperature" in fields else []
         names += ["min_draw_in", "max_draw_in"] if self.result.is_stamping else []
         names += ["wrinkle_height"] if _has_pushed_holder(model) else []
