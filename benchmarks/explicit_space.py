@@ -13,7 +13,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.laws_of_solids import make_law
-from presswork.explicit.space_solids import ExplicitSpaceSolids
+from presswork.explicit.space_solids import ExplicitSpaceSolids, SpaceMaterial
 from presswork.mesh.box import mesh_box
 from presswork.model import Hardening, Material, SolverSettings
 
@@ -28,7 +28,7 @@ def cost(element: str, hardening: Hardening, n: int = 20) -> tuple[float, float]
     lines = np.linspace(0.0, 10.0, n + 1)
     mesh = mesh_box(lines, lines, lines, element=element)
     material = Material("steel", 206.9e3, 0.3, hardening)
-    run = ExplicitSpaceSolids(mesh, make_law(material, SolverSettings(), 6), 7.83e-9)  # type: ignore[arg-type]
+    run = ExplicitSpaceSolids(mesh, [SpaceMaterial(make_law(material, SolverSettings(), 6), 7.83e-9)])  # type: ignore[arg-type]
     run.velocity = mesh.points * [5e3, 5e3, -1e4]
     run.fix("back", "w")
     run.fix("front", "w", -1e5)

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "arrays.hpp"
+#include "explicit/contact/body_contact.hpp"
 #include "explicit/loop.hpp"
 #include "explicit/plane/nodes.hpp"
 #include "explicit/space/nodes.hpp"
@@ -134,6 +135,7 @@ void check(Loop& self, const State& given) {
   const auto refuse = [](const std::string& owner) {
     const std::string kind = owner.starts_with("tool") || owner == "contact" ? "tools"
                              : owner.starts_with("wall")                     ? "walls"
+                             : owner.starts_with("bodies")                   ? "contacts"
                              : owner == "beads"                              ? "beads"
                              : owner == "shell_contact"                      ? "contact of shells"
                                                                              : "mesh, elements or laws";
@@ -153,7 +155,112 @@ void check(Loop& self, const State& given) {
     if (found[owner] != arrays.size()) refuse(owner);
 }
 
+template <class Loop>
+auto& contact_of(const Loop& self, int contact) {
+  require(contact >= 0 && std::size_t(contact) < self.contacts.size(), "there is no contact of this number");
+  return *self.contacts[contact];
+}
+
+template <class Loop>
+void add_contact(Loop& self, Ints slave, Ints master, Ints slave_cells, Ints master_cells, bool by_itself, double edge,
+                 double thickness, double mu, double reach, double margin) {
+  require(slave.ndim() == 2 && master.ndim() == 2 && slave.shape(1) == master.shape(1), "faces must have shape (n, k)");
+  require(slave_cells.ndim() == 2 && master_cells.ndim() == 2 && slave_cells.shape(1) == master_cells.shape(1) &&
+              slave_cells.shape(0) == slave.shape(0) && master_cells.shape(0) == master.shape(0),
+          "cells must have shape (n faces, nodes)");
+  const auto copy = [&](const Ints& from) {
+    for (std::size_t i = 0; i < from.size(); ++i)
+      require(from.data()[i] >= 0 && from.data()[i] < self.nodes.n, "a face names a node that is not there");
+    return std::vector<int>(from.data(), from.data() + from.size());
+  };
+  self.add_contact({static_cast<int>(slave.shape(1)), static_cast<int>(slave_cells.shape(1)), copy(slave), copy(master),
+                    copy(slave_cells), copy(master_cells), by_itself, edge, thickness, mu},
+                   reach, margin);
+}
+
+inline NewDoubles copy_table(const std::vector<double>& from, std::size_t width) {
+  double* to;
+  auto array = width > 1 ? new_array({from.size() / width, width}, &to) : new_array({from.size()}, &to);
+  std::copy(from.begin(), from.end(), to);
+  return array;
+}
+
 }  // namespace explicit_loop
+
+// Contact of deformable bodies.
+template <class Loop, class... Rest>
+void bind_contacts(nb::class_<Loop, Rest...>& c) {
+  using namespace explicit_loop;
+  const auto numbers = [&](const char* name, auto of, const char* text) {
+    c.def(
+        name,
+        [of](const Loop& self, int contact) {
+          const std::vector<int> from = of(contact_of(self, contact));
+          int* to;
+          auto array = new_array({from.size()}, &to);
+          std::copy(from.begin(), from.end(), to);
+          return array;
+        },
+        nb::arg("contact"), text);
+  };
+  c.def("add_contact", &add_contact<Loop>, nb::arg("slave"), nb::arg("master"), nb::arg("slave_cells"),
+        nb::arg("master_cells"), nb::kw_only(), nb::arg("by_itself"), nb::arg("edge"), nb::arg("thickness"),
+        nb::arg("mu"), nb::arg("reach"), nb::arg("margin"),
+        "Let faces (n, k) of bodies touch; cells (n, nodes): behind each. by_itself: slave and master are the same; "
+        "edge: mean length [mm]; thickness [mm], 0 of rings; mu: most of friction over pressure; reach and margin: "
+        "parts of the edge.")
+      .def(
+          "set_contact_step", [](Loop& self, int contact, double dt) { contact_of(self, contact).step = dt; },
+          nb::arg("contact"), nb::arg("dt"), "Let the springs of a contact be stable with a step [s].")
+      .def(
+          "limit_contact_friction",
+          [](Loop& self, int contact, Doubles limit) {
+            auto& of = contact_of(self, contact);
+            require(limit.size() == std::size_t(of.n_slots()), "limit must have shape (n_slots)");
+            of.shear_limit.assign(limit.data(), limit.data() + limit.size());
+          },
+          nb::arg("contact"), nb::arg("limit"), "Largest shear of each slot (n_slots) [MPa] from now on.")
+      .def(
+          "contact_passed", [](const Loop& self, int contact) { return contact_of(self, contact).passed; },
+          nb::arg("contact"), "Whether the bodies have gone through each other.")
+      .def(
+          "contact_pressure",
+          [](const Loop& self, int contact) { return copy_table(contact_of(self, contact).pressure, 1); },
+          nb::arg("contact"), "Pressure of the slots (n_slots) [MPa].")
+      .def(
+          "contact_shear", [](const Loop& self, int contact) { return copy_table(contact_of(self, contact).shear, 3); },
+          nb::arg("contact"), "Shear of the slots, on the slave (n_slots, 3) [MPa].")
+      .def(
+          "contact_push", [](const Loop& self, int contact) { return copy_table(contact_of(self, contact).push, 3); },
+          nb::arg("contact"), "Forces of the pressure on the nodes of the contact (n, 3) in the last cycle [N].")
+      .def(
+          "contact_rub", [](const Loop& self, int contact) { return copy_table(contact_of(self, contact).rub, 3); },
+          nb::arg("contact"), "Forces of friction on them (n, 3) [N].")
+      .def(
+          "contact_area",
+          [](const Loop& self, int contact) { return copy_table(contact_of(self, contact).node_area(), 1); },
+          nb::arg("contact"), "Share of them in the surfaces that face each other (n) [mm2].")
+      .def(
+          "contact_work",
+          [](const Loop& self, int contact) {
+            const double* work = contact_of(self, contact).work();
+            return std::make_tuple(work[0], work[1]);
+          },
+          nb::arg("contact"), "Work that pressure and friction of a contact have taken since the start [N mm].")
+      .def(
+          "contact_impulse",
+          [](const Loop& self, int contact) { return copy_table(contact_of(self, contact).impulse, 1); },
+          nb::arg("contact"), "Impulse that the slave has given to the master since the start (3) [N s].");
+  numbers("contact_nodes", [](const auto& of) { return of.node(); }, "Nodes of a contact (n), as the loop has them.");
+  numbers(
+      "contact_slots",
+      [](const auto& of) {
+        std::vector<int> nodes = of.slot_node();
+        for (int& node : nodes) node = of.node()[node];
+        return nodes;
+      },
+      "Nodes of the slots of a contact (n_slots), as the loop has them.");
+}
 
 template <class Loop, class... Rest>
 void bind_loop(nb::class_<Loop, Rest...>& c) {

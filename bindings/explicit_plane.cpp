@@ -201,6 +201,7 @@ void bind_explicit_plane(nb::module_& m) {
           "mass", [](const PlaneLoop& self) { return copy(self.nodes.mass, {std::size_t(self.nodes.n)}); },
           nb::rv_policy::move, "Mass of each node (n_nodes) [t].");
   bind_loop(c);
+  bind_contacts(c);
   bind_walls(c);
   bind_cells<CycleRow::stress, 4>(c, "stress", "Stress xx, yy, zz, xy (n, 4) [MPa].");
   bind_cells<CycleRow::eqps, 1>(c, "eqps", "Equivalent plastic strain (n).");

@@ -356,6 +356,7 @@ void bind_explicit_space(nb::module_& m) {
   auto loop =
       bind_space<double>(m, "SpaceLoop", "Central differences for shells and solids in space; mm, s, t, N, MPa.");
   bind_walls(loop);
+  bind_contacts(loop);
   loop.def("add_solids", &add_solids, nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"),
            nb::arg("hourglass_fraction") = 0.05,
            "Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. "

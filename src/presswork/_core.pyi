@@ -1225,6 +1225,53 @@ class SpaceLoop:
         Work that friction on a wall has taken at the nodes since then (n_nodes) [N mm].
         """
 
+    def add_contact(self, slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], slave_cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master_cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, by_itself: bool, edge: float, thickness: float, mu: float, reach: float, margin: float) -> None:
+        """
+        Let faces (n, k) of bodies touch; cells (n, nodes): behind each. by_itself: slave and master are the same; edge: mean length [mm]; thickness [mm], 0 of rings; mu: most of friction over pressure; reach and margin: parts of the edge.
+        """
+
+    def set_contact_step(self, contact: int, dt: float) -> None:
+        """Let the springs of a contact be stable with a step [s]."""
+
+    def limit_contact_friction(self, contact: int, limit: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Largest shear of each slot (n_slots) [MPa] from now on."""
+
+    def contact_passed(self, contact: int) -> bool:
+        """Whether the bodies have gone through each other."""
+
+    def contact_pressure(self, contact: int) -> NDArray[numpy.float64]:
+        """Pressure of the slots (n_slots) [MPa]."""
+
+    def contact_shear(self, contact: int) -> NDArray[numpy.float64]:
+        """Shear of the slots, on the slave (n_slots, 3) [MPa]."""
+
+    def contact_push(self, contact: int) -> NDArray[numpy.float64]:
+        """
+        Forces of the pressure on the nodes of the contact (n, 3) in the last cycle [N].
+        """
+
+    def contact_rub(self, contact: int) -> NDArray[numpy.float64]:
+        """Forces of friction on them (n, 3) [N]."""
+
+    def contact_area(self, contact: int) -> NDArray[numpy.float64]:
+        """Share of them in the surfaces that face each other (n) [mm2]."""
+
+    def contact_work(self, contact: int) -> tuple[float, float]:
+        """
+        Work that pressure and friction of a contact have taken since the start [N mm].
+        """
+
+    def contact_impulse(self, contact: int) -> NDArray[numpy.float64]:
+        """
+        Impulse that the slave has given to the master since the start (3) [N s].
+        """
+
+    def contact_nodes(self, contact: int) -> NDArray[numpy.int32]:
+        """Nodes of a contact (n), as the loop has them."""
+
+    def contact_slots(self, contact: int) -> NDArray[numpy.int32]:
+        """Nodes of the slots of a contact (n_slots), as the loop has them."""
+
     def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: VonMises | SolidLaw, density: float, hourglass_fraction: float = 0.05) -> None:
         """
         Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal.
@@ -1616,6 +1663,53 @@ class PlaneLoop:
 
     @reaction_impulse.setter
     def reaction_impulse(self, arg: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], /) -> None: ...
+
+    def add_contact(self, slave: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], slave_cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], master_cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, by_itself: bool, edge: float, thickness: float, mu: float, reach: float, margin: float) -> None:
+        """
+        Let faces (n, k) of bodies touch; cells (n, nodes): behind each. by_itself: slave and master are the same; edge: mean length [mm]; thickness [mm], 0 of rings; mu: most of friction over pressure; reach and margin: parts of the edge.
+        """
+
+    def set_contact_step(self, contact: int, dt: float) -> None:
+        """Let the springs of a contact be stable with a step [s]."""
+
+    def limit_contact_friction(self, contact: int, limit: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Largest shear of each slot (n_slots) [MPa] from now on."""
+
+    def contact_passed(self, contact: int) -> bool:
+        """Whether the bodies have gone through each other."""
+
+    def contact_pressure(self, contact: int) -> NDArray[numpy.float64]:
+        """Pressure of the slots (n_slots) [MPa]."""
+
+    def contact_shear(self, contact: int) -> NDArray[numpy.float64]:
+        """Shear of the slots, on the slave (n_slots, 3) [MPa]."""
+
+    def contact_push(self, contact: int) -> NDArray[numpy.float64]:
+        """
+        Forces of the pressure on the nodes of the contact (n, 3) in the last cycle [N].
+        """
+
+    def contact_rub(self, contact: int) -> NDArray[numpy.float64]:
+        """Forces of friction on them (n, 3) [N]."""
+
+    def contact_area(self, contact: int) -> NDArray[numpy.float64]:
+        """Share of them in the surfaces that face each other (n) [mm2]."""
+
+    def contact_work(self, contact: int) -> tuple[float, float]:
+        """
+        Work that pressure and friction of a contact have taken since the start [N mm].
+        """
+
+    def contact_impulse(self, contact: int) -> NDArray[numpy.float64]:
+        """
+        Impulse that the slave has given to the master since the start (3) [N s].
+        """
+
+    def contact_nodes(self, contact: int) -> NDArray[numpy.int32]:
+        """Nodes of a contact (n), as the loop has them."""
+
+    def contact_slots(self, contact: int) -> NDArray[numpy.int32]:
+        """Nodes of the slots of a contact (n_slots), as the loop has them."""
 
     def add_wall(self, segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, mu: float = 0.0) -> None:
         """Add a rigid profile; they are numbered as they come."""

@@ -13,7 +13,7 @@ from presswork import _core, build_model
 from presswork.body.laws_of_solids import make_law
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
-from presswork.explicit.space_solids import ExplicitSpaceSolids
+from presswork.explicit.space_solids import ExplicitSpaceSolids, SpaceMaterial
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.space.drawn_up import mesh_turned
 from presswork.model import Hardening, Material, Plane, SolverSettings
@@ -29,7 +29,8 @@ ELEMENTS = ["hex8_1pt", "tet4_nodal"]
 
 
 def make_run(mesh, material: Material = STEEL, **given) -> ExplicitSpaceSolids:
-    return ExplicitSpaceSolids(mesh, make_law(material, SolverSettings(), 6), DENSITY, **given)
+    law = make_law(material, SolverSettings(), 6)
+    return ExplicitSpaceSolids(mesh, [SpaceMaterial(law, DENSITY)], **given)
 
 
 @pytest.mark.parametrize("element", ELEMENTS)

@@ -2,6 +2,7 @@
 // The explicit loop in the plane or in axisymmetry: blocks of solids between rigid walls.
 #pragma once
 
+#include "explicit/contact/body_contact.hpp"
 #include "explicit/loop.hpp"
 #include "explicit/plane/solids.hpp"
 
@@ -24,7 +25,15 @@ class PlaneLoop final : public Loop<PlaneNodes> {
     interactions.push_back(walls.back().get());
   }
 
+  // Let solids touch each other; contacts are numbered as they come.
+  void add_contact(TouchingSurfaces surfaces, double reach, double margin) {
+    const std::string name = "bodies_" + std::to_string(contacts.size());
+    contacts.push_back(std::make_unique<BodyContact<PlaneNodes>>(name, nodes.n, std::move(surfaces), reach, margin));
+    interactions.push_back(contacts.back().get());
+  }
+
   const SolidSection section;
+  std::vector<std::unique_ptr<BodyContact<PlaneNodes>>> contacts;
   std::vector<std::unique_ptr<RigidWall>> walls;
 };
 

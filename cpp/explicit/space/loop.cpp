@@ -157,12 +157,23 @@ void SpaceLoop<Real>::add_wall(std::shared_ptr<const contact::ToolSurface> surfa
 }
 
 template <class Real>
+void SpaceLoop<Real>::add_contact(TouchingSurfaces surfaces, double reach, double margin) {
+  if constexpr (std::is_same_v<Real, double>) {
+    const std::string name = "bodies_" + std::to_string(contacts.size());
+    contacts.push_back(
+        std::make_unique<BodyContact<SpaceNodes<double>>>(name, this->nodes.n, std::move(surfaces), reach, margin));
+    this->interactions.insert(this->interactions.begin(), contacts.back().get());  // before nodes give forces away
+  }
+}
+
+template <class Real>
 void SpaceLoop<Real>::tie(std::vector<std::pair<int, int>> pairs, double angle) {
   if constexpr (std::is_same_v<Real, double>) {
     this->nodes.follows.assign(this->nodes.n, 0);
     for (const auto& pair : pairs) this->nodes.follows[pair.second] = 1;
     ties_ = std::make_unique<CyclicTies>(std::move(pairs), angle);
-    this->interactions.insert(this->interactions.begin(), ties_.get());  // before what measures volumes
+    // before what measures volumes, behind what pushes nodes
+    this->interactions.insert(this->interactions.begin() + static_cast<std::ptrdiff_t>(contacts.size()), ties_.get());
     this->set_masses();
   }
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "explicit/contact/body_contact.hpp"
 #include "explicit/contact/drawbeads.hpp"
 #include "explicit/contact/shell_contact.hpp"
 #include "explicit/contact/tool_contact.hpp"
@@ -34,6 +35,9 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   void add_wall(std::shared_ptr<const contact::ToolSurface> surface, const std::uint8_t* touching, double mu,
                 double reach, const WallMotion& motion);
   std::vector<std::unique_ptr<SpaceWall>> walls;
+  // Let solids touch each other; contacts are numbered as they come.
+  void add_contact(TouchingSurfaces surfaces, double reach, double margin);
+  std::vector<std::unique_ptr<BodyContact<SpaceNodes<double>>>> contacts;
   // Let the second node of each pair follow the first, turned about z by an angle [rad].
   void tie(std::vector<std::pair<int, int>> pairs, double angle);
 

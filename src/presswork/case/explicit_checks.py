@@ -14,7 +14,8 @@ from presswork.case.material.umat import UmatMaterial
 if TYPE_CHECKING:
     from presswork.case.solid.schema import Case, Stage
     from presswork.case.solid.tool import Tool
-    from presswork.case.space.schema import SpaceCase, SpaceStage
+    from presswork.case.solid.workpiece import Workpiece
+    from presswork.case.space.schema import SpaceCase, SpaceStage, SpaceWorkpiece
     from presswork.case.space.tools import SpaceTool
 
 CONTACTS = ("frictionless", "sticking", "coulomb")
@@ -57,20 +58,27 @@ def check_target_step(case: Case | SpaceCase) -> list[Problem]:
 
 def check_material(case: Case | SpaceCase) -> list[Problem]:
     """Return the problems of a missing density, and of a velocity beyond that of sound: a unit taken for another."""
-    name, velocity = case.workpiece.material, case.workpiece.velocity
-    material = case.materials.get(name)
-    if material is None:
-        return []
-    if material.density is None:
-        remedy = 'add it: the explicit procedure needs it; steel has "7850 kg/m^3"'
-        return [Problem(f"materials.{name}.density", "missing key", remedy)]
-    if isinstance(material, UmatMaterial) or velocity is None:
-        return []
-    sound = float(np.sqrt(material.young / material.density))
-    if float(np.linalg.norm(velocity)) <= sound:
-        return []
-    fault = f"faster than sound in the material, {sound:.3g} mm/s"
-    return [Problem("workpiece.velocity", fault, 'plain numbers are mm/s; "200 m/s" is 2e5', list(velocity))]
+    parts: dict[str, Workpiece | SpaceWorkpiece] = {"workpiece": case.workpiece}
+    parts |= {f"bodies.{name}": body for name, body in case.bodies.items()}
+    problems = []
+    for key, part in parts.items():
+        name, velocity = part.material, part.velocity
+        material = case.materials.get(name)
+        if material is None:
+            continue
+        if material.density is None:
+            remedy = 'add it: the explicit procedure needs it; steel has "7850 kg/m^3"'
+            problems.append(Problem(f"materials.{name}.density", "missing key", remedy))
+            continue
+        if isinstance(material, UmatMaterial) or velocity is None:
+            continue
+        sound = float(np.sqrt(material.young / material.density))
+        if float(np.linalg.norm(velocity)) > sound:
+            fault = f"faster than sound in the material, {sound:.3g} mm/s"
+            problems.append(
+                Problem(f"{key}.velocity", fault, 'plain numbers are mm/s; "200 m/s" is 2e5', list(velocity))
+            )
+    return list({problem.key: problem for problem in problems}.values())
 
 
 def check_friction(key: str, tool: Tool | SpaceTool, laws: Sequence[str] = CONTACTS) -> list[Problem]:

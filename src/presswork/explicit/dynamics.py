@@ -68,6 +68,7 @@ class Dynamics:
         self.time = 0.0
         self.dt = SAFETY * self.stable_step()
         self._dt_before = self._first_dt = self.dt
+        self._full_step = 0.0
 
     # --- nodes -------------------------------------------------------------------------------------------------------
 
@@ -305,6 +306,7 @@ class Dynamics:
                     f"{self.dt:.3g} s, that of the mesh was {self._first_dt:.3g} s at first: refine the mesh, make it "
                     "coarser along the way that it is crushed, or give explicit.target_step"
                 )
+            self._full_step = self.dt  # before it is made shorter to end in time
             left = int(np.ceil((end - self.time) / self.dt * (1 - 1e-9)))
             if left <= RENEWAL:
                 self.dt = (end - self.time) / left

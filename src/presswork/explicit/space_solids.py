@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Explicit dynamics of a solid in space between rigid tools that none of its nodes enters.
+"""Explicit dynamics of solids in space between rigid tools that none of their nodes enters.
 
-    run = ExplicitSpaceSolids(mesh, law, density=7.85e-9)
+    run = ExplicitSpaceSolids(mesh, [SpaceMaterial(law, density=7.85e-9)])
     run.fix("bottom", "v")
     wall = run.add_wall("die", make_surface(shape), position=(0.0, 0.0, 15.0), mu=0.1)
     wall.velocity = (0.0, 0.0, -1000.0)
@@ -12,7 +12,8 @@ Units are mm, s, t, N, MPa. A node has three freedoms: u, v, w along x, y, z.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -20,10 +21,11 @@ import numpy.typing as npt
 from presswork import _core
 from presswork.evolution.damage import DamageLaw
 from presswork.explicit.blocks import Solids
+from presswork.explicit.body_contacts import BodyContactOfRun, TouchingSurfaces
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space import SpaceDynamics
 from presswork.explicit.space_walls import NOT_TURNED, SpaceWall, WallStart
-from presswork.model import ELEMENTS, Mesh
+from presswork.model import Mesh
 
 Array = npt.NDArray[np.float64]
 EQPS, HEAT_RISE = 6, 7
@@ -34,42 +36,51 @@ SAME_DIRECTION = 1e-6
 """Part of a normal beside what holds its nodes already that counts for nothing."""
 
 
-class ExplicitSpaceSolids(SpaceDynamics):
-    """A body of hex8_1pt, hex8_fbar, hex8 or tet4_nodal in explicit dynamics.
+@dataclass(frozen=True)
+class SpaceMaterial:
+    """What a block of solids in space is made of."""
 
-    mesh: points (n_nodes, 3) [mm], one block of cells; law: in space; density [t/mm3]. hourglass_fraction: of the shear
-    modulus, that resists hourglass modes of hex8_1pt and what the nodal mean of tet4_nodal does not see. damage:
-    criteria whose damage grows. start: temperature at the start [degrees C]; heats: whether the law heats.
+    law: _core.VonMises | _core.SolidLaw
+    density: float
+    """[t/mm3]"""
+    damage: tuple[DamageLaw, ...] = ()
+    """Criteria whose damage grows."""
+    start: float = 20.0
+    """Temperature at the start [degrees C]."""
+    heats: bool = False
+    """Whether the law heats."""
+
+
+class ExplicitSpaceSolids(SpaceDynamics):
+    """Bodies of hex8_1pt, hex8_fbar, hex8 or tet4_nodal in explicit dynamics.
+
+    mesh: points (n_nodes, 3) [mm], blocks of cells; materials: one for each block. hourglass_fraction: of the shear
+    modulus, that resists hourglass modes of hex8_1pt and what the nodal mean of tet4_nodal does not see.
     """
 
-    def __init__(
-        self,
-        mesh: Mesh,
-        law: _core.VonMises | _core.SolidLaw,
-        density: float,
-        *,
-        hourglass_fraction: float = 0.05,
-        damage: Sequence[DamageLaw] = (),
-        start: float = 20.0,
-        heats: bool = False,
-    ) -> None:
-        if len(mesh.blocks) != 1:
-            raise ExplicitError("an explicit solid in space has cells of one material")
-        self.mesh, self._start, self._heats = mesh, start, heats
-        self._n_points = ELEMENTS[mesh.blocks[0].element].points
-        body = Solids(
-            connectivity=mesh.blocks[0].connectivity,
-            law=law,
-            density=density,
-            element=mesh.blocks[0].element,  # type: ignore[arg-type]
-            hourglass_fraction=hourglass_fraction,
-        )
-        super().__init__(mesh.points, [body])
+    def __init__(self, mesh: Mesh, materials: Sequence[SpaceMaterial], *, hourglass_fraction: float = 0.05) -> None:
+        if len(mesh.blocks) != len(materials):
+            raise ExplicitError(f"materials: give one for each of the {len(mesh.blocks)} blocks of the mesh")
+        self.mesh, self._materials = mesh, tuple(materials)
+        blocks = [
+            Solids(
+                connectivity=block.connectivity,
+                law=material.law,
+                density=material.density,
+                element=block.element,  # type: ignore[arg-type]
+                hourglass_fraction=hourglass_fraction,
+            )
+            for block, material in zip(mesh.blocks, materials, strict=True)
+        ]
+        super().__init__(mesh.points, blocks)
         self._node_sets = dict(mesh.node_sets)
-        for of in damage:
-            self._loop.add_damage(0, of.name, of.kernel, temperature=start, rise=HEAT_RISE if heats else -1)
-        self._damage = tuple(damage)
+        for number, material in enumerate(materials):
+            for of in material.damage:
+                rise = HEAT_RISE if material.heats else -1
+                self._loop.add_damage(number, of.name, of.kernel, temperature=material.start, rise=rise)
         self._walls: list[SpaceWall] = []
+        self.contacts: list[BodyContactOfRun] = []
+        self._degrees: list[Array] | None = None
         self._normals: list[tuple[npt.NDArray[np.intp], Array]] = []
         self._holds_normals = True
 
@@ -93,66 +104,99 @@ class ExplicitSpaceSolids(SpaceDynamics):
         """Impulse of what holds prescribed freedoms since reset_reaction (n_nodes, 3) [N s]."""
         return super().reaction_impulse[:, :3]
 
-    def _values(self) -> Array:
-        """Return the means over the points of each cell of all that they keep (n_cells, n)."""
-        inside = np.asarray(self._loop.state()["block_0"]["points"])
-        out = np.empty_like(inside)
-        out[self._elements] = inside
-        return np.asarray(out.mean(axis=1))
+    def _order(self, block: int) -> npt.NDArray[np.intp]:
+        """Return the cells of a block, as the mesh has them there, in the order of the loop."""
+        first = sum(len(each.connectivity) for each in self.mesh.blocks[:block])
+        count = len(self.mesh.blocks[block].connectivity)
+        return self._elements[first : first + count] - first
+
+    def _points(self) -> list[Array]:
+        """Return all that the points of each block's cells keep (n_cells, p, n)."""
+        state, found = self._loop.state(), []
+        for block in range(len(self.mesh.blocks)):
+            inside = np.asarray(state[f"block_{block}"]["points"])
+            out = np.empty_like(inside)
+            out[self._order(block)] = inside
+            found.append(out)
+        return found
+
+    def _mean(self, first: int, end: int) -> Array:
+        """Return means over the points of each cell (n_cells, end - first), through the blocks."""
+        return np.concatenate([points[..., first:end].mean(axis=1) for points in self._points()])
 
     @property
     def stress(self) -> Array:
-        """Stress xx, yy, zz, xy, yz, zx (n_cells, 6) [MPa], mean of the cell's points."""
-        return self._values()[:, :6]
+        """Stress xx, yy, zz, xy, yz, zx (n_cells, 6) [MPa], mean of the cell's points, through the blocks."""
+        return self._mean(0, EQPS)
 
     @property
     def equivalent_plastic_strain(self) -> Array:
         """Equivalent plastic strain (n_cells), mean of the cell's points."""
-        return self._values()[:, EQPS]
+        return self._mean(EQPS, EQPS + 1)[:, 0]
 
     def recover(self, hardens: Array) -> None:
         """Let only a part of the equivalent plastic strain so far harden from now on (n_cells,)."""
-        state = self._loop.state()
-        state["block_0"]["points"][..., EQPS] *= hardens[self._elements][:, None]
+        state, first = self._loop.state(), 0
+        for block, of in enumerate(self.mesh.blocks):
+            own = hardens[first : first + len(of.connectivity)]
+            state[f"block_{block}"]["points"][..., EQPS] *= own[self._order(block)][:, None]
+            first += len(own)
         self._loop.restore(state)
 
     @property
-    def rise_at_points(self) -> Array:
-        """Rise of temperature by plastic work since the start at the cells' points (n_cells, p) [K]."""
-        inside = np.asarray(self._loop.state()["block_0"]["points"])
-        return self._by_element(inside[..., HEAT_RISE]) if self._heats else np.zeros(inside.shape[:2])
+    def rise_at_points(self) -> list[Array]:
+        """Rise of temperature by plastic work since the start at the points of each block's cells (n_cells, p) [K]."""
+        return [
+            points[..., HEAT_RISE] if material.heats else np.zeros(points.shape[:2])
+            for points, material in zip(self._points(), self._materials, strict=True)
+        ]
 
     @property
     def temperature(self) -> Array:
         """Temperature (n_cells) [degrees C], mean of the points: what is given from outside and the own rise."""
-        given = self._start if self._given_temperature is None else self._given_temperature
-        return np.asarray((given + self.rise_at_points).mean(axis=1))
+        rise = self.rise_at_points
+        given = self._degrees or [np.full(1, material.start) for material in self._materials]
+        return np.concatenate([(own + of).mean(axis=1) for own, of in zip(given, rise, strict=True)])
 
     @property
-    def given_temperature(self) -> Array | None:
-        """What is given to the points from outside (n_cells, p) [degrees C]; None: that of the law's start."""
-        return self._given_temperature
+    def degrees(self) -> list[Array] | None:
+        """What is given to the points of each block from outside (n_cells, p) [degrees C]; None: the laws' start."""
+        return self._degrees
 
-    @given_temperature.setter
-    def given_temperature(self, value: npt.ArrayLike) -> None:
-        degrees = np.array(np.broadcast_to(np.asarray(value, dtype=float), self.rise_at_points.shape))
-        if not np.isfinite(degrees).all():
-            raise ExplicitError("given_temperature: every value must be a finite number [degrees C]")
-        self._loop.set_temperature(0, np.ascontiguousarray(degrees[self._elements]))
-        self._given_temperature = degrees
+    @degrees.setter
+    def degrees(self, given: Sequence[npt.ArrayLike]) -> None:
+        shapes = [points.shape[:2] for points in self._points()]
+        taken = [
+            np.array(np.broadcast_to(np.asarray(value, dtype=float), shape))
+            for value, shape in zip(given, shapes, strict=True)
+        ]
+        if not all(np.isfinite(values).all() for values in taken):
+            raise ExplicitError("degrees: every value must be a finite number [degrees C]")
+        for block, values in enumerate(taken):
+            self._loop.set_temperature(block, np.ascontiguousarray(values[self._order(block)]))
+        self._degrees = taken
 
     @property
     def damage(self) -> dict[str, list[Array]]:  # type: ignore[override]
-        """Damage by the name of its quantity, of the one block (n_cells, 1)."""
-        found = {}
-        for law in self._damage:
-            inside = np.asarray(self._loop.damage(0, law.name)).reshape(len(self._elements), -1).max(axis=1)
-            found[law.name] = [self._by_element(inside)[:, None]]
-        return found
+        """Damage by the name of its quantity, of each block (n_cells, 1), without rows where it has no such law."""
+        names = dict.fromkeys(law.name for material in self._materials for law in material.damage)
+        return {name: [self._damage_of(block, name) for block in range(len(self._materials))] for name in names}
+
+    def _damage_of(self, block: int, name: str) -> Array:
+        if name not in [law.name for law in self._materials[block].damage]:
+            return np.zeros((0, 1))
+        order = self._order(block)
+        out = np.empty((len(order), 1))
+        out[order, 0] = np.asarray(self._loop.damage(block, name)).reshape(len(order), -1).max(axis=1)
+        return out
 
     def critical_damage(self) -> dict[str, list[float | None]]:
-        """Return the critical value of each; None where there is none."""
-        return {law.name: [law.critical.get(law.name)] for law in self._damage}
+        """Return the critical value of each in each block; None where there is none."""
+        laws = [material.damage for material in self._materials]
+        return {
+            name: [next((law.critical.get(name) for law in of if law.name == name), None) for of in laws]
+            for name in dict.fromkeys(law.name for of in laws for law in of)
+        }
 
     def set_velocity(self, nodes: str | npt.ArrayLike, velocity: Sequence[float]) -> None:
         """Give nodes a velocity (3,) [mm/s] to start from."""
@@ -195,6 +239,13 @@ class ExplicitSpaceSolids(SpaceDynamics):
         middle = self.time + 0.5 * len(velocity_scale) * self.dt
         for wall in self._walls:
             wall.drive(middle)
+        for contact in self.contacts:
+            contact.set_step(max(self.dt, self._full_step))
+
+    def _check(self) -> None:
+        super()._check()
+        for contact in self.contacts:
+            contact.check()
 
     def _find_directions(self) -> tuple[npt.NDArray[np.int32], Array, Array]:
         """Return nodes (k,) of the loop, rising, unit vectors (k, 3) that hold them, and velocities along these (k,).
@@ -219,6 +270,28 @@ class ExplicitSpaceSolids(SpaceDynamics):
             np.array([row[1] for row in rows]).reshape(-1, 3),
             np.array([row[2] for row in rows]),
         )
+
+    def add_contact(
+        self, name: str, surfaces: TouchingSurfaces, *, mu: float, reach: float, margin: float
+    ) -> BodyContactOfRun:
+        """Let two bodies, or a body and itself, hold each other off; all as BodyContactOfRun has it."""
+        assert isinstance(self._loop, _core.SpaceLoop)
+        number = len(self.contacts)
+        self.contacts.append(
+            BodyContactOfRun(self._loop, number, name, surfaces, self._nodes, mu=mu, reach=reach, margin=margin)
+        )
+        return self.contacts[-1]
+
+    def _dump_run(self) -> dict[str, Array]:
+        flat = [values.ravel() for values in self._degrees or []]
+        return {**super()._dump_run(), "temperature": np.concatenate([np.zeros(0), *flat])}
+
+    def _restore_run(self, own: Mapping[str, Array]) -> None:
+        super()._restore_run({**own, "temperature": np.zeros(0)})
+        if (flat := np.asarray(own["temperature"]).ravel()).size:
+            shapes = [points.shape[:2] for points in self._points()]
+            parts = np.split(flat, np.cumsum([n * p for n, p in shapes])[:-1])
+            self.degrees = [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
 
     def add_wall(
         self,

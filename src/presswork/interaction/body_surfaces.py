@@ -94,7 +94,7 @@ class BodySurfaces(ABC, Generic[Result]):
         self.credible = CREDIBLE * young
         self._whole = self._measure_slots()
         self._least_weight: FloatArray = COVERED * self._whole
-        self._cell_of = [self._find_cells(sides) for sides in (self.slave, self.master)]
+        self.cells_behind = [self._find_cells(sides) for sides in (self.slave, self.master)]
         self.pairs: IntArray = np.zeros((0, 2), dtype=np.int32)
         # how deep the other body may reach behind each side before the two count as apart: half a cell
         self._depth: tuple[FloatArray, FloatArray] = (np.zeros(len(self.slave)), np.zeros(len(self.master)))
@@ -144,7 +144,7 @@ class BodySurfaces(ABC, Generic[Result]):
         self.pairs = self._find_pairs(points)
         slave, master = (
             0.5 * self._measure_heights(points, sides, cells)
-            for sides, cells in zip((self.slave, self.master), self._cell_of, strict=True)
+            for sides, cells in zip((self.slave, self.master), self.cells_behind, strict=True)
         )
         self._depth = (slave, master)
         return self._couple()

@@ -109,6 +109,8 @@ class ExplicitSolid:
 
     velocity: tuple[float, ...] = (0.0, 0.0)
     """(2,), in space (3,): velocity of the whole workpiece at the start [mm/s]."""
+    velocity_of_others: tuple[tuple[float, ...], ...] = ()
+    """The same of each body after the workpiece."""
     target_step: float | None = None
     """Time step to reach by adding mass [s]; None: no mass is added."""
     damping: float = 0.0

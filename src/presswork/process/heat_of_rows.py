@@ -23,6 +23,7 @@ from presswork.implicit.heat_of_forming import DIE_KINDS, KINDS, HeatArrays, Hea
 from presswork.interaction.forming_instant import FormingInstant, Poses
 from presswork.model import FloatArray, Heating, Material, Model
 from presswork.outcome import Failed, GaveUpError
+from presswork.process.contacts_of_rows import ContactsOfRows
 from presswork.process.heat_quantities import heat_columns, measure_heat, summarise_heat
 from presswork.process.recording import Row
 from presswork.remesh.carrier import Carrier
@@ -44,9 +45,10 @@ def heat_by_itself(model: Model, material: Material) -> Material:
 class HeatOfRows:
     """Heat of a model's bodies, beside the explicit loop."""
 
-    def __init__(self, model: Model, solids: Any, walls: Sequence[Any], threads: int) -> None:
-        """solids, walls: those of the explicit loop of the model's dimension."""
+    def __init__(self, model: Model, solids: Any, walls: Sequence[Any], contacts: ContactsOfRows, threads: int) -> None:
+        """solids, walls, contacts: those of the explicit loop of the model's dimension."""
         assert model.heat is not None
+        self._contacts, self._points = contacts, model.mesh.points
         self._model, self._heat, self._solids, self._walls = model, model.heat, solids, walls
         shortest = min(stage.duration for stage in model.stages)
         self.forming = HeatOfForming(
@@ -100,6 +102,7 @@ class HeatOfRows:
     def begin_row(self) -> None:
         """Keep what a row of cycles begins with."""
         self._time, self._rise = self._solids.time, self._find_rise()
+        self._points = self._solids.position
         for wall in self._walls:
             wall.begin_sums()
 
@@ -142,6 +145,7 @@ class HeatOfRows:
             gap=gap,
             plastic=[(now - before) * capacity / now.shape[1] for now, before, capacity in parts],
             rubbed=rubbed,
+            between=self._contacts.show_heat(points - self._points, self._heat.contacts),
         )
 
     def carry(self, before: HeatOfRows, carrier: Carrier) -> None:

@@ -11,30 +11,32 @@ import numpy as np
 from presswork.interaction.forming_instant import Poses
 from presswork.interaction.space_contact import PlacedSurface
 from presswork.model import FloatArray, Model
+from presswork.process.contacts_of_rows import ContactsOfRows
 from presswork.process.heat_of_rows import HeatOfRows
 
 
 class HeatOfSpaceRows(HeatOfRows):
-    """Heat of a model's body in space, beside the explicit loop."""
+    """Heat of a model's bodies in space, beside the explicit loop."""
 
     def __init__(
         self,
         model: Model,
         solids: Any,
         walls: Sequence[Any],
+        contacts: ContactsOfRows,
         threads: int,
         *,
         place_tool: Callable[[int], PlacedSurface],
     ) -> None:
         """place_tool: returns a tool's surface as it stands, by its number."""
         self._place_tool = place_tool
-        super().__init__(model, solids, walls, threads)
+        super().__init__(model, solids, walls, contacts, threads)
 
     def _find_rise(self) -> list[FloatArray]:
-        return [self._solids.rise_at_points]
+        return list(self._solids.rise_at_points)
 
     def _set_given(self, given: list[FloatArray]) -> None:
-        (self._solids.given_temperature,) = given
+        self._solids.degrees = given
 
     def _find_poses(self) -> Poses:
         return []

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,10 +21,11 @@ from presswork.explicit.motion import EvenMotion, Motion
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids
 from presswork.fields.instant import Instant, SolidPoints
-from presswork.fields.solid_fields import effective_stress
+from presswork.fields.solid_fields import add_bodies, effective_stress
 from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.model import ELEMENTS, Blow, Drive, ExplicitSolid, FloatArray, Mesh, Model, Stage, Tool, ToolMotion
+from presswork.process.contacts_of_rows import ContactsOfRows
 from presswork.process.die_fill import make_die_fill
 from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself, names_of_heat
@@ -63,6 +65,7 @@ class ExplicitImpact(RowRecording):
     solids: Any
     """ExplicitSolids, in space ExplicitSpaceSolids; and what it has for walls."""
     walls: Sequence[Any]
+    contacts: ContactsOfRows
     own_arrays: Sequence[str] = ()
     """Names in a checkpoint of what is neither of the loop nor of points and heat."""
     _pores: NonlocalPorosity | None = None
@@ -73,9 +76,12 @@ class ExplicitImpact(RowRecording):
         self.settings = model.explicit
         self._materials = [SolidMaterial.from_model(heat_by_itself(model, material)) for material in model.materials]
         self._make_run({})
-        self.solids.set_velocity("all", self.settings.velocity)
+        self.solids.set_velocity(np.arange(len(model.mesh.points)), self.settings.velocity)
+        for body, velocity in zip(model.bodies[1:], self.settings.velocity_of_others, strict=False):
+            self.solids.set_velocity(np.asarray(body.points), velocity)
         self._force = np.zeros((len(self.walls), model.dimension))
-        self.reactions = Reactions(model, model.dimension, [t.name for t in model.tools])
+        taken = [t.name for t in model.tools] + [c.name for c in model.contacts]
+        self.reactions = Reactions(model, model.dimension, taken)
         self.marked, self.fill = MarkedPoints(model), make_die_fill(model)
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
@@ -98,6 +104,7 @@ class ExplicitImpact(RowRecording):
             self.solids.add_wall(t.name, start_profile(t), mu=find_coefficient(t.friction), is_at_start=not epoch)
             for t in model.tools
         ]
+        self.contacts = ContactsOfRows(model, self.solids)
         self._reaction = np.zeros((len(model.mesh.points), 2))
         if any(material.gtn for material in model.materials):
             from presswork.evolution.porosity import NonlocalPorosity  # loads scipy, which dense metals do without
@@ -105,7 +112,7 @@ class ExplicitImpact(RowRecording):
             self._pores = NonlocalPorosity(model, self.mesh.points)
 
     def _make_heat(self, threads: int) -> HeatOfRows:
-        return HeatOfRows(self.model, self.solids, self.walls, threads)
+        return HeatOfRows(self.model, self.solids, self.walls, self.contacts, threads)
 
     # --- the way through ---------------------------------------------------------------------------------------------
 
@@ -116,6 +123,7 @@ class ExplicitImpact(RowRecording):
         impulse = [wall.impulse for wall in self.walls]
         self.points.begin_row(self._find_points())
         self.solids.reset_reaction()
+        self.contacts.begin_row()
         if self.heat is not None:
             self.heat.begin_row()
         to = begin + stage.duration * (row + 1) / rows
@@ -126,6 +134,7 @@ class ExplicitImpact(RowRecording):
         for i, wall in enumerate(self.walls):
             self._force[i] = (wall.impulse - impulse[i]) / (self.solids.time - time)
         self._reaction = self.solids.reaction_impulse / (self.solids.time - time)
+        self.contacts.end_row(self.solids.time - time)
         if self._pores is not None:
             self.solids.average_pores(self._pores, self._measure_volumes())
         if self.heat is not None:
@@ -144,6 +153,8 @@ class ExplicitImpact(RowRecording):
 
     def _run_to(self, to: float, motion: Motion | None) -> None:
         settings = self.settings
+        if self.contacts.limits_shear:
+            self.contacts.set_limits(np.maximum(self._flow_stress(), effective_stress(self.solids.stress)))
         self.solids.run_to(to, damping=settings.damping, target_step=settings.target_step, motion=motion)
 
     def _strike(self, number: int, drive: Drive, to: float) -> None:
@@ -186,6 +197,7 @@ class ExplicitImpact(RowRecording):
         peaks = peak_columns(self.solids.damage)
         first += self.heat.columns if self.heat else []
         points = [*self.fill.columns, *self.marked.columns(self.show())]
+        first += self.contacts.columns
         return [*first, *peaks, *ram, *self.reactions.columns, *points, *self._extents, *LAST_COLUMNS]
 
     @property
@@ -216,6 +228,7 @@ class ExplicitImpact(RowRecording):
         row: Row = {"time": report.time, "stage": report.stage, "increment": report.number, "cycles": self.solids.cycle}
         for tool, wall, mean in zip(self.model.tools, self.walls, self._force, strict=True):
             row |= self._measure(tool, wall, mean)
+        row |= self.contacts.row()
         row |= self.heat.row() if self.heat else {}
         row |= self._ram_row(report)
         row |= peak_row(self.solids.damage)
@@ -286,9 +299,8 @@ class ExplicitImpact(RowRecording):
     def _flow_stress(self) -> FloatArray:
         """Return the flow stress of the cells (n_cells,) [MPa], as SolidMaterial has it; effective stress of a UMAT."""
         solids = self.solids
-        ends = np.cumsum([len(block.connectivity) for block in self.mesh.blocks])[:-1]
         found = (solids.equivalent_plastic_strain, solids.temperature, effective_stress(solids.stress))
-        parts = zip(self.mesh.blocks, *(np.split(values, ends) for values in found), strict=True)
+        parts = zip(self.mesh.blocks, *(self._split(values) for values in found), strict=True)
         return np.concatenate(
             [
                 effective if self.model.materials[b.material].umat else self._materials[b.material].flow_stress(eqps, t)
@@ -308,16 +320,19 @@ class ExplicitImpact(RowRecording):
         """Return what the fields of the present state are computed from; a cell has one point."""
         solids, model = self.solids, self.model
         heats = self.heat is not None or any(material.heating for material in model.materials)
+        by_tools = sum((wall.nodal_force for wall in self.walls), start=np.zeros_like(model.mesh.points))
+        between = self.contacts.find_traction(by_tools)
         return Instant(
             model,
             solids.position - model.mesh.points,
             velocity=solids.velocity,
             reaction=self._reaction,
-            tool_force=sum((wall.nodal_force for wall in self.walls), start=np.zeros_like(model.mesh.points)),
+            tool_force=by_tools,
+            find_contact=partial(add_bodies, None, between) if between else None,
             points=SolidPoints(
-                stress=[solids.stress[:, None]],
-                eqps=[solids.equivalent_plastic_strain[:, None]],
-                volume=[np.ones((len(solids.stress), 1))],
+                stress=self._split(solids.stress[:, None]),
+                eqps=self._split(solids.equivalent_plastic_strain[:, None]),
+                volume=self._split(np.ones((len(solids.stress), 1))),
                 user=[kept[:, None] for kept in solids.state_variables] if self._pores is not None else (),
                 temperature=solids.temperature if heats else None,
             ),
@@ -325,12 +340,15 @@ class ExplicitImpact(RowRecording):
             temperature=self.heat.arrays.temperature if self.heat else None,
         )
 
+    def _split(self, of_cells: FloatArray) -> list[FloatArray]:
+        """Return the parts of values of cells (n_cells, ...) that each block has."""
+        return np.split(of_cells, np.cumsum([len(block.connectivity) for block in self.mesh.blocks])[:-1])
+
     def _find_points(self) -> list[BlockPoints]:
         """Return stress, plastic strain and temperature of each block, whose cells have one point each."""
         solids, blocks = self.solids, self.mesh.blocks
-        ends = np.cumsum([len(block.connectivity) for block in blocks])[:-1]
         found = solids.stress.copy(), solids.equivalent_plastic_strain.copy(), solids.temperature.copy()
-        parts = zip(blocks, *(np.split(values[:, None], ends) for values in found), strict=True)
+        parts = zip(blocks, *(self._split(values[:, None]) for values in found), strict=True)
         heats = [self.heat is not None or material.heating is not None for material in self.model.materials]
         return [BlockPoints(stress, eqps, t if heats[b.material] else None) for b, stress, eqps, t in parts]
 

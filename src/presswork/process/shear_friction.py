@@ -11,6 +11,7 @@ from presswork.geometry.pose import find_space_pose
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.faces import nodal_normals
 from presswork.model import FloatArray, Friction, Mesh, Tool
+from presswork.process.contacts_of_rows import find_nodal_shear_strength
 
 STEEPEST = 1.0
 """Of a node's friction over its normal force: what a node brings along as it lands is stopped within the cycle."""
@@ -42,10 +43,7 @@ class ShearFriction:
         """Set the limits; position (n_nodes, 3) [mm], flow stress of the cells (n_cells,) [MPa]."""
         if not self._surfaces:
             return
-        cells = self._mesh.blocks[0].connectivity
-        count = np.bincount(cells.ravel(), minlength=len(position))
-        total = np.bincount(cells.ravel(), np.repeat(flow_stress, cells.shape[1]), minlength=len(position))
-        shear = total / np.maximum(count, 1) / np.sqrt(3.0)
+        shear = find_nodal_shear_strength(self._mesh, flow_stress)
         normals = nodal_normals(position, self._mesh.boundary_faces)
         reach = float(np.linalg.norm(np.ptp(position, axis=0)))
         for i, (tool, surface) in self._surfaces.items():

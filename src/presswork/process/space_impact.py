@@ -15,7 +15,7 @@ from presswork.evolution.damage import make_damage
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.energy import EnergyBalance
 from presswork.explicit.motion import Motion
-from presswork.explicit.space_solids import ExplicitSpaceSolids
+from presswork.explicit.space_solids import ExplicitSpaceSolids, SpaceMaterial
 from presswork.explicit.space_walls import SpaceWall, WallStart
 from presswork.fields.solid_fields import effective_stress
 from presswork.geometry.pose import find_axis, find_space_pose, start_centre_in_space, turn_about
@@ -28,6 +28,7 @@ from presswork.law.elastic_plastic import heats
 from presswork.mesh.box import node_volumes
 from presswork.mesh.space.cyclic import pair_faces
 from presswork.model import FloatArray, Model, Stage, Support, Tool, ToolMotion, find_direction
+from presswork.process.contacts_of_rows import ContactsOfRows
 from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself
 from presswork.process.heat_of_space_rows import HeatOfSpaceRows
@@ -66,16 +67,10 @@ class ExplicitSpaceImpact(ExplicitImpact):
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         model = self.model
         density = float(epoch.get("density", 1.0))
-        material = heat_by_itself(model, model.materials[model.mesh.blocks[0].material])
-        law = make_law(material, model.solver, 6)
         self.solids = ExplicitSpaceSolids(
             model.mesh,
-            law,  # type: ignore[arg-type]
-            density * material.density,
+            [self._make_material(block.material, density) for block in model.mesh.blocks],
             hourglass_fraction=self.settings.hourglass_stiffness,
-            damage=make_damage(material.damage, None, is_solid=True),
-            start=material.heating.start if material.heating else 20.0,
-            heats=heats(material),
         )
         turning = find_turning(model.space_tools, model.stages)
         self.walls = [
@@ -94,11 +89,24 @@ class ExplicitSpaceImpact(ExplicitImpact):
             first, last = pair_faces(model.cyclic, model.mesh)
             self._axis = first[first == last]
             self.solids.tie_sector(first, last, 2.0 * np.pi / model.cyclic.sectors)
+        self.contacts = ContactsOfRows(model, self.solids)
         self._reaction = np.zeros(model.mesh.points.shape)
         self._shear = ShearFriction(model.space_tools, model.mesh)
 
+    def _make_material(self, number: int, density: float) -> SpaceMaterial:
+        """Return what a block of one of the materials is made of; density: factor on the material's."""
+        model = self.model
+        material = heat_by_itself(model, model.materials[number])
+        return SpaceMaterial(
+            make_law(material, model.solver, 6),  # type: ignore[arg-type]
+            density * material.density,
+            make_damage(material.damage, None, is_solid=True),
+            material.heating.start if material.heating else 20.0,
+            heats(material),
+        )
+
     def _make_heat(self, threads: int) -> HeatOfRows:
-        return HeatOfSpaceRows(self.model, self.solids, self.walls, threads, place_tool=self._surface_of)
+        return HeatOfSpaceRows(self.model, self.solids, self.walls, self.contacts, threads, place_tool=self._surface_of)
 
     # --- what holds and moves ----------------------------------------------------------------------------------------
 
@@ -176,9 +184,8 @@ class ExplicitSpaceImpact(ExplicitImpact):
                 wall.hold()
 
     def _run_to(self, to: float, motion: Motion | None) -> None:
-        self._shear.set(
-            self.walls, self.solids.position, np.maximum(self._flow_stress(), effective_stress(self.solids.stress))
-        )
+        strength = np.maximum(self._flow_stress(), effective_stress(self.solids.stress))
+        self._shear.set(self.walls, self.solids.position, strength)
         super()._run_to(to, motion)
 
     # --- what is recorded --------------------------------------------------------------------------------------------
@@ -205,7 +212,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
         deepest = Penetration().note_in_space(model.mesh, solids.position, names, self._find_gaps)
         stress, flow = solids.stress, self._flow_stress()
         mean = stress[:, :3].mean(axis=1)
-        centres = solids.position[model.mesh.blocks[0].connectivity].mean(axis=1)
+        centres = np.concatenate([solids.position[b.connectivity].mean(axis=1) for b in model.mesh.blocks])
         hydrostatic = measure_hydrostatic_stress(mean, flow, centres)
         peaks = find_peaks(model.mesh, solids.position, solids.damage, solids.critical_damage())
         return Watched(
@@ -215,8 +222,11 @@ class ExplicitSpaceImpact(ExplicitImpact):
     def _measure_pressure(self, stress: FloatArray, flow_stress: FloatArray) -> list[Measure]:
         if not self.model.space_tools:
             return []
-        volume = node_volumes(self.solids.position, self.model.mesh.blocks[0].connectivity).sum(axis=1)
+        volume = np.concatenate(self._measure_volumes())
         return [measure_mean_pressure("workpiece", stress, flow_stress, volume)]
+
+    def _measure_volumes(self) -> list[FloatArray]:
+        return [node_volumes(self.solids.position, block.connectivity).sum(axis=1) for block in self.model.mesh.blocks]
 
     def _find_gaps(self, places: FloatArray) -> FloatArray:
         """Return the distance of places (n, 3) from each tool (n_tools, n) [mm]; infinity far off it."""

@@ -91,9 +91,14 @@ def test_new_meshes_of_several_bodies_are_refused() -> None:
     )
 
 
-def test_explicit_bodies_are_refused() -> None:
-    found = problems(procedure="explicit", materials__steel=STEEL | {"density": 7.85e-9})
-    assert any(text.startswith("bodies.upper: the explicit procedure in space has one body, so far") for text in found)
+def test_explicit_bodies_need_density_and_elements_of_their_own() -> None:
+    found = problems(procedure="explicit", bodies__upper__element="hex8_1pt", bodies__upper__velocity=[0, 0, -1e9])
+    assert any(text.startswith("materials.steel.density: missing key; add it") for text in found), found
+    dense = STEEL | {"density": 7.85e-9}
+    found = problems(procedure="explicit", materials__steel=dense, bodies__upper__element="tet4_mini")
+    assert any(text.startswith("bodies.upper.element: the explicit procedure has no such element") for text in found)
+    found = problems(procedure="explicit", materials__steel=dense, bodies__upper__velocity=[0, 0, -1e9])
+    assert any(text.startswith("bodies.upper.velocity: faster than sound in the material") for text in found), found
 
 
 def test_a_body_that_nothing_holds_is_refused() -> None:

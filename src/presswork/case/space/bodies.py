@@ -38,10 +38,6 @@ def check_space_bodies(case: SpaceCase) -> list[Problem]:
     if (case.bodies or case.contacts) and ELEMENTS[choose_element(case)].nodes == 10:
         fault = "bodies of tetrahedra of 10 nodes do not touch each other, so far"
         problems.append(Problem("workpiece.element", fault, "take tet4_mini", choose_element(case)))
-    if case.procedure == "explicit":
-        remedy = 'take procedure = "implicit"'
-        for key in [*(f"bodies.{name}" for name in case.bodies), *(f"contacts.{name}" for name in case.contacts)]:
-            problems.append(Problem(key, "the explicit procedure in space has one body, so far", remedy))
     return problems + check_contacts(case.bodies, case.contacts, case.tools)
 
 

@@ -127,7 +127,7 @@ def _check_names(case: SpaceCase) -> list[Problem]:
             fault = "two stages have this name"
             problems.append(Problem(f"stages.{index}.name", fault, "give each its own", stage.name))
         is_loaded = bool(stage.force or stage.face_force or stage.pressure)
-        moves = case.workpiece.velocity is not None
+        moves = any(body.velocity is not None for _, body in list_space_bodies(case).values())
         moves = moves or any(motion.turn or motion.force or motion.position for motion in stage.tools.values())
         moves = moves or any(any(motion.build().move) for motion in stage.tools.values())
         problems += check_timing(stage.find_timing(index), case.presses)
@@ -214,8 +214,8 @@ def _check_sets(case: SpaceCase, mesh: model.Mesh) -> list[Problem]:
 
 
 def _build_explicit(case: SpaceCase) -> model.ExplicitSolid:
-    velocity = case.workpiece.velocity or (0.0, 0.0, 0.0)
-    return model.ExplicitSolid(velocity=velocity, **case.explicit.model_dump())
+    velocity, *others = (body.velocity or (0.0, 0.0, 0.0) for _, body in list_space_bodies(case).values())
+    return model.ExplicitSolid(velocity=velocity, velocity_of_others=tuple(others), **case.explicit.model_dump())
 
 
 def _build_stages(

@@ -31,18 +31,25 @@ def choose_element(case: SpaceCase, body: SpaceWorkpiece | None = None) -> model
 
 def check_space_procedure(case: SpaceCase) -> list[Problem]:
     """Return the problems of keys that the case's procedure cannot do, or would ignore."""
-    element = choose_element(case)
     implicit = case.procedure == "implicit"
     problems = []
     known = model.list_names(_core.Family.space, in_implicit=implicit, in_explicit=not implicit)
-    if element not in known:
-        fault = f"the {case.procedure} procedure has no such element"
-        problems.append(Problem("workpiece.element", fault, f"take {' or '.join(known)}", element))
+    for key, body in _list_bodies(case).items():
+        element = choose_element(case, body)
+        if element not in known:
+            fault = f"the {case.procedure} procedure has no such element"
+            problems.append(Problem(f"{key}.element", fault, f"take {' or '.join(known)}", element))
     return problems + (_check_implicit(case) if implicit else _check_explicit(case))
 
 
 def _check_implicit(case: SpaceCase) -> list[Problem]:
-    return check_implicit_keys(case, ["workpiece.velocity"] if case.workpiece.velocity is not None else [])
+    return check_implicit_keys(
+        case, [f"{key}.velocity" for key, body in _list_bodies(case).items() if body.velocity is not None]
+    )
+
+
+def _list_bodies(case: SpaceCase) -> dict[str, SpaceWorkpiece]:
+    return {"workpiece": case.workpiece, **{f"bodies.{name}": body for name, body in case.bodies.items()}}
 
 
 def _check_explicit(case: SpaceCase) -> list[Problem]:
@@ -58,11 +65,13 @@ def _check_explicit(case: SpaceCase) -> list[Problem]:
 
 
 def _check_umat(case: SpaceCase) -> list[Problem]:
-    name = case.workpiece.material
-    if not isinstance(case.materials.get(name), UmatMaterial):
-        return []
     fault = "the explicit procedure calls no UMAT in space, so far"
-    return [Problem(f"materials.{name}.umat", fault, "give a law of presswork")]
+    names = dict.fromkeys(body.material for body in _list_bodies(case).values())
+    return [
+        Problem(f"materials.{name}.umat", fault, "give a law of presswork")
+        for name in names
+        if isinstance(case.materials.get(name), UmatMaterial)
+    ]
 
 
 def _check_stage(key: str, stage: SpaceStage) -> list[Problem]:
