@@ -109,14 +109,14 @@ class ExplicitSolid:
 
     velocity: tuple[float, ...] = (0.0, 0.0)
     """(2,), in space (3,): velocity of the whole workpiece at the start [mm/s]."""
-    velocity_of_others: tuple[tuple[float, ...], ...] = ()
-    """The same of each body after the workpiece."""
     target_step: float | None = None
     """Time step to reach by adding mass [s]; None: no mass is added."""
     damping: float = 0.0
     """Mass damping [1/s]."""
     hourglass_stiffness: float = 0.05
     """quad4_1pt and hex8_1pt: fraction of the shear modulus."""
+    velocity_of_others: tuple[tuple[float, ...], ...] = ()
+    """velocity of each body after the workpiece."""
 
 
 @dataclass(frozen=True)
