@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """A channel of DP780, crash-formed or drawn under a holder and trimmed, whose dies are corrected for springback.
 
-    python -m validation.compensated_channel OUT [formed | trimmed | bent]
+    python -m validation.compensated_channel OUT [formed | implicit | trimmed | bent]
 
-A slice of 1 mm sheet, 16 mm deep, walls of 75 degrees, radii of 5 mm. formed: between punch and die alone. trimmed:
-drawn under a holder of 5 kN and cut off below the shoulder, which is the addendum; the binder stays as it is. bent: so,
-but the binder is bent with the rest. Half a minute each.
+A slice of 1 mm sheet, 16 mm deep, walls of 75 degrees, radii of 5 mm. formed: between punch and die alone; implicit: by
+the implicit procedure with the sheet's mass. trimmed: drawn under a holder of 5 kN and cut off below the
+shoulder, where the addendum begins; the binder stays as it is. bent: so, but the binder is bent with the rest.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from presswork.results.stl_file import write_stl
 from presswork.study import Compensation, compensate_springback
 from tests.problems.compensation import channel_face, write_channel
 
-Way = Literal["formed", "trimmed", "bent"]
+Way = Literal["formed", "implicit", "trimmed", "bent"]
 _TRIM, _SHOULDER, _FLANGE = 18.5, 19.5, 23.0
 """Where the part is cut off, where the punch ends, and where the flange begins beyond the shoulder [mm]."""
 
@@ -33,7 +33,10 @@ def compensate_channel(folder: Path, way: Way = "formed", *, most: int = 4, tole
             "material": "dp780", "symmetry": ["x"]}  # fmt: skip
     stage: dict[str, Any] = {"name": "form", "velocity": "3 m/s", "tools": {"punch": {"stroke": 15.9}}}
     changes: dict[str, Any] = {"blank": fine, "stages": [stage]}
-    if way != "formed":
+    if way == "implicit":
+        changes |= {"procedure": "implicit", "implicit": {"inertia": 1}}
+    is_drawn = way in {"trimmed", "bent"}
+    if is_drawn:
         fine["size"] = [90, 4]
         upper = channel_face(0.5, reach=60.0)
         far = (np.abs(upper.points[upper.triangles][:, :, 0]) > _FLANGE).all(axis=1)
@@ -44,7 +47,7 @@ def compensate_channel(folder: Path, way: Way = "formed", *, most: int = 4, tole
         line = {"shape": "rectangle", "size": [2 * _TRIM, 20]}
         changes["trim"] = {"edge": line}
     case = write_channel(folder, **changes)
-    if way != "formed":
+    if is_drawn:
         write_stl(folder / "die.stl", "die", channel_face(-0.5, reach=60.0))
         punch = channel_face(0.6)
         near = (np.abs(punch.points[punch.triangles][:, :, 0]) < _SHOULDER).all(axis=1)

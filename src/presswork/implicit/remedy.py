@@ -8,6 +8,11 @@ from presswork.model import Model
 
 MESH = "Try a finer mesh where cells are most distorted, or look at the last saved step for folded cells"
 
+SNAP = (
+    "Where a sheet lies loose, or a wall or flange snaps over, there is none: set implicit.inertia = 1 to give it its "
+    "mass"
+)
+
 
 def find_remedy(model: Model, negative_pivots: int) -> str:
     """Return a sentence on what to do.
@@ -15,6 +20,8 @@ def find_remedy(model: Model, negative_pivots: int) -> str:
     negative_pivots: the most of any tangent in the last attempt; of shells they tell of a limit load. Solids are
     softened by much else.
     """
+    if model.analysis == "stamping" and model.solver.inertia == 0.0:
+        return f"{SNAP}. {MESH}"
     if model.analysis != "shell" or negative_pivots == 0 or model.solver.inertia > 0.0:
         loose = find_loose(model)
         if not loose or model.solver.inertia > 0.0:
