@@ -53,6 +53,58 @@ def upset_cylinder(**changes: Any) -> dict[str, Any]:
     }
 
 
+def upset_block(element: str, friction: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the data of an eighth of a block in space, upset by a platen with a law of friction."""
+    return {
+        "title": "Block",
+        "analysis": "solid",
+        "workpiece": {
+            "material": "steel",
+            "element": element,
+            "mesh": {"kind": "box", "size": [10, 10, 10], "cells": [2, 2, 2]},
+        },
+        "materials": upset_cylinder()["materials"],
+        "tools": {"punch": {"shape": "plane", "position": [0, 0, 10], "normal": [0, 0, -1], **friction}},
+        "boundary": {
+            "x": {"set": "left", "fix": ["x"]},
+            "y": {"set": "bottom", "fix": ["y"]},
+            "z": {"set": "back", "fix": ["z"]},
+        },
+        "stages": [{"name": "upset", "tools": {"punch": {"stroke": 0.8, "direction": [0, 0, -1]}}}],
+        "solver": EXACT,
+        "output": {"steps": 1},
+    }
+
+
+def bend_strip(hardening: Mapping[str, Any], *, angle: float = 20.0, points: int = 21) -> dict[str, Any]:
+    """Return the data of a strip of shells that is bent to an angle [degrees] and springs back; points: of layers."""
+    return {
+        "title": "Strip",
+        "analysis": "shell",
+        "workpiece": {
+            "material": "steel",
+            "element": "shell4_mitc",
+            "section": {"thickness": 1.0, "points": points},
+            "mesh": {"kind": "rectangle", "size": [20, 4], "cells": [5, 1]},
+        },
+        "materials": {"steel": {"young": 200e3, "poisson": 0.0, "hardening": dict(hardening)}},
+        "boundary": {"root": {"set": "left", "hold": "clamped"}},
+        "stages": [
+            {"name": "bend", "rotation": [{"set": "right", "axis": "y", "angle": angle}]},
+            {"name": "release"},
+        ],
+        "points": {"tip": [20, 2, 0]},
+        "solver": {
+            **EXACT,
+            "initial_increment": 0.125,
+            "max_increment": 0.125,
+            "force_tolerance": 1e-10,
+            "max_iterations": 40,
+        },
+        "output": {"steps": 1},
+    }
+
+
 def run_case(kind: type[CaseFile], data: Mapping[str, Any], folder: Path) -> Result:
     """Run a case to its end."""
     outcome = run_model(build_model(kind.model_validate(data)), folder)

@@ -4,12 +4,23 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
+from presswork.case.shell.schema import ShellCase
 from presswork.case.solid.schema import Case
-from tests.problems.differentiated import differentiate, largest_error, run_case, upset_cylinder
+from presswork.case.space.schema import SpaceCase
+from tests.problems.differentiated import (
+    bend_strip,
+    differentiate,
+    largest_error,
+    run_case,
+    upset_block,
+    upset_cylinder,
+)
 
 BY = {
     "materials.steel.young": 200e3,
@@ -46,3 +57,57 @@ def test_force_on_a_cylinder_rises_with_friction_by_the_closed_form(tmp_path: Pa
     height, now = 2.0 * (half - 0.2), radius * np.sqrt(half / (half - 0.2))
     own = found["d(punch.force)/d(tools.punch.m)"][-1] / (np.pi * now**2) / flow
     assert own == pytest.approx(2.0 * now / (3.0 * np.sqrt(3.0) * height), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("element", "friction", "by"),
+    [
+        (
+            "hex8_fbar",
+            {"contact": "coulomb", "mu": 0.1},
+            {"materials.steel.young": 200e3, "tools.punch.mu": 0.1, "stages.0.tools.punch.stroke": 0.8},
+        ),
+        ("hex8_fbar", {"contact": "shear", "m": 0.2}, {"tools.punch.m": 0.2, "workpiece.mesh.size.0": 10.0}),
+        ("tet4_mini", {"contact": "coulomb", "mu": 0.1}, {"materials.steel.hardening.K": 700.0}),
+    ],
+)
+def test_block_in_space_has_the_derivatives_of_whole_runs(
+    element: str, friction: dict[str, Any], by: dict[str, float], tmp_path: Path
+) -> None:
+    data = upset_block(element, friction)
+    for key, columns in differentiate(SpaceCase, data, ["punch.force"], by, tmp_path).items():
+        assert largest_error(*columns["punch.force"]) < 1e-6, key
+
+
+def test_strip_that_springs_back_has_the_derivatives_of_whole_runs(tmp_path: Path) -> None:
+    hardening = {"law": "swift", "K": 500.0, "e0": 0.005, "n": 0.2}
+    by = {
+        "stages.0.rotation.0.angle": 20.0,
+        "materials.steel.hardening.n": 0.2,
+        "workpiece.section.thickness": 1.0,
+    }
+    for key, columns in differentiate(ShellCase, bend_strip(hardening), ["tip.z"], by, tmp_path).items():
+        assert largest_error(*columns["tip.z"]) < 1e-6, key
+
+
+@pytest.mark.parametrize("degrees", [7.0, 12.0])
+def test_curvature_left_by_springback_follows_bending_by_the_closed_form(degrees: float, tmp_path: Path) -> None:
+    """d left / d bent = 1 - (elastic / bent)^3 of a strip that does not harden, elastic = 2 flow / (E thickness).
+
+    51 layers yield one after the other, and leave 1 % of it.
+    """
+    flow, young, length = 300.0, 200e3, 20.0
+    data = bend_strip({"law": "linear", "yield_stress": flow, "modulus": 0.0}, angle=degrees, points=51)
+    data["boundary"] = {
+        "root": {"set": "left", "fix": ["x", "ry", "rz"]},
+        "corner": {"set": "bottom_left", "fix": ["z"]},
+        "middle": {"set": "bottom", "hold": "symmetry_y"},
+    }
+    data |= {"points": {"tip": [length, 0, 0]}, "gradients": {"of": ["tip.z"], "by": ["stages.0.rotation.0.angle"]}}
+    found = run_case(ShellCase, data, tmp_path).history
+    bent, elastic = np.radians(degrees) / length, 2.0 * flow / young
+    height = abs(found["tip.z"][-1])
+    left = brentq(lambda k: (1.0 - np.cos(k * length)) / k - height, 1e-6, bent)
+    by_left = (length * np.sin(left * length) - height) / left
+    own = abs(found["d(tip.z)/d(stages.0.rotation.0.angle)"][-1]) / by_left * np.degrees(length)
+    assert own == pytest.approx(1.0 - (elastic / bent) ** 3, abs=0.015)

@@ -59,6 +59,8 @@ class Equilibrium:
         self._timing = timing
         self._noise = mechanics.force_of_round_off()
         self._softness = 1.0
+        self.augmented_at: list[FloatArray] = []
+        """Increments of the nodes in equilibrium with multipliers that were not good enough, in the last solution."""
         self._tangent_is_consistent = (
             model.solver.newton == "full"
             and model.solver.tangent == "consistent"
@@ -147,6 +149,7 @@ class Equilibrium:
     def _begin(self, state_n: State, trial: State, step: Step, guess: FloatArray) -> Point | BadGuess:
         """Return the forces at a first guess; at none where it cannot be evaluated."""
         self.begin(state_n, step)
+        self.augmented_at = []
         point = self.evaluate(state_n, trial, step, guess, with_stiffness=True)
         if not isinstance(point, BadGuess) or point.is_final:
             return point
@@ -178,9 +181,12 @@ class Equilibrium:
 
     def _augment(self, state_n: State, trial: State, point: Point) -> Point | None:
         """Let interactions take their multipliers over; return the point with these, None if they are good enough."""
+        before = point.guess.increment
         augmented = [k for k, i in enumerate(self._interactions) if i.augment(trial, point.forces[k])]
         for k in augmented:
             point = self._evaluate_again(k, state_n, trial, point)
+        if augmented:
+            self.augmented_at.append(before)
         return point if augmented else None
 
     def _needs_new_factors(self, balance: Balance, size: float) -> bool:
@@ -239,17 +245,23 @@ class Equilibrium:
         self._timing.add("contact", started)
         return point, Balance(constraints, resistances, drag, tuple(borders), lacking, changes, tuned, length)
 
-    def balance_like(
-        self, other: Equilibrium, state_n: State, trial: State, held: State, point: Point
-    ) -> tuple[Constraints, FloatArray]:
-        """Return what holds the nodes, and what is out of balance in their frames (n_points, freedoms) [N].
-
-        The nodes are held that another run of nearly the same model holds in a state of its own.
-        """
+    def evaluate_like(
+        self, other: Equilibrium, state_n: State, trial: State, held: State, step: Step, increment: FloatArray
+    ) -> Point | BadGuess:
+        """Return the forces after an increment, the nodes held that another run of nearly the same model holds."""
         for own, led_by in zip(self._interactions, other._interactions, strict=True):
-            own.hold_like(led_by, trial, held, point)
+            own.hold_like(led_by, trial, held, state_n.nodes.displacement + increment)
+        return self.evaluate(state_n, trial, step, increment, with_stiffness=False)
+
+    def find_lacking(self, state_n: State, trial: State, point: Point) -> tuple[Constraints, FloatArray]:
+        """Return what holds the nodes, and what is out of balance in their frames (n_points, freedoms) [N]."""
         constraints = self._constrain(state_n, trial, point)
         return constraints, self._resist(state_n, trial, point, constraints)[2]
+
+    def augment_like(self, trial: State, point: Point) -> None:
+        """Let interactions take their multipliers over, as another run has done."""
+        for interaction, own in zip(self._interactions, point.forces, strict=True):
+            interaction.augment_like(trial, own)
 
     def begin(self, state_n: State, step: Step) -> None:
         """Take note of an increment that begins."""

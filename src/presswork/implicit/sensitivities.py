@@ -22,7 +22,7 @@ an error of h^2 and of round-off over h.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -85,9 +85,12 @@ class _Side:
     change: float
     state_n: State
     trial: State
-    point: Point
-    constraints: Constraints
-    lacking: FloatArray
+    point: Point = field(init=False)
+    constraints: Constraints = field(init=False)
+    lacking: FloatArray = field(init=False)
+    """Out of balance where nothing is prescribed (n_points, freedoms) [N], in the global frame."""
+    missing: FloatArray = field(init=False)
+    """What nodes still have to move where something is, in the same form [mm, rad]."""
 
 
 class Sensitivities:
@@ -112,7 +115,11 @@ class Sensitivities:
         found = []
         for number, each in enumerate(self.neighbours):
             sides = [self._begin(*side, number, state_n, step) for side in each.sides]
-            self._solve(sides, each, step)
+            for increment in self._procedure.equilibrium.augmented_at:
+                self._solve(sides, each, increment, step)
+                for side in sides:
+                    side.procedure.equilibrium.augment_like(side.trial, side.point)
+            self._solve(sides, each, self._held.nodes.increment, step)
             for side in sides:
                 side.procedure.equilibrium.fill(side.state_n, side.trial, side.point, side.constraints)
                 side.procedure.settle(side.state_n, side.trial, step)
@@ -134,36 +141,35 @@ class Sensitivities:
         for interaction in procedure.interactions.all:
             interaction.place(beside, trial, step, 1.0)
         procedure.equilibrium.begin(beside, step)
-        side = _Side(procedure, change, beside, trial, None, None, None)  # type: ignore[arg-type]
-        self._evaluate(side, np.zeros_like(self._held.nodes.increment), step)
-        return side
+        return _Side(procedure, change, beside, trial)
 
-    def _evaluate(self, side: _Side, slope: FloatArray, step: Step) -> None:
-        """Find what is out of balance at a neighbour whose nodes go another way.
-
-        slope: derivative of the increment (n_points, freedoms).
-        """
-        increment = self._held.nodes.increment + side.change * slope
-        equilibrium = side.procedure.equilibrium
-        point = equilibrium.evaluate(side.state_n, side.trial, step, increment, with_stiffness=False)
+    def _evaluate(self, side: _Side, increment: FloatArray, step: Step) -> None:
+        """Find what is out of balance at a neighbour after an increment of its own (n_points, freedoms) [mm, rad]."""
+        main, equilibrium = self._procedure.equilibrium, side.procedure.equilibrium
+        point = equilibrium.evaluate_like(main, side.state_n, side.trial, self._held, step, increment)
         if isinstance(point, BadGuess):
             raise GaveUpError(f"no derivatives here: {point}")
         side.point = point
-        side.constraints, side.lacking = equilibrium.balance_like(
-            self._procedure.equilibrium, side.state_n, side.trial, self._held, point
-        )
+        side.constraints, lacking = equilibrium.find_lacking(side.state_n, side.trial, point)
+        side.lacking = turn_back(side.constraints, lacking)
+        side.missing = turn_back(side.constraints, np.where(side.constraints.mask == 1, side.constraints.value, 0.0))
 
-    def _solve(self, sides: Sequence[_Side], each: Neighbours, step: Step) -> None:
-        """Find the derivative of the increment; leaves the neighbours there. Raises GaveUpError."""
+    def _solve(self, sides: Sequence[_Side], each: Neighbours, increment: FloatArray, step: Step) -> None:
+        """Find the derivative of the increment; leaves the neighbours there. Raises GaveUpError.
+
+        increment: of the run, in equilibrium (n_points, freedoms) [mm, rad].
+        """
         system = self._procedure.equilibrium.system
         more, less = sides
-        slope, last = np.zeros_like(self._held.nodes.increment), np.inf
+        slope, last = np.zeros_like(increment), np.inf
+        for side in sides:
+            self._evaluate(side, increment, step)
         for rounds in range(MOST_ROUNDS):
             lacking, value, reaction = (
                 (a - b) / (2.0 * each.step)
                 for a, b in (
                     (more.lacking, less.lacking),
-                    (more.constraints.value, less.constraints.value),
+                    (more.missing, less.missing),
                     (more.point.reaction, less.point.reaction),
                 )
             )
@@ -171,13 +177,11 @@ class Sensitivities:
             missing = float(np.abs(value).max()) / max(float(np.abs(slope).max()), 1e-300)
             if max(off, missing) < BALANCED or (rounds > 2 and max(off, missing) < ENOUGH and off > 0.5 * last):
                 return
-            held = system.constraints
-            way = np.where(held.mask == 1, value, 0.0)
-            slope = slope + system.respond(turn_back(held, lacking)) + turn_back(held, way)
+            slope = slope + system.respond(lacking) + value
             last = off
             self.rounds += 1
             for side in sides:
-                self._evaluate(side, slope, step)
+                self._evaluate(side, increment + side.change * slope, step)
         raise GaveUpError(f"the derivative by {each.key} is not found: {last:.1e} of its forces stay out of balance")
 
 

@@ -12,7 +12,8 @@ Newton's method asks every interaction of a run the same questions, in this orde
     resist            forces that follow from the reactions of what is held, such as friction
     tune              near equilibrium: what a law leaves open, such as a friction between none and all
     border            freedoms of its own, one equation each, such as a tool that a force pushes
-    hold_like         of a neighbour of the run, whose derivatives are asked for: hold the nodes that the run holds
+    hold_like         of a neighbour of a run, by which its derivatives are found: hold the nodes that the run holds
+    augment_like      the same: take multipliers over where the run has
     augment           in equilibrium: whether multipliers are taken over and the iteration goes on
     settle            the increment has converged; what the next one needs goes into the trial state
     commit, work      the trial state becomes the converged one; work done in the increment [N mm]
@@ -197,11 +198,15 @@ class Interaction:
         """Return what is prescribed, together with what others hold already."""
         return held
 
-    def hold_like(self, other: Self, trial: State, held: State, point: Point) -> None:
-        """Hold in a trial state the nodes that another run of nearly the same model holds, at a guess of its own.
+    def hold_like(self, other: Self, trial: State, held: State, displacement: FloatArray) -> None:
+        """Hold in a trial state what another run of nearly the same model holds, before a guess is evaluated.
 
-        other: the interaction of that run; held: its state in equilibrium.
+        other: the interaction of that run; held: its state in equilibrium. displacement: of the guess (n_points,
+        freedoms) [mm, rad].
         """
+
+    def augment_like(self, trial: State, own: Forces | None) -> None:
+        """Take multipliers over as another run of nearly the same model has done where it was."""
 
     def resist(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> Resistance | None:
         """Return the forces that follow from the reactions."""

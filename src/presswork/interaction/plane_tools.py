@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -135,11 +135,11 @@ class PlaneTools(Interaction):
         fixed = self._supports.fixed(point.guess.step.stage)
         return self.contact.update(trial, point.reaction, self.friction.drag, fixed, near=near, tolerance=pull)
 
-    def hold_like(self, other: PlaneTools, trial: State, held: State, point: Point) -> None:
+    def hold_like(self, other: Self, trial: State, held: State, displacement: FloatArray) -> None:
         """Hold the nodes that another run holds, and let the same part of constant shear act on them."""
         own, found = trial[ContactArrays], held[ContactArrays]
         own.status, own.shear_part = found.status.copy(), found.shear_part.copy()
-        self.contact.search(trial, point.guess.displacement)
+        self.contact.search(trial, displacement)
 
     def constrain(self, state_n: State, trial: State, point: Point, held: Constraints) -> Constraints:
         """Hold the nodes in contact on their tools."""

@@ -247,6 +247,18 @@ class SolidContact(SpaceContact):
         self._multiplier = push
         return True
 
+    def take_over(self, own: SpaceForces) -> None:
+        """Take the multipliers over."""
+        self._multiplier = np.linalg.norm(own.by_tool - own.friction, axis=2)
+
+    def touch_like(self, other: SpaceContact) -> None:
+        """Let nodes stick that stick in another run, and the faces shear whose area it has settled."""
+        assert isinstance(other, SolidContact)
+        self._lay, settled = other._lay, other._n_guesses >= GUESSES
+        self._n_guesses = GUESSES if settled else 0
+        if settled:
+            self._covered = other._covered
+
     def _renew_cover(self) -> bool:
         """Take the area that shears as it lies in equilibrium, if it has stayed behind; say whether it has."""
         if self._n_guesses <= GUESSES or self._n_renewals == RENEWALS:

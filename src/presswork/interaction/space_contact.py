@@ -305,6 +305,12 @@ class SpaceContact:
         """Take multipliers over in equilibrium if they are not good enough yet."""
         return False
 
+    def take_over(self, own: SpaceForces) -> None:
+        """Take the multipliers over, if there are any."""
+
+    def touch_like(self, other: SpaceContact) -> None:
+        """Take over from another run of nearly the same model what it has decided of nodes and faces."""
+
     def settle(self, trial: State, found: SpaceForces) -> None:
         """Keep what an increment has found."""
         kept = trial[SpaceToolArrays]

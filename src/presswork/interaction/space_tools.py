@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -111,6 +111,14 @@ class SpaceTools(Interaction):
     def move(self, trial: State, border: FloatingInSpace, travel: FloatArray) -> None:
         """Move the floating tools by their travel [mm]."""
         move_tools(trial[SpaceToolArrays], border, travel)
+
+    def hold_like(self, other: Self, trial: State, held: State, displacement: FloatArray) -> None:
+        """Let the faces shear that shear in another run."""
+        self.contact.touch_like(other.contact)
+
+    def augment_like(self, trial: State, own: Any) -> None:
+        """Take multipliers over as another run has done."""
+        self.contact.take_over(own)
 
     def augment(self, trial: State, own: Any) -> bool:
         """Take multipliers over in equilibrium if they are not good enough yet."""
