@@ -77,7 +77,7 @@ def main() -> None:
         if report.number % 10 and not report.is_save_point:
             continue
         state = procedure.state
-        force = 4e-3 * procedure.interactions.sheet_tools.contact.tool_forces(state)[:, 2]
+        force = 4e-3 * procedure.interactions.space_tools.contact.tool_forces(state)[:, 2]
         draw_in = -state.nodes.displacement[side, 0], np.hypot(*state.nodes.displacement[corner, :2])
         thickness = np.concatenate([t.ravel() for t in state[ShellArrays].thickness])
         print(

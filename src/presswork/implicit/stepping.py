@@ -19,6 +19,7 @@ from presswork.body.solids import Mechanics, make_mechanics
 from presswork.body.thermoelastic import find_thermal_work, keep_temperatures
 from presswork.evolution.points import Evolution
 from presswork.implicit.energy import Work, add_external_work, add_work, balance
+from presswork.implicit.first_guess import FormerIncrement, find_first_guess, keep_former
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.heat_of_increments import MOST_PASSES, HeatOfIncrements
 from presswork.implicit.heat_of_stamping import HeatOfStamping
@@ -127,6 +128,8 @@ class ImplicitProcedure:
         """Return the State before the first increment."""
         state = self.mechanics.at_rest()
         state.add(Progress(next_size=self.model.solver.initial_increment), Work())
+        if self.model.analysis == "shell" and self.model.space_tools:
+            state.add(FormerIncrement(np.zeros_like(state.nodes.increment)))
         for interaction in self.interactions.all:
             state.add(*interaction.at_rest())
         if self.ram.is_needed:
@@ -300,6 +303,9 @@ class ImplicitProcedure:
         for interaction in self.interactions.all:
             interaction.place(state_n, trial, step, ratio)
         guess = state_n.nodes.increment * (-BACK if self._lets_go else ratio)
+        if FormerIncrement in state_n and not self._lets_go:
+            fixed = self.interactions.supports.fixed(stage)
+            guess = find_first_guess(state_n, trial, fraction - fraction_n, self.interactions.all, fixed)
         outcome = self.equilibrium.solve(state_n, trial, step, guess, gently=gently)
         return trial, outcome
 
@@ -361,6 +367,8 @@ class ImplicitProcedure:
         if self.sheet_heat is not None:
             self.sheet_heat.take(trial)
         self.evolve(state_n, trial, step)
+        if FormerIncrement in trial:
+            keep_former(state_n, trial)
         p = trial[Progress]
         p.time += step.dt
         p.increments += 1

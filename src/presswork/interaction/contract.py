@@ -174,6 +174,10 @@ class Interaction:
     def place(self, state_n: State, trial: State, step: Step, ratio: float) -> None:
         """Put what moves by itself to where an increment leads; `ratio` of it to the increment before."""
 
+    def lead(self, state_n: State, trial: State, guess: FloatArray) -> FloatArray:
+        """Return a first guess (n_points, freedoms) [mm, rad] with its nodes where it expects them."""
+        return guess
+
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Take note of an increment that begins."""
 

@@ -25,6 +25,9 @@ from presswork.state import Arrays, State
 ROUNDING = 1e-3
 """Gap over the thickness below which a node begins to touch."""
 
+FARTHEST_LED = 2.0
+"""Thicknesses from a tool within which a node of a guess is led back to it."""
+
 DEPTH = 2.0
 """Thicknesses that a node of a guess may lie in a tool and be found: behind that is another wall."""
 
@@ -54,6 +57,28 @@ class SheetContact(SpaceContact):
             np.add.at(total, block.connectivity, thickness.mean(axis=1)[:, None])
         self._thickness = total / np.maximum(self._cells, 1.0)
         self.beads.begin_increment(state_n)
+
+    def lead(self, state_n: State, trial: State, guess: FloatArray) -> FloatArray:
+        """Return a first guess (n_points, 6) with each node that touched a tool where it pushes as it did.
+
+        Other nodes that the guess puts into a tool are put on it. A node moves along the tools' normals; one between
+        two tools to the mean of the two places. trial: has the tools where they go.
+        """
+        self.begin_increment(state_n)
+        x = self._model.mesh.points + state_n.nodes.displacement[:, :3] + guess[:, :3]
+        move, tools = np.zeros_like(x), np.zeros(len(x))
+        before, placed = state_n[SpaceToolArrays], trial[SpaceToolArrays]
+        for t in range(len(self._surfaces)):
+            touching = self.touching(t)
+            gap, normal = self.placed(t, placed).nearest(x, FARTHEST_LED * float(self._thickness.max()))
+            push = np.linalg.norm(before.force[t] - before.friction[t], axis=1)
+            missing = np.where(push > 0.0, touching.gap_at(push), 0.0) - (gap - touching.reach)
+            led = np.isfinite(gap) & ((push > 0.0) | (missing > 0.0))
+            move[led] += missing[led, None] * normal[led]
+            tools[led] += 1.0
+        led_guess = guess.copy()
+        led_guess[:, :3] += move / np.maximum(tools, 1.0)[:, None]
+        return led_guess
 
     def touching(self, tool: int) -> TouchingNodes:
         """Return what the contact with a tool must know of the nodes."""

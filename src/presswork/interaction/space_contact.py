@@ -61,6 +61,11 @@ class TouchingNodes:
     rounding: FloatArray
     """Distance over which that begins (n_points,) [mm]."""
 
+    def gap_at(self, push: FloatArray) -> FloatArray:
+        """Return the gap beyond the reach at which a node is pushed with so much [N] (n_points,) [mm]."""
+        k, delta = self.spring, self.rounding
+        return np.where(push > k * delta, -push / k, delta - np.sqrt(4.0 * delta * push / k))
+
 
 @dataclass(frozen=True)
 class TouchedNodes:

@@ -75,6 +75,10 @@ class SpaceTools(Interaction):
         ways = {t: np.array(push.direction) for t, push in self.floating.pushes(0).items()}
         return self.contact.held_directions(state, ways if self._model.analysis == "solid" else {})
 
+    def lead(self, state_n: State, trial: State, guess: FloatArray) -> FloatArray:
+        """Return a first guess with the nodes of a sheet where the tools push on them as they did."""
+        return self.contact.lead(state_n, trial, guess) if isinstance(self.contact, SheetContact) else guess
+
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Take what belongs to the nodes as it is when the increment begins."""
         self.floating.begin_increment()
