@@ -55,19 +55,21 @@ class Groups:
 
     def nodes(self, room: str, number: int, shells: Shells) -> IndexArray:
         """Return the labels of the nodes of a group, in order (n,). Raises KeyError for one that is not known."""
-        found: set[int] = set()
         group = self._groups[room, number]
         if group.kind == "ranges":
             pairs = zip(group.members[::2], group.members[1::2], strict=False)
-            return np.array(sorted(n for first, last in pairs for n in range(first, last + 1)), dtype=np.intp)
+            return np.unique([n for first, last in pairs for n in range(first, last + 1)]).astype(np.intp)
+        if group.kind == "nodes":
+            members = np.array(group.members, dtype=np.intp)
+            return np.setdiff1d(members[members > 0], -members[members < 0])
+        found = np.empty(0, dtype=np.intp)
         for member in group.members:
-            own = {abs(member)}
             if group.kind == "parts":
-                own = set(shells.nodes[shells.part == abs(member)].ravel().tolist())
-            elif group.kind != "nodes":
-                own = set(self.nodes(group.kind, abs(member), shells).tolist())
-            found = found | own if member > 0 else found - own
-        return np.array(sorted(found), dtype=np.intp)
+                own = np.unique(shells.nodes[shells.part == abs(member)])
+            else:
+                own = self.nodes(group.kind, abs(member), shells)
+            found = np.union1d(found, own) if member > 0 else np.setdiff1d(found, own)
+        return found
 
     def parts(self, room: str, number: int, shells: Shells) -> tuple[int, ...]:
         """Return the parts with a shell all of whose nodes are in a group. Raises KeyError."""

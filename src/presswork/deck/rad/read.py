@@ -159,7 +159,7 @@ class RadDeck:
         for rows in block.pieces():
             table = read_table(rows, (10, 20, 20, 20), {})
             self._labels.append(table[:, 0].astype(np.intp))
-            self._points.append(table[:, 1:])
+            self._points.append(table[:, 1:].copy())
 
     def _shells(self, block: Block) -> None:
         for rows in block.pieces():
@@ -204,6 +204,7 @@ class RadDeck:
         deck.labels, deck.points = np.concatenate(self._labels), np.concatenate(self._points)
         table = np.concatenate([rows for _, rows in self._rows])
         part = np.concatenate([np.full(len(rows), number, dtype=np.intp) for number, rows in self._rows])
+        self._labels, self._points, self._rows = [], [], []  # a million nodes are not kept twice
         own = np.where(table[:, 4] > 0.0, table[:, 4], np.nan)
         self._all = Shells(part, table[:, :4].astype(np.intp), own)
         for block in self._later:
