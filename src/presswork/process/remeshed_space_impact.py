@@ -19,9 +19,9 @@ from presswork.process.epochs import NamedArrays
 from presswork.process.mesh_reasons import LAST_CUT
 from presswork.process.remeshed_impact import NEAR, RemeshedImpact, keep_peaks
 from presswork.process.remeshing_in_space import (
-    CHORD,
     LEFT,
     Left,
+    draw_shape,
     find_breach,
     find_reason,
     list_sizes,
@@ -30,13 +30,11 @@ from presswork.process.remeshing_in_space import (
     to_mesh,
 )
 from presswork.process.space_impact import ExplicitSpaceImpact
-from presswork.process.space_surfaces import draw_tool
 from presswork.remesh.carrier import Carrier, SkinPlaces
 from presswork.remesh.space.body import OldBody
 from presswork.remesh.space.fill import REMEDY
 from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.tetrahedra import measure_volumes
-from presswork.remesh.space.tools import PlacedTool, find_bends
 from presswork.remesh.space.triggers import find_cut_edge
 
 POINTS = "block_0.points"
@@ -51,8 +49,7 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
         self._obstacle = _find_obstacle(model)
         if self._obstacle and not model.remeshing.keeps_first:
             raise StartError(f"{self._obstacle}: leave out [remesh]")
-        chord = CHORD * model.remeshing.smallest_size
-        self._bends = [find_bends(*draw_tool(tool, model.mesh.points, chord)) for tool in model.space_tools]
+        self._shapes = [draw_shape(tool, model.mesh.points, model.remeshing) for tool in model.space_tools]
         self._left = Left()
         """What was wrong with the present mesh when it was made."""
         super().__init__(model, threads=threads)
@@ -73,9 +70,7 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
         outer = np.unique(mesh.boundary_faces)
         for t, surface in enumerate(surfaces):
             on_tool[t, outer] = np.abs(surface.nearest(position[outer], 2.0 * near)[0]) < near
-        tools = [
-            PlacedTool(surface, bends.carry(surface.pose)) for surface, bends in zip(surfaces, self._bends, strict=True)
-        ]
+        tools = [shape.place(surface, surface.pose) for surface, shape in zip(surfaces, self._shapes, strict=True)]
         cells = mesh.blocks[0].connectivity.astype(np.intp)
         return OldBody(position, cells, on_tool, self._find_held(), take_places(self.model), tools, self._find_loss())
 

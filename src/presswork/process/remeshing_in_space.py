@@ -12,11 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.body.solids import Mechanics
+from presswork.geometry.tool_widths import find_widths
 from presswork.implicit.epochs import Epoch, new_epoch
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.checks import MeshError
-from presswork.model import CellBlock, FloatArray, IndexArray, IntArray, Limits, Mesh, Model, Remeshing, list_sets
+from presswork.model import (
+    CellBlock,
+    FloatArray,
+    IndexArray,
+    IntArray,
+    Limits,
+    Mesh,
+    Model,
+    Remeshing,
+    Tool,
+    Triangulation,
+    list_sets,
+)
 from presswork.process.carrying import carry_state, carry_surface, find_undeclared
 from presswork.process.epochs import NamedArrays
 from presswork.process.mesh_reasons import LAST_CUT
@@ -26,9 +39,9 @@ from presswork.remesh.carrier import Carrier, Part, SkinPlaces
 from presswork.remesh.space.body import NewBody, OldBody
 from presswork.remesh.space.fill import REMEDY
 from presswork.remesh.space.remesh import remesh_body
-from presswork.remesh.space.size_field import EdgeSizes
+from presswork.remesh.space.size_field import OF_WIDTH, EdgeSizes
 from presswork.remesh.space.tetrahedra import measure_quality
-from presswork.remesh.space.tools import PlacedTool, find_bends
+from presswork.remesh.space.tools import PlacedTool, ToolShape, find_bends
 from presswork.remesh.space.triggers import (
     TOO_DEEP,
     TOO_LONG,
@@ -60,8 +73,7 @@ class RemeshedSpaceForming(RemeshedForming):
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         assert model.remeshing is not None
-        chord = CHORD * model.remeshing.smallest_size
-        self._bends = [find_bends(*draw_tool(tool, model.mesh.points, chord)) for tool in model.space_tools]
+        self._shapes = [draw_shape(tool, model.mesh.points, model.remeshing) for tool in model.space_tools]
         super().__init__(model, threads=threads)
         self._left = Left()
         """What was wrong with the present mesh when it was made."""
@@ -88,9 +100,9 @@ class RemeshedSpaceForming(RemeshedForming):
         if space_tools is not None:
             placed = state[SpaceToolArrays]
             on_tool = np.linalg.norm(placed.force, axis=2) > 0.0
-            for t, bends in enumerate(self._bends):
+            for t, shape in enumerate(self._shapes):
                 surface = space_tools.contact.placed(t, placed)
-                tools.append(PlacedTool(surface, bends.carry(surface.pose)))
+                tools.append(shape.place(surface, surface.pose))
         (body,) = self._bodies()
         return [
             OldBody(
@@ -225,6 +237,14 @@ def find_breach(old: OldBody, limits: Limits, *, left: Left) -> str | None:
     """Say where a tool comes so deep that limits.penetration would stop the run soon."""
     limit = limits.penetration
     return find_cut_face(old, max(BEFORE_LIMIT * limit, min(WORSE * left.face, AT_LIMIT * limit)))
+
+
+def draw_shape(tool: Tool, points: FloatArray, settings: Remeshing) -> ToolShape:
+    """Return what new meshes must know of a tool that meets a body of points (n, 3) [mm]."""
+    corners, triangles = draw_tool(tool, points, CHORD * settings.smallest_size)
+    widest = settings.size / OF_WIDTH
+    widths = find_widths(Triangulation(corners, triangles, False), widest, settings.smallest_size)
+    return ToolShape(find_bends(corners, triangles), widths)
 
 
 def list_sizes(settings: Remeshing) -> EdgeSizes:

@@ -225,6 +225,21 @@ def test_cells_too_coarse_for_a_radius_are_told_with_the_size_that_would_do(capl
     assert "would do" not in caplog.text
 
 
+def test_cells_too_coarse_for_a_ridge_are_told_with_the_size_that_would_do(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    write_stl(tmp_path / "die.stl", box_facets((-0.6, -12.0, 8.0), (0.6, 12.0, 14.0)))
+    with caplog.at_level(logging.WARNING):
+        build(FILE, tmp_path)
+    assert "tools.die: a ridge about 1.2 mm wide near (" in caplog.text
+    assert "cells of the workpiece of 2 mm" in caplog.text
+    assert "0.6 mm would do" in caplog.text
+    caplog.clear()
+    write_stl(tmp_path / "die.stl", box_facets((-1.5, -12.0, 8.0), (1.5, 12.0, 14.0)))
+    build(FILE, tmp_path)
+    assert "would do" not in caplog.text
+
+
 def test_a_tool_of_a_step_model_has_the_shape_of_its_faces(tmp_path: Path) -> None:
     occ = pytest.importorskip("netgen.occ", reason='no netgen: pip install "presswork[cad]"')
     occ.Cylinder(occ.Pnt(0, 0, 8), occ.Z, r=6, h=10).WriteStep(str(tmp_path / "die.step"))

@@ -33,6 +33,7 @@ from presswork.case.space.remesh import build_space_remeshing, check_space_remes
 from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
 from presswork.case.space.symmetry import Symmetry, build_supports, check_symmetry, find_symmetry
 from presswork.case.space.tool_builder import build_tool, check_motions, find_way
+from presswork.case.space.tool_checks import mean_edge, warn_of_widths
 from presswork.mesh.faces import face_areas
 
 logger = logging.getLogger(__name__)
@@ -62,6 +63,10 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     built = [
         build_tool(name, tool, mesh, symmetry.planes, folder, find_way(case, name)) for name, tool in case.tools.items()
     ]
+    remeshing = build_space_remeshing(case, mesh)
+    for name, tool in zip(case.tools, built, strict=True):
+        if isinstance(tool, model.Tool):
+            warn_of_widths(name, tool, *_find_smallest_cells(remeshing, mesh))
     stages, of_presses = _build_stages(case, mesh, symmetry)
     problems += [
         *wrong,
@@ -91,9 +96,16 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         limits=case.limits.build(),
         points=points,
         heat=build_space_heat(case, bodies),
-        remeshing=build_space_remeshing(case, mesh),
+        remeshing=remeshing,
         case_text=case.text,
     )
+
+
+def _find_smallest_cells(remeshing: model.Remeshing | None, mesh: model.Mesh) -> tuple[float, str]:
+    """Return the smallest edges that cells on tools will have [mm], and what they are."""
+    if remeshing is None or remeshing.keeps_first:
+        return mean_edge(mesh), "cells of the workpiece"
+    return remeshing.smallest_size, "remesh.smallest_size"
 
 
 def _depends_on_pushes(case: SpaceCase) -> bool:

@@ -9,10 +9,11 @@ import numpy as np
 
 from presswork.case.errors import Problem
 from presswork.geometry.crossing_facets import find_crossing_facets
-from presswork.geometry.pose import SpacePose
+from presswork.geometry.pose import SpacePose, find_space_pose
 from presswork.geometry.segments import CENTRE, TURN, X0
 from presswork.geometry.swept_tool import triangulate
 from presswork.geometry.tool_surface import make_surface
+from presswork.geometry.tool_widths import find_widths
 from presswork.mesh.faces import take_corners
 from presswork.mesh.triangles import find_rims
 from presswork.model import FloatArray, IndexArray, Mesh, Plane, SweptProfile, Tool, Triangulation
@@ -126,4 +127,28 @@ def warn_of_radius(name: str, segments: FloatArray, edge: float) -> None:
             smallest,
             edge,
             ENOUGH * smallest,
+        )
+
+
+def warn_of_widths(name: str, tool: Tool, edge: float, key: str) -> None:
+    """Say where ridges or slots of a tool of facets are narrower than the smallest cells [mm]; key: what they are."""
+    if not isinstance(tool.surface, Triangulation):
+        return
+    widths = find_widths(tool.surface, edge, edge)
+    for kind, own, fate in (("ridge", widths.is_ridge, "follow it"), ("slot", ~widths.is_ridge, "flow into it")):
+        if not own.any():
+            continue
+        width, places = widths.width[own], widths.place[own]
+        typical = float(np.median(width))
+        where = find_space_pose(tool, np.zeros(3)).carry(places[[np.argmin(np.abs(width - typical))]])[0]
+        logger.warning(
+            "tools.%s: a %s about %.2g mm wide near (%s), and %s of %.3g mm, too coarse to %s; %.2g mm would do",
+            name,
+            kind,
+            typical,
+            ", ".join(f"{x:.4g}" for x in where),
+            key,
+            edge,
+            fate,
+            ENOUGH * typical,
         )

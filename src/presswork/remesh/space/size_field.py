@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How long edges of tetrahedra may be where: the least of what the tools' radii and the thickness of the metal ask for,
-growing from there by no more than the gradation, within a budget of cells.
+"""How long edges of tetrahedra may be where: the least of what the tools' radii, ridges and slots and the thickness
+of the metal ask for, growing from there by no more than the gradation, within a budget of cells.
 """
 
 from __future__ import annotations
@@ -12,12 +12,14 @@ from scipy.spatial import cKDTree
 
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray
-from presswork.remesh.size_field import SizeSources, grade, join_sources
+from presswork.remesh.size_field import GRADATION, SizeSources, grade, join_sources
 from presswork.remesh.space.body import OldBody
 from presswork.remesh.space.tetrahedra import area_vectors, measure_volumes
 
 OF_RADIUS = 0.4
 OF_GAP = 0.25
+OF_WIDTH = 0.5
+"""Of the width of a tool's ridge or slot: metal follows the one and enters the other with two edges across it."""
 REACH = 2.0
 """Cells of the largest size ahead of contact over which a tool's radius counts."""
 LEAST_ACROSS = 1.5
@@ -47,7 +49,8 @@ def measure_sizes(body: OldBody, sizes: EdgeSizes, points: FloatArray | None = N
     Where max_cells would be exceeded, all become longer. Raises MeshError where that leaves too few across the metal.
     """
     sources = [_ask_for_gaps(body, sizes)]
-    sources += [_ask_for_radii(body, tool, sizes) for tool in range(len(body.tools))]
+    for ask in (_ask_for_radii, _ask_for_widths):
+        sources += [ask(body, tool, sizes) for tool in range(len(body.tools))]
     all_sources = join_sources(*sources)
     at_nodes = grade(body.points, all_sources, sizes.largest, sizes.smallest)
     factor = _find_factor(body, at_nodes, sizes)
@@ -126,11 +129,22 @@ def _ask_for_gaps(body: OldBody, sizes: EdgeSizes) -> SizeSources:
 def _ask_for_radii(body: OldBody, tool: int, sizes: EdgeSizes) -> SizeSources:
     """Return a part of the radii of a tool's bends where the skin is near them."""
     place, radius = body.tools[tool].list_radii(sizes.smallest)
-    wanted = np.maximum(OF_RADIUS * radius, sizes.smallest)
+    return _ask_near_skin(body, place, OF_RADIUS * radius, sizes)
+
+
+def _ask_for_widths(body: OldBody, tool: int, sizes: EdgeSizes) -> SizeSources:
+    """Return a part of the widths of a tool's ridges and slots where the skin is near them."""
+    widths = body.tools[tool].widths
+    return _ask_near_skin(body, widths.place, OF_WIDTH * widths.width, sizes)
+
+
+def _ask_near_skin(body: OldBody, place: FloatArray, size: FloatArray, sizes: EdgeSizes) -> SizeSources:
+    """Return sizes asked for at places on a tool (n, 3) that the skin is near; those farther off may wait."""
+    wanted = np.maximum(size, sizes.smallest)
     place, wanted = place[wanted < sizes.largest], wanted[wanted < sizes.largest]
     middles = body.points[body.faces].mean(axis=1)
     skin = np.concatenate([body.points[np.unique(body.faces)], middles])
     distance, _ = cKDTree(skin).query(place, distance_upper_bound=REACH * sizes.largest)
     near = np.isfinite(distance)
-    growth = np.log(1.3) * np.maximum(distance[near] - sizes.largest, 0.0)  # what is farther off may wait
+    growth = GRADATION * np.maximum(distance[near] - sizes.largest, 0.0)
     return SizeSources(place[near], wanted[near] + growth)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rigid tools as a new mesh must know them: where they stand, their sharp edges, and the radii of their bends."""
+"""Rigid tools as a new mesh must know them: where they stand, their sharp edges, the radii of their bends, and how wide
+their ridges and slots are.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from presswork.geometry.pose import SpacePose
+from presswork.geometry.tool_widths import NO_WIDTHS, Widths
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray
 
 SHARP = float(np.radians(35.0))
@@ -65,6 +68,7 @@ class PlacedTool:
 
     surface: Touched
     bends: Bends
+    widths: Widths = NO_WIDTHS
 
     def touch(self, points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
         """Return the gap of points (n, 3) [mm], infinite beyond reach, and normals out of the tool (n, 3)."""
@@ -89,6 +93,18 @@ class PlacedTool:
         radius = np.where(turn > SHARP, 0.0, width / np.abs(turn))
         counts = turn > -SHARP
         return _sample(segments[counts], radius[counts], spacing)
+
+
+@dataclass(frozen=True)
+class ToolShape:
+    """What does not change of a rigid tool, in its own frame."""
+
+    bends: Bends
+    widths: Widths
+
+    def place(self, surface: Touched, pose: SpacePose) -> PlacedTool:
+        """Return the tool where it stands."""
+        return PlacedTool(surface, self.bends.carry(pose), self.widths.carry(pose))
 
 
 def put_on_tools(

@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from presswork.geometry.pose import SpacePose
+from presswork.geometry.tool_widths import Widths
 from presswork.mesh.checks import MeshError
 from presswork.model import Limits, Remeshing
 from presswork.process.remeshing_in_space import Left, find_breach, find_reason, measure_left
@@ -22,7 +24,13 @@ from presswork.remesh.space.triggers import (
     measure_cut,
     measure_cut_face,
 )
-from tests.unit.remesh.space.bodies import ball_on_block, indented_block, mesh_box, place_block, upset_block
+from tests.unit.remesh.space.bodies import (
+    ball_on_block,
+    indented_block,
+    mesh_box,
+    place_block,
+    upset_block,
+)
 
 BODIES = {upset_block: EdgeSizes(1.5, 0.6, 20_000), indented_block: EdgeSizes(0.6, 0.3, 40_000),
           ball_on_block: EdgeSizes(1.0, 0.4, 20_000)}  # fmt: skip
@@ -102,6 +110,20 @@ def test_sharp_edges_of_tools_become_edges_of_the_mesh():
     along = edges[np.isin(edges, on_edge).all(axis=1)]
     covered = np.abs(new.points[along[:, 1], 1] - new.points[along[:, 0], 1]).sum()
     assert covered > 0.75 * 4.0
+
+
+def test_cells_are_small_at_narrow_ridges_and_slots_that_metal_is_near():
+    body, sizes = upset_block(), EdgeSizes(1.5, 0.5, 20_000)
+    place = np.array([[6.0, 6.0, 7.0]])
+    narrow = Widths(place, np.array([1.2]), np.array([True]))
+    low, high = body.tools
+    beside = np.argmin(np.linalg.norm(body.points - place, axis=1))
+    assert measure_sizes(body, sizes)[beside] > 1.2
+    near = replace(body, tools=[low, replace(high, widths=narrow)])
+    assert measure_sizes(near, sizes)[beside] == pytest.approx(0.6, rel=0.1)
+    above = SpacePose(np.zeros(3), np.array([0.0, 0.0, 20.0]), np.zeros(3), None)
+    far = replace(body, tools=[low, replace(high, widths=narrow.carry(above))])
+    assert measure_sizes(far, sizes)[beside] > 1.2
 
 
 def test_the_same_mesh_comes_out_to_the_bit():
