@@ -7,21 +7,23 @@
 
 namespace presswork::contact {
 
-SweptSurface::SweptSurface(const Plan& plan, int n, const double* segments, double depth) : depth_(depth), plan_(plan) {
+SweptSurface::SweptSurface(const Plan& plan, int n, const double* segments, double depth) : plan_(plan) {
+  search_.depth = depth;
   check_plan();
   const double narrow = std::min(plan.half_width[0], plan.half_width[1]);
   if (std::isinf(std::max(plan.half_width[0], plan.half_width[1]))) plan_.corner_radius = narrow;  // a strip has none
+  search_.corner_radius = plan_.corner_radius;
   if (n < 1) throw std::invalid_argument("a profile needs a segment");
   double size = 0.0;
   for (int i = 0; i < n; ++i)
     for (int k = 0; k < 4; ++k) size = std::max(size, std::abs(segments[7 * i + k]));
   if (!(size > 0.0 && std::isfinite(size))) throw std::invalid_argument("the profile's points must be finite");
-  tolerance_ = 1e-10 * size;
+  search_.tolerance = 1e-10 * size;
   const double* last = segments + 7 * (n - 1);
   const bool closed = std::hypot(last[2] - segments[0], last[3] - segments[1]) < 1e-9 * size;
   for (int k = 0; k < 2; ++k) {
-    core_[k] = plan.half_width[k] - plan_.corner_radius;
-    low_[k] = std::numeric_limits<double>::infinity(), high_[k] = -low_[k];
+    search_.core[k] = plan.half_width[k] - plan_.corner_radius;
+    search_.low[k] = std::numeric_limits<double>::infinity(), search_.high[k] = -search_.low[k];
   }
   for (int i = 0; i < n; ++i) {
     const double* next = i + 1 < n ? segments + 7 * (i + 1) : closed ? segments : nullptr;
@@ -29,18 +31,20 @@ SweptSurface::SweptSurface(const Plan& plan, int n, const double* segments, doub
       throw std::invalid_argument("each segment of a profile must start where the one before it ends");
     add_piece(segments + 7 * i, next);
   }
-  n_ends_ = 0;
+  search_.n_ends = 0;
   if (!closed) {
     add_end(segments[0], segments[1], segments, 0);
     add_end(last[2], last[3], last, 1);
   }
   check_inside();
+  search_.pieces = pieces_.data(), search_.corners = corners_.data();
+  search_.n = static_cast<int>(pieces_.size()), search_.n_corners = static_cast<int>(corners_.size());
 }
 
 // An end of the profile, beyond which there is no tool; at the middle of a round plan it goes on as its mirror image.
 void SweptSurface::add_end(double s, double z, const double* segment, int side) {
-  if (core_[0] > 0.0 || core_[1] > 0.0 || s > -plan_.corner_radius + slack()) {
-    ends_[n_ends_][0] = s, ends_[n_ends_++][1] = z;
+  if (search_.core[0] > 0.0 || search_.core[1] > 0.0 || s > -plan_.corner_radius + slack()) {
+    search_.ends[search_.n_ends][0] = s, search_.ends[search_.n_ends++][1] = z;
     return;
   }
   double normal[2];  // to the left of the way
@@ -57,7 +61,7 @@ void SweptSurface::check_plan() const {
   if (std::isinf(a) && std::isinf(b)) throw std::invalid_argument("only one half width of a plan may be infinite");
   if (!(plan_.corner_radius >= 0.0 && plan_.corner_radius <= std::min(a, b)))
     throw std::invalid_argument("the corner radius of a plan must lie between 0 and its smaller half width");
-  if (!(depth_ > 0.0)) throw std::invalid_argument("depth must be positive");
+  if (!(search_.depth > 0.0)) throw std::invalid_argument("depth must be positive");
 }
 
 void SweptSurface::add_piece(const double* s, const double* next) {
@@ -75,7 +79,7 @@ void SweptSurface::add_piece(const double* s, const double* next) {
     // its box: the ends, and an arc's farthest points along the axes where they belong to it
     low[k] = !line && -p.bisector[k] >= p.cosine ? s[4 + k] - p.radius : std::min(s[k], s[2 + k]);
     const double high = !line && p.bisector[k] >= p.cosine ? s[4 + k] + p.radius : std::max(s[k], s[2 + k]);
-    low_[k] = std::min(low_[k], low[k]), high_[k] = std::max(high_[k], high);
+    search_.low[k] = std::min(search_.low[k], low[k]), search_.high[k] = std::max(search_.high[k], high);
   }
   const bool flat = line && std::abs(s[3] - s[1]) <= 1e-9 * chord;
   if (!flat && low[0] < -plan_.corner_radius - slack())
@@ -96,10 +100,10 @@ void SweptSurface::add_piece(const double* s, const double* next) {
 
 void SweptSurface::check_inside() const {
   const double middle = -std::min(plan_.half_width[0], plan_.half_width[1]);
-  if (low_[0] < middle - slack())
+  if (search_.low[0] < middle - slack())
     throw std::invalid_argument("the profile reaches inwards past the middle of the plan");
-  for (int i = 0; i < n_ends_; ++i)
-    if (ends_[i][0] < -plan_.corner_radius - slack() && ends_[i][0] > middle + slack())
+  for (int i = 0; i < search_.n_ends; ++i)
+    if (search_.ends[i][0] < -plan_.corner_radius - slack() && search_.ends[i][0] > middle + slack())
       throw std::invalid_argument(
           "the profile ends inside the plan by more than its corner radius, short of the middle; go on to the middle");
 }
@@ -129,8 +133,8 @@ double SweptSurface::distance_to(const std::vector<int>& sharp, const double x[3
   auto take = [&](double at_s, double at_z) { least = std::min(least, std::hypot(s - at_s, z - at_z)); };
   for (int i : sharp) {
     if (i < 0) {
-      const double a = std::abs(x[0]) - core_[0], b = std::abs(x[1]) - core_[1];
-      const double off = std::max(std::max(low_[1] - z, z - high_[1]), 0.0);
+      const double a = std::abs(x[0]) - search_.core[0], b = std::abs(x[1]) - search_.core[1];
+      const double off = std::max(std::max(search_.low[1] - z, z - search_.high[1]), 0.0);
       const double aside = a >= 0.0 && b >= 0.0 ? std::abs(std::hypot(a, b) - plan_.corner_radius)
                                                 : std::max(std::hypot(a, b) - plan_.corner_radius, 0.0);
       least = std::min(least, std::hypot(aside, off));

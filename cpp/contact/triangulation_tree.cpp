@@ -74,7 +74,7 @@ std::int32_t Triangulation::make_leaf(const std::int32_t* triangles, int n) {
     double planes[4][3], on[4][3], side[3];
     for (int k = 0; k < 3; ++k) {
       planes[0][k] = t.normal[k], side[k] = t.edge[1][k] - t.edge[0][k];
-      on[0][k] = on[1][k] = on[3][k] = t.at[k] - origin_[k];
+      on[0][k] = on[1][k] = on[3][k] = t.at[k] - tree_.origin[k];
       on[2][k] = on[0][k] + t.edge[0][k];
     }
     cross(t.edge[0], t.normal, planes[1]);
@@ -107,7 +107,7 @@ void Triangulation::set_surroundings(const std::vector<float>& boxes) {
   for (std::size_t l = 0; l < leaves_.size(); ++l) {
     // the `most` nearest leaves, and how far the next is, kept as a heap with the farthest on top
     nearest.clear();
-    stack.assign(1, {0.0f, root_});
+    stack.assign(1, {0.0f, tree_.root});
     while (!stack.empty()) {
       const auto [distance2, node] = stack.back();
       stack.pop_back();
@@ -120,7 +120,8 @@ void Triangulation::set_surroundings(const std::vector<float>& boxes) {
         std::push_heap(nearest.begin(), nearest.end());
         continue;
       }
-      const Floats to_children = distance2_to(nodes_[node], box[l].data(), box[l].data() + 3);
+      const eights::AtOnce to_children =
+          TriangleTree::distance2_to<eights::AtOnce>(nodes_[node], box[l].data(), box[l].data() + 3);
       const std::size_t from = stack.size();
       for (int c = 0; c < width; ++c)
         if (to_children[c] < far) stack.emplace_back(to_children[c], nodes_[node].child[c]);

@@ -6,85 +6,68 @@
 #include <string>
 #include <vector>
 
+#include "device/cuda_arrays.cuh"
 #include "device/cuda_library.hpp"
+#include "device/cuda_sums.cuh"
 
 namespace presswork::device {
 
 namespace {
 
 template <class Real>
-__global__ void __launch_bounds__(256)
-    move_nodes(const __grid_constant__ Nodes<Real> nodes, const __grid_constant__ Step step) {
-  const int node = blockIdx.x * blockDim.x + threadIdx.x;
-  if (node < nodes.n) move_node(nodes, step, node);
+__global__ void __launch_bounds__(chunk)
+    move_nodes(const __grid_constant__ Nodes<Real> nodes, const __grid_constant__ Step step, double* fastest) {
+  const int node = blockIdx.x * chunk + threadIdx.x;
+  const double speed2 = node < nodes.n ? move_node(nodes, step, node) : 0.0;
+  if (!fastest) return;
+  const double most = reduce(speed2, [](double a, double b) { return a > b ? a : b; });
+  if (threadIdx.x == 0) fastest[blockIdx.x] = most;
 }
 
 template <int corners, class Real>
 __global__ void __launch_bounds__(128)
-    advance_shells(const __grid_constant__ Nodes<Real> nodes, const __grid_constant__ Shells<Real> shells, double dt) {
+    advance_shells(const __grid_constant__ Nodes<Real> nodes, const __grid_constant__ Shells<Real> shells,
+                   const double* room, double dt) {
   const int shell = blockIdx.x * blockDim.x + threadIdx.x;
-  if (shell < shells.n) advance_shell<corners>(nodes, shells, dt, shell);
+  if (shell < shells.n) advance_shell<corners>(nodes, shells, room, dt, shell);
 }
 
 template <class Real>
-__global__ void __launch_bounds__(256) gather_nodes(const __grid_constant__ Nodes<Real> nodes) {
-  const int node = blockIdx.x * blockDim.x + threadIdx.x;
+__global__ void __launch_bounds__(chunk) gather_nodes(const __grid_constant__ Nodes<Real> nodes) {
+  const int node = blockIdx.x * chunk + threadIdx.x;
   if (node < nodes.n) gather_forces(nodes, node);
 }
 
-void check(cudaError_t told, const char* what) {
-  if (told == cudaSuccess) return;
-  throw std::runtime_error(std::string("the card failed to ") + what + ": " + cudaGetErrorString(told));
+// One block.
+__global__ void __launch_bounds__(chunk)
+    start_tools_of(const __grid_constant__ Tools tools, int chunks, double dt, int cycle) {
+  double most = 0.0;
+  for (int c = threadIdx.x; c < chunks; c += chunk) most = tools.fastest[c] > most ? tools.fastest[c] : most;
+  most = reduce(most, [](double a, double b) { return a > b ? a : b; });
+  if (threadIdx.x == 0) start_tools(tools, dt, cycle, most);
 }
 
-// An array of the host and its copy on the card.
-struct Copy {
-  void *host, *card;
-  std::size_t bytes;
-  bool changes;
-};
+template <class Real>
+__global__ void __launch_bounds__(chunk)
+    touch_nodes(const __grid_constant__ Problem<Real> problem, double dt, int cycle) {
+  const int node = blockIdx.x * chunk + threadIdx.x;
+  touch_tools(problem, dt, cycle, node, [&](int t, const ContactSums& sums) {
+    const ContactSums sum = reduce_sums(sums);
+    if (threadIdx.x == 0) problem.tools.sums[std::size_t(blockIdx.x) * problem.tools.n + t] = sum;
+  });
+}
 
-// All arrays of a call. They are listed first, so that their size is known before anything is computed.
-class Arrays {
- public:
-  ~Arrays() {
-    for (const Copy& each : copies_) cudaFree(each.card);
+// One block.
+__global__ void __launch_bounds__(chunk) close_tools(const __grid_constant__ Tools tools, int chunks) {
+  for (int t = 0; t < tools.n; ++t) {
+    ContactSums own;
+    for (int c = threadIdx.x; c < chunks; c += chunk) own += tools.sums[std::size_t(c) * tools.n + t];
+    const ContactSums sum = reduce_sums(own);
+    if (threadIdx.x == 0) close_tool(tools, t, sum);
   }
-  template <class Number>
-  void add(Number*& array, std::size_t n, bool changes) {
-    pointers_.push_back(reinterpret_cast<void**>(const_cast<std::remove_const_t<Number>**>(&array)));
-    copies_.push_back({const_cast<std::remove_const_t<Number>*>(array), nullptr, n * sizeof(Number), changes});
-  }
-  void send() {
-    std::size_t needed = 0, free = 0, all = 0;
-    for (const Copy& each : copies_) needed += each.bytes;
-    check(cudaMemGetInfo(&free, &all), "tell its memory");
-    if (needed > free) {
-      char told[200];
-      std::snprintf(told, sizeof told,
-                    "the run needs %.2f GB on the card, which has %.2f GB free of %.2f: take precision = \"single\", "
-                    "fewer shells or device = \"cpu\"",
-                    needed * 1e-9, free * 1e-9, all * 1e-9);
-      throw std::runtime_error(told);
-    }
-    for (std::size_t i = 0; i < copies_.size(); ++i) {
-      Copy& each = copies_[i];
-      check(cudaMalloc(&each.card, each.bytes > 0 ? each.bytes : 1), "give memory");
-      check(cudaMemcpy(each.card, each.host, each.bytes, cudaMemcpyHostToDevice), "take an array");
-      *pointers_[i] = each.card;
-    }
-  }
-  void fetch() const {
-    for (const Copy& each : copies_)
-      if (each.changes) check(cudaMemcpy(each.host, each.card, each.bytes, cudaMemcpyDeviceToHost), "give an array");
-  }
+}
 
- private:
-  std::vector<Copy> copies_;
-  std::vector<void**> pointers_;
-};
-
-constexpr int threads_of_shells = 128, threads_of_nodes = 256;
+constexpr int threads_of_shells = 128;
 int blocks(int n, int threads) { return (n + threads - 1) / threads; }
 
 template <class Real>
@@ -106,16 +89,28 @@ void advance(Problem<Real> p, const Cycles& cycles) {
     arrays.add(table.rows, pieces, false), arrays.add(table.float_rows, pieces, false);
   };
   add_shells(p.quadrilaterals, 4), add_shells(p.triangles, 3);
+  std::vector<Surface> surfaces(p.tools.surface, p.tools.surface + p.tools.n);
+  if (p.tools.n > 0) add_tools(arrays, p, cycles, surfaces);
   arrays.send();
+
+  const Tools& tools = p.tools;
+  const double* room = tools.n > 0 && tools.ironing ? tools.room : nullptr;
+  const int chunks = p.chunks();
   const auto launch = [&]<int corners>(const Shells<Real>& shells) {
     if (shells.n > 0)
-      advance_shells<corners><<<blocks(shells.n, threads_of_shells), threads_of_shells>>>(nodes, shells, cycles.dt);
+      advance_shells<corners>
+          <<<blocks(shells.n, threads_of_shells), threads_of_shells>>>(nodes, shells, room, cycles.dt);
   };
   for (int cycle = 0; cycle < cycles.n; ++cycle) {
-    move_nodes<<<blocks(nodes.n, threads_of_nodes), threads_of_nodes>>>(nodes, cycles.step(cycle));
+    move_nodes<<<chunks, chunk>>>(nodes, cycles.step(cycle), tools.n > 0 ? tools.fastest : nullptr);
+    if (tools.n > 0) start_tools_of<<<1, chunk>>>(tools, chunks, cycles.dt, cycle);
     launch.template operator()<4>(p.quadrilaterals);
     launch.template operator()<3>(p.triangles);
-    gather_nodes<<<blocks(nodes.n, threads_of_nodes), threads_of_nodes>>>(nodes);
+    gather_nodes<<<chunks, chunk>>>(nodes);
+    if (tools.n > 0) {
+      touch_nodes<<<chunks, chunk>>>(p, cycles.dt, cycle);
+      close_tools<<<1, chunk>>>(tools, chunks);
+    }
     check(cudaGetLastError(), "start a cycle");
   }
   check(cudaDeviceSynchronize(), "end its cycles");

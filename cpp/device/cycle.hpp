@@ -4,7 +4,7 @@
 // hardening from a table, and their nodes. The same functions are compiled for the CPU (host.cpp) and for a GPU
 // (cuda.cu), and take the same Problem.
 //
-// A cycle is three passes, each over lanes that know nothing of each other:
+// A cycle is three passes, each over lanes that know nothing of each other; tools make three more (tools.hpp):
 //   move_node      a = (f_ext - f_int)/m, v += a h, x += v dt of one node
 //   advance_shell  one shell over the move: its state, and its forces at its four corners
 //   gather_forces  f_int of one node: the sum over a list of corners of shells, always in the same order
@@ -17,6 +17,7 @@
 
 #include <cstdint>
 
+#include "device/tools.hpp"
 #include "element/shell3_one_point.hpp"
 #include "explicit/step.hpp"
 
@@ -60,6 +61,19 @@ struct Problem {
   Nodes<Real> nodes;
   Shells<Real> quadrilaterals, triangles;
   int rows;
+  Tools tools;
+
+  int chunks() const { return (nodes.n + chunk - 1) / chunk; }
+  // Thickness [mm], and spring of a node [N/mm], of a cell as the tools number them.
+  PRESSWORK_DEVICE double thickness(int cell) const { return value(cell, shell4::thickness); }
+  PRESSWORK_DEVICE double spring(int cell) const { return value(cell, shell4::spring); }
+
+ private:
+  PRESSWORK_DEVICE double value(int cell, int row) const {
+    const bool is_first = cell < quadrilaterals.n;
+    const Shells<Real>& of = is_first ? quadrilaterals : triangles;
+    return of.state[std::size_t(row) * of.n + (is_first ? cell : cell - quadrilaterals.n)];
+  }
 };
 
 // Cycles of dt, the step before was dt_before [s]; the scales (n) multiply forces and prescribed velocities.
@@ -73,8 +87,9 @@ struct Cycles {
   }
 };
 
+// Gives the square of its speed.
 template <class Real>
-PRESSWORK_INLINE void move_node(const Nodes<Real>& nodes, const Step& step, int node) {
+PRESSWORK_INLINE double move_node(const Nodes<Real>& nodes, const Step& step, int node) {
   const std::size_t row = std::size_t(freedoms) * node;
   Real* own = nodes.motion + 8 * std::size_t(node);
   const int held = nodes.held[node];
@@ -98,10 +113,13 @@ PRESSWORK_INLINE void move_node(const Nodes<Real>& nodes, const Step& step, int 
   }
   nodes.work[2 * std::size_t(node)] += 0.5 * step.mean_dt * done;
   nodes.work[2 * std::size_t(node) + 1] += step.mean_dt * step.damping * damped;
+  return double(own[0]) * own[0] + double(own[1]) * own[1] + double(own[2]) * own[2];
 }
 
+// room_at: between tools, of the nodes; null where no tool squeezes the sheet.
 template <int corners, class Real>
-PRESSWORK_INLINE void advance_shell(const Nodes<Real>& nodes, const Shells<Real>& shells, double dt, int shell) {
+PRESSWORK_INLINE void advance_shell(const Nodes<Real>& nodes, const Shells<Real>& shells, const double* room_at,
+                                    double dt, int shell) {
   const std::size_t n = shells.n;
   Real x[corners][3], v[corners][3], w[corners][3], state[shell4::head_rows], force[freedoms * corners];
   // positions less that of the first node: elements use differences alone
@@ -119,11 +137,13 @@ PRESSWORK_INLINE void advance_shell(const Nodes<Real>& nodes, const Shells<Real>
   for (int r = 0; r < shell4::head_rows; ++r) state[r] = rows[r * n];
   const LayersApart<Real, law_rows> layers{rows + shell4::head_rows * n, static_cast<std::ptrdiff_t>(n), {}};
   const LayerConditions<Real> now{dt};
-  const Real* no_room = nullptr;
+  Real room[corners];
+  for (int a = 0; room_at && a < corners; ++a) room[a] = static_cast<Real>(room_at[shells.node[a * n + shell]]);
+  const Real* between = room_at ? room : nullptr;
   if constexpr (corners == 4)
-    shell4::advance_stabilized(shells.law, shells.rule, now, x, v, w, no_room, state, layers, force);
+    shell4::advance_stabilized(shells.law, shells.rule, now, x, v, w, between, state, layers, force);
   else
-    shell3::advance(shells.law, shells.rule, now, x, v, w, no_room, state, layers, force);
+    shell3::advance(shells.law, shells.rule, now, x, v, w, between, state, layers, force);
   for (int r = 0; r < shell4::head_rows; ++r) rows[r * n] = state[r];
   for (int a = 0; a < corners; ++a)
     for (int i = 0; i < freedoms; ++i)
@@ -136,6 +156,14 @@ PRESSWORK_INLINE void gather_forces(const Nodes<Real>& nodes, int node) {
   for (int s = nodes.first_corner[node]; s < nodes.first_corner[node + 1]; ++s)
     for (int i = 0; i < freedoms; ++i) sum[i] += nodes.corner_force[std::size_t(i) * nodes.n_slots + nodes.corner[s]];
   for (int i = 0; i < freedoms; ++i) nodes.internal_force[std::size_t(freedoms) * node + i] = static_cast<Real>(sum[i]);
+}
+
+// As tools.hpp has it.
+template <class Real, class Take>
+PRESSWORK_INLINE void touch_tools(const Problem<Real>& p, double dt, int cycle, int node, const Take& take) {
+  const bool there = node < p.nodes.n;
+  touch_tools(p.tools, p.nodes.n, p.nodes.position, p.nodes.motion, p.nodes.internal_force, p, dt, cycle, node, there,
+              take);
 }
 
 }  // namespace presswork::device

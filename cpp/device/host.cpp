@@ -1,23 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "device/host.hpp"
 
+#include <algorithm>
+
 namespace presswork::device {
 
 template <class Real>
 void advance_on_host(const Problem<Real>& p, const Cycles& cycles) {
   constexpr int serial_shells = 1000;  // fewer are left to one thread
+  const Tools& tools = p.tools;
+  const double* room = tools.n > 0 && tools.ironing ? tools.room : nullptr;
+  const int chunks = p.chunks();
 #pragma omp parallel if (p.quadrilaterals.n + p.triangles.n >= serial_shells)
   for (int cycle = 0; cycle < cycles.n; ++cycle) {
     const Step step = cycles.step(cycle);
 #pragma omp for schedule(static)
-    for (int node = 0; node < p.nodes.n; ++node) move_node(p.nodes, step, node);
+    for (int c = 0; c < chunks; ++c) {
+      double fastest = 0.0;
+      for (int node = c * chunk; node < std::min(p.nodes.n, (c + 1) * chunk); ++node)
+        fastest = std::max(fastest, move_node(p.nodes, step, node));
+      if (tools.n > 0) tools.fastest[c] = fastest;
+    }
+#pragma omp single
+    if (tools.n > 0) start_tools(tools, step.dt, cycle, *std::max_element(tools.fastest, tools.fastest + chunks));
 #pragma omp for schedule(static)
     for (int shell = 0; shell < p.quadrilaterals.n; ++shell)
-      advance_shell<4>(p.nodes, p.quadrilaterals, cycles.dt, shell);
+      advance_shell<4>(p.nodes, p.quadrilaterals, room, step.dt, shell);
 #pragma omp for schedule(static)
-    for (int shell = 0; shell < p.triangles.n; ++shell) advance_shell<3>(p.nodes, p.triangles, cycles.dt, shell);
+    for (int shell = 0; shell < p.triangles.n; ++shell) advance_shell<3>(p.nodes, p.triangles, room, step.dt, shell);
 #pragma omp for schedule(static)
     for (int node = 0; node < p.nodes.n; ++node) gather_forces(p.nodes, node);
+    if (tools.n == 0) continue;
+#pragma omp for schedule(static)
+    for (int c = 0; c < chunks; ++c) {
+      ContactSums* of_chunk = tools.sums + std::size_t(c) * tools.n;
+      std::fill_n(of_chunk, tools.n, ContactSums{});
+      for (int node = c * chunk; node < std::min(p.nodes.n, (c + 1) * chunk); ++node)
+        touch_tools(p, step.dt, cycle, node, [&](int t, const ContactSums& sums) { of_chunk[t] += sums; });
+    }
+#pragma omp single
+    for (int t = 0; t < tools.n; ++t) {
+      ContactSums sum;
+      for (int c = 0; c < chunks; ++c) sum += tools.sums[std::size_t(c) * tools.n + t];
+      close_tool(tools, t, sum);
+    }
   }
 }
 

@@ -14,6 +14,8 @@ using explicit_dynamics::ShellSection;
 using explicit_dynamics::ShellTreatment;
 using explicit_dynamics::SpaceLoop;
 using explicit_dynamics::SpaceNodes;
+using explicit_dynamics::Tool;
+using explicit_dynamics::ToolContact;
 
 namespace {
 
@@ -58,12 +60,97 @@ void list_corners(const Borrowed<Real> (&kinds)[2], int n_nodes, std::vector<int
         list[next[kind.node[slot]]++] = kind.view.first_slot + static_cast<int>(slot);
 }
 
+// Tools of a loop as a device takes them, and what it changes.
+struct BorrowedTools {
+  ToolContact* contact = nullptr;  // none: no tools
+  std::vector<RigidTool> tool;
+  std::vector<Surface> surface;
+  std::vector<double> drive, pairs, fastest;
+  std::vector<int> hint, cell;
+  std::vector<ContactSums> sums;
+  Totals totals;
+  Tools view{};
+
+  // first_cell: of each block of the loop as the device numbers cells
+  void take(ToolContact& from, int n_nodes, int n_cycles, const std::vector<int>& n_of_block,
+            const std::vector<int>& first_cell) {
+    contact = &from;
+    const auto lent = from.lend();
+    const std::size_t n = from.tools.size(), nodes = n_nodes, rows = pair_rows;
+    drive.assign(3 * n * n_cycles, 0.0), pairs.resize(n * rows * nodes), hint.resize(n * nodes);
+    for (std::size_t t = 0; t < n; ++t) {
+      const Tool& own = from.tools[t];
+      tool.push_back(own);
+      surface.push_back(see(*own.surface));
+      const std::size_t each = own.pushed ? 1 : 3;
+      for (std::size_t i = 0; i < each * n_cycles && !own.removed; ++i)
+        drive[3 * (n * (i / each) + t) + i % each] = own.drive[i];
+      from.copy_pairs(static_cast<int>(t), &pairs[t * rows * nodes], &hint[t * nodes]);
+    }
+    // cells as the loop numbers them, block after block
+    for (int number : lent.node_cell) {
+      std::size_t b = 0;
+      for (; number >= n_of_block[b]; ++b) number -= n_of_block[b];
+      cell.push_back(first_cell[b] + number);
+    }
+    const int chunks = (n_nodes + chunk - 1) / chunk;
+    fastest.resize(chunks), sums.resize(chunks * n);
+    totals = {lent.sums, lent.work};
+    view = {static_cast<int>(n),
+            lent.cycle,
+            lent.ironing,
+            lent.memory,
+            lent.near,
+            lent.reach,
+            lent.step,
+            tool.data(),
+            surface.data(),
+            drive.data(),
+            pairs.data(),
+            hint.data(),
+            lent.base.data(),
+            lent.half.data(),
+            lent.room.data(),
+            lent.held.data(),
+            lent.node_start.data(),
+            cell.data(),
+            fastest.data(),
+            sums.data(),
+            &totals};
+  }
+  void give_back(int n_nodes, int n_cycles) const {
+    if (!contact) return;
+    const auto lent = contact->lend();
+    lent.sums = totals.sums, lent.work = totals.work, lent.cycle += n_cycles;
+    for (std::size_t t = 0; t < tool.size(); ++t) {
+      static_cast<RigidTool&>(contact->tools[t]) = tool[t];
+      contact->take_pairs(static_cast<int>(t), &pairs[t * pair_rows * n_nodes], &hint[t * n_nodes]);
+    }
+  }
+
+ private:
+  static Surface see(const contact::ToolSurface& surface) {
+    Surface seen{};
+    seen.is_swept = surface.swept() != nullptr;
+    if (seen.is_swept)
+      seen.swept = surface.swept()->search();
+    else
+      static_cast<contact::TriangleTree&>(seen.triangles) = surface.triangles()->tree();
+    return seen;
+  }
+};
+
 }  // namespace
 
 template <class Real>
 std::string find_lack(const SpaceLoop<Real>& loop) {
   const auto& nodes = loop.nodes;
-  if (loop.contact) return "rigid tools";
+  if (loop.contact && loop.contact->lend().edges)
+    return "edges at tools that are sharp for the mesh (take contact_points = \"nodes\", or finer shells)";
+  if (loop.contact)
+    for (const Tool& tool : loop.contact->tools)
+      if (tool.surface->is_smooth()) return "tools of triangles that are rounded off";
+  if (loop.shell_contact) return "shells that touch each other";
   if (loop.beads) return "drawbeads";
   if (loop.shell_contact) return "shells that touch shells";
   if (!loop.hanging.all().empty()) return "refined sheets";
@@ -99,6 +186,15 @@ void advance(SpaceLoop<Real>& loop, Target target, const Cycles& cycles) {
     kinds[block.nodes_each() == 4 ? 0 : 1].take(block, loop.sheet(static_cast<int>(b)).section(), n_slots);
     n_slots += block.n() * block.nodes_each();
   }
+  BorrowedTools tools;
+  if (loop.contact) {
+    std::vector<int> n_of_block, first_cell;
+    for (const auto& block : loop.blocks) {
+      n_of_block.push_back(block->n());
+      first_cell.push_back(block->nodes_each() == 4 ? 0 : kinds[0].view.n);
+    }
+    tools.take(*loop.contact, nodes.n, cycles.n, n_of_block, first_cell);
+  }
   std::vector<int> first, corner;
   list_corners(kinds, nodes.n, first, corner);
   std::vector<Real> corner_force(std::size_t(freedoms) * n_slots);
@@ -109,7 +205,8 @@ void advance(SpaceLoop<Real>& loop, Target target, const Cycles& cycles) {
        corner.data(), n_slots, corner_force.data()},
       kinds[0].view,
       kinds[1].view,
-      loop.blocks[0]->n_rows()};
+      loop.blocks[0]->n_rows(),
+      tools.view};
   // 2. the cycles
   if (target == Target::host)
     advance_on_host(problem, cycles);
@@ -117,6 +214,7 @@ void advance(SpaceLoop<Real>& loop, Target target, const Cycles& cycles) {
     advance_on_cuda(problem, cycles);
   // 3. back into the loop
   for (const auto& kind : kinds) kind.give_back();
+  tools.give_back(nodes.n, cycles.n);
   for (std::size_t i = 0; i < n_nodes; ++i) loop.work.external += work[2 * i], loop.work.damping += work[2 * i + 1];
   loop.seconds[static_cast<int>(explicit_dynamics::Phase::elements)] += omp_get_wtime() - start;
 }

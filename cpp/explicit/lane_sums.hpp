@@ -15,10 +15,10 @@ struct ContactSums {
   double force[3] = {};                                 // on the sheet [N]
   int lost = std::numeric_limits<int>::max();           // a point that has gone through: the first in number
 
-  ContactSums& operator+=(const ContactSums& other) {
+  PRESSWORK_DEVICE ContactSums& operator+=(const ContactSums& other) {
     friction += other.friction, damping += other.damping, squeeze += other.squeeze;
     for (int i = 0; i < 3; ++i) force[i] += other.force[i];
-    lost = std::min(lost, other.lost);
+    lost = other.lost < lost ? other.lost : lost;
     return *this;
   }
 };

@@ -17,14 +17,22 @@ PLATE = np.array([[-40, -40, 0], [40, -40, 0], [40, 40, 0], [-40, 40, 0]], dtype
 
 
 def draw(
-    precision: str = "double", *, n: int = 20, radius: float = 3.0, triangles: bool = False, **grip: object
+    precision: str = "double",
+    *,
+    n: int = 20,
+    radius: float = 3.0,
+    triangles: bool = False,
+    device: str = "cpu",
+    **grip: object,
 ) -> ExplicitShells:
     """Small round cup: die, punch that follows a smooth stroke, holder pushed by a force; n x n shells."""
     x, y = np.meshgrid(np.linspace(-18, 18, n + 1), np.linspace(-18, 18, n + 1))
     points = np.stack([x.ravel(), y.ravel(), 0 * x.ravel() + 0.5 * THICKNESS], axis=1)
     first = (np.arange(n)[None, :] + (n + 1) * np.arange(n)[:, None]).ravel()
     cells = np.stack([first, first + 1, first + n + 2, first + n + 1], axis=1)
-    sheet = ExplicitShells(points, cells, THICKNESS, SWIFT, 7.85e-9, precision=precision)  # type: ignore[arg-type]
+    sheet = ExplicitShells(
+        points, cells, THICKNESS, SWIFT, 7.85e-9, precision=precision, device=device  # type: ignore[arg-type]
+    )  # fmt: skip
     die = draw_die((11.0, 11.0), 11.0, radius, width=40.0, depth=20.0)
     punch = draw_punch((10.0, 10.0), 10.0, radius, 30.0)
     for name, tool in (("die", die), ("punch", punch)):

@@ -13,12 +13,9 @@ void ToolContact::list_state(std::vector<StateField>& fields) {
     // slots are filled up to whole groups: that many for any width
     fields.push_back(row_field("contact", name, values->data(), values->size()));
   }
-  const std::pair<const char*, double*> sums[] = {{"friction", &total_.friction},
-                                                  {"damping", &total_.damping},
-                                                  {"squeeze", &total_.squeeze},
-                                                  {"external", &external_},
-                                                  {"drag", &drag_},
-                                                  {"step", &step_}};
+  const std::pair<const char*, double*> sums[] = {{"friction", &total_.friction}, {"damping", &total_.damping},
+                                                  {"squeeze", &total_.squeeze},   {"external", &work_.external},
+                                                  {"drag", &work_.drag},          {"step", &step_}};
   for (const auto& [name, value] : sums) fields.push_back(row_field("contact", name, value, 1));
   fields.push_back(row_field("contact", "started", &started_, 1));
   StateField cycle = row_field("contact", "cycle", &cycle_, 1);
@@ -55,6 +52,24 @@ void ToolContact::list_tool(int number, std::vector<StateField>& fields) {
                     }});
   fields.push_back(row_field(owner, "hint", of.hint.data(), of.hint.size()));
   edges_.list_state(number, owner, fields);
+}
+
+void ToolContact::copy_pairs(int tool, double* to, int* hint) const {
+  const Pairs& of = pairs_[tool];
+  for (int node = 0; node < n_nodes_; ++node) {
+    const auto* row = reinterpret_cast<const Pack*>(&of.packs[node / width]);
+    for (int r = 0; r < rows; ++r) to[std::size_t(r) * n_nodes_ + node] = row[r][node % width];
+    hint[node] = of.hint[node];
+  }
+}
+
+void ToolContact::take_pairs(int tool, const double* from, const int* hint) {
+  Pairs& of = pairs_[tool];
+  for (int node = 0; node < n_nodes_; ++node) {
+    auto* row = reinterpret_cast<Pack*>(&of.packs[node / width]);
+    for (int r = 0; r < rows; ++r) row[r].set(node % width, from[std::size_t(r) * n_nodes_ + node]);
+    of.hint[node] = hint[node];
+  }
 }
 
 void EdgeContact::list_state(int tool, const std::string& owner, std::vector<StateField>& fields) {

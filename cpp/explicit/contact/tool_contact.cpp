@@ -11,16 +11,7 @@ namespace {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
-template <class T>
-T dot(const T a[3], const T b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-// Speed of a pushed tool half a step on.
-double next_speed(const Tool& tool, double push, double dt) {
-  const double half = 0.5 * tool.drag * dt, force = push + dot(tool.force, tool.direction);
-  return ((1.0 - half) * dot(tool.velocity, tool.direction) + dt / tool.mass * force) / (1.0 + half);
-}
+using touching::dot;
 
 }  // namespace
 
@@ -136,7 +127,7 @@ void ToolContact::set_stiffness(const std::vector<double>& node_mass, const std:
 void ToolContact::inherit(const ToolContact& from, const int* parents) {
   double normal[2] = {}, shear[2] = {};
   from.add_stored(normal[0], shear[0]);
-  total_ = from.total_, external_ = from.external_, drag_ = from.drag_, cycle_ = from.cycle_;
+  total_ = from.total_, work_ = from.work_, cycle_ = from.cycle_;
   started_ = static_cast<int>(tools.size());
   for (int i = 0; i < n_nodes_; ++i) {
     half_[i] = room_[i] = held_[i] = 0.0;
@@ -191,10 +182,9 @@ void ToolContact::set_half(int slot, const Pack& half) {
     // springs of squeezed shells follow their thickness, and centring does not ask for it
     const Mask on = both(then > zero, invert(pairs_[t].packs[slot / width].squeezed > zero));
     if (!any(on)) continue;
-    const Pack moved = then + half - load(half_, slot), now = select(moved > zero, moved, zero);
-    const Pack k = Pack(0.5 * tools[t].grip.penalty) * load(base_, slot);
-    sums_[slot / chunk * tools.size() + t].add(LaneSums::squeeze, slot,
-                                               select(on, k * (now * now - then * then), zero));
+    sums_[slot / chunk * tools.size() + t].add(
+        LaneSums::squeeze, slot,
+        press_thicker(tools[t].grip.penalty, load(base_, slot), then, on, half, load(half_, slot)));
   }
   for (int lane = 0; lane < width; ++lane) half_[slot + lane] = half[lane];
 }
@@ -203,30 +193,21 @@ void ToolContact::set_half(int slot, const Pack& half) {
 void ToolContact::ask(const Tool& tool, Pairs& of, int slot, int lane, const Pack place[3], LaneSums& sums) const {
   Touching& p = of.packs[slot / width];
   const double x[3] = {place[0][lane], place[1][lane], place[2][lane]};
-  contact::Touch found;
-  if (!tool.surface->nearest(x, reach_, of.hint[slot + lane], found)) {
-    if (p.pressed[lane] > 0.0 && !found.past_rim) sums.lost = std::min(sums.lost, slot + lane);
-    for (Pack& n : p.normal) n.set(lane, 0.0);
-    p.offset.set(lane, -std::max(found.gap, half_[slot + lane] + memory_));
-    p.left.set(lane, 0.0);
-    return;
-  }
-  p.left.set(lane, std::clamp(found.flat, memory_, 20.0 * memory_));
-  for (int i = 0; i < 3; ++i) p.normal[i].set(lane, found.normal[i]);
-  p.offset.set(lane, dot(found.normal, x) - found.gap);
+  double normal[3], offset, left;
+  if (!take_plane(*tool.surface, x, reach_, memory_, half_[slot + lane], of.hint[slot + lane], normal, offset, left) &&
+      p.pressed[lane] > 0.0)
+    sums.lost = std::min(sums.lost, slot + lane);
+  for (int i = 0; i < 3; ++i) p.normal[i].set(lane, normal[i]);
+  p.offset.set(lane, offset), p.left.set(lane, left);
 }
 
 // The tangent plane, asked for anew where the point has slipped on.
 void ToolContact::follow(int number, int slot, Mask awake, const Pack x[3], const Pack dx[3], LaneSums& sums) {
   const Tool& tool = tools[number];
   Touching& p = pairs_[number].packs[slot / width];
-  const Pack zero(0.0), along = dot(p.normal, dx);
-  Pack place[3], way = zero;
-  for (int i = 0; i < 3; ++i) {
-    place[i] = x[i] - Pack(tool.displacement[i]);
-    const Pack slip = dx[i] - along * p.normal[i];
-    way += select(slip < zero, -slip, slip);
-  }
+  const Pack zero(0.0), way = measure_slip(p.normal, dx);
+  Pack place[3];
+  for (int i = 0; i < 3; ++i) place[i] = x[i] - Pack(tool.displacement[i]);
   p.left = select(awake, p.left - way, p.left);
   const Mask asking = both(awake, p.left.v <= zero.v);
   if (any(asking))
@@ -234,90 +215,29 @@ void ToolContact::follow(int number, int slot, Mask awake, const Pack x[3], cons
       if (asking[lane]) ask(tool, pairs_[number], slot, lane, place, sums);
 }
 
+ToolContact::Pinch ToolContact::find_pinch(int slot, const Pack x[3], const Pack v[3], double dt) const {
+  return explicit_dynamics::find_pinch(
+      static_cast<int>(tools.size()), [&](int t) -> const RigidTool& { return tools[t]; },
+      [&](int t) -> const Touching& { return pairs_[t].packs[slot / width]; }, x, v, load(half_, slot), dt);
+}
+
 void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const Pack dx[3], double dt,
                         const Pinch& pinch, LaneSums& sums, Pack on_sheet[3]) {
   const Tool& tool = tools[number];
-  const Grip& grip = tool.grip;
-  Touching& p = pairs_[number].packs[slot / width];
-  const Pack zero(0.0), half = grip.thickness ? load(half_, slot) : zero, base = load(base_, slot);
+  const Pack half = tool.grip.thickness ? load(half_, slot) : Pack(0.0);
   Pack place[3];
   for (int i = 0; i < 3; ++i) place[i] = x[i] - Pack(tool.displacement[i]);
-  // 1. off the tool: sleep, unless so near that it would be for a few cycles
-  const Pack depth = half - (dot(p.normal, place) - p.offset);
-  const Mask off = both(awake, depth < Pack(-awake_within_));
-  const Pack sleep = Pack(reach_awake) * depth;
-  p.wake = select(off, Pack(tool.travel) - sleep, p.wake);
-  p.left = select(off, p.left + sleep, p.left);  // it may travel as far meanwhile
-  // 2. normal force; the damper never pulls
-  const Pack off_centre = depth - Pack(0.5) * pinch.excess, k = Pack(grip.penalty) * base;
-  const Pack pressed = select(both(awake, off_centre > zero), off_centre, zero), mine(number);
-  const Mask holds = either(both(pinch.tool[0] > mine - Pack(0.5), pinch.tool[0] < mine + Pack(0.5)),
-                            both(pinch.tool[1] > mine - Pack(0.5), pinch.tool[1] < mine + Pack(0.5)));
-  const Pack squeezed = select(both(awake, holds), pinch.force, zero), elastic = k * pressed + squeezed;
-  const Mask on = elastic > zero;
-  const Pack closing = dot(p.normal, dx);
-  Pack viscous = zero;
-  if (grip.damping > 0.0 && dt > 0.0) {
-    const double factor = 2.0 * grip.damping * std::sqrt(grip.penalty) * step_ / dt;
-    viscous = -Pack(factor) * base * closing;
-    viscous = select(on, select(viscous < -elastic, -elastic, viscous), zero);
-  }
-  const Pack normal = elastic + viscous;
-  sums.add(LaneSums::damping, slot, Pack(-0.5) * (p.viscous + viscous) * closing);
-  // 3. friction: elastic trial in the present tangent plane, shortened to mu N
-  const Pack out = dot(p.normal, p.shear), limit = Pack(grip.friction) * normal;
-  Pack shear[3], work = zero;
-  for (int i = 0; i < 3; ++i) shear[i] = p.shear[i] - out * p.normal[i] - k * (dx[i] - closing * p.normal[i]);
-  const Pack size = dot(shear, shear);
-  const Mask slips = size > limit * limit;
-  const Pack ratio = select(slips, limit / square_root(select(slips, size, Pack(1.0))), Pack(1.0));
-  const Pack scale = select(on, ratio, zero);
-  for (int i = 0; i < 3; ++i) {
-    const Pack now = scale * shear[i], f = normal * p.normal[i] + now;
-    work += (p.shear[i] + now) * dx[i];
-    p.shear[i] = now;
-    on_sheet[i] += f;
-    sums.add(static_cast<LaneSums::Row>(LaneSums::force + i), slot, f);
-  }
-  sums.add(LaneSums::friction, slot, Pack(-0.5) * work);
-  p.pressed = pressed, p.viscous = viscous, p.squeezed = squeezed;
+  const auto found = press(tool, number, awake, place, dx, half, load(base_, slot), damper(tool.grip, step_, dt),
+                           awake_within_, pinch, pairs_[number].packs[slot / width], on_sheet);
+  sums.add(LaneSums::damping, slot, found.damping);
+  for (int i = 0; i < 3; ++i) sums.add(static_cast<LaneSums::Row>(LaneSums::force + i), slot, found.force[i]);
+  sums.add(LaneSums::friction, slot, found.friction);
 }
 
 void ToolContact::move_tools(int cycle, double dt, double fastest) {
-  const auto move = [&](Tool& tool, const double after[3]) {
-    for (int i = 0; i < 3; ++i) {
-      tool.velocity[i] = after[i];
-      tool.displacement[i] += dt * after[i];
-    }
-    tool.travel += dt * (fastest + std::sqrt(dot(after, after)));
-  };
-  for (Tool& tool : tools) {
-    if (tool.pushed) continue;
-    const double* after = tool.removed ? tool.velocity : &tool.drive[3 * std::size_t(cycle)];
-    for (int i = 0; i < 3; ++i) external_ -= tool.force[i] * 0.5 * (tool.velocity[i] + after[i]) * dt;
-    move(tool, after);
-  }
-  for (Tool& tool : tools) {  // what they may stand on is where it will be
-    if (!tool.pushed) continue;
-    tool.push = tool.drive[cycle];
-    const double before = dot(tool.velocity, tool.direction);
-    double speed = next_speed(tool, tool.push, dt), held = 0.0, carried = 0.0;
-    if (tool.stop >= 0) {
-      const Tool& other = tools[tool.stop];
-      const double way = dot(tool.displacement, tool.direction) - dot(other.displacement, tool.direction);
-      const double most = (tool.furthest - way) / dt;
-      if (speed > most) {
-        held = (1.0 + 0.5 * tool.drag * dt) * tool.mass * (speed - most);  // the other's force on it, times dt
-        carried = dot(other.velocity, tool.direction);
-        speed = most;
-      }
-    }
-    const double mean = 0.5 * (before + speed);
-    external_ += tool.push * mean * dt - held * carried;
-    drag_ += tool.drag * tool.mass * mean * mean * dt + held * (mean - carried);
-    const double after[3] = {speed * tool.direction[0], speed * tool.direction[1], speed * tool.direction[2]};
-    move(tool, after);
-  }
+  explicit_dynamics::move_tools(
+      static_cast<int>(tools.size()), [&](int t) -> RigidTool& { return tools[t]; },
+      [&](int t) { return &tools[t].drive[std::size_t(tools[t].pushed ? 1 : 3) * cycle]; }, dt, fastest, work_);
 }
 
 void ToolContact::close_cycle(int first_tool) {
@@ -336,8 +256,8 @@ ContactEnergies ToolContact::energies(double dt) const {
   add_stored(e.penalty, stuck);
   e.penalty += stuck - total_.squeeze;
   e.friction = total_.friction - stuck;
-  e.damping = total_.damping + drag_;
-  e.external = external_;
+  e.damping = total_.damping + work_.drag;
+  e.external = work_.external;
   for (const Tool& tool : tools) {  // half a step on, as for nodes
     if (tool.pushed) {
       const double before = dot(tool.velocity, tool.direction), after = next_speed(tool, tool.push, dt);

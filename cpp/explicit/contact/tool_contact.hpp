@@ -35,6 +35,7 @@
 #include <vector>
 
 #include "explicit/contact/edge_contact.hpp"
+#include "explicit/contact/node_touch.hpp"
 #include "explicit/contact/tools.hpp"
 #include "explicit/lane_sums.hpp"
 #include "explicit/state_field.hpp"
@@ -112,32 +113,35 @@ class ToolContact {
 
   int edge_node(int edge, int end) const { return edges_.node(edge, end); }
 
+  // What a device needs of contact, beside tools and pairs, and what of it changes.
+  struct Lent {
+    bool ironing, edges;  // edges: some tool is sharp
+    double memory, near, reach, step;
+    const std::vector<int>&node_start, &node_cell;
+    const std::vector<double>& base;
+    std::vector<double>&half, &room, &held;
+    ContactSums& sums;
+    ToolWork& work;
+    int& cycle;
+  };
+  Lent lend() {
+    return {ironing_, edges_.needed(), memory_, awake_within_, reach_, step_, node_start_, node_cell_,
+            base_,    half_,           room_,   held_,         total_, work_, cycle_};
+  }
+  // What the nodes remember of a tool: rows of Touching (rows, n_nodes), and hints (n_nodes).
+  static constexpr int pair_rows = sizeof(explicit_dynamics::Touching<double>) / sizeof(double);
+  void copy_pairs(int tool, double* to, int* hint) const;
+  void take_pairs(int tool, const double* from, const int* hint);
+
   std::vector<Tool> tools;
 
  private:
   static constexpr int width = pack_width, group = LaneSums::group;
-  static constexpr double reach_awake = 0.9;  // of its gap a point sleeps
   using Mask = Pack::Mask;
 
-  // A pack of points and a tool. The tangent plane is normal.x = offset in the tool's frame.
-  struct Touching {
-    Pack normal[3], offset;
-    Pack shear[3];  // friction on the sheet [N]
-    Pack left;      // slip until the surface is asked again [mm]
-    Pack pressed;   // [mm]; 0 off the tool
-    Pack viscous;   // damping force [N]
-    Pack squeezed;  // force of the springs of squeezed shells [N]
-    Pack wake;      // the tool's travel at which the point may touch
-  };
-  static constexpr int rows = sizeof(Touching) / sizeof(Pack);
-  // The two tools that hold a pack of nodes from opposite faces.
-  struct Pinch {
-    Pack tool[2];  // their numbers; -1: none
-    Pack room;     // between them [mm], infinite where there are none
-    Pack next;     // room after another step like the last one
-    Pack excess;   // thickness less room, not below 0 [mm]
-    Pack force;    // of either tool [N]
-  };
+  using Touching = explicit_dynamics::Touching<Pack>;
+  using Pinch = explicit_dynamics::Pinch<Pack>;
+  static constexpr int rows = pair_rows;
   struct Pairs {
     std::vector<Touching> packs;
     std::vector<int> hint;  // of each slot
@@ -187,16 +191,14 @@ class ToolContact {
   bool ironing_;
   double memory_, awake_within_, reach_, step_ = 0.0;
   EdgeContact edges_;
-  double external_ = 0.0, drag_ = 0.0;  // work of what moves the tools; lost in their drag
+  ToolWork work_;
   int started_ = 0, cycle_ = 0;
 };
 
 template <class View>
 double ToolContact::half_thickness(int node, const View& sheet) const {
-  const int first = node_start_[node], last = node_start_[node + 1];
-  double sum = 0.0;
-  for (int s = first; s < last; ++s) sum += sheet.thickness(node_cell_[s]);
-  return last > first ? 0.5 * sum / (last - first) : 0.0;
+  return explicit_dynamics::half_thickness(node_cell_.data() + node_start_[node],
+                                           node_cell_.data() + node_start_[node + 1], sheet);
 }
 
 template <class View>
@@ -213,14 +215,9 @@ void ToolContact::squeeze(int slot, int last, const View& sheet, Pinch& pinch) {
   for (int node = slot; node <= last; ++node) {
     const double room = pinch.room[node - slot];
     if (room == std::numeric_limits<double>::infinity()) continue;
-    double force = 0.0, energy = 0.0;
-    for (int s = node_start_[node]; s < node_start_[node + 1]; ++s) {
-      const double over = sheet.thickness(node_cell_[s]) - room;
-      if (!(over > 0.0)) continue;
-      const double spring = sheet.spring(node_cell_[s]);
-      force += spring * over, energy += 0.5 * spring * over * over;
-    }
-    pinch.force.set(node - slot, force), held_[node] = energy;
+    const Squeeze found =
+        squeeze_node(node_cell_.data() + node_start_[node], node_cell_.data() + node_start_[node + 1], room, sheet);
+    pinch.force.set(node - slot, found.force), held_[node] = found.energy;
   }
 }
 

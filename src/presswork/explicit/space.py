@@ -161,7 +161,11 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         return self._by_node(self._loop.trial_force(self._shaped(increment, "increment")[self._nodes]))
 
     def find_contact(self) -> None:
-        """Find the contact of tools that are new. Raises ExplicitError where the sheet starts in a tool."""
+        """Find the contact of tools that are new.
+
+        Raises ExplicitError where the sheet starts in a tool, or the device does not compute what the run has.
+        """
+        check_device(self.device, self._loop)
         self._prepare_tools(np.empty(0))
         if self._reference is None:
             self._begin_balance(0.0, 1.0, 1.0)

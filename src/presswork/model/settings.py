@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 from presswork.model.elements import ExplicitElement
@@ -133,6 +133,11 @@ class ExplicitSheet:
     """Mass damping [1/s]."""
     precision: Literal["double", "single"] = "double"
     """Precision of shells and velocities; positions and energies are always double."""
+    device: Literal["cpu", "host", "cuda"] = field(default="cpu", repr=False)
+    """What computes the cycles: the CPU, an NVIDIA card, or the card's code on the CPU.
+
+    A checkpoint goes on on any of them: it is not part of what names a model.
+    """
     contact_points: Literal["nodes", "edges"] = "edges"
     """Where the blank touches tools: at nodes alone, or where a tool is sharp also at the edges between them."""
     ironing: bool = True

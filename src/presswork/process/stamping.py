@@ -111,6 +111,7 @@ class ExplicitStamping(StampingRecording):
                 ironing=self.settings.ironing,
             ),
             precision=self.settings.precision,
+            device=self.settings.device,
             hanging=self._sheet.hanging(),
         )
 

@@ -78,6 +78,11 @@ class Explicit(Part):
     precision: Literal["double", "single"] = Field(
         default=_EXPLICIT.precision, description="single: about half the time and memory, seven digits"
     )
+    device: Literal["cpu", "host", "cuda"] = Field(
+        default=_EXPLICIT.device,
+        description="what computes the cycles: the CPU, an NVIDIA card, or the card's code on the CPU (host, slow, to "
+        "check it); `presswork devices` lists what is there",
+    )
     contact_points: Literal["nodes", "edges"] = Field(
         default=_EXPLICIT.contact_points,
         description="what of the blank touches tools: nodes alone, or edges between them, too, where a tool's "
