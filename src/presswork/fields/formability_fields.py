@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from presswork.fields.surface_defects import FOLD, FOLDED
 from presswork.formability import (
     CRACKS,
     PATH_MARGINS,
@@ -73,6 +74,10 @@ class FormingVerdict:
     """Cells with the least margins along their paths, by the name of the field; empty where paths were not followed."""
     failing_by_path: int = 0
     """Number of cells beyond the polar limit at some time."""
+    fold: Extreme | None = None
+    """The cell with the largest fold ratio; None where it was not looked for."""
+    folded: int = 0
+    """Number of cells with a fold ratio above FOLDED."""
 
     @property
     def failing(self) -> int:
@@ -84,6 +89,8 @@ class FormingVerdict:
         thin = "nothing thins"
         if self.thinning.value >= 0.05:
             thin = f"thinning up to {self.thinning.value:.1f} % {self.thinning.where()}"
+        if self.fold and self.folded:
+            thin += f"; the sheet folds in {self.folded} elements, most {self.fold.where()}"
         if self.margin is None:
             return f"{thin}; the material has no forming_limit, so nothing is said of cracks"
         return f"{self._tell_strains(self.margin)}{self._tell_path()}; {thin}"
@@ -123,18 +130,21 @@ class FormingVerdict:
             "least_margin": margin,
             **{f"least_{name.removeprefix('forming_limit_')}": asdict(worst) for name, worst in self.by_path.items()},
             **({"failing_cells_by_path": self.failing_by_path} if self.by_path else {}),
+            **({"largest_fold_ratio": asdict(self.fold), "folded_cells": self.folded} if self.fold else {}),
             "largest_thinning_percent": asdict(self.thinning),
         }
 
     def warnings(self) -> list[str]:
-        """Return the verdict if the part splits, and what to know of the curve."""
-        splits = self.failing or self.failing_by_path
-        return [text for text in (self.text() if splits else "", self.note) if text]
+        """Return the verdict if the part splits or folds, and what to know of the curve."""
+        tells = self.failing or self.failing_by_path or self.folded
+        return [text for text in (self.text() if tells else "", self.note) if text]
 
 
 def judge_fields(fields: Mapping[str, FloatArray], centres: FloatArray, judged: Formability) -> FormingVerdict | None:
-    """Return the verdict from the fields NEEDED, PATH_MARGINS if they are there, and the deformed middles of the cells
-    (n_cells, 3) [mm].
+    """Return the verdict on a sheet.
+
+    fields: NEEDED, and PATH_MARGINS and FOLD if they are there; centres: deformed middles of the cells (n_cells, 3)
+    [mm].
 
     None for a body that is no sheet.
     """
@@ -147,12 +157,14 @@ def judge_fields(fields: Mapping[str, FloatArray], centres: FloatArray, judged: 
         return Extreme(float(values[cell]), int(cell), (x, y, z))
 
     thinnest = extreme(found["thinning"], np.argmax(found["thinning"]))
+    fold = extreme(fields[FOLD], np.argmax(fields[FOLD])) if FOLD in fields else None
+    folded = int((fields[FOLD] > FOLDED).sum()) if FOLD in fields else 0
     if judged.curve is None:
-        return FormingVerdict("", {}, None, thinnest)
+        return FormingVerdict("", {}, None, thinnest, fold=fold, folded=folded)
     counts = np.bincount(found["formability_zone"].astype(int), minlength=len(ZONES))
     margin = found["forming_limit_margin"]
     zones = {name: int(count) for name, count in zip(ZONES, counts, strict=True)}
     by_path = {name: extreme(fields[name], np.nanargmin(fields[name])) for name in PATH_MARGINS if name in fields}
     failing = int((fields[POLAR] < 0.0).sum()) if POLAR in fields else 0
     least = extreme(margin, np.argmin(margin))
-    return FormingVerdict(judged.curve.method, zones, least, thinnest, judged.note, by_path, failing)
+    return FormingVerdict(judged.curve.method, zones, least, thinnest, judged.note, by_path, failing, fold, folded)

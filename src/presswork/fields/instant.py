@@ -108,3 +108,13 @@ class Instant:
         from presswork.fields.formability_fields import formability_fields
 
         return formability_fields(self.sheet, self.judged)
+
+    @cached_property
+    def surface(self) -> Mapping[str, FloatArray]:
+        """Defects of a sheet's surface in its cells by name; empty for solids and sheets without bending."""
+        from presswork.fields.surface_defects import NEEDED, surface_fields
+
+        if not self.sheet.keys() >= NEEDED:
+            return {}
+        mesh = self.model.mesh
+        return surface_fields(self.sheet, mesh.blocks, mesh.points + self.displacement, self.tool_force)

@@ -16,6 +16,7 @@ from presswork.fields.evolved_layers import best_of_layers
 from presswork.fields.field import LAMINA, PLACES, TENSOR, VECTOR, Field
 from presswork.fields.instant import Instant, NodalContact
 from presswork.fields.solid_fields import effective_stress
+from presswork.fields.surface_defects import SURFACE_FIELDS
 from presswork.model import GTN, POROSITY, FloatArray
 
 
@@ -61,6 +62,10 @@ def _of_layers(name: str) -> Callable[[Instant], Mapping[str, FloatArray] | None
 
 def _of_forming(name: str) -> Callable[[Instant], FloatArray | None]:
     return lambda now: now.forming.get(name)
+
+
+def _of_surface(name: str) -> Callable[[Instant], FloatArray | None]:
+    return lambda now: now.surface.get(name)
 
 
 def _weights(now: Instant) -> list[FloatArray]:
@@ -224,4 +229,5 @@ ROWS = (
     Field("wrinkling_indicator", "1", "cell", _of_forming("wrinkling_indicator")),
     Field("forming_limit_margin", "1", "cell", _of_forming("forming_limit_margin")),
     Field("formability_zone", "1", "cell", _of_forming("formability_zone")),
+    *(Field(name, "1", "cell", _of_surface(name)) for name in SURFACE_FIELDS),
 )

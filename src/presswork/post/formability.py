@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.fields.formability_fields import NEEDED, FormingVerdict, formability_fields, judge_fields
+from presswork.fields.surface_defects import FOLD
 from presswork.formability import PATH_MARGINS, Formability
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
@@ -25,6 +26,7 @@ def judge_part(result: Result, step: int = -1, judged: Formability | None = None
     points = result.points(step)
     centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in result.mesh_at(step).blocks])
     fields = _strains(result, step)
+    fields |= {name: result.field(name, step) for name in (FOLD,) if name in result.field_names}
     if judged is None:  # paths were followed by the curve of the run
         fields |= {name: result.field(name, step) for name in PATH_MARGINS if name in result.field_names}
     verdict = judge_fields(fields, centres, result.formability if judged is None else judged)

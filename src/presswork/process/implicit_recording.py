@@ -139,7 +139,7 @@ class ImplicitRecording(IncrementRecording):
 
     def watch(self) -> Watched:
         """Return how far the converged state is towards its limits."""
-        verdict = self._judge()
+        verdict = self._judge(at_the_end=False)
         peaks = self.find_peaks()
         if verdict is not None:
             return replace(watch_sheet(verdict), damage=peaks)
@@ -304,14 +304,15 @@ class ImplicitRecording(IncrementRecording):
         """What the strains of a sheet are judged by: it is of one material."""
         return self.model.materials[self.mesh.blocks[0].material].formability
 
-    def _judge(self) -> FormingVerdict | None:
-        """Return the verdict on a sheet; None of a solid."""
+    def _judge(self, *, at_the_end: bool) -> FormingVerdict | None:
+        """Return the verdict on a sheet, at the end with the defects of its surface; None of a solid."""
         mechanics, state = self.procedure.mechanics, self.procedure.state
         if self.model.analysis != "shell":
             return None
         points = self.mesh.points + state.nodes.displacement[:, :3]
         centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in self.mesh.blocks])
-        return judge_fields(mechanics.show(state).sheet, centres, self._judged())
+        now = mechanics.show(state)
+        return judge_fields({**now.sheet, **(now.surface if at_the_end else {})}, centres, self._judged())
 
     def meta(self) -> Meta:
         """Return what the summary needs and no array holds."""
@@ -335,7 +336,7 @@ class ImplicitRecording(IncrementRecording):
         elastic_volume = procedure.mechanics.elastic_dilatation(state)
         volume, initial = procedure.volume(), procedure.initial_volume
         extremes = procedure.mechanics.extremes(state)
-        verdict = self._judge()
+        verdict = self._judge(at_the_end=True)
         contact = {
             "tolerance_mm": procedure.interactions.tools.contact.tolerance,
             "largest_node_penetration_mm": self.penetration.node,

@@ -251,7 +251,8 @@ class ImplicitStamping(IncrementRecording):
 
     def judge(self) -> FormingVerdict:
         """Return the verdict on the present sheet."""
-        return self._judge(self.show().sheet)
+        now = self.show()
+        return self._judge({**now.sheet, **now.surface})
 
     def sheet(self) -> SheetState:
         """Return the converged state of the sheet."""
@@ -287,8 +288,9 @@ class ImplicitStamping(IncrementRecording):
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are beyond their limits."""
         state = self.procedure.state
-        fields = self.show().sheet
-        verdict = self._judge(fields)
+        now = self.show()
+        fields = now.sheet
+        verdict = self._judge({**fields, **now.surface})
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
         energy = self.procedure.energy_balance()
         untouched = find_never_touched([t.name for t in self.model.tools], history)

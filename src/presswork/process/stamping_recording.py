@@ -238,13 +238,15 @@ class StampingRecording(RowRecording):
 
     def judge(self) -> FormingVerdict:
         """Return the verdict on the present sheet."""
-        return self._judge(self._cell_fields())
+        now = self.show()
+        return self._judge({**now.sheet, **now.surface})
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are beyond their limits."""
         shells = self.shells
-        fields = self._cell_fields()
-        verdict = self._judge(fields)
+        now = self.show()
+        fields = now.sheet
+        verdict = self._judge({**fields, **now.surface})
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
         cycles = int(self._progress[CYCLES])
         names_of_tools = [t.name for t in self.model.tools]

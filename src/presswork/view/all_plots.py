@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal, cast
 import numpy as np
 
 from presswork.fields.formability_fields import FORMABILITY_FIELDS
+from presswork.fields.surface_defects import SURFACE_FIELDS
 from presswork.formability import PATH_MARGINS, POLAR
 from presswork.post.draw_in import write_draw_in
 from presswork.post.section import write_section
@@ -50,9 +51,13 @@ if TYPE_CHECKING:
 
 FIELDS = ("effective_stress", "equivalent_plastic_strain")
 SHELL_FIELDS = (*FIELDS, "thickness_strain", "major_strain_top", "minor_strain_top")
-STAMPING_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", "formability_zone", POLAR)
-"""The last two if the run knows a forming limit."""
+STAMPING_FIELDS = (
+    "thickness_strain", "equivalent_plastic_strain", "thinning", "formability_zone", POLAR, *SURFACE_FIELDS,
+)  # fmt: skip
+"""Zones and margin if the run knows a forming limit."""
 OF_FORMABILITY = (*FORMABILITY_FIELDS, *PATH_MARGINS)
+NOT_ALWAYS = (*OF_FORMABILITY, *SURFACE_FIELDS)
+"""Fields that results of other materials, or older ones, do not have."""
 ONESTEP_FIELDS = ("thickness_strain", "equivalent_plastic_strain", "thinning", "formability_zone")
 SPRINGBACK_FIELDS = ("springback", "deviation")
 """Displacement of springback; distance from the shape in the tools."""
@@ -116,7 +121,7 @@ def _plot_all(
         chosen = sorted({find_widest_step(result), len(result.times) - 1})
     if fields is None:
         fields = default_fields(result)
-        fields = [field for field in fields if field in result.field_names or field not in OF_FORMABILITY]
+        fields = [field for field in fields if field in result.field_names or field not in NOT_ALWAYS]
         fields = [field for field in fields if field in OF_FORMABILITY or _is_nonzero(result, field, chosen)]
     count = len(result.times)
     for step in chosen:
