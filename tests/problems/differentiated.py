@@ -12,9 +12,9 @@ import numpy as np
 from presswork.case.case_file import CaseFile
 from presswork.case.kinds import build_model
 from presswork.model import FloatArray
-from presswork.process.differentiated import name_column
 from presswork.recorder import run_model
 from presswork.results import Result
+from presswork.results.history import name_derivative
 
 EXACT = {
     "initial_increment": 0.25,
@@ -128,7 +128,8 @@ def differentiate(
             for way in (change, -change)
         )
         found[key] = {
-            name: (np.asarray(own[name_column(name, key)]), (more[name] - less[name]) / (2.0 * change)) for name in of
+            name: (np.asarray(own[name_derivative(name, key)]), (more[name] - less[name]) / (2.0 * change))
+            for name in of
         }
     return found
 

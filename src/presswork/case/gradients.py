@@ -77,6 +77,14 @@ def add_gradients(
     return replace(built, gradients=model.Gradients(wanted.of, tuple(found)), remeshing=None)
 
 
+def find_number(case: CaseFile, key: str) -> float:
+    """Return the number at a key of a case, in the units of the Model. Raises CaseError where there is none."""
+    found = _look_up(case.model_dump(mode="json", exclude_unset=True), key)
+    if isinstance(found, Problem):
+        raise CaseError([replace(found, key=key)], case.source)
+    return found
+
+
 def _refuse(built: model.Model) -> list[Problem]:
     """Return the problems of what a run does that has no derivatives yet."""
     motions = [motion for stage in built.stages for motion in stage.tool_motion.values()]

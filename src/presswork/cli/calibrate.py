@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -22,9 +23,11 @@ from presswork.cli.members import (
     progress_shown,
 )
 from presswork.cli.terminal import INTERRUPTED, console, exit_on
+from presswork.outcome import StartError
 from presswork.results import OutputError, ResultError
 from presswork.study import ClusterError
 from presswork.study.calibrate import SYMBOLS, BorePlace, Calibration, FrictionLaw, calibrate_ring
+from presswork.study.calibrate_curve import MOST_RUNS, calibrate_curve
 from presswork.study.calibrate_damage import calibrate_damage
 
 app = typer.Typer(help="Find a parameter from measured tests.", no_args_is_help=True, add_completion=False)
@@ -110,6 +113,50 @@ def damage(
         )
     where = ", ".join(f"{x:.4g}" for x in found.place)
     typer.echo(f"critical = {found.value:.4f} ({found.criterion}, {found.tool} at {found.stroke:g} mm, ({where}) mm)")
+
+
+@app.command()
+def curve(
+    measured: Annotated[
+        Path,
+        typer.Argument(
+            help="CSV of two columns named as in history.csv, e.g. punch.stroke,punch.force.", show_default=False
+        ),
+    ],
+    case: Annotated[Path, typer.Option(help="The test (TOML); its numbers are the first guess.", show_default=False)],
+    fit: Annotated[
+        list[str], typer.Option(metavar="KEY", help="Number of the case to find; repeat for more.", show_default=False)
+    ],
+    most_runs: Annotated[int, typer.Option(min=1, help="Runs at most.")] = MOST_RUNS,
+    set_: Settings = None,
+    output: Annotated[Path | None, typer.Option(help="Folder; default: measured file's name, _calibration.")] = None,
+    overwrite: Overwrite = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find numbers of a case from a measured curve, by the derivatives of its runs."""
+
+    def tell(number: int, values: Mapping[str, float], misfit: float) -> None:
+        if not quiet:
+            told = ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
+            console().print(f"run {number}: misfit {misfit:.2e}; {told}", markup=False)
+
+    with exit_on(CaseError, OutputError, StartError):
+        found = calibrate_curve(
+            measured,
+            case,
+            output or measured.with_name(f"{measured.stem}_calibration"),
+            keys=fit,
+            settings=set_ or [],
+            most_runs=most_runs,
+            overwrite=overwrite,
+            on_run=tell,
+        )
+    for key, value in found.values.items():
+        typer.echo(f"{key} = {value:.6g} +- {found.interval[key]:.2g}")
+    typer.echo(f"misfit {found.misfit:.2e} of the largest value, {found.runs} runs")
+    for warning in found.warnings:
+        typer.echo(f"warning: {warning}")
+    console().print(f"calibration.json in {found.folder}", markup=False)
 
 
 def _read_values(text: str) -> list[float]:

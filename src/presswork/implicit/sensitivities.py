@@ -14,7 +14,8 @@ The derivatives on the right are taken along one direction at a time, (du, ds_n,
 same model with the parameter a little less and a little more, whose states differ by the same part of ds/dp. So every
 law, cell, tool and load counts without a line of its own, and so does all that an increment keeps for the next one.
 K lacks what friction and curved tools add to the tangent and half of its unsymmetric part, so the solution is repeated
-with what is out of balance until nothing is. Tsay & Arora 1990, Comput. Methods Appl. Mech. Engrg. 81 (direct
+with what is out of balance, and the ways found are combined so that the least is left (generalised conjugate
+residuals), until nothing is. Tsay & Arora 1990, Comput. Methods Appl. Mech. Engrg. 81 (direct
 differentiation with history); there the derivatives are written out, here they are central differences of step h, with
 an error of h^2 and of round-off over h.
 """
@@ -33,10 +34,11 @@ from presswork.model import FloatArray
 from presswork.outcome import BadGuess, GaveUpError, Step
 from presswork.state import Arrays, State
 
-BALANCED = 1e-10
-"""Out of balance over the largest change of a nodal force, below which a derivative is found."""
+BALANCED, DIGITS = 1e-10, 1e-2
+"""Out of balance over the largest change of a nodal force, below which a derivative is found; and that of a run whose
+equilibrium is not so near, over its tolerance."""
 ENOUGH = 1e-4
-"""The same, above which it is not."""
+"""The same, above which it is not, if it becomes no less."""
 MOST_ROUNDS = 30
 
 
@@ -159,30 +161,64 @@ class Sensitivities:
 
         increment: of the run, in equilibrium (n_points, freedoms) [mm, rad].
         """
-        system = self._procedure.equilibrium.system
-        more, less = sides
-        slope, last = np.zeros_like(increment), np.inf
+        system, length = self._procedure.equilibrium.system, self._procedure.mechanics.length
+        lack = _Lack(length)
         for side in sides:
             self._evaluate(side, increment, step)
-        for rounds in range(MOST_ROUNDS):
-            lacking, value, reaction = (
-                (a - b) / (2.0 * each.step)
-                for a, b in (
-                    (more.lacking, less.lacking),
-                    (more.missing, less.missing),
-                    (more.point.reaction, less.point.reaction),
-                )
-            )
-            off = float(np.abs(lacking).max()) / max(float(np.abs(reaction).max()), 1e-300)
-            missing = float(np.abs(value).max()) / max(float(np.abs(slope).max()), 1e-300)
-            if max(off, missing) < BALANCED or (rounds > 2 and max(off, missing) < ENOUGH and off > 0.5 * last):
-                return
-            slope = slope + system.respond(lacking) + value
-            last = off
+        rest = first = lack.find(sides, each.step)
+        slope, ways, taken = np.zeros_like(increment), [], []
+        enough = min(max(BALANCED, DIGITS * self._procedure.model.solver.force_tolerance), ENOUGH)
+        for _ in range(MOST_ROUNDS):
+            # 1. the way that the factors at hand give, and what it leaves
+            way = system.respond(rest[0]) + rest[1]
             self.rounds += 1
             for side in sides:
-                self._evaluate(side, increment + side.change * slope, step)
-        raise GaveUpError(f"the derivative by {each.key} is not found: {last:.1e} of its forces stay out of balance")
+                self._evaluate(side, increment + side.change * (slope + way), step)
+            left = lack.find(sides, each.step)
+            if lack.size(left, slope + way) < enough:
+                return
+            # 2. the ways so far, combined so that the least is left: what is lacking is linear in the slope
+            ways.append(way)
+            taken.append(np.subtract(rest, left))
+            share = lack.combine(first, taken, slope + way)
+            slope = np.tensordot(share, ways, axes=1)
+            before, rest = rest, np.subtract(first, np.tensordot(share, taken, axes=1))
+            stagnates = lack.size(rest, slope) > 0.5 * lack.size(before, slope)
+            if lack.size(rest, slope) < (ENOUGH if stagnates else enough):
+                for side in sides:
+                    self._evaluate(side, increment + side.change * slope, step)
+                return
+        raise GaveUpError(
+            f"the derivative by {each.key} is not found: {lack.size(rest, slope):.1e} of its forces stay out of balance"
+        )
+
+
+class _Lack:
+    """What is out of balance in a derivative, and what nodes that are held still have to move: two nodal vectors."""
+
+    def __init__(self, length: FloatArray) -> None:
+        self._length = length
+        self._force = 0.0
+
+    def find(self, sides: Sequence[_Side], step: float) -> FloatArray:
+        """Return both for the present ways of the neighbours (2, n_points, freedoms)."""
+        more, less = sides
+        reaction = (more.point.reaction - less.point.reaction) / (2.0 * step)
+        self._force = max(self._force, float(np.abs(reaction / self._length).max()), 1e-300)
+        return np.array([more.lacking - less.lacking, more.missing - less.missing]) / (2.0 * step)
+
+    def size(self, lack: FloatArray, slope: FloatArray) -> float:
+        """Return the larger of both over the forces and ways of the derivative."""
+        return float(np.abs(self._weigh(lack, slope)).max())
+
+    def combine(self, first: FloatArray, taken: Sequence[FloatArray], slope: FloatArray) -> FloatArray:
+        """Return the shares of what ways have taken (n, 2, n_points, freedoms) that leave the least of the first."""
+        columns = np.column_stack([self._weigh(each, slope).ravel() for each in taken])
+        return np.asarray(np.linalg.lstsq(columns, self._weigh(first, slope).ravel(), rcond=None)[0])
+
+    def _weigh(self, lack: FloatArray, slope: FloatArray) -> FloatArray:
+        way = max(float(np.abs(slope * self._length).max()), 1e-300)
+        return np.array([lack[0] / self._length / self._force, lack[1] * self._length / way])
 
 
 def _shift(state: State, own: State, number: int, change: float) -> State:

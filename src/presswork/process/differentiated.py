@@ -12,14 +12,10 @@ from presswork.model import Model
 from presswork.outcome import StartError
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.recording import Row
+from presswork.results.history import name_derivative
 
 NO_MEASURES = ("time", "stage", "increment", "iterations")
 """Columns of the history that have no derivative."""
-
-
-def name_column(of: str, by: str) -> str:
-    """Return the column of the derivative of one column by a key of the case."""
-    return f"d({of})/d({by})"
 
 
 class DifferentiatedForming(ImplicitRecording):
@@ -58,7 +54,7 @@ class DifferentiatedForming(ImplicitRecording):
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
-        return [*super().columns, *(name_column(of, p.key) for p in self._by for of in self._of)]
+        return [*super().columns, *(name_derivative(of, p.key) for p in self._by for of in self._of)]
 
     def row(self, report: IncrementReport) -> Row:
         """Return the row of the history."""
@@ -67,7 +63,7 @@ class DifferentiatedForming(ImplicitRecording):
             less, more = (side.row(report) for side in sides)
             for of in self._of:
                 change = float(more[of]) - float(less[of])
-                row[name_column(of, parameter.key)] = change / (2.0 * parameter.step)
+                row[name_derivative(of, parameter.key)] = change / (2.0 * parameter.step)
         return row
 
     def summary(self, history: Any) -> dict[str, Any]:
@@ -75,7 +71,7 @@ class DifferentiatedForming(ImplicitRecording):
         found = super().summary(history)
         last = {
             p.key: {"value": p.value}
-            | {of: float(history[name][-1]) for of in self._of if len(history[name := name_column(of, p.key)])}
+            | {of: float(history[name][-1]) for of in self._of if len(history[name := name_derivative(of, p.key)])}
             for p in self._by
         }
         return found | {"gradients": last, "gradient_rounds": self._sensitivities.rounds}

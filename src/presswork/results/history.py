@@ -40,6 +40,11 @@ def history_columns(
     return columns
 
 
+def name_derivative(of: str, by: str) -> str:
+    """Return the column of the derivative of a column by a key of the case."""
+    return f"d({of})/d({by})"
+
+
 class History:
     """A table on disk that grows by a row at a time.
 

@@ -2,6 +2,7 @@
 from .avitzur import integrate_ring
 from .blank_shape import BlankShape, Draw, find_blank_shape, surround_opening
 from .calibrate import Calibration, CalibrationCurves, FrictionFit, calibrate_ring, fit_friction
+from .calibrate_curve import CurveFit, calibrate_curve
 from .cluster.connection import Cluster, ClusterError
 from .compensate import Compensation, Loop, compensate_springback
 from .measured import MeasuredRings, read_measured
@@ -17,6 +18,7 @@ __all__ = [
     "Cluster",
     "ClusterError",
     "Compensation",
+    "CurveFit",
     "Draw",
     "FrictionFit",
     "Loop",
@@ -26,6 +28,7 @@ __all__ = [
     "RingMeasures",
     "SweepProgress",
     "SweepResult",
+    "calibrate_curve",
     "calibrate_ring",
     "compensate_springback",
     "find_blank_shape",
