@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from presswork import _core
-from presswork.interaction.body_surfaces import MARGIN, TOUCHING, BodySurfaces, CellsOfSides
+from presswork.interaction.body_surfaces import MARGIN, REACH, TOUCHING, BodySurfaces, CellsOfSides
 from presswork.mesh.faces import face_areas, list_cell_faces
 from presswork.model import FloatArray, IntArray
 
@@ -73,6 +73,30 @@ class SpaceInterface(BodySurfaces[_core.FaceInterfaceResult]):
 
     def _evaluate(self, x: FloatArray, x_n: FloatArray, **values: Any) -> _core.FaceInterfaceResult:
         return _core.evaluate_face_interface(self.slave, self.master, self.slots, self.pairs, x, x_n, **values)
+
+    def measure_gaps(self, x: FloatArray) -> _core.FaceInterfaceResult:
+        """Return the gaps of the slots with the nodes at x (n_points, 3), and their slopes as those of -gap."""
+        n = len(self.nodes)
+        none, along = np.zeros(n), np.zeros((n, 3))
+        return self._evaluate(
+            x,
+            x,
+            slave_depth=self._depth[0],
+            master_depth=self._depth[1],
+            held=np.ones(n, dtype=np.uint8),
+            pressure=none,
+            shear=along,
+            slip=along,
+            believed=none,
+            least_weight=self._least_weight,
+            stiffness=np.ones(n),
+            shear_limit=np.full(n, np.inf),
+            mu=0.0,
+            tangential_part=0.0,
+            reach=REACH * self.mean_edge,
+            touching=TOUCHING * self.mean_edge,
+            with_tangent=True,
+        )
 
     def show(self, result: _core.FaceInterfaceResult, pressure: FloatArray, shear: FloatArray) -> None:
         """Write pressure and the size of the shear [MPa] at the nodes of both surfaces into fields (n_points,)."""

@@ -56,7 +56,7 @@ from presswork.model.material import (
     YieldFunction,
 )
 from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
-from presswork.model.mesh_change import change_mesh, choose_slave, list_sets, mean_edge
+from presswork.model.mesh_change import change_mesh, choose_slave, list_bodies, list_sets, mean_edge
 from presswork.model.model import Analysis, Model
 from presswork.model.onestep import OneStepModel, PartBead
 from presswork.model.operation import Closing, Operation, PartPlace
@@ -227,6 +227,7 @@ __all__ = [
     "choose_slave",
     "find_direction",
     "find_held_side",
+    "list_bodies",
     "list_names",
     "list_sets",
     "mean_edge",

@@ -58,6 +58,12 @@ def _choose_anew(model: Model, contact: BodyContact, mesh: Mesh, bodies: tuple[B
     return replace(contact, slave=choose_slave(mesh, bodies, young, *contact.between))
 
 
+def list_bodies(model: Model) -> tuple[Body, ...]:
+    """Return the bodies of a model; of one that names none, the whole mesh."""
+    mesh = model.mesh
+    return model.bodies or (Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks))),)
+
+
 def list_sets(model: Model) -> Iterator[tuple[str, str]]:
     """Yield kind (node, edge, face) and name of every set of the mesh that a model names."""
     yield from (("node", support.node_set) for support in model.supports)

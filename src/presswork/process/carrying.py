@@ -133,16 +133,21 @@ def _is_other_body(before: ImplicitProcedure, nodes_n: IntArray, nodes: IntArray
 
 
 def _face(values: FloatArray, nodes: IntArray, run: ImplicitProcedure) -> None:
-    """Give what stands at nodes of one surface to the nodes of others that face it, in place."""
-    position = run.model.mesh.points + run.state.nodes.displacement
-    edges = run.model.mesh.boundary_edges
-    near = float(np.linalg.norm(position[edges[:, 1]] - position[edges[:, 0]], axis=1).max())
-    others = np.setdiff1d(edges, nodes)
-    distance, place = scipy.spatial.cKDTree(position[nodes]).query(position[others], k=2, distance_upper_bound=near)
+    """Give what stands at nodes of one surface to the nodes of others that face it, in place.
+
+    Vectors (n_points, 3) turn round: what one body feels the other one gives.
+    """
+    mesh, dimension = run.model.mesh, run.model.dimension
+    position = mesh.points + run.state.nodes.displacement[:, :dimension]
+    sides = mesh.boundary_faces if dimension == 3 else mesh.boundary_edges
+    near = float(np.linalg.norm(position[np.roll(sides, -1, axis=1)] - position[sides], axis=2).max())
+    others, tree = np.setdiff1d(sides, nodes), scipy.spatial.cKDTree(position[nodes])
+    distance, place = tree.query(position[others], k=dimension, distance_upper_bound=near)
     faces = np.isfinite(distance).all(axis=1)
     share = 1.0 / (distance[faces] + 1e-9 * near)
     share /= share.sum(axis=1, keepdims=True)
-    values[others[faces]] = np.einsum("nk,nk...->n...", share, values[nodes[place[faces]]])
+    sign = -1.0 if values.ndim > 1 else 1.0
+    values[others[faces]] = sign * np.einsum("nk,nk...->n...", share, values[nodes[place[faces]]])
 
 
 def _return_to_law(after: Epoch, blocks: set[int]) -> None:

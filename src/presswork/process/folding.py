@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.model import Body
+from presswork.model import Body, list_bodies
 from presswork.process.epochs import EPOCH, NamedArrays
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.self_contact import find_folding, switch_on, touches_itself
@@ -40,8 +40,7 @@ class FoldingRecording(ImplicitRecording):
         procedure.evolution.place(self._origin)
 
     def _bodies(self) -> Sequence[Body]:
-        mesh = self.model.mesh
-        return self.model.bodies or (Body("workpiece", range(len(mesh.points)), range(len(mesh.blocks))),)
+        return list_bodies(self.model)
 
     def _epoch_arrays(self) -> NamedArrays:
         folded = np.array([touches_itself(self.model, i) for i in range(len(self._bodies()))])

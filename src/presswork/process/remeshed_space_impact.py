@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from presswork.explicit.space_solids import EQPS
 from presswork.mesh.checks import MeshError
-from presswork.model import FloatArray, Mesh, Model
+from presswork.model import FloatArray, Mesh, Model, list_bodies
 from presswork.outcome import StartError
+from presswork.process.bodies_in_space import join_bodies, take_places
 from presswork.process.epochs import NamedArrays
 from presswork.process.mesh_reasons import LAST_CUT
 from presswork.process.remeshed_impact import NEAR, RemeshedImpact, keep_peaks
@@ -26,8 +27,6 @@ from presswork.process.remeshing_in_space import (
     find_reason,
     list_sizes,
     measure_left,
-    take_places,
-    to_mesh,
 )
 from presswork.process.space_impact import ExplicitSpaceImpact
 from presswork.remesh.carrier import Carrier, SkinPlaces
@@ -72,7 +71,8 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
             on_tool[t, outer] = np.abs(surface.nearest(position[outer], 2.0 * near)[0]) < near
         tools = [shape.place(surface, surface.pose) for surface, shape in zip(surfaces, self._shapes, strict=True)]
         cells = mesh.blocks[0].connectivity.astype(np.intp)
-        return OldBody(position, cells, on_tool, self._find_held(), take_places(self.model), tools, self._find_loss())
+        places = take_places(self.model, *list_bodies(self.model))
+        return OldBody(position, cells, on_tool, self._find_held(), places, tools, self._find_loss())
 
     def _find_reason_to_leave_first(self) -> str | None:
         return find_cut_edge(self._find_body(), deepest=LAST_CUT, sharp_counts=True)
@@ -97,7 +97,9 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
 
     def _make_mesh(self) -> tuple[Mesh, SkinPlaces, Sequence[FloatArray]]:
         new = remesh_body(self._find_body(), list_sizes(self._remeshing))
-        return to_mesh(self.model.mesh, new), SkinPlaces(new.skin, new.corners, new.share), []
+        mesh, (part,) = join_bodies(self.model.mesh, list_bodies(self.model), [new])
+        assert isinstance(part.surface, SkinPlaces)
+        return mesh, part.surface, []
 
     def _mend(self, carrier: Carrier, dump: Mapping[str, FloatArray], found: dict[str, FloatArray]) -> None:
         points, peaks = found[POINTS], slice(EQPS, EQPS + 1)
@@ -117,7 +119,7 @@ def _find_obstacle(model: Model) -> str:
     if importlib.util.find_spec("mmgpy") is None:
         return f"new meshes in space need mmgpy, which is not installed: {REMEDY}"
     try:
-        take_places(model)
+        take_places(model, *list_bodies(model))
     except MeshError as error:
         return str(error)
     return ""

@@ -15,31 +15,23 @@ from presswork.body.solids import Mechanics
 from presswork.geometry.tool_widths import find_widths
 from presswork.implicit.epochs import Epoch, new_epoch
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.checks import MeshError
-from presswork.model import (
-    CellBlock,
-    FloatArray,
-    IndexArray,
-    IntArray,
-    Limits,
-    Mesh,
-    Model,
-    Remeshing,
-    Tool,
-    Triangulation,
-    list_sets,
-)
+from presswork.model import FloatArray, Limits, Model, Remeshing, Tool, Triangulation, change_mesh
+from presswork.process.bodies_in_space import add_neighbours, hold_on_tools, join_bodies, mark_joints, take_places
 from presswork.process.carrying import carry_state, carry_surface, find_undeclared
 from presswork.process.epochs import NamedArrays
+from presswork.process.joints import fit_joints
 from presswork.process.mesh_reasons import LAST_CUT
 from presswork.process.remeshing import RemeshedForming
 from presswork.process.space_surfaces import draw_tool
-from presswork.remesh.carrier import Carrier, Part, SkinPlaces
+from presswork.remesh.carrier import Carrier
 from presswork.remesh.space.body import NewBody, OldBody
 from presswork.remesh.space.fill import REMEDY
 from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.size_field import OF_WIDTH, EdgeSizes
+from presswork.remesh.space.skins import draw_skin, find_outer
 from presswork.remesh.space.tetrahedra import measure_quality
 from presswork.remesh.space.tools import PlacedTool, ToolShape, find_bends
 from presswork.remesh.space.triggers import (
@@ -75,8 +67,8 @@ class RemeshedSpaceForming(RemeshedForming):
         assert model.remeshing is not None
         self._shapes = [draw_shape(tool, model.mesh.points, model.remeshing) for tool in model.space_tools]
         super().__init__(model, threads=threads)
-        self._left = Left()
-        """What was wrong with the present mesh when it was made."""
+        self._left = [Left() for _ in self._bodies()]
+        """What was wrong with the present mesh of each body when it was made."""
 
     def _find_obstacle(self) -> str:
         undeclared = find_undeclared(self.procedure.state)
@@ -84,6 +76,8 @@ class RemeshedSpaceForming(RemeshedForming):
             return f"nothing says how {', '.join(undeclared)} would pass to a new mesh"
         if importlib.util.find_spec("mmgpy") is None:
             return f"new meshes in space need mmgpy, which is not installed: {REMEDY}"
+        if any(len(body.blocks) > 1 for body in self._bodies()):
+            return "cells of several materials in one body cannot be meshed anew together"
         try:
             self._sections()
         except MeshError as error:
@@ -91,7 +85,7 @@ class RemeshedSpaceForming(RemeshedForming):
         return ""
 
     def _sections(self) -> list[OldBody]:
-        """Return the body where it is now."""
+        """Return the bodies where they are now."""
         procedure, model, state = self.procedure, self.model, self.procedure.state
         fixed = np.asarray(procedure.interactions.supports.fixed(procedure.present_step().stage))[:, :3]
         on_tool = np.zeros((0, len(model.mesh.points)), dtype=bool)
@@ -103,54 +97,61 @@ class RemeshedSpaceForming(RemeshedForming):
             for t, shape in enumerate(self._shapes):
                 surface = space_tools.contact.placed(t, placed)
                 tools.append(shape.place(surface, surface.pose))
-        (body,) = self._bodies()
-        return [
-            OldBody(
-                model.mesh.points + state.nodes.moved,
-                model.mesh.blocks[0].connectivity.astype(np.intp),
-                on_tool,
-                fixed,
-                take_places(model),
-                tools,
-                self._lost_volume(body, 0),
-            )
-        ]
+        position, found = model.mesh.points + state.nodes.moved, []
+        for number, body in enumerate(self._bodies()):
+            own, (block,) = slice(body.points.start, body.points.stop), body.blocks
+            cells = model.mesh.blocks[block].connectivity.astype(np.intp) - body.points.start
+            places, lost = take_places(model, body), self._lost_volume(body, number)
+            found.append(OldBody(position[own], cells, on_tool[:, own], fixed[own], places, tools, lost))
+        if InterfaceArrays not in state:
+            return found
+        pushed = np.asarray((state[InterfaceArrays].force != 0.0).any(axis=1))
+        return add_neighbours(found, model, [pushed[list(body.points)] for body in self._bodies()])
 
     def _reason_of(self, number: int, old: OldBody, wait: float) -> str | None:
-        breach = find_breach(old, self.model.limits, left=self._left)
+        left = self._left[number]
+        breach = find_breach(old, self.model.limits, left=left)
         if number in self._on_first:
-            flat = find_flat_cell(old, self._last_moves(), self.settings.quality)
+            flat = find_flat_cell(old, self._last_moves(number), self._settings_of(number).quality)
             return flat or find_cut_edge(old, deepest=LAST_CUT, sharp_counts=True) or breach
-        return find_reason(old, self._last_moves(), self.settings, wait, left=self._left) or breach
+        return find_reason(old, self._last_moves(number), self._settings_of(number), wait, left=left) or breach
 
     def _remesh(self, reason: str, bodies: set[int] | None = None, *, must: bool = False, again: bool = False) -> bool:
         waited = self._waited
         is_new = super()._remesh(reason, bodies, must=must, again=again)
-        (body,) = self._sections()
-        if is_new:
-            self._left = measure_left(body, self.settings)
-        elif self._waited == waited:  # none can be made: asked for again once this one has become worse
-            self._left = self._left.worsen(measure_left(body, self.settings, self._last_moves()))
+        for number, body in enumerate(self._sections()):
+            if bodies and number not in bodies:
+                continue
+            settings, moves = self._settings_of(number), self._last_moves(number)
+            if is_new:
+                self._left[number] = measure_left(body, settings)
+            elif self._waited == waited:  # none can be made: asked for again once this one has become worse
+                self._left[number] = self._left[number].worsen(measure_left(body, settings, moves))
         return is_new
 
     def _epoch_arrays(self) -> NamedArrays:
-        return super()._epoch_arrays() | {LEFT: np.array(astuple(self._left))}
+        return super()._epoch_arrays() | {LEFT: np.array([astuple(left) for left in self._left])}
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         super()._load_epoch(epoch)
-        self._left = Left(*epoch[LEFT].tolist())
+        self._left = [Left(*left) for left in epoch[LEFT].tolist()]
 
-    def _last_moves(self) -> FloatArray:
-        return self.procedure.state.nodes.increment[:, :3]
+    def _last_moves(self, number: int) -> FloatArray:
+        points = self._bodies()[number].points
+        return self.procedure.state.nodes.increment[points.start : points.stop, :3]
 
     def _make_epoch(self, old: Sequence[OldBody], own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
-        """Return the procedure on a new mesh of the body, with the state carried to it. Raises MeshError."""
-        before, (body,) = self.procedure, old
-        new = remesh_body(body, list_sizes(self.settings), part=part)
-        mesh = to_mesh(before.model.mesh, new)
-        places = SkinPlaces(new.skin, new.corners, new.share)
-        all_old, all_new = range(len(body.points)), range(len(new.points))
-        carrier = Carrier(before.model.mesh, body.points, mesh, [Part(all_old, all_new, 0, places)])
+        """Return the procedure on new meshes of bodies, with the state carried to them. Raises MeshError."""
+        before = self.procedure
+        made: list[OldBody | NewBody] = list(old)
+        for number in sorted(own):  # each beside the others as they are by then
+            others = {i: draw_skin(made[i].points, find_outer(old[i], made[i])) for i in old[number].others}
+            body = replace(old[number], others=others)
+            made[number] = remesh_body(body, list_sizes(self._settings_of(number)), part=part)
+        mesh, parts = join_bodies(before.model.mesh, self._bodies(), made)
+        if any(body.others for body in old):
+            mesh = replace(mesh, points=fit_joints(change_mesh(before.model, mesh), *mark_joints(old, made, parts)))
+        carrier = Carrier(before.model.mesh, np.concatenate([body.points for body in old]), mesh, parts)
 
         def fill(epoch: Epoch, next_epoch: Epoch) -> None:
             carry_state(epoch, next_epoch, carrier)
@@ -162,7 +163,9 @@ class RemeshedSpaceForming(RemeshedForming):
         after = new_epoch(before, mesh, fill)
         carry_surface(before, after, carrier)
         if SpaceToolArrays in after.state:
-            hold_on_tools(after.state[SpaceToolArrays], new, body.tools)
+            for place, new in zip(parts, made, strict=True):
+                if isinstance(new, NewBody):
+                    hold_on_tools(after.state[SpaceToolArrays], place, new, old[0].tools)
         return after, carrier
 
 
@@ -170,19 +173,6 @@ def _find_scale(epoch: Epoch) -> float:
     """Return the pressure that counts as a length [MPa/mm], which depends on the mesh."""
     assert isinstance(epoch.run.mechanics, Mechanics)
     return epoch.run.mechanics.pressure_scale
-
-
-def hold_on_tools(arrays: SpaceToolArrays, new: NewBody, tools: Sequence[PlacedTool]) -> None:
-    """Let forces act at nodes on tools alone, pushes along the tools' normals and friction along them, in place."""
-    for t, tool in enumerate(tools):
-        nodes = np.flatnonzero(new.on_tool[t])
-        push = np.linalg.norm(arrays.force[t] - arrays.friction[t], axis=1)
-        _, normal = tool.touch(new.points[nodes], np.inf)
-        drag = arrays.friction[t, nodes]
-        drag -= np.einsum("ni,ni->n", drag, normal)[:, None] * normal
-        arrays.force[t], arrays.friction[t] = 0.0, 0.0
-        arrays.friction[t, nodes] = drag
-        arrays.force[t, nodes] = push[nodes, None] * normal + drag
 
 
 @dataclass(frozen=True)
@@ -250,43 +240,3 @@ def draw_shape(tool: Tool, points: FloatArray, settings: Remeshing) -> ToolShape
 def list_sizes(settings: Remeshing) -> EdgeSizes:
     """Return the sizes that settings ask for."""
     return EdgeSizes(settings.size, settings.smallest_size, settings.max_cells)
-
-
-def take_places(model: Model) -> dict[str, IndexArray]:
-    """Return the faces (m, 3) of the places that a model names. Raises MeshError where one is not made of faces."""
-    found: dict[str, IndexArray] = {}
-    for _, name in list_sets(model):
-        nodes, faces = model.mesh.node_sets.get(name), model.mesh.face_sets.get(name)
-        if faces is None:
-            faces = np.zeros((0, 3), dtype=np.int32)
-        loose = np.setdiff1d(nodes, faces) if nodes is not None else np.zeros(0, dtype=np.int32)
-        if len(loose):
-            where = ", ".join(f"{c:.4g}" for c in model.mesh.points[loose[0]])
-            raise MeshError(
-                f"the set `{name}` has a node near ({where}) on none of its faces: new meshes keep places that are "
-                "made of whole faces of the surface",
-                "name a set of faces, or leave out [remesh]",
-            )
-        found[name] = faces.astype(np.intp)
-    return found
-
-
-def to_mesh(old: Mesh, new: NewBody) -> Mesh:
-    """Return a new body as a mesh with the material of the old one."""
-    block = old.blocks[0]
-    faces = {name: _to_int(own) for name, own in new.sets.items()} | {"boundary": _to_int(new.faces)}
-    nodes = {name: np.unique(own) for name, own in faces.items()}
-    nodes["all"] = np.arange(len(new.points), dtype=np.int32)
-    return Mesh(
-        new.points,
-        (CellBlock(block.element, _to_int(new.cells), block.material),),
-        nodes,
-        {},
-        np.zeros((0, 2), dtype=np.int32),
-        face_sets=faces,
-        boundary_faces=_to_int(new.faces),
-    )
-
-
-def _to_int(values: IndexArray) -> IntArray:
-    return np.ascontiguousarray(values, dtype=np.int32)

@@ -84,11 +84,15 @@ def test_faulty_bodies_are_refused_with_a_remedy(changes, fault) -> None:
     assert any(text.startswith(fault) for text in problems(**changes)), problems(**changes)
 
 
-def test_new_meshes_of_several_bodies_are_refused() -> None:
+def test_new_meshes_have_sizes_for_each_body() -> None:
     tetrahedra = {"workpiece__element": "tet4_mini", "bodies__upper__element": "tet4_mini"}
-    assert any(
-        text.startswith("bodies: does not go together with [remesh]") for text in problems(remesh={}, **tetrahedra)
-    )
+    sizes = {"size": 0.9, "bodies": {"upper": {"size": 0.7, "smallest_size": 0.2, "quality": 0.1}}}
+    found = build_model(change(remesh=sizes, **tetrahedra)).remeshing
+    assert (found.of_body("workpiece").size, found.of_body("upper").size) == (0.9, 0.7)
+    assert (found.of_body("upper").smallest_size, found.of_body("upper").quality) == (0.2, 0.1)
+    sizes["bodies"]["upper"]["size"] = 5.0
+    (text,) = problems(remesh=sizes, **tetrahedra)
+    assert text.startswith("remesh.bodies.upper.size: size (5 mm) exceeds the least extent of the body")
 
 
 def test_explicit_bodies_need_density_and_elements_of_their_own() -> None:

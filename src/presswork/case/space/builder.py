@@ -46,7 +46,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     """
     _stop_at(_check_names(case), case)
     mesh, bodies = build_space_bodies(case)
-    _stop_at([*_check_sets(case, mesh), *check_space_remesh(case, mesh)], case)
+    _stop_at([*_check_sets(case, mesh), *check_space_remesh(case, mesh, bodies)], case)
     _stop_at(check_cyclic(case, mesh), case)
     points, problems = build_points(
         case.points, mesh, {*case.boundary, *(entry.set for stage in case.stages for entry in stage.displacement)}
@@ -63,7 +63,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     built = [
         build_tool(name, tool, mesh, symmetry.planes, folder, find_way(case, name)) for name, tool in case.tools.items()
     ]
-    remeshing = build_space_remeshing(case, mesh)
+    remeshing = build_space_remeshing(case, mesh, bodies)
     for name, tool in zip(case.tools, built, strict=True):
         if isinstance(tool, model.Tool):
             warn_of_widths(name, tool, *_find_smallest_cells(remeshing, mesh))

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -13,7 +13,7 @@ from presswork.model import BoolArray, FloatArray, IndexArray
 from presswork.remesh.space.tetrahedra import area_vectors, find_skin, measure_volumes
 from presswork.remesh.space.tools import PlacedTool
 
-_FLAT = 1e-9
+FLAT = 1e-9
 """Of the body's size: nodes that lie closer to a plane than that lie in it."""
 
 
@@ -26,7 +26,7 @@ class OldBody:
     cells: IndexArray
     """(m, 4)."""
     on_tool: BoolArray
-    """Which tools touch a node (n_tools, n)."""
+    """Which tools touch a node, then which of the others (n_tools + n_others, n)."""
     held: BoolArray
     """Components that supports hold (n, 3)."""
     sets: Mapping[str, IndexArray]
@@ -34,6 +34,13 @@ class OldBody:
     tools: Sequence[PlacedTool]
     lost: float = 0.0
     """Part of the volume that was lost so far, and is given back."""
+    others: Mapping[int, PlacedTool] = field(default_factory=dict)
+    """Skins of the bodies that it may touch, by their numbers."""
+
+    @property
+    def obstacles(self) -> list[PlacedTool]:
+        """What its skin may lie on: tools, then other bodies."""
+        return [*self.tools, *self.others.values()]
 
     @cached_property
     def faces(self) -> IndexArray:
@@ -57,10 +64,10 @@ class OldBody:
         scale, found = float(np.ptp(self.points, axis=0).max()), []
         for axis in range(3):
             at = self.points[self.faces, axis]
-            flat = self.held[self.faces, axis].all(axis=1) & (np.ptp(at, axis=1) < _FLAT * scale)
+            flat = self.held[self.faces, axis].all(axis=1) & (np.ptp(at, axis=1) < FLAT * scale)
             while flat.any():
                 level = float(at[np.argmax(flat), 0])
-                own = flat & (np.abs(at - level) < _FLAT * scale).all(axis=1)
+                own = flat & (np.abs(at - level) < FLAT * scale).all(axis=1)
                 found.append((axis, level, own))
                 flat &= ~own
         return found
@@ -106,7 +113,7 @@ class NewBody:
     sets: Mapping[str, IndexArray]
     """Faces of the places of the old body (n, 3)."""
     on_tool: BoolArray
-    """Which tools nodes lie on, to round-off (n_tools, n)."""
+    """Which tools, then which other bodies, nodes lie on, to round-off (n_tools + n_others, n)."""
     skin: IndexArray
     """Nodes of its skin (s,)."""
     corners: IndexArray

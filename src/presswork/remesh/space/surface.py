@@ -115,9 +115,9 @@ def place_skin(
     length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
     count = np.maximum(np.bincount(edges.ravel(), minlength=len(points)), 1)
     around = np.bincount(edges.ravel(), np.repeat(length, 2), len(points)) / count
-    on_tool = np.zeros((len(body.tools), len(points)), dtype=bool)
+    on_tool = np.zeros((len(body.obstacles), len(points)), dtype=bool)
     longest = float(length.max())
-    for t, tool in enumerate(body.tools):
+    for t, tool in enumerate(body.obstacles):
         corners = body.faces[places.face]
         touches = body.on_tool[t][corners]
         share = (touches * places.share).sum(axis=1)
@@ -126,9 +126,9 @@ def place_skin(
         gap, _ = tool.touch(points[skin], longest)
         close = gap < np.minimum(STEEPEST * end + NEAR * around[skin], longest)
         on_tool[t, skin] = (share > 0.5 - 1e-6) & close | (gap < 0.0)
-    points = put_on_tools(points, body.tools, on_tool, in_plane, longest)
-    points = _keep_sharp_edges(body.tools, points, edges, around, on_tool, in_plane)
-    points = put_on_tools(points, body.tools, on_tool, in_plane, longest)  # sharp edges may be rounded a little
+    points = put_on_tools(points, body.obstacles, on_tool, in_plane, longest)
+    points = _keep_sharp_edges(body.obstacles, points, edges, around, on_tool, in_plane)
+    points = put_on_tools(points, body.obstacles, on_tool, in_plane, longest)  # sharp edges may be rounded a little
     target = body.volume * (1.0 + body.lost)
     return _give_volume_back(body, points, faces, on_tool, in_plane, target, float(length.mean()))
 
@@ -222,11 +222,11 @@ def _enter_tools(
 ) -> bool:
     """Put nodes that lie inside tools onto them, in place; return whether there were any."""
     entered = np.zeros_like(on_tool)
-    for t, tool in enumerate(body.tools):
+    for t, tool in enumerate(body.obstacles):
         gap, _ = tool.touch(points[skin], edge)
         entered[t, skin] = (gap < 0.0) & ~on_tool[:, skin].any(axis=0)
     if entered.any():
-        points[:] = put_on_tools(points, body.tools, entered, in_plane, edge)
+        points[:] = put_on_tools(points, body.obstacles, entered, in_plane, edge)
         on_tool |= entered
     return bool(entered.any())
 
