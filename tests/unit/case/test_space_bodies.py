@@ -95,6 +95,16 @@ def test_new_meshes_have_sizes_for_each_body() -> None:
     assert text.startswith("remesh.bodies.upper.size: size (5 mm) exceeds the least extent of the body")
 
 
+def test_explicit_bodies_that_touch_keep_their_meshes() -> None:
+    stage = CASE["stages"][0] | {"duration": "80 us"}
+    explicit = {"procedure": "explicit", "materials__steel": STEEL | {"density": 7.85e-9}, "stages": [stage]}
+    nodal = {"workpiece__element": "tet4_nodal", "bodies__upper__element": "tet4_nodal"}
+    assert any(
+        text.startswith("bodies: does not go together with [remesh]")
+        for text in problems(remesh={}, **explicit, **nodal)
+    )
+
+
 def test_explicit_bodies_need_density_and_elements_of_their_own() -> None:
     found = problems(procedure="explicit", bodies__upper__element="hex8_1pt", bodies__upper__velocity=[0, 0, -1e9])
     assert any(text.startswith("materials.steel.density: missing key; add it") for text in found), found
