@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cases of two bodies in space that touch each other in explicit dynamics."""
 
+import dataclasses
 from pathlib import Path
+
+import numpy as np
+
+from presswork.implicit.stepping import ImplicitProcedure
 
 MATERIALS = """
 [materials.hard]
@@ -72,6 +77,61 @@ target_step = {target_step}
 steps = 1
 rows = 20
 """
+CLAMP = """
+title = "a clamp is pressed shut"
+analysis = "solid"
+procedure = "explicit"
+[workpiece]
+material = "soft"
+element = "{element}"
+[workpiece.mesh]
+kind = "extruded"
+outline = [[0, 0], [16, 0], [16, 4.25], [5, 4.25], [5, 5.75], [16, 5.75], [16, 10], [0, 10]]
+element_size = 1.5
+height = 1.5
+cells = 1
+[contacts.fold]
+between = ["workpiece", "workpiece"]
+contact = "coulomb"
+mu = 0.1
+[boundary]
+floor = {{ set = "bottom", fix = ["x", "y", "z"] }}
+[[stages]]
+name = "shut"
+duration = 1e-3
+displacement = [{{ set = "top", component = "x", value = 0 }}, {{ set = "top", component = "y", value = -1.7 }}]
+[explicit]
+target_step = 2e-7
+[output]
+steps = 1
+rows = 20
+"""
+IN_PLANE = """
+title = "a core in a ring, or a block that strikes another"
+analysis = "{analysis}"
+procedure = "explicit"
+{depth}
+[workpiece]
+material = "soft"
+element = "{element}"
+mesh = {{ size = [6, 5], cells = [6, 5] }}
+[bodies.other]
+material = "{other}"
+element = "{element}"
+{velocity}
+mesh = {{ origin = {origin}, size = [4, 5], cells = [3, 4] }}
+[contacts.joint]
+between = ["workpiece", "other"]
+contact = "coulomb"
+mu = 0.1
+[[stages]]
+name = "one"
+duration = {duration}
+{stage}
+[output]
+steps = 1
+rows = 20
+"""
 USUAL = {
     "element": "hex8_fbar", "cells": 4, "material": "hard", "duration": 4e-4, "stroke": 0.01, "damping": 3e4,
     "target_step": 1e-7,
@@ -83,3 +143,20 @@ def write_case(folder: Path, text: str, **changes: object) -> Path:
     path = folder / "case.toml"
     path.write_text(text.format(**(USUAL | changes)) + MATERIALS)
     return path
+
+
+def compare_with_implicit(run, name: str, axis: int, joint: str = ""):
+    """Return the mean way of a set over each row [mm], the force that moves it or on a joint, and the implicit one."""
+    nodes = run.model.mesh.node_sets[name]
+    start, way, found = run.model.mesh.points[nodes, axis].mean(), [0.0], []
+    for report in run.advance():
+        way.append(start - run.solids.position[nodes, axis].mean())
+        found.append(abs(run.row(report)[f"{joint or name}.force_{'xyz'[axis]}"]))
+    middle = 0.5 * (np.array(way[1:]) + way[:-1])  # forces are means over rows
+    procedure = ImplicitProcedure(dataclasses.replace(run.model, explicit=None))
+    strokes, forces = [], []
+    for _ in procedure.advance():
+        strokes.append(-procedure.state.nodes.displacement[nodes, axis].mean())
+        on_joint = procedure.contact_forces()[joint] if joint else procedure.state.nodes.reaction[nodes].sum(axis=0)
+        forces.append(abs(on_joint[axis]))
+    return middle, np.array(found), np.interp(middle, strokes, forces)

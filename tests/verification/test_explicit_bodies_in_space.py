@@ -3,16 +3,14 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 
 import numpy as np
 import pytest
 
 from presswork import build_model, read_case
-from presswork.implicit.stepping import ImplicitProcedure
 from presswork.process.begin import begin
-from tests.problems.touching_bodies import FLYING, PRESSED, write_case
+from tests.problems.touching_bodies import CLAMP, FLYING, PRESSED, compare_with_implicit, write_case
 
 
 def make_run(tmp_path, text, **changes):
@@ -70,20 +68,18 @@ def test_the_force_is_that_of_the_implicit_procedure(tmp_path) -> None:
         "damping": 0.0,
     }
     run = make_run(tmp_path, PRESSED, **given)
-    upper, found, way = run.model.mesh.node_sets["upper.front"], [], [0.0]
-    for report in run.advance():
-        way.append(10.0 - run.solids.position[upper, 2].mean())
-        found.append(run.row(report)["joint.force_z"])
-    middle = 0.5 * (np.array(way[1:]) + way[:-1])  # forces are means over rows
-    model = dataclasses.replace(run.model, explicit=None)
-    procedure = ImplicitProcedure(model)
-    strokes, forces = [], []
-    for _ in procedure.advance():
-        strokes.append(-procedure.state.nodes.displacement[model.mesh.node_sets["upper.front"], 2].mean())
-        forces.append(procedure.contact_forces()["joint"][2])
+    middle, found, expected = compare_with_implicit(run, "upper.front", 2, "joint")
     late = middle > 0.3
-    expected = np.interp(middle, strokes, forces)
-    np.testing.assert_allclose(np.array(found)[late], expected[late], rtol=0.02)
+    np.testing.assert_allclose(found[late], expected[late], rtol=0.02)
+
+
+def test_a_clamp_that_closes_holds_itself_off(tmp_path) -> None:
+    run = make_run(tmp_path, CLAMP)
+    force = [-run.row(report)["top.force_y"] for report in run.advance()]
+    assert max(force) > 1.8 * force[15]  # 1.4 mm of 1.5
+    contact = run.solids.contacts[0]
+    np.testing.assert_allclose((contact.push + contact.rub).sum(axis=0), 0.0, atol=1e-10 * np.abs(contact.push).max())
+    assert contact.pressure.max() > 10.0
 
 
 def advance(run, rows: int):

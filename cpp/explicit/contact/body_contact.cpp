@@ -152,8 +152,19 @@ void BodyContact<Nodes>::begin(Nodes& nodes, int) {
 }
 
 template <class Nodes>
+double BodyContact<Nodes>::find_fastest() const {
+  double square = 0.0;
+  for (int node : node_) {
+    const double* v = velocity_of(*nodes_, node);
+    square = std::max(square, v[0] * v[0] + v[1] * v[1]);
+  }
+  return std::sqrt(square);
+}
+
+template <class Nodes>
 void BodyContact<Nodes>::move(const Step& step, int, double fastest) {
   step_of_close_ = step.mean_dt;
+  if constexpr (dimension == 2) fastest = find_fastest();  // nodes in the plane do not tell
   since_cut_[0] += fastest * step.dt;
   if (since_cut_[0] < longest_way * surfaces_.edge) return;
   const std::vector<double> before = cut_position_;

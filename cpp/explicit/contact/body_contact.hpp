@@ -72,6 +72,7 @@ class BodyContact final : public Interaction<Nodes> {
   void take_positions(const Nodes& nodes);
   void measure_depths(const Nodes& nodes);
   void cut(const double* before);
+  double find_fastest() const;
   void set_stiffness(const Nodes& nodes);
   void press_slot(const Nodes& nodes, const Step& step, int slot);
   void load_node(Nodes& nodes, const Step& step, int i, double* sums);

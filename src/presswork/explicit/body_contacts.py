@@ -6,6 +6,7 @@ The kernel is cpp/explicit/contact/body_contact.hpp; docs/theory/explicit.md has
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -133,3 +134,30 @@ class BodyContactOfRun:
         out = np.zeros((len(self._nodes), values.shape[1]))
         out[self._nodes[self._loop.contact_nodes(self._number)]] = values
         return out
+
+
+class TouchingBodies:
+    """What a run of solids does with the contacts of its bodies."""
+
+    _loop: Any
+    _nodes: npt.NDArray[np.intp]
+    contacts: Sequence[BodyContactOfRun] = ()
+
+    def add_contact(
+        self, name: str, surfaces: TouchingSurfaces, *, mu: float, reach: float, margin: float
+    ) -> BodyContactOfRun:
+        """Let two bodies, or a body and itself, hold each other off; all as BodyContactOfRun has it."""
+        number = len(self.contacts)
+        added = BodyContactOfRun(self._loop, number, name, surfaces, self._nodes, mu=mu, reach=reach, margin=margin)
+        self.contacts = (*self.contacts, added)
+        return added
+
+    def _prepare_contacts(self, step: float) -> None:
+        """Let springs be stable with a step [s]."""
+        for contact in self.contacts:
+            contact.set_step(step)
+
+    def _check_contacts(self) -> None:
+        """Raise ExplicitError where bodies have gone through each other."""
+        for contact in self.contacts:
+            contact.check()

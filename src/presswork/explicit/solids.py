@@ -21,6 +21,7 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.evolution.damage import make_damage
+from presswork.explicit.body_contacts import TouchingBodies
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.input_checks import ExplicitError, check_solids
 from presswork.explicit.solid_material import SolidMaterial
@@ -36,7 +37,7 @@ RISE = 5
 """Row of a cell's rise of temperature behind the first of its stress (element/solid2d_cycle.hpp)."""
 
 
-class ExplicitSolids(Dynamics):
+class ExplicitSolids(TouchingBodies, Dynamics):
     """Solids of quad4_1pt or tri3 in explicit dynamics.
 
     mesh: points (n_nodes, 2) [mm], blocks of cells; materials: as the blocks number them. depth [mm]: of plane strain.
@@ -212,6 +213,12 @@ class ExplicitSolids(Dynamics):
         wall = Wall(self._loop, len(self._walls), name)
         self._walls.append(wall)
         return wall
+
+    def _prepare(self, velocity_scale: Array) -> None:
+        self._prepare_contacts(max(self.dt, self._full_step))
+
+    def _check(self) -> None:
+        self._check_contacts()
 
     def _dump_run(self) -> dict[str, Array]:
         return {**super()._dump_run(), "temperature": self._given_temperature.copy()}

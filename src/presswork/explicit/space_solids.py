@@ -21,7 +21,7 @@ import numpy.typing as npt
 from presswork import _core
 from presswork.evolution.damage import DamageLaw
 from presswork.explicit.blocks import Solids
-from presswork.explicit.body_contacts import BodyContactOfRun, TouchingSurfaces
+from presswork.explicit.body_contacts import TouchingBodies
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space import SpaceDynamics
 from presswork.explicit.space_walls import NOT_TURNED, SpaceWall, WallStart
@@ -51,7 +51,7 @@ class SpaceMaterial:
     """Whether the law heats."""
 
 
-class ExplicitSpaceSolids(SpaceDynamics):
+class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
     """Bodies of hex8_1pt, hex8_fbar, hex8 or tet4_nodal in explicit dynamics.
 
     mesh: points (n_nodes, 3) [mm], blocks of cells; materials: one for each block. hourglass_fraction: of the shear
@@ -79,7 +79,6 @@ class ExplicitSpaceSolids(SpaceDynamics):
                 rise = HEAT_RISE if material.heats else -1
                 self._loop.add_damage(number, of.name, of.kernel, temperature=material.start, rise=rise)
         self._walls: list[SpaceWall] = []
-        self.contacts: list[BodyContactOfRun] = []
         self._degrees: list[Array] | None = None
         self._normals: list[tuple[npt.NDArray[np.intp], Array]] = []
         self._holds_normals = True
@@ -239,13 +238,11 @@ class ExplicitSpaceSolids(SpaceDynamics):
         middle = self.time + 0.5 * len(velocity_scale) * self.dt
         for wall in self._walls:
             wall.drive(middle)
-        for contact in self.contacts:
-            contact.set_step(max(self.dt, self._full_step))
+        self._prepare_contacts(max(self.dt, self._full_step))
 
     def _check(self) -> None:
         super()._check()
-        for contact in self.contacts:
-            contact.check()
+        self._check_contacts()
 
     def _find_directions(self) -> tuple[npt.NDArray[np.int32], Array, Array]:
         """Return nodes (k,) of the loop, rising, unit vectors (k, 3) that hold them, and velocities along these (k,).
@@ -270,17 +267,6 @@ class ExplicitSpaceSolids(SpaceDynamics):
             np.array([row[1] for row in rows]).reshape(-1, 3),
             np.array([row[2] for row in rows]),
         )
-
-    def add_contact(
-        self, name: str, surfaces: TouchingSurfaces, *, mu: float, reach: float, margin: float
-    ) -> BodyContactOfRun:
-        """Let two bodies, or a body and itself, hold each other off; all as BodyContactOfRun has it."""
-        assert isinstance(self._loop, _core.SpaceLoop)
-        number = len(self.contacts)
-        self.contacts.append(
-            BodyContactOfRun(self._loop, number, name, surfaces, self._nodes, mu=mu, reach=reach, margin=margin)
-        )
-        return self.contacts[-1]
 
     def _dump_run(self) -> dict[str, Array]:
         flat = [values.ravel() for values in self._degrees or []]

@@ -66,6 +66,7 @@ def _begin(model: Model, threads: int) -> Recording:
 
         return HeatRecording(model, threads=threads)
     may_remesh = model.remeshing is not None and not model.remeshing.obstacle
+    may_remesh = may_remesh and not (model.explicit is not None and model.contacts)
     if model.explicit is not None and model.dimension == 3 and may_remesh:
         from presswork.process.remeshed_space_impact import RemeshedSpaceImpact
 

@@ -22,7 +22,7 @@ from presswork.case.material.umat import UmatMaterial, build_umat
 from presswork.case.press.builder import build_drive, find_halves, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver
 from presswork.case.solid import schema
-from presswork.case.solid.bodies import build_bodies, build_contacts
+from presswork.case.solid.bodies import build_bodies, build_contacts, list_bodies
 from presswork.case.solid.reach import check_reach, check_room
 from presswork.case.solid.references import check_references, check_sets
 from presswork.case.solid.remesh import OF_SMALLEST, build_remeshing, check_places, check_sizes, check_tools
@@ -80,7 +80,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         problems += check_places(case, mesh, bodies) or check_sizes(case.remesh, mesh, bodies)
         problems += check_tools(case.remesh, mesh, tools)
     problems = problems or check_motions(case, tools)
-    if not problems and case.workpiece.velocity is None:
+    if not problems and all(body.velocity is None for _, body in list_bodies(case).values()):
         problems = check_reach(tools, stages, mesh)
     supports = tuple(
         model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix), name) for name, entry in case.boundary.items()
@@ -170,8 +170,8 @@ def build_material(name: str, material: schema.Material) -> model.Material:
 
 
 def _build_explicit(case: schema.Case) -> model.ExplicitSolid:
-    velocity = case.workpiece.velocity or (0.0, 0.0)
-    return model.ExplicitSolid(velocity=velocity, **case.explicit.model_dump())
+    velocity, *others = (body.velocity or (0.0, 0.0) for _, body in list_bodies(case).values())
+    return model.ExplicitSolid(velocity=velocity, velocity_of_others=tuple(others), **case.explicit.model_dump())
 
 
 def _find_symmetry_planes(

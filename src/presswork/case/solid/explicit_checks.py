@@ -48,15 +48,18 @@ def _check_placed(case: schema.Case) -> list[Problem]:
 
 
 def _check_explicit(case: schema.Case) -> list[Problem]:
-    fault, remedy = "the explicit procedure of solids has one workpiece", 'leave it out, or set procedure = "implicit"'
-    problems = [Problem(f"bodies.{name}", fault, remedy) for name in case.bodies]
-    fault = "the explicit procedure knows no contact of bodies or of a body with itself"
-    problems += [Problem(f"contacts.{name}", fault, remedy) for name in case.contacts]
-    element = case.workpiece.element
+    problems = []
     known = model.list_names(_core.Family.plane, in_explicit=True)
-    if element not in known:
-        fault = "the explicit procedure has no such element"
-        problems.append(Problem("workpiece.element", fault, f"take {' or '.join(known)}", element))
+    for key, body in list_bodies(case).values():
+        if body.element not in known:
+            fault = "the explicit procedure has no such element"
+            problems.append(Problem(f"{key}.element", fault, f"take {' or '.join(known)}", body.element))
+    if case.contacts and case.remesh is not None and case.remesh.enabled:
+        fault, remedy = (
+            "explicit bodies that touch each other keep their meshes",
+            "leave it out, or set enabled = false",
+        )
+        problems.append(Problem("remesh", fault, remedy))
     problems += check_material(case)
     for name, tool in case.tools.items():
         problems += _check_tool(f"tools.{name}", tool)

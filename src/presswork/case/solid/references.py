@@ -61,7 +61,7 @@ def check_references(case: schema.Case) -> list[Problem]:
         fault = "arc length is for shells under loads alone"
         problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
     names = [stage.name for stage in case.stages]
-    unloads = case.workpiece.velocity is not None
+    unloads = any(body.velocity is not None for _, body in list_bodies(case).values())
     for index, stage in enumerate(case.stages):
         key = f"stages.{index}"
         if stage.name in names[:index]:
