@@ -75,7 +75,7 @@ from presswork.model.settings import (
     StrainMeasure,
     TangentTerms,
 )
-from presswork.model.sheet import Refinement, SheetSelfContact, Springback, TrimLine
+from presswork.model.sheet import Hem, Refinement, SheetSelfContact, Springback, TrimLine
 from presswork.model.stage import (
     BodyForce,
     CyclicSector,
@@ -161,6 +161,7 @@ __all__ = [
     "HeatFlux",
     "HeatStage",
     "Heating",
+    "Hem",
     "IndexArray",
     "IntArray",
     "Integrator",

@@ -21,7 +21,7 @@ from presswork.model.mesh import Mesh, Section
 from presswork.model.operation import Operation
 from presswork.model.remeshing import Remeshing
 from presswork.model.settings import LARGE, ExplicitSheet, ExplicitSolid, OutputSettings, SolverSettings
-from presswork.model.sheet import Refinement, SheetSelfContact, Springback, TrimLine
+from presswork.model.sheet import Hem, Refinement, SheetSelfContact, Springback, TrimLine
 from presswork.model.stage import CyclicSector, Stage, Support
 from presswork.model.tool import Drawbead, Profile, Tool
 
@@ -72,6 +72,8 @@ class Model:
     """Stampings: lines along which the part is cut after the last stage."""
     springback: Springback | None = None
     """Stampings: springback after the last stage and the trimming; None: the part stays as it is."""
+    hem: Hem | None = None
+    """Stampings: the hem that is measured at the end; None: there is none."""
     operation: str = ""
     """Stampings: name of the operation that tools, beads, stages, trim and springback describe; empty: there is one."""
     following: tuple[Operation, ...] = ()

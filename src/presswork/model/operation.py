@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from presswork.model.sheet import Springback, TrimLine
+from presswork.model.sheet import Hem, Springback, TrimLine
 from presswork.model.stage import Stage, Support
 from presswork.model.tool import Drawbead, Tool
 
@@ -53,6 +53,7 @@ class Operation:
     beads: tuple[Drawbead, ...] = ()
     trim: tuple[TrimLine, ...] = ()
     springback: Springback | None = None
+    hem: Hem | None = None
     place: PartPlace = PartPlace()
     laid: tuple[str, ...] = ()
     """Names of tools whose height is where they just touch the part; their position gives x and y."""

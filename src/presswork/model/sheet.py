@@ -28,6 +28,14 @@ class SheetSelfContact:
 
 
 @dataclass(frozen=True)
+class Hem:
+    """A folded rim that is measured at the end of an operation."""
+
+    outward: tuple[float, float] | None = None
+    """Direction in the plan from the panel over the folded edge; None: away from the axis z."""
+
+
+@dataclass(frozen=True)
 class TrimLine:
     """A line that the formed part is cut along, seen along z."""
 

@@ -273,5 +273,6 @@ def _tell(over: ReleasedStamping) -> dict[str, Any]:
     """Return what the summary says of an operation that is over, with its warnings."""
     told, warnings = over.tell_release()
     verdict = over.forming.judge()
+    told |= over.tell_hem()
     told |= {"formability": verdict.to_summary(), "reports": over.number}
     return told | {"warnings": [*verdict.warnings(), *warnings]}

@@ -28,7 +28,9 @@ from presswork.model import FloatArray, Mesh, Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.epochs import EpochRecording, NamedArrays
 from presswork.process.formed_sheet import make_formed
+from presswork.process.hem import HemShape, measure_hem, tell_hem
 from presswork.process.implicit_stamping import ImplicitStamping
+from presswork.process.laying import find_half_thickness
 from presswork.process.limits import Watched
 from presswork.process.recording import Meta, Report, Row, Snapshot
 from presswork.process.released_model import ELEMENTS, NAME, make_springback_model
@@ -36,7 +38,7 @@ from presswork.process.stamping import ExplicitStamping
 from presswork.process.transfer import TEMPERATURE, SheetState, TransferError, begin_with, sheet_of_implicit
 from presswork.process.trim import Cut, TrimError, explain_beside, trim_sheet
 
-TRIM, DEVIATION = "trim", "deviation"
+TRIM, DEVIATION, HEM = "trim", "deviation", "hem"
 FORMING, FORMED, ELASTIC = "forming.", "formed", "elastic"
 """Names in a checkpoint: the prefix of the formed part, and what _Released keeps."""
 HEATED = "heated."
@@ -110,6 +112,7 @@ class ReleasedStamping(EpochRecording):
         super().__init__(model)
         state = None if begin is None else begin.state
         self._turned = None if begin is None else begin.turned
+        self._begin = state
         self.forming: ExplicitStamping | ImplicitStamping
         if model.explicit is None:
             self.forming = ImplicitStamping(model, threads=threads, begin=state)
@@ -350,6 +353,7 @@ class ReleasedStamping(EpochRecording):
         """Return what a stamping's summary says, how it was cut, and how far which point has sprung."""
         summary = self.forming.summary(history)
         told, warnings = self.tell_release()
+        told |= self.tell_hem()
         return summary | told | {"warnings": [*summary["warnings"], *warnings]}
 
     def tell_release(self) -> tuple[dict[str, Any], list[str]]:
@@ -372,6 +376,20 @@ class ReleasedStamping(EpochRecording):
         if self.model.springback is not None:
             told[NAME] = self._tell_springback(self._released.implicit)
         return told, warnings
+
+    def tell_hem(self) -> dict[str, Any]:
+        """Return what the summary says of the hem, where there is one to be measured."""
+        hem = self.model.hem
+        if hem is None:
+            return {}
+
+        def measure(state: SheetState, mesh: Mesh) -> HemShape:
+            flat = mesh.points if self._turned is None else mesh.points @ self._turned.T
+            return measure_hem(hem, flat, state.position, find_half_thickness(state))
+
+        before = None if self._begin is None else measure(self._begin, self._first_mesh)
+        released = None if self._released is None else measure(self.sheet(), self.mesh)
+        return {HEM: tell_hem(measure(self.forming.sheet(), self.forming.mesh), before, released)}
 
     def _tell_springback(self, implicit: ImplicitProcedure) -> dict[str, Any]:
         way = np.linalg.norm(self._moved(), axis=1)

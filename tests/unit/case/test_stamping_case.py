@@ -398,3 +398,28 @@ def test_direction_turns_strokes() -> None:
     assert model.stages[0].tool_motion["punch"].move == (0.0, 0.0, -20.0)
     assert model.self_contact is not None
     assert model.self_contact.mu == 0.2
+
+
+SECTION = {"kind": "punch", "shape": "section", "corners": [[0, 0], [20, 0], [20, 9], [0, 9]]}
+
+
+@pytest.mark.parametrize(("change", "fragments"), [
+    ({"corners": [[0, 0], [20, 0]]}, ["tools.punch.corners", "at least 3"]),
+    ({"corners": [[0, 0], [20, 9], [20, 0], [0, 14]]}, ["tools.punch.corners", "cross each other"]),
+    ({"radius": [1, 2]}, ["tools.punch.radius", "one for each corner"]),
+    ({"radius": 12}, ["tools.punch.corners", "the radii of a side"]),
+    ({"direction": [0, 0, 0], "position": [0, 0, 9]}, ["tools.punch.direction", "no length"]),
+])  # fmt: skip
+def test_bad_sections_are_named(change, fragments) -> None:
+    with pytest.raises(CaseError) as error:
+        build(**{"tools.punch": {**SECTION, **change}})
+    for fragment in fragments:
+        assert fragment in str(error.value)
+
+
+def test_a_hem_needs_a_direction() -> None:
+    with pytest.raises(CaseError, match="has no length"):
+        build(hem={"outward": [0, 0]})
+    hem = build(hem={"outward": [0, 2]}).hem
+    assert hem is not None
+    assert hem.outward == (0.0, 2.0)

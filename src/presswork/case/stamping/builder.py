@@ -139,6 +139,7 @@ def _build_parts(
         "beads": beads,
         "trim": trim,
         "springback": model.Springback(**case.springback.model_dump()) if case.springback else None,
+        "hem": case.hem.build() if case.hem else None,
     }
 
 

@@ -120,6 +120,7 @@ def build_operation(given: Operation, own: model.Model) -> model.Operation:
         beads=own.beads,
         trim=own.trim,
         springback=own.springback,
+        hem=own.hem,
         place=place.build(),
         laid=tuple(laid),
         spaced=spaced,

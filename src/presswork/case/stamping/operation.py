@@ -12,7 +12,7 @@ from presswork import model
 from presswork.case.names import Name
 from presswork.case.part import Part
 from presswork.case.shell.schema import ShellBoundary
-from presswork.case.stamping.stage import Springback, StampingBead, StampingStage, Trim
+from presswork.case.stamping.stage import Hem, Springback, StampingBead, StampingStage, Trim
 from presswork.case.stamping.tools import Tool
 from presswork.case.units import Angle, Point3
 
@@ -58,3 +58,4 @@ class Operation(Part):
     springback: Springback | None = Field(
         default=None, description="an empty table lets the part go after the last stage and the trimming"
     )
+    hem: Hem | None = Field(default=None, description="the hem that the summary measures at the end")

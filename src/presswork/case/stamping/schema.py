@@ -23,7 +23,7 @@ from presswork.case.shell.schema import ShellBoundary
 from presswork.case.stamping.blank import Blank
 from presswork.case.stamping.heat import StampingHeat
 from presswork.case.stamping.operation import Operation
-from presswork.case.stamping.stage import Springback, StampingBead, StampingStage, Trim, Whole
+from presswork.case.stamping.stage import Hem, Springback, StampingBead, StampingStage, Trim, Whole
 from presswork.case.stamping.tools import Tool
 from presswork.case.units import Number, Point3, Rate, Time, fault
 from presswork.model import ExplicitElement, ExplicitSheet, SolverSettings
@@ -32,7 +32,7 @@ _EXPLICIT = ExplicitSheet()
 _SOLVER = SolverSettings()
 
 
-OWN = ("tools", "beads", "boundary", "stages", "trim", "springback")
+OWN = ("tools", "beads", "boundary", "stages", "trim", "springback", "hem")
 """Keys that every operation of a line has of its own."""
 OWN_TEXT = "operations.N." + ", operations.N.".join(OWN)
 
@@ -194,6 +194,7 @@ class StampingCase(CaseFile):
         default=None,
         description="an empty table lets the part go after the last stage and the trimming, by the implicit procedure",
     )
+    hem: Hem | None = Field(default=None, description="the hem that the summary measures at the end")
     operations: tuple[Operation, ...] = Field(
         default=(),
         description="instead of tools, beads, boundary, stages, trim and springback: operations with their own, one "

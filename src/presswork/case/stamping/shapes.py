@@ -5,7 +5,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.case.stamping.tools import DrawnTool, HemisphericalTool, RectangularTool, RingTool, RoundTool
+from presswork.case.stamping.tools import (
+    DrawnTool,
+    HemisphericalTool,
+    RectangularTool,
+    RingTool,
+    RoundTool,
+    SectionTool,
+)
+from presswork.geometry.section_tool import draw_section
 from presswork.geometry.swept_tool import (
     draw_closed_die,
     draw_die,
@@ -17,11 +25,13 @@ from presswork.geometry.swept_tool import (
 from presswork.model import SweptProfile
 
 
-def draw_shape(tool: DrawnTool | RingTool, depth: float, face_width: float) -> SweptProfile:
+def draw_shape(tool: DrawnTool | RingTool | SectionTool, depth: float, face_width: float) -> SweptProfile:
     """Return the surface of a drawn tool.
 
     depth: height of its wall beyond the radius [mm]. face_width: of a die or holder [mm].
     """
+    if isinstance(tool, SectionTool):
+        return draw_section(tool.corners, tool.radii(), is_round=tool.plan == "round")
     if isinstance(tool, RingTool):
         inner, outer = (0.5 * tool.inner_diameter, tool.inner_radius), (0.5 * tool.outer_diameter, tool.outer_radius)
         return draw_ring(inner, outer, max(inner[1], outer[1]) + depth, works_up=tool.kind == "die")

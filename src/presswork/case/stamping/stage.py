@@ -18,7 +18,7 @@ from presswork.case.stamping.bead import Bead
 from presswork.case.stamping.bead_geometry import BeadGeometry
 from presswork.case.stamping.heat import Dwell
 from presswork.case.stamping.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
-from presswork.case.units import Force, Length, LineForce, Time, Velocity, fault
+from presswork.case.units import Force, Length, LineForce, Point, Time, Velocity, fault
 
 VELOCITY = 2000.0
 """Of what moves farthest where a stage says nothing [mm/s]."""
@@ -144,6 +144,25 @@ class Springback(Part):
     """The formed part is released after the last stage: tools and boundaries away, symmetry planes kept."""
 
     increments: Whole = Field(default=_SPRINGBACK.increments, description="in which the tools' forces are taken away")
+
+
+class Hem(Part):
+    """A hem that the summary measures: its edge and roll-in, its thickness, how far its flange opens."""
+
+    outward: Point | Literal["radial"] = Field(
+        default="radial",
+        description="direction [x, y] in the plan from the panel over the folded edge; radial: away from the axis z",
+    )
+
+    @model_validator(mode="after")
+    def _check_direction(self) -> Self:
+        if not isinstance(self.outward, str) and not any(self.outward):
+            raise fault("has no length", "for instance [1, 0]", key="outward")
+        return self
+
+    def build(self) -> model.Hem:
+        """Return the Model's."""
+        return model.Hem(None if isinstance(self.outward, str) else self.outward)
 
 
 class _Trim(Part):

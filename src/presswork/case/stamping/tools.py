@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from presswork.case.heat.forming import ToolHeat
 from presswork.case.part import Part
 from presswork.case.units import Length, Number, Point, Point3, fault
+from presswork.geometry.section_tool import SectionError, draw_section
 from presswork.mesh.cad import is_cad
 from presswork.model import ToolKind
 
@@ -217,6 +218,40 @@ class RingTool(_Tool):
         return self
 
 
+class SectionTool(_Tool):
+    """A tool of any closed section, straight along y or round z: steels, anvils and inner panels of a hem."""
+
+    shape: Literal["section"] = Field(description="any closed section, straight along y or round the axis z")
+    plan: Literal["strip", "round"] = Field(
+        default="strip", description="strip: straight along y without end, on both sides of x = 0; round: round z"
+    )
+    corners: tuple[Point, ...] = Field(
+        min_length=3,
+        description="corners [x, z] of its section in turn, x from the middle or the axis [mm]; a side on x = 0 is no "
+        "surface; z = 0 is what touches the flat blank where no position is given",
+    )
+    radius: Length | tuple[Length, ...] = Field(
+        default=0.0, description="of its corners: one for all off x = 0, or one each [mm]"
+    )
+
+    def radii(self) -> tuple[float, ...]:
+        """Return the radius of each corner [mm]."""
+        if isinstance(self.radius, tuple):
+            return self.radius
+        return tuple(0.0 if x == 0.0 else self.radius for x, _ in self.corners)
+
+    @model_validator(mode="after")
+    def _check_section(self) -> Self:
+        if len(self.radii()) != len(self.corners) or min(self.radii()) < 0.0:
+            text = f"expected one value >= 0, or {len(self.corners)}, one for each corner"
+            raise fault(text, "0 leaves a corner sharp; corners on x = 0 need 0", key="radius")
+        try:
+            draw_section(self.corners, self.radii(), is_round=self.plan == "round")
+        except SectionError as error:
+            raise fault(str(error), "mend the corners, or take smaller radii", key="corners") from None
+        return self
+
+
 class ToolFile(_Tool):
     """A tool's surface from an STL, STEP or IGES file, its normals out of the metal."""
 
@@ -242,5 +277,6 @@ class ToolFile(_Tool):
 
 DrawnTool = RoundTool | RectangularTool | StripTool | HemisphericalTool
 Tool = Annotated[
-    RoundTool | RectangularTool | StripTool | HemisphericalTool | RingTool | ToolFile, Field(discriminator="shape")
+    RoundTool | RectangularTool | StripTool | HemisphericalTool | RingTool | SectionTool | ToolFile,
+    Field(discriminator="shape"),
 ]

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tools of any closed section: its corners, rounded, carried straight along y or round z."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from presswork.geometry.polygon import find_crossings, list_sides, polygon_area
+from presswork.model import FloatArray, SweptProfile
+
+
+class SectionError(ValueError):
+    """A section that no tool can have."""
+
+
+def draw_section(corners: Sequence[tuple[float, float]], radii: Sequence[float], *, is_round: bool) -> SweptProfile:
+    """Draw the surface of a tool of a closed section.
+
+    corners: (x, z) in order [mm], x from the plane x = 0 or from the axis z, on both sides of which, or all round
+    which, the tool stands; a side on x = 0 is no surface. radii: of the corners [mm]. Raises SectionError.
+    """
+    ring, rounded = np.array(corners, dtype=float), np.array(radii, dtype=float)
+    area = polygon_area(ring)
+    if not abs(area) > 1e-9 * float(np.ptp(ring, axis=0).max()) ** 2:
+        raise SectionError("the corners enclose no area")
+    if ring[:, 0].min() < 0.0:
+        raise SectionError(f"a corner lies at x = {ring[:, 0].min():g}, beyond the middle")
+    if area > 0.0:  # clockwise: its metal is on the right
+        ring, rounded = ring[::-1], rounded[::-1]
+    if _crosses_itself(ring):
+        raise SectionError("its sides cross each other")
+    widest = float(ring[:, 0].max())
+    segments = np.array(_round_off(ring, rounded))
+    segments[:, [0, 2]] -= widest
+    segments[segments[:, 6] != 0.0, 4] -= widest
+    half = (widest, widest if is_round else math.inf)
+    return SweptProfile(half, widest, segments)
+
+
+def _crosses_itself(ring: FloatArray) -> bool:
+    sides = list_sides(ring)
+    for number, (start, end) in enumerate(sides):
+        others = sides[[k for k in range(len(sides)) if (k - number) % len(sides) not in (0, 1, len(sides) - 1)]]
+        if len(others) and np.isfinite(find_crossings(others, start[None], end[None])).any():
+            return True
+    return False
+
+
+def _round_off(ring: FloatArray, radii: FloatArray) -> list[list[float]]:
+    """Return the segments of a clockwise ring (n, 2), its corners rounded, without sides on x = 0."""
+    n = len(ring)
+    before, after = np.zeros((n, 2)), np.zeros((n, 2))
+    arcs: list[list[float] | None] = [None] * n
+    cut = np.zeros(n)
+    for k in range(n):
+        to, fro = ring[(k + 1) % n] - ring[k], ring[k - 1] - ring[k]
+        out, back = to / np.linalg.norm(to), fro / np.linalg.norm(fro)
+        before[k] = after[k] = ring[k]
+        if radii[k] <= 0.0:
+            continue
+        half = 0.5 * math.acos(float(np.clip(out @ back, -1.0, 1.0)))
+        if half > 0.5 * math.pi - 1e-9:
+            raise SectionError(
+                f"the sides at the corner ({ring[k][0]:g}, {ring[k][1]:g}) are in line: it has no radius"
+            )
+        cut[k] = radii[k] / math.tan(half)
+        before[k], after[k] = ring[k] + cut[k] * back, ring[k] + cut[k] * out
+        middle = (out + back) / np.linalg.norm(out + back)
+        centre = ring[k] + radii[k] / math.sin(half) * middle
+        turn = 1.0 if back[0] * out[1] - back[1] * out[0] < 0.0 else -1.0
+        arcs[k] = [*before[k], *after[k], *centre, turn]
+    rows: list[list[float]] = []
+    for k in range(n):
+        arc, ahead = arcs[k], (k + 1) % n
+        length = float(np.linalg.norm(ring[ahead] - ring[k]))
+        if cut[k] + cut[ahead] > length * (1.0 + 1e-9):
+            text = f"the radii of a side {length:.4g} mm long take {cut[k] + cut[ahead]:.4g} mm of it"
+            raise SectionError(text)
+        if arc is not None:
+            rows.append(arc)
+        on_middle = ring[k][0] == ring[ahead][0] == 0.0
+        if not on_middle and cut[k] + cut[ahead] < length * (1.0 - 1e-9):
+            rows.append([*after[k], *before[ahead], 0.0, 0.0, 0.0])
+    first = next((k for k in range(n) if ring[k][0] == ring[(k + 1) % n][0] == 0.0), None)
+    if first is not None:  # begin behind the side that is left out
+        start = ring[(first + 1) % n]
+        begin = next(i for i, row in enumerate(rows) if np.allclose(row[:2], start))
+        rows = rows[begin:] + rows[:begin]
+    return rows

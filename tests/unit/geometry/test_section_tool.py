@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tools of any section: their surface against the distance from the polygon, roundings, sections that cannot be."""
+
+import numpy as np
+import pytest
+
+from presswork.geometry.polygon import contains, list_sides, measure_distance
+from presswork.geometry.section_tool import SectionError, draw_section
+from presswork.geometry.tool_surface import make_surface
+
+STEEL = [(30.0, 3.0), (40.0, 3.0), (40.0, 12.0), (31.0, 12.0)]
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_gap_of_a_sharp_section_is_the_distance_from_its_polygon(backwards: bool) -> None:
+    corners = STEEL[::-1] if backwards else STEEL
+    x = np.random.default_rng(1).uniform([25, -5, -2], [45, 5, 17], (2000, 3))
+    sides = list_sides(np.array(corners))
+    expected = np.where(contains(sides, x[:, [0, 2]]), -1.0, 1.0) * measure_distance(sides, x[:, [0, 2]])
+    gap = make_surface(draw_section(corners, [0.0] * 4, is_round=False)).nearest(x)[0]
+    assert gap == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("is_round", [False, True])
+def test_a_plate_with_a_round_edge_touches_on_both_faces_and_its_edge(is_round: bool) -> None:
+    """Plate of 0.8 mm that ends at 30 mm in a half circle; its side on x = 0 is no surface."""
+    plate = draw_section([(0, 0), (30, 0), (30, 0.8), (0, 0.8)], [0, 0.4, 0.4, 0], is_round=is_round)
+    rng = np.random.default_rng(2)
+    far, z, angle = rng.uniform(20, 32, 2000), rng.uniform(-1, 2, 2000), rng.uniform(0, 2 * np.pi, 2000)
+    where = [far * np.cos(angle), far * np.sin(angle)] if is_round else [far, 10 * angle]
+    gap = make_surface(plate).nearest(np.column_stack([*where, z]))[0]
+    expected = np.where(far < 29.6, np.abs(z - 0.4) - 0.4, np.hypot(far - 29.6, z - 0.4) - 0.4)
+    assert gap == pytest.approx(expected, abs=1e-12)
+
+
+def test_an_inner_corner_is_rounded_off_the_metal() -> None:
+    """An L, whose corner at (20, 10) faces the metal: a fillet of 2 mm leaves 2 (sqrt 2 - 1) in the corner."""
+    corners = [(10.0, 0.0), (40.0, 0.0), (40.0, 10.0), (20.0, 10.0), (20.0, 30.0), (10.0, 30.0)]
+    shape = draw_section(corners, [0, 0, 0, 2.0, 0, 0], is_round=False)
+    gap = make_surface(shape).nearest(np.array([[22.0, 0.0, 12.0], [20.0 + 1e-3, 0.0, 20.0]]))[0]
+    assert gap == pytest.approx([2.0, 1e-3], abs=1e-9)
+
+
+@pytest.mark.parametrize(("corners", "radii", "told"), [
+    ([(1, 0), (2, 0), (3, 0)], [0, 0, 0], "enclose no area"),
+    ([(-1, 0), (2, 0), (2, 3)], [0, 0, 0], "beyond the middle"),
+    ([(1, 0), (5, 4), (5, 0), (1, 6)], [0] * 4, "cross each other"),
+    ([(1, 0), (5, 0), (5, 4), (1, 4)], [3, 3, 0, 0], "take 6 mm of it"),
+])  # fmt: skip
+def test_sections_that_cannot_be_are_refused(corners, radii, told) -> None:
+    with pytest.raises(SectionError, match=told):
+        draw_section(corners, radii, is_round=False)
