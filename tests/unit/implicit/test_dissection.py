@@ -10,6 +10,7 @@ import scipy
 from presswork import _core
 from presswork.implicit.linear.choose import find_order
 from presswork.implicit.linear.direct import Pardiso
+from presswork.implicit.linear.system import flatten
 
 
 def count_fill(matrix: scipy.sparse.csr_matrix, order: np.ndarray) -> int:
@@ -70,3 +71,11 @@ def test_nodes_that_touch_no_other_and_equal_places_are_ordered():
     assert np.array_equal(np.sort(_core.dissect(points, alone.indptr, alone.indices)), np.arange(9))
     full = scipy.sparse.csr_matrix(np.ones((9, 9)))
     assert np.array_equal(np.sort(_core.dissect(points, full.indptr, full.indices)), np.arange(9))
+
+
+def test_the_plan_of_a_flat_sheet_gives_the_order_of_elimination():
+    plan = np.random.default_rng(2).uniform(size=(50, 2))
+    sheet = np.insert(100.0 * plan, 1, 3.0 + 0.01 * plan[:, 0], axis=1)
+    assert np.array_equal(flatten(sheet), 100.0 * plan)
+    assert flatten(np.insert(plan, 2, 0.1 * plan[:, 0], axis=1)) is None
+    assert flatten(plan) is plan

@@ -27,6 +27,9 @@ from presswork.interaction.contract import (
 from presswork.model import FloatArray, MaskArray, Model
 from presswork.timing import Timing
 
+FLAT = 1e-3
+"""Height of a sheet over its length up to which its plan gives the order of elimination."""
+
 
 @dataclass(frozen=True)
 class Balance:
@@ -94,8 +97,7 @@ class LinearSystem:
             if self._model.takes_multigrid:
                 self._solver = make(freedoms=self._model.freedoms)
             else:
-                points = self._model.mesh.points
-                self._solver = make(points=points if points.shape[1] == 2 else None)
+                self._solver = make(points=flatten(self._model.mesh.points))
             self._timing.add("analysis", started)
         return self._solver
 
@@ -200,6 +202,18 @@ class LinearSystem:
     def _prescribe(self, mask: MaskArray, value: FloatArray, data: FloatArray, rhs: FloatArray) -> None:
         """Prescribe values (n_points, freedoms) in a matrix and its right-hand side, in place."""
         self._mechanics.assembler.constrain(mask.reshape(-1), value.reshape(-1), self._diagonal, data, rhs)
+
+
+def flatten(points: FloatArray) -> FloatArray | None:
+    """Return the coordinates of nodes (n_points, 2 | 3) in the plane that they lie in, None if they do not.
+
+    The plane is one of the axes' planes, and a mesh lies in it if it is FLAT beside its length.
+    """
+    if points.shape[1] == 2:
+        return points
+    extent = np.ptp(points, axis=0)
+    across = int(np.argmin(extent))
+    return np.delete(points, across, axis=1) if extent[across] <= FLAT * extent.max() else None
 
 
 def _widen(blocks: FloatArray, freedoms: int) -> FloatArray:
