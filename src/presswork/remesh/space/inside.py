@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.model import BoolArray, FloatArray, IndexArray
-from presswork.remesh.space.tetrahedra import list_edges, measure_quality
+from presswork.remesh.space.tetrahedra import list_edges, measure_quality, rate_tetrahedra
 
 _SWEEPS = 40
 """In which moves of the skin spread into the body."""
@@ -76,9 +76,7 @@ def _search(points: FloatArray, around: IndexArray, node: int) -> FloatArray:
     def measure(places: FloatArray) -> FloatArray:
         """Return the worst quality with the node at each of the places (m, 3)."""
         tried = np.where(own[None, :, :, None], places[:, None, None], corners[None])
-        flat = tried.reshape(-1, 3)
-        quality = measure_quality(flat, np.arange(len(flat)).reshape(-1, 4))
-        return np.asarray(quality.reshape(len(places), -1).min(axis=1))
+        return np.asarray(rate_tetrahedra(tried.reshape(-1, 4, 3)).reshape(len(places), -1).min(axis=1))
 
     place: FloatArray = points[node]
     step = _FIRST_STEP * edge

@@ -17,8 +17,15 @@ EDGES = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
 def find_skin(cells: IndexArray) -> tuple[IndexArray, IndexArray]:
     """Return the faces (k, 3) that one of the cells (n, 4) only has, and that cell (k,)."""
     faces = cells[:, FACES].reshape(-1, 3)
-    _, index, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    own = np.sort(index[count == 1])
+    low, middle, high = np.sort(faces, axis=1).T.astype(np.int64)
+    first_two = low * (int(cells.max(initial=-1)) + 1) + middle
+    order = np.lexsort((high, first_two))
+    first_two, high = first_two[order], high[order]
+    same = (first_two[1:] == first_two[:-1]) & (high[1:] == high[:-1])
+    shared = np.zeros(len(faces), dtype=bool)
+    shared[1:] |= same
+    shared[:-1] |= same
+    own = np.sort(order[~shared])
     return faces[own], own // len(FACES)
 
 
@@ -53,7 +60,9 @@ def nodal_areas(points: FloatArray, faces: IndexArray, which: IndexArray | None 
 def list_edges(simplices: IndexArray) -> IndexArray:
     """Return every edge of triangles or tetrahedra once (m, 2), the lower node first, in order."""
     pairs = [(0, 1), (1, 2), (2, 0)] if simplices.shape[1] == 3 else EDGES
-    return np.unique(np.sort(simplices[:, pairs].reshape(-1, 2), axis=1), axis=0)
+    low, high = np.sort(simplices[:, pairs].reshape(-1, 2), axis=1).T.astype(np.int64)
+    n_points = int(simplices.max(initial=0)) + 1
+    return np.stack(np.divmod(np.unique(low * n_points + high), n_points), axis=1).astype(simplices.dtype)
 
 
 def measure_quality(points: FloatArray, cells: IndexArray) -> FloatArray:
@@ -61,8 +70,15 @@ def measure_quality(points: FloatArray, cells: IndexArray) -> FloatArray:
 
     1: regular, 0: flat, negative: inside out.
     """
-    volume = measure_volumes(points, cells)
-    first, second = np.array(EDGES).T
-    edges = points[cells[:, second]] - points[cells[:, first]]
-    square = np.maximum((edges**2).sum(axis=(1, 2)), 1e-300)
+    return rate_tetrahedra(points[cells])
+
+
+def rate_tetrahedra(corners: FloatArray) -> FloatArray:
+    """Return the same of tetrahedra with these corners (n, 4, 3) [mm]."""
+    a, b, c = (corners[:, k] - corners[:, 0] for k in (1, 2, 3))
+    volume = np.einsum("ni,ni->n", a, np.cross(b, c)) / 6.0
+    edges = np.empty((len(corners), len(EDGES), 3))
+    for k, (first, second) in enumerate(EDGES):
+        np.subtract(corners[:, second], corners[:, first], out=edges[:, k])
+    square = np.maximum(np.square(edges, out=edges).sum(axis=(1, 2)), 1e-300)
     return np.asarray(np.sign(volume) * 12.0 * np.cbrt(3.0 * np.abs(volume)) ** 2 / square)

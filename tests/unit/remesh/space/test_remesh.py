@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """New meshes of deformed bodies of tetrahedra between rigid tools."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -124,6 +125,22 @@ def test_cells_are_small_at_narrow_ridges_and_slots_that_metal_is_near():
     above = SpacePose(np.zeros(3), np.array([0.0, 0.0, 20.0]), np.zeros(3), None)
     far = replace(body, tools=[low, replace(high, widths=narrow.carry(above))])
     assert measure_sizes(far, sizes)[beside] > 1.2
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 60])
+def test_the_skin_has_the_faces_of_one_cell_and_edges_are_listed_once_in_order(count):
+    _, cells = mesh_box((3, 2, 2), (3.0, 2.0, 2.0))
+    cells = np.random.default_rng(5).permutation(cells)[:count].astype(np.int32)
+    owners = {}
+    for number, cell in enumerate(cells.tolist()):
+        for triple in itertools.combinations(sorted(cell), 3):
+            owners.setdefault(triple, []).append(number)
+    faces, of_cell = find_skin(cells)
+    found = {tuple(sorted(face)): [cell] for face, cell in zip(faces.tolist(), of_cell.tolist(), strict=True)}
+    assert found == {triple: own for triple, own in owners.items() if len(own) == 1}
+    assert (np.diff(of_cell) >= 0).all()
+    pairs = {pair for cell in cells.tolist() for pair in itertools.combinations(sorted(cell), 2)}
+    assert [tuple(edge) for edge in list_edges(cells).tolist()] == sorted(pairs)
 
 
 def test_the_same_mesh_comes_out_to_the_bit():
