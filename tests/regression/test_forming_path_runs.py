@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from presswork import Result
 from presswork.case import ShellCase, StampingCase, build_model
 from presswork.recorder import run_model
 from presswork.study.measures import measure_run
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 FLD0 = 0.12
 SWIFT = (565.32, 0.007117, 0.2589)
@@ -34,11 +36,9 @@ def stages(size: tuple[float, float], **extra: Any) -> list[dict[str, Any]]:
     return [pull("balanced", x, y), pull("plane", size[0] * np.exp(BALANCED) * np.expm1(PLANE), 0.0)]
 
 
-@pytest.fixture(scope="module", params=["implicit", "explicit"])
-def stretched(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Result:
-    folder = tmp_path_factory.mktemp("sheet") / request.param
-    if request.param == "implicit":
-        case: ShellCase | StampingCase = ShellCase.model_validate({
+def make_case(procedure: str) -> ShellCase | StampingCase:
+    if procedure == "implicit":
+        return ShellCase.model_validate({
             "title": "sheet", "analysis": "shell",
             "workpiece": {"material": "steel", "element": "shell4_mitc", "section": {"thickness": 0.8},
                           "mesh": {"size": [10, 10], "cells": [2, 2]}},
@@ -48,16 +48,20 @@ def stretched(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
             "solver": {"max_increment": 0.05},
             "stages": stages((10, 10)),
         })  # fmt: skip
-    else:
-        case = StampingCase.model_validate({
-            "title": "sheet", "analysis": "stamping",
-            "blank": {"shape": "rectangle", "size": [20, 20], "thickness": 0.8, "element_size": 2.5,
-                      "material": "steel", "symmetry": ["x", "y"]},
-            "materials": {"steel": SHEET},
-            "stages": stages((10, 10), velocity="1 m/s"),
-            "output": {"rows": 100, "steps": 1},
-        })  # fmt: skip
-    return run_model(build_model(case), folder, threads=1).result
+    return StampingCase.model_validate({
+        "title": "sheet", "analysis": "stamping",
+        "blank": {"shape": "rectangle", "size": [20, 20], "thickness": 0.8, "element_size": 2.5,
+                  "material": "steel", "symmetry": ["x", "y"]},
+        "materials": {"steel": SHEET},
+        "stages": stages((10, 10), velocity="1 m/s"),
+        "output": {"rows": 100, "steps": 1},
+    })  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=["implicit", "explicit"])
+def stretched(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Result:
+    folder = tmp_path_factory.mktemp("sheet") / request.param
+    return run_model(build_model(make_case(request.param)), folder, threads=1).result
 
 
 def test_the_margins_along_the_path_are_those_of_the_closed_form(stretched: Result) -> None:
@@ -80,3 +84,12 @@ def test_the_verdict_and_the_measures_say_that_the_path_has_split_the_part(stret
     numbers, _ = measure_run(stretched.folder, stretched.summary)
     assert numbers["min_forming_limit_margin_polar"] == found["least_margin_polar"]["value"]
     assert numbers["cracked_cells_by_path"] == cells
+
+
+@pytest.mark.parametrize("procedure", ["implicit", "explicit"])
+def test_a_run_that_is_stopped_on_its_second_path_goes_on_with_the_same_bits(procedure: str, tmp_path: Path) -> None:
+    model = build_model(make_case(procedure))
+    whole = run_model(model, tmp_path / "whole", threads=1).result
+    reports = int(0.7 * len(whole.history["time"]))
+    assert whole.history["stage"][reports] == "plane"
+    assert_same_bits(run_in_two_parts(model, tmp_path / "parts", reports).folder, whole.folder)

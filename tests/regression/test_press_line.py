@@ -22,6 +22,7 @@ STEEL = {
     "poisson": 0.3,
     "density": "7850 kg/m^3",
     "hardening": {"law": "linear", "yield_stress": 200, "modulus": 500},
+    "forming_limit": {"law": "points", "points": [[-0.3, 0.6], [0.0, 0.3], [0.3, 0.4]]},
 }
 
 
@@ -113,6 +114,14 @@ def test_summary_tells_every_operation(formed) -> None:
     assert summary["operations"]["pierce"]["trim"]["off_line_mm"] < 0.3
     assert summary["operations"]["draw"]["springback"]["largest_mm"] > 0
     assert summary["increments"] == len(formed.history["time"])
+
+
+def test_the_least_margin_along_the_path_is_carried_from_operation_to_operation(formed) -> None:
+    summary = json.loads((formed.folder / "summary.json").read_text())
+    told = [*(summary["operations"][name]["formability"] for name in ("draw", "pierce")), summary["formability"]]
+    draw, pierce, flange = (each["least_margin_polar"]["value"] for each in told)
+    assert 0.0 < flange <= pierce < 1.0
+    assert pierce >= draw  # what was pierced or trimmed is gone, with its margin
 
 
 @pytest.mark.parametrize("reports", [5, 11, 12, 15, 21, 25, 30])

@@ -4,8 +4,8 @@
 The bending strain is half the difference of the strains at top and bottom. A fold bends the sheet to both sides along
 the direction in which its middle is compressed most; a tool, a wall or a round corner bends it to one side there. So
 the smaller of the largest bending strains to either side, within REACH on the line along that direction, is the
-amplitude of the fold. Over the compressive strain it tells how much of the compression has gone into folding: some 0.1
-in flat flanges, above 1 where the sheet has folded freely. Shells that a tool touches have none: there its shape
+amplitude of the fold. Over the compressive strain it tells how much of the compression has gone into folding: below
+0.2 in flat flanges, above 1 where the sheet has folded freely. Shells that a tool touches have none: there its shape
 decides.
 
 Faces that were bent and straightened have more plastic strain than the middle, and are not bent: the mean of the faces'
@@ -28,8 +28,8 @@ REACH = 15.0
 """Distance along which folds are looked for, to either side, over the thickness."""
 STEPS = 12
 """Places on that distance."""
-LEAST_COMPRESSION = 0.01
-"""Compressive strain below which the fold ratio is over this."""
+LEAST_COMPRESSION = 0.02
+"""Compressive strain below which the fold ratio is over this: walls that are hardly compressed bend a little, too."""
 TOUCHED = 1e-6
 """Part of the largest force of tools on a node above which a node is touched."""
 NEEDED = {"strain_bottom", "strain_middle", "strain_top", "equivalent_plastic_strain_middle"}
