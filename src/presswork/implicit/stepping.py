@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 
@@ -20,6 +19,7 @@ from presswork.body.thermoelastic import find_thermal_work, keep_temperatures
 from presswork.evolution.points import Evolution
 from presswork.implicit.energy import Work, add_external_work, add_work, balance
 from presswork.implicit.first_guess import FormerIncrement, find_first_guess, keep_former
+from presswork.implicit.follower import Follower
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.heat_of_increments import MOST_PASSES, HeatOfIncrements
 from presswork.implicit.heat_of_stamping import HeatOfStamping
@@ -46,19 +46,6 @@ BACK = 1e-3
 the tangent from there is that of unloading."""
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
-
-
-class Follower(Protocol):
-    """Who goes along with a run, increment after increment."""
-
-    def note(self, trial: State) -> None:
-        """Take note of a trial state in equilibrium, before it is completed."""
-
-    def follow(self, state_n: State, trial: State, step: Step, next_stage: int | None) -> None:
-        """Go through the increment that has led to a completed trial state.
-
-        state_n: the converged state before it, and before its stage began. next_stage: that begins after it, if any.
-        """
 
 
 @dataclass(frozen=True)
