@@ -24,6 +24,7 @@ KERNELS = {
     "advance_triangles": "14advance_shellsILi3E",
     "gather_nodes": "12gather_nodesI",
     "touch_nodes": "11touch_nodesI",
+    "press_edges": "11press_edgesI",
 }
 """And how the compiler's name of each begins, before that of its scalar."""
 KERNELS_OF_TOOLS = {"start_tools": "14start_tools_ofE", "close_tools": "11close_toolsE"}

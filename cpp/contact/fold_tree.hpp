@@ -6,6 +6,8 @@
 #include <array>
 #include <vector>
 
+#include "contact/sharp_search.hpp"
+
 namespace presswork::contact {
 
 class FoldTree {
@@ -19,19 +21,16 @@ class FoldTree {
   // hint is the fold found last (-1: unknown) and is updated; it speeds the search up.
   double distance(const double a[3], const double b[3], double near, int& hint) const;
 
+  // The search, on the tree: good for as long as it lives.
+  FoldSearch search() const {
+    return {lines_.data(), boxes_.data(), static_cast<int>(lines_.size()), static_cast<int>(boxes_.size())};
+  }
+
  private:
   static constexpr int leaf = 4;  // folds
-  struct Line {
-    double start[3], way[3], length2;
-  };
-  struct Box {
-    double low[3], high[3];
-    // children are the next box and `right`; of a leaf, whose `right` is 0, lines first to last - 1
-    int right, first, last;
-  };
-
+  using Line = FoldSearch::Line;
+  using Box = FoldSearch::Box;
   void build(std::vector<Fold>& folds, int first, int last);
-  static double distance2(const Line& fold, const Line& segment);
 
   std::vector<Line> lines_;
   std::vector<Box> boxes_;

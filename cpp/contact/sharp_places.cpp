@@ -11,7 +11,6 @@ namespace presswork::contact {
 namespace {
 
 constexpr double least_fold = 0.01;  // [rad] between triangles that are flat together
-constexpr int parts = 4;             // of a segment near a swept surface
 
 // The sides between two triangles, and what is needed to walk over them.
 class Folds {
@@ -119,22 +118,20 @@ SharpPlaces::SharpPlaces(std::shared_ptr<const ToolSurface> surface, double leng
     : surface_(std::move(surface)) {
   if (const SweptSurface* swept = surface_->swept()) {
     pieces_ = swept->find_sharp(length, angle);
+    search_ = make_search();
     return;
   }
   const auto folds = Folds(*surface_->triangles()).find_sharp(length, angle);
   if (!folds.empty()) folds_ = std::make_unique<FoldTree>(folds);
+  search_ = make_search();
 }
 
-double SharpPlaces::distance(const double a[3], const double b[3], double near, int& hint) const {
-  if (folds_) return folds_->distance(a, b, near, hint);
-  // the middle of each part is as far as said, the rest by half its length less
-  double middle[3], way[3], least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < 3; ++k) way[k] = (b[k] - a[k]) / parts;
-  for (int i = 0; i < parts; ++i) {
-    for (int k = 0; k < 3; ++k) middle[k] = a[k] + (i + 0.5) * way[k];
-    least = std::min(least, surface_->swept()->distance_to(pieces_, middle));
-  }
-  return std::max(least - 0.5 * std::sqrt(dot(way, way)), 0.0);
+SharpSearch SharpPlaces::make_search() const {
+  SharpSearch made;
+  if (folds_) made.folds = folds_->search();
+  if (const SweptSurface* swept = surface_->swept()) made.swept = swept->search();
+  made.pieces = pieces_.data(), made.n_pieces = static_cast<int>(pieces_.size());
+  return made;
 }
 
 }  // namespace presswork::contact

@@ -19,18 +19,27 @@ class SharpPlaces {
  public:
   // length [mm], angle [rad]
   SharpPlaces(std::shared_ptr<const ToolSurface> surface, double length, double angle);
+  SharpPlaces(const SharpPlaces&) = delete;  // the search knows where they lie
+  SharpPlaces& operator=(const SharpPlaces&) = delete;
 
   bool any() const { return folds_ || !pieces_.empty(); }
   // At least how far the segment from a to b, in the tool's frame, is from the nearest of them [mm]: exact for folds, a
   // bound by an eighth of its length less for a swept surface; where it is nearer than `near` any value below that.
   // hint
   // (-1: unknown) speeds it up.
-  double distance(const double a[3], const double b[3], double near, int& hint) const;
+  double distance(const double a[3], const double b[3], double near, int& hint) const {
+    return search_.distance(a, b, near, hint);
+  }
+  // The search, on these places: good for as long as they live.
+  const SharpSearch& search() const { return search_; }
 
  private:
+  SharpSearch make_search() const;
+
   std::shared_ptr<const ToolSurface> surface_;
   std::vector<int> pieces_;          // of a swept surface
   std::unique_ptr<FoldTree> folds_;  // of triangles
+  SharpSearch search_;
 };
 
 }  // namespace presswork::contact

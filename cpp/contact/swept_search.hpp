@@ -137,6 +137,32 @@ struct SweptSearch {
     place.bend = on_it ? 0.0 : 1.0 / place.gap;
   }
 
+  // At least how far x is from sharp places, by their numbers as SweptSurface::find_sharp has them [mm].
+  PRESSWORK_DEVICE double distance_to(const int* sharp, int n_sharp, const double x[3]) const {
+    const double s = locate(x[0], x[1]).s, z = x[2];
+    double least = std::numeric_limits<double>::infinity();
+    auto take = [&](double at_s, double at_z) { least = std::min(least, std::hypot(s - at_s, z - at_z)); };
+    for (int which = 0; which < n_sharp; ++which) {
+      const int i = sharp[which];
+      if (i < 0) {
+        const double a = std::abs(x[0]) - core[0], b = std::abs(x[1]) - core[1];
+        const double off = std::max(std::max(low[1] - z, z - high[1]), 0.0);
+        const double aside = a >= 0.0 && b >= 0.0 ? std::abs(std::hypot(a, b) - corner_radius)
+                                                  : std::max(std::hypot(a, b) - corner_radius, 0.0);
+        least = std::min(least, std::hypot(aside, off));
+      } else if (i >= n) {
+        take(corners[i - n].at[0], corners[i - n].at[1]);
+      } else {
+        const Piece& p = pieces[i];
+        const double ds = s - p.centre[0], dz = z - p.centre[1], r = std::hypot(ds, dz);
+        if (ds * p.bisector[0] + dz * p.bisector[1] >= p.cosine * r) least = std::min(least, std::abs(r - p.radius));
+        take(p.start[0], p.start[1]);
+        take(p.start[0] + p.length * p.tangent[0], p.start[1] + p.length * p.tangent[1]);
+      }
+    }
+    return least;
+  }
+
   const Piece* pieces = nullptr;
   const Corner* corners = nullptr;
   int n = 0, n_corners = 0, n_ends = 0;

@@ -126,29 +126,4 @@ std::vector<int> SweptSurface::find_sharp(double length, double angle) const {
   return found;
 }
 
-double SweptSurface::distance_to(const std::vector<int>& sharp, const double x[3]) const {
-  const double s = locate(x[0], x[1]).s, z = x[2];
-  const int n = static_cast<int>(pieces_.size());
-  double least = std::numeric_limits<double>::infinity();
-  auto take = [&](double at_s, double at_z) { least = std::min(least, std::hypot(s - at_s, z - at_z)); };
-  for (int i : sharp) {
-    if (i < 0) {
-      const double a = std::abs(x[0]) - search_.core[0], b = std::abs(x[1]) - search_.core[1];
-      const double off = std::max(std::max(search_.low[1] - z, z - search_.high[1]), 0.0);
-      const double aside = a >= 0.0 && b >= 0.0 ? std::abs(std::hypot(a, b) - plan_.corner_radius)
-                                                : std::max(std::hypot(a, b) - plan_.corner_radius, 0.0);
-      least = std::min(least, std::hypot(aside, off));
-    } else if (i >= n) {
-      take(corners_[i - n].at[0], corners_[i - n].at[1]);
-    } else {
-      const Piece& p = pieces_[i];
-      const double ds = s - p.centre[0], dz = z - p.centre[1], r = std::hypot(ds, dz);
-      if (ds * p.bisector[0] + dz * p.bisector[1] >= p.cosine * r) least = std::min(least, std::abs(r - p.radius));
-      take(p.start[0], p.start[1]);
-      take(p.start[0] + p.length * p.tangent[0], p.start[1] + p.length * p.tangent[1]);
-    }
-  }
-  return least;
-}
-
 }  // namespace presswork::contact

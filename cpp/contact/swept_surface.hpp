@@ -54,8 +54,6 @@ class SweptSurface {
   // Where the metal juts out and turns by more than an angle [rad] within a length [mm]: arcs and corners of the
   // profile by their hints, corners of the plan as -1.
   std::vector<int> find_sharp(double length, double angle) const;
-  // At least how far x is from such places [mm].
-  double distance_to(const std::vector<int>& sharp, const double x[3]) const;
 
  private:
   using Piece = SweptSearch::Piece;

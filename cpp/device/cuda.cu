@@ -57,11 +57,24 @@ __global__ void __launch_bounds__(chunk)
   });
 }
 
+template <class Real>
+__global__ void __launch_bounds__(chunk) press_edges(const __grid_constant__ Problem<Real> problem, double dt) {
+  const Edges& edges = problem.tools.edges;
+  touch_edges(problem, dt, int(blockIdx.x * chunk + threadIdx.x), [&](int j, const ContactSums& sums) {
+    const ContactSums sum = reduce_sums(sums);
+    if (threadIdx.x == 0) edges.sums[std::size_t(blockIdx.x) * edges.n_sharp + j] = sum;
+  });
+}
+
 // One block.
 __global__ void __launch_bounds__(chunk) close_tools(const __grid_constant__ Tools tools, int chunks) {
   for (int t = 0; t < tools.n; ++t) {
     ContactSums own;
     for (int c = threadIdx.x; c < chunks; c += chunk) own += tools.sums[std::size_t(c) * tools.n + t];
+    const Edges& edges = tools.edges;
+    for (int j = 0; j < edges.n_sharp; ++j)
+      for (int c = threadIdx.x; c < edges.chunks() && edges.sharp[j].number == t; c += chunk)
+        own += edges.sums[std::size_t(c) * edges.n_sharp + j];
     const ContactSums sum = reduce_sums(own);
     if (threadIdx.x == 0) close_tool(tools, t, sum);
   }
@@ -90,7 +103,9 @@ void advance(Problem<Real> p, const Cycles& cycles) {
   };
   add_shells(p.quadrilaterals, 4), add_shells(p.triangles, 3);
   std::vector<Surface> surfaces(p.tools.surface, p.tools.surface + p.tools.n);
+  std::vector<SharpTool> sharp(p.tools.edges.sharp, p.tools.edges.sharp + p.tools.edges.n_sharp);
   if (p.tools.n > 0) add_tools(arrays, p, cycles, surfaces);
+  if (!sharp.empty()) add_edges(arrays, p, sharp);
   arrays.send();
 
   const Tools& tools = p.tools;
@@ -108,6 +123,7 @@ void advance(Problem<Real> p, const Cycles& cycles) {
     launch.template operator()<3>(p.triangles);
     gather_nodes<<<chunks, chunk>>>(nodes);
     if (tools.n > 0) {
+      if (tools.edges.chunks() > 0) press_edges<<<tools.edges.chunks(), chunk>>>(p, cycles.dt);
       touch_nodes<<<chunks, chunk>>>(p, cycles.dt, cycle);
       close_tools<<<1, chunk>>>(tools, chunks);
     }

@@ -95,4 +95,25 @@ void add_tools(Arrays& arrays, Problem<Real>& p, const Cycles& cycles, std::vect
   arrays.add(tools.fastest, chunks, false), arrays.add(tools.sums, chunks * n, false);
 }
 
+// sharp: copies of the sharp tools, in which the pointers are set.
+template <class Real>
+void add_edges(Arrays& arrays, Problem<Real>& p, std::vector<SharpTool>& sharp) {
+  Edges& edges = p.tools.edges;
+  const std::size_t n = edges.n, pairs = n * edges.n_sharp;
+  for (SharpTool& of : sharp) {
+    arrays.add(of.sharp.pieces, of.sharp.n_pieces, false);
+    arrays.add(of.sharp.swept.pieces, of.sharp.swept.n, false);
+    arrays.add(of.sharp.swept.corners, of.sharp.swept.n_corners, false);
+    arrays.add(of.sharp.folds.lines, of.sharp.folds.n_lines, false);
+    arrays.add(of.sharp.folds.boxes, of.sharp.folds.n_boxes, false);
+  }
+  edges.sharp = sharp.data();
+  arrays.add(edges.sharp, sharp.size(), false);
+  arrays.add(edges.node, 2 * n, false), arrays.add(edges.end_slot, 2 * n, false);
+  arrays.add(edges.first_slot, std::size_t(p.nodes.n) + 1, false), arrays.add(edges.base, n, false);
+  arrays.add(edges.at, pairs, true), arrays.add(edges.wake, pairs, true);
+  arrays.add(edges.force, 6 * n, false), arrays.add(edges.bears, 2 * n, false);
+  arrays.add(edges.sums, std::size_t(edges.chunks()) * sharp.size(), false);
+}
+
 }  // namespace presswork::device

@@ -166,4 +166,9 @@ PRESSWORK_INLINE void touch_tools(const Problem<Real>& p, double dt, int cycle, 
               take);
 }
 
+template <class Real, class Take>
+PRESSWORK_INLINE void touch_edges(const Problem<Real>& p, double dt, int edge, const Take& take) {
+  touch_edges(p.tools, p.nodes.n, p.nodes.position, p.nodes.motion, dt, edge, edge < p.tools.edges.n, take);
+}
+
 }  // namespace presswork::device

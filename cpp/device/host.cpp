@@ -31,6 +31,14 @@ void advance_on_host(const Problem<Real>& p, const Cycles& cycles) {
 #pragma omp for schedule(static)
     for (int node = 0; node < p.nodes.n; ++node) gather_forces(p.nodes, node);
     if (tools.n == 0) continue;
+    const Edges& edges = tools.edges;
+#pragma omp for schedule(static)
+    for (int c = 0; c < edges.chunks(); ++c) {
+      ContactSums* of_chunk = edges.sums + std::size_t(c) * edges.n_sharp;
+      std::fill_n(of_chunk, edges.n_sharp, ContactSums{});
+      for (int edge = c * chunk; edge < std::min(edges.n, (c + 1) * chunk); ++edge)
+        touch_edges(p, step.dt, edge, [&](int j, const ContactSums& sums) { of_chunk[j] += sums; });
+    }
 #pragma omp for schedule(static)
     for (int c = 0; c < chunks; ++c) {
       ContactSums* of_chunk = tools.sums + std::size_t(c) * tools.n;
@@ -42,6 +50,9 @@ void advance_on_host(const Problem<Real>& p, const Cycles& cycles) {
     for (int t = 0; t < tools.n; ++t) {
       ContactSums sum;
       for (int c = 0; c < chunks; ++c) sum += tools.sums[std::size_t(c) * tools.n + t];
+      for (int j = 0; j < edges.n_sharp; ++j)
+        for (int c = 0; c < edges.chunks() && edges.sharp[j].number == t; ++c)
+          sum += edges.sums[std::size_t(c) * edges.n_sharp + j];
       close_tool(tools, t, sum);
     }
   }

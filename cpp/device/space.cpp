@@ -67,8 +67,12 @@ struct BorrowedTools {
   std::vector<Surface> surface;
   std::vector<double> drive, pairs, fastest;
   std::vector<int> hint, cell;
-  std::vector<ContactSums> sums;
+  std::vector<ContactSums> sums, edge_sums;
   Totals totals;
+  std::vector<SharpTool> sharp;
+  std::vector<explicit_dynamics::EdgeTouching> at_edges;
+  std::vector<double> wake_edges, edge_force;
+  std::vector<std::uint8_t> bears;
   Tools view{};
 
   // first_cell: of each block of the loop as the device numbers cells
@@ -116,7 +120,39 @@ struct BorrowedTools {
             cell.data(),
             fastest.data(),
             sums.data(),
-            &totals};
+            &totals,
+            see_edges(lent.edges, n)};
+  }
+  Edges see_edges(const explicit_dynamics::EdgeContact& from, std::size_t n_tools) {
+    for (std::size_t t = 0; t < n_tools; ++t) {
+      const int number = static_cast<int>(t);
+      if (!from.sharp(number)) continue;
+      sharp.push_back({number, from.sharp(number)->search()});
+      at_edges.insert(at_edges.end(), from.at(number).begin(), from.at(number).end());
+      wake_edges.insert(wake_edges.end(), from.wake_of(number).begin(), from.wake_of(number).begin() + from.n_edges());
+    }
+    if (sharp.empty()) return {};
+    const auto lent = from.lend();
+    const std::size_t edges = from.n_edges();
+    edge_force.resize(6 * edges), bears.assign(2 * edges, 0);
+    Edges seen{from.n_edges(),
+               static_cast<int>(sharp.size()),
+               lent.memory,
+               lent.reach,
+               lent.step,
+               lent.edges.data(),
+               lent.end_slot.data(),
+               lent.node_start.data(),
+               lent.base.data(),
+               sharp.data(),
+               at_edges.data(),
+               wake_edges.data(),
+               edge_force.data(),
+               bears.data(),
+               nullptr};
+    edge_sums.resize(std::size_t(seen.chunks()) * sharp.size());
+    seen.sums = edge_sums.data();
+    return seen;
   }
   void give_back(int n_nodes, int n_cycles) const {
     if (!contact) return;
@@ -125,6 +161,10 @@ struct BorrowedTools {
     for (std::size_t t = 0; t < tool.size(); ++t) {
       static_cast<RigidTool&>(contact->tools[t]) = tool[t];
       contact->take_pairs(static_cast<int>(t), &pairs[t * pair_rows * n_nodes], &hint[t * n_nodes]);
+    }
+    for (std::size_t j = 0; j < sharp.size(); ++j) {
+      const std::size_t first = j * lent.edges.n_edges();
+      lent.edges.take(sharp[j].number, &at_edges[first], &wake_edges[first]);
     }
   }
 
@@ -145,8 +185,6 @@ struct BorrowedTools {
 template <class Real>
 std::string find_lack(const SpaceLoop<Real>& loop) {
   const auto& nodes = loop.nodes;
-  if (loop.contact && loop.contact->lend().edges)
-    return "edges at tools that are sharp for the mesh (take contact_points = \"nodes\", or finer shells)";
   if (loop.contact)
     for (const Tool& tool : loop.contact->tools)
       if (tool.surface->is_smooth()) return "tools of triangles that are rounded off";

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rigid tools in a cycle with a lane a thread: three passes more.
+// Rigid tools in a cycle with a lane a thread: four passes more.
 //
 //   start_tools   one lane: tools move, by the largest speed of a node
+//   touch_edges   one edge against all tools that are sharp for the mesh: its lowest place, pressure and friction,
+//   which
+//                 wait at its ends for the nodes
 //   touch_tools   one node against all tools, when its shells have their forces: its tangent planes, pressure,
 //                 friction and squeeze, taken off its internal force
 //   close_tools   one lane: the sheet's forces on the tools, and what is summed up
@@ -10,7 +13,8 @@
 // by chunks of 256 nodes, in a fixed order.
 #pragma once
 
-#include "explicit/contact/node_touch.hpp"
+#include "contact/sharp_search.hpp"
+#include "explicit/contact/edge_touch.hpp"
 #include "explicit/lane_sums.hpp"
 
 namespace presswork::device {
@@ -32,6 +36,29 @@ struct Surface {
                                                   contact::Touch& touch) const {
     return is_swept ? swept.nearest(x, reach, hint, touch) : triangles.nearest(x, reach, hint, touch);
   }
+};
+
+// A tool that is sharp for the mesh, and edges. `tools` numbers it among all.
+struct SharpTool {
+  int number;
+  contact::SharpSearch sharp;
+};
+
+// Edges of the sheet. An end of an edge has a slot; those of a node follow each other.
+struct Edges {
+  int n = 0, n_sharp = 0;  // no tool is sharp: nothing else is set
+  double memory, reach, step;
+  const int *node, *end_slot;           // (n, 2)
+  const int* first_slot;                // (n_nodes + 1)
+  const double* base;                   // (n): mass/dt^2
+  const SharpTool* sharp;               // (n_sharp)
+  explicit_dynamics::EdgeTouching* at;  // (n_sharp, n)
+  double* wake;                         // (n_sharp, n)
+  double* force;                        // (2 n, 3): on the sheet at each slot
+  std::uint8_t* bears;                  // (2 n): whether there is one
+  ContactSums* sums;                    // (chunks, n_sharp)
+
+  PRESSWORK_DEVICE int chunks() const { return n_sharp > 0 ? (n + chunk - 1) / chunk : 0; }
 };
 
 struct Totals {
@@ -59,6 +86,7 @@ struct Tools {
   double* fastest;               // (chunks): squares of the largest speeds
   ContactSums* sums;             // (chunks, n)
   Totals* totals;                // one
+  Edges edges;
 };
 
 // One lane, when the nodes have moved.
@@ -73,6 +101,78 @@ PRESSWORK_DEVICE inline void start_tools(const Tools& tools, double dt, int cycl
 PRESSWORK_DEVICE inline void close_tool(const Tools& tools, int t, const ContactSums& sum) {
   for (int i = 0; i < 3; ++i) tools.tool[t].force[i] = -sum.force[i];
   tools.totals->sums += sum;
+}
+
+// One edge. take(j, sums) is called once for every sharp tool, whatever the edge does, and with `there` false, of lanes
+// beyond the last edge.
+template <class Real, class Take>
+PRESSWORK_INLINE void touch_edges(const Tools& tools, int n_nodes, const double* position, const Real* motion,
+                                  double dt, int edge, bool there, const Take& take) {
+  const Edges& edges = tools.edges;
+  double force[2][3] = {}, x[2][3] = {}, v[2][3] = {};
+  bool bears = false, located = false;
+  for (int j = 0; j < edges.n_sharp; ++j) {
+    ContactSums sums;
+    const int t = edges.sharp[j].number;
+    const RigidTool& tool = tools.tool[t];
+    const std::size_t pair = std::size_t(j) * edges.n + edge;
+    if (there && edges.wake[pair] <= tool.travel) {
+      explicit_dynamics::EdgePress<double> p;
+      explicit_dynamics::EdgeTouching& kept = edges.at[pair];
+      for (int end = 0; end < 2; ++end) {
+        const std::size_t node = edges.node[2 * std::size_t(edge) + end];
+        for (int k = 0; k < 3; ++k) {
+          if (!located) x[end][k] = position[4 * node + k], v[end][k] = motion[8 * node + k];
+          p.moved[end][k] = dt * (v[end][k] - tool.velocity[k]);
+        }
+        p.half[end] = tool.grip.thickness ? tools.half[node] : 0.0;
+      }
+      located = true;
+      p.base = edges.base[edge];
+      for (int k = 0; k < 3; ++k) p.start[k] = x[0][k] - tool.displacement[k], p.way[k] = x[1][k] - x[0][k];
+      const auto load = [&] {
+        const auto* record = reinterpret_cast<const double*>(&kept);
+        for (int i = 0; i < 8; ++i) p.asked[i] = i < 7 ? record[i] : 0.0, p.changing[i] = record[8 + i];
+      };
+      load();
+      p.left() -= p.slip();
+      bool awake = true;
+      if (p.left() <= 0.0 || p.turn() > 0.1 * edges.memory) {
+        const explicit_dynamics::EdgeSegment seen(x[0], x[1], tool.displacement);
+        if (!explicit_dynamics::ask_edge(tools.surface[t], edges.sharp[j].sharp, {edges.memory, edges.reach},
+                                         tool.travel, seen, p.half, kept, edges.wake[pair]))
+          sums.lost = n_nodes + edge;
+        awake = edges.wake[pair] <= tool.travel;
+        load();
+      }
+      if (awake) {
+        double squeeze, depth;
+        bool on;
+        const auto found = p.press(tool.grip, true, explicit_dynamics::edge_damper(tool.grip, edges.step, dt),
+                                   edges.memory, squeeze, on, depth);
+        if (depth < -edges.memory)
+          edges.wake[pair] = tool.travel - explicit_dynamics::reach_awake * depth, kept.seen = kept.near;
+        auto* record = reinterpret_cast<double*>(&kept);
+        for (int i = 0; i < 8; ++i) record[8 + i] = p.changing[i];
+        sums.squeeze = squeeze, sums.damping = found.damping, sums.friction = found.friction;
+        for (int k = 0; k < 3; ++k) sums.force[k] = found.force[k];
+        if (on)
+          for (int k = 0; k < 3; ++k) {
+            force[0][k] += (1.0 - p.asked[0]) * found.force[k];
+            force[1][k] += p.asked[0] * found.force[k];
+          }
+        bears = bears || on;
+      }
+    }
+    take(j, sums);
+  }
+  if (!there) return;
+  for (int end = 0; end < 2; ++end) {
+    const int slot = edges.end_slot[2 * std::size_t(edge) + end];
+    if (bears)
+      for (int k = 0; k < 3; ++k) edges.force[3 * std::size_t(slot) + k] = force[end][k];
+    if (bool(edges.bears[slot]) != bears) edges.bears[slot] = bears;
+  }
 }
 
 // One node; sheet: as SheetView. take(t, sums) is called once for every tool, whatever the node does, and with `there`
@@ -162,6 +262,12 @@ PRESSWORK_INLINE void touch_tools(const Tools& tools, std::size_t n_nodes, const
     if (t == tools.n - 1) sums.lost = lost;
     take(t, sums);
   }
+  if (there && tools.edges.n_sharp > 0)
+    for (int slot = tools.edges.first_slot[node]; slot < tools.edges.first_slot[node + 1]; ++slot) {
+      if (!tools.edges.bears[slot]) continue;
+      located = true;
+      for (int i = 0; i < 3; ++i) on_sheet[i] += tools.edges.force[3 * std::size_t(slot) + i];
+    }
   if (!located) return;
   for (int i = 0; i < 3; ++i) net[6 * std::size_t(node) + i] -= static_cast<Real>(on_sheet[i]);
 }

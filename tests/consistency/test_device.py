@@ -63,11 +63,16 @@ def test_host_build_agrees_with_the_loop(precision: Precision) -> None:
         np.testing.assert_allclose(found, expected, rtol=0, atol=AGREEMENT[precision] * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("precision", ["double", "single"])
+@pytest.mark.parametrize(("precision", "radius"), [("double", 3.0), ("single", 3.0), ("double", 1.0)])
 @pytest.mark.parametrize("triangles", [False, True])
-def test_a_cup_drawn_on_the_host_build_agrees_with_the_loop(precision: Precision, triangles: bool) -> None:
-    """Die, punch and pushed holder with friction: motion, stress, thickness, forces of tools, energies."""
-    runs = [cup.draw(precision, triangles=triangles, device=device) for device in ("cpu", "host")]
+def test_a_cup_drawn_on_the_host_build_agrees_with_the_loop(
+    precision: Precision, triangles: bool, radius: float
+) -> None:
+    """Die, punch and pushed holder with friction: motion, stress, thickness, forces of tools, energies.
+
+    Radii of 1 mm are sharp for the mesh: edges touch.
+    """
+    runs = [cup.draw(precision, triangles=triangles, radius=radius, device=device) for device in ("cpu", "host")]
     for run in runs:
         run.advance(CYCLES_OF_TOOLS)
     assert np.abs(runs[0].tools["punch"].force).max() > 1000.0
@@ -86,7 +91,7 @@ def test_a_sheet_squeezed_on_the_host_build_agrees_with_the_loop() -> None:
 
 @pytest.mark.parametrize(("first", "second"), [("host", "host"), ("cpu", "host"), ("host", "cpu")])
 def test_a_cup_goes_on_across_devices(first: Device, second: Device) -> None:
-    whole, begun, resumed = (cup.draw(device=device) for device in (second, first, second))
+    whole, begun, resumed = (cup.draw(radius=1.0, device=device) for device in (second, first, second))
     whole.advance(500)
     whole.advance(400)
     begun.advance(500)
@@ -152,8 +157,6 @@ def test_what_no_device_computes_is_refused() -> None:
     points, cells = mesh()
     with pytest.raises(ExplicitError, match="give 'cpu' or 'host' or 'cuda'"):
         ExplicitShells(points, cells, 0.8, SWIFT, 7.85e-9, device="gpu")  # type: ignore[arg-type]
-    with pytest.raises(ExplicitError, match=r"does not compute edges at tools .*contact_points = \"nodes\""):
-        cup.draw(radius=1.0, device="host").find_contact()
 
 
 def test_a_card_that_is_not_there_is_refused_with_the_way_out() -> None:

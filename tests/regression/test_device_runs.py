@@ -27,7 +27,7 @@ def make(device: str, **explicit: Any) -> dict[str, Any]:
         ("blank.element_size", 8),
         ("stages.0.velocity", "10 m/s"),
         ("stages.0.tools.punch.stroke", 8),
-        ("explicit", {"device": device, "contact_points": "nodes", **explicit}),
+        ("explicit", {"device": device, **explicit}),
         ("output", {"rows": 10, "steps": 2}),
         *((f"tools.{name}.mu", 0.1) for name in ("punch", "die", "holder")),
     )
@@ -74,7 +74,6 @@ def test_a_cup_begun_on_the_cpu_is_resumed_on_a_device(on_cpu: Result, tmp_path:
     ("changes", "told"),
     [
         ({"element": "shell4_mitc_plus"}, "does not compute shells other than shell4_1pt"),
-        ({"contact_points": "edges"}, "does not compute edges at tools that are sharp"),
     ],
 )
 def test_what_no_device_computes_is_refused_before_it_starts(changes: dict[str, Any], told: str) -> None:

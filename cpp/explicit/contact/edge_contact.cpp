@@ -19,8 +19,6 @@ T dot(const T a[3], const T b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-Pack size_of(Pack x) { return select(x < Pack(0.0), -x, x); }
-
 }  // namespace
 
 EdgeContact::EdgeContact(int n_nodes, const std::vector<int>& cell_start, const std::vector<int>& cell_node,
@@ -54,7 +52,7 @@ void EdgeContact::add(const Tool& tool) {
   if (tool.grip.edges) of.sharp = std::make_unique<contact::SharpPlaces>(tool.surface, 0.5 * length_, turn);
   if (of.sharp && !of.sharp->any()) of.sharp.reset();
   if (of.sharp) {
-    of.at.assign(n_edges(), untouched);
+    of.at.assign(n_edges(), EdgeTouching{});
     of.wake_group.assign((n_edges() + group - 1) / group, 0.0);
     of.wake.assign(of.wake_group.size() * group, never);
     std::fill_n(of.wake.begin(), n_edges(), 0.0);
@@ -113,7 +111,7 @@ void EdgeContact::add_forces(int tool, const Grip& grip, double* force) const {
 void EdgeContact::forget(int tool) {
   Pairs& of = pairs_[tool];
   std::fill(of.wake.begin(), of.wake.end(), never);
-  std::fill(of.at.begin(), of.at.end(), untouched);
+  std::fill(of.at.begin(), of.at.end(), EdgeTouching{});
 }
 
 void EdgeContact::wake(int tool) {
@@ -128,44 +126,34 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, EdgePack& edges, const doub
   const int n = edges.n;
   const Pack zero(0.0);
   // 1. ends in the tool's frame, and the pairs' two records
-  Pack at[2][4], velocity[2][4], start[3], way[3], moved[2][3], part_half[2] = {zero, zero}, base;
+  EdgePress<Pack> p;
+  Pack at[2][4], velocity[2][4];
+  p.half[0] = p.half[1] = zero;
   for (int end = 0; end < 2; ++end) {
     const double *places[width], *speeds[width];
     for (int lane = 0; lane < width; ++lane) places[lane] = edges.x[end][lane], speeds[lane] = edges.v[end][lane];
     load_records<4>(places, at[end]), load_records<4>(speeds, velocity[end]);
-    for (int k = 0; k < 3; ++k) moved[end][k] = Pack(dt) * (velocity[end][k] - Pack(tool.velocity[k]));
-    if (grip.thickness) std::memcpy(&part_half[end], edges.half[end], sizeof(Pack));
+    for (int k = 0; k < 3; ++k) p.moved[end][k] = Pack(dt) * (velocity[end][k] - Pack(tool.velocity[k]));
+    if (grip.thickness) std::memcpy(&p.half[end], edges.half[end], sizeof(Pack));
   }
-  std::memcpy(&base, edges.base, sizeof base);
-  for (int k = 0; k < 3; ++k) start[k] = at[0][k] - Pack(tool.displacement[k]), way[k] = at[1][k] - at[0][k];
-  Touching nothing = untouched;  // for lanes that are left alone
+  std::memcpy(&p.base, edges.base, sizeof p.base);
+  for (int k = 0; k < 3; ++k) p.start[k] = at[0][k] - Pack(tool.displacement[k]), p.way[k] = at[1][k] - at[0][k];
+  Touching nothing;  // for lanes that are left alone
   Pack::Mask awake;
   for (int lane = 0; lane < width; ++lane) awake[lane] = lane < n ? -1 : 0;
   for (int lane = n; lane < width; ++lane) edges.pair[lane] = &nothing;
-  Pack asked[8], changing[8];
   const auto load = [&] {
     const double *first[width], *second[width];
     for (int lane = 0; lane < width; ++lane)
       first[lane] = records_of(*edges.pair[lane]), second[lane] = first[lane] + 8;
-    load_records<8>(first, asked), load_records<8>(second, changing);
+    load_records<8>(first, p.asked), load_records<8>(second, p.changing);
   };
   load();
-  const Pack &s = asked[0], *normal = asked + 1, &offset = asked[4], &tilt = asked[5];
-  Pack *shear = changing, &left = changing[3], &pressed = changing[4], &viscous = changing[5];
-  Pack &half_then = changing[6], &spared = changing[7];
   // 2. the lowest place, asked for anew where an end has slipped or the edge turned on
-  Pack slip = zero;
-  for (const auto& of_end : moved) {
-    const Pack out = dot(normal, of_end);
-    Pack size = zero;
-    for (int k = 0; k < 3; ++k) size += size_of(of_end[k] - out * normal[k]);
-    slip = larger(slip, size);
-  }
-  left -= slip;
-  const Pack::Mask turned = size_of(dot(normal, way) - tilt) > Pack(0.1 * memory_);
-  const Pack::Mask asking = both(awake, either(left.v <= zero.v, turned));
+  p.left() -= p.slip();
+  const Pack::Mask asking = both(awake, either(p.left().v <= zero.v, p.turn() > Pack(0.1 * memory_)));
   if (any(asking)) {
-    const Pack known = left;
+    const Pack known = p.left();
     for (int lane = 0; lane < n; ++lane) {
       if (!asking[lane]) continue;
       const int edge = edges.edge[lane];
@@ -173,63 +161,28 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, EdgePack& edges, const doub
       if (of.wake[edge] > tool.travel) edges.pair[lane] = &nothing, awake[lane] = 0;
     }
     load();
-    left = select(asking, left, known);
+    p.left() = select(asking, p.left(), known);
   }
-  Pack dx[3], place[3];
-  for (int k = 0; k < 3; ++k) {
-    dx[k] = moved[0][k] + s * (moved[1][k] - moved[0][k]);
-    place[k] = start[k] + s * way[k];
-  }
-  const Pack half = part_half[0] + s * (part_half[1] - part_half[0]), in = half - (dot(normal, place) - offset);
-  spared = smaller(spared, larger(in, zero));
-  const Pack depth = in - spared, k = Pack(share * grip.penalty) * base;
-  // 3. what a change of thickness does to the spring is no work of the edge
-  const Pack then = pressed, squeezed = larger(then + half - half_then, zero);
-  const Pack stored = Pack(0.5) * k * (squeezed * squeezed - then * then);
-  sums.add(LaneSums::squeeze, slot, select(then > zero, stored, zero));
-  half_then = half;
-  // 4. off the tool: sleep, unless so near that it would be for a few cycles
+  // 3. forces; those off the tool fall asleep
+  Pack squeeze, depth;
+  Pack::Mask on;
+  const auto found = p.press(grip, awake, edge_damper(grip, step_, dt), memory_, squeeze, on, depth);
   const Pack::Mask off_it = both(awake, depth < Pack(-memory_));
   if (any(off_it))
     for (int lane = 0; lane < n; ++lane)
       if (off_it[lane])
-        of.wake[edges.edge[lane]] = tool.travel - reach_awake * depth[lane], edges.pair[lane]->seen = near;
-  left = select(off_it, zero, left);
-  // 5. normal force; the damper never pulls
-  const Pack::Mask on = both(awake, depth > zero);
-  pressed = select(on, depth, zero);
-  const Pack closing = dot(normal, dx), damped = viscous;
-  viscous = zero;
-  if (grip.damping > 0.0 && dt > 0.0) {
-    const double factor = 2.0 * share * grip.damping * std::sqrt(grip.penalty) * step_ / dt;
-    viscous = select(on, larger(-Pack(factor) * base * closing, -k * pressed), zero);
-  }
-  const Pack pressure = k * pressed + viscous;
-  sums.add(LaneSums::damping, slot, Pack(-0.5) * (damped + viscous) * closing);
-  // 6. friction: elastic trial in the present tangent plane, shortened to mu N
-  const Pack out = dot<Pack>(normal, shear), limit = Pack(grip.friction) * pressure;
-  Pack trial[3], work = zero, force[3];
-  for (int i = 0; i < 3; ++i) trial[i] = shear[i] - out * normal[i] - k * (dx[i] - closing * normal[i]);
-  const Pack size = dot(trial, trial);
-  const Pack::Mask slips = size > limit * limit;
-  const Pack ratio = select(slips, limit / square_root(select(slips, size, Pack(1.0))), Pack(1.0));
-  const Pack scale = select(on, ratio, zero);
-  for (int i = 0; i < 3; ++i) {
-    const Pack now = scale * trial[i];
-    work += (shear[i] + now) * dx[i];
-    shear[i] = now;
-    force[i] = pressure * normal[i] + now;
-    sums.add(static_cast<LaneSums::Row>(LaneSums::force + i), slot, force[i]);
-  }
-  sums.add(LaneSums::friction, slot, Pack(-0.5) * work);
-  // 7. what has changed, and the nodes' parts
+        of.wake[edges.edge[lane]] = tool.travel - reach_awake * depth[lane], edges.pair[lane]->seen = Touching::near;
+  sums.add(LaneSums::squeeze, slot, squeeze), sums.add(LaneSums::damping, slot, found.damping);
+  for (int i = 0; i < 3; ++i) sums.add(static_cast<LaneSums::Row>(LaneSums::force + i), slot, found.force[i]);
+  sums.add(LaneSums::friction, slot, found.friction);
+  // 4. what has changed, and the nodes' parts
   double* second[width];
   for (int lane = 0; lane < width; ++lane) second[lane] = records_of(*edges.pair[lane]) + 8;
-  store_records<8>(changing, second);
+  store_records<8>(p.changing, second);
   for (int lane = 0; lane < n; ++lane)
     if (on[lane]) {
-      const double f[3] = {force[0][lane], force[1][lane], force[2][lane]};
-      give(edges.edge[lane], s[lane], f, bearing);
+      const double f[3] = {found.force[0][lane], found.force[1][lane], found.force[2][lane]};
+      give(edges.edge[lane], p.asked[0][lane], f, bearing);
     }
 }
 

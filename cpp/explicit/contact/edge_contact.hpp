@@ -30,7 +30,7 @@
 #include <vector>
 
 #include "contact/sharp_places.hpp"
-#include "explicit/contact/tools.hpp"
+#include "explicit/contact/edge_touch.hpp"
 #include "explicit/lane_sums.hpp"
 #include "explicit/state_field.hpp"
 #include "tensor/pack.hpp"
@@ -40,7 +40,6 @@ namespace presswork::explicit_dynamics {
 class EdgeContact {
  public:
   static constexpr int chunk = 256;
-  static constexpr double share = 0.4;                // of a node's stiffness
   static constexpr double turn = 0.5053605102841573;  // 29 degrees: 2 asin(1/4)
 
   // The nodes of cell i, in turn round it, are cell_node[cell_start[i]] to cell_node[cell_start[i + 1] - 1]. length: of
@@ -84,48 +83,39 @@ class EdgeContact {
   template <class Locate>
   double deepest(int number, const Tool& tool, const double* half, double worst, Locate&& locate, int& edge) const;
 
+  // What a device needs of edges, beside what they remember.
+  struct Lent {
+    const std::vector<int>&edges, &node_start, &end_slot;
+    const std::vector<double>& base;
+    double memory, reach, step;
+  };
+  Lent lend() const { return {edges_, node_start_, end_slot_, base_, memory_, reach_, step_}; }
+  // Where a tool is sharp; null: nowhere. Then what the edges remember of it (n_edges), and wake.
+  const contact::SharpPlaces* sharp(int tool) const { return pairs_[tool].sharp.get(); }
+  const std::vector<EdgeTouching>& at(int tool) const { return pairs_[tool].at; }
+  const std::vector<double>& wake_of(int tool) const { return pairs_[tool].wake; }
+  void take(int tool, const EdgeTouching* at, const double* wake) {
+    std::copy_n(at, n_edges(), pairs_[tool].at.begin());
+    std::copy_n(wake, n_edges(), pairs_[tool].wake.begin());
+    std::fill(pairs_[tool].wake_group.begin(), pairs_[tool].wake_group.end(), 0.0);
+  }
+
   // What edges remember of a tool, added to the arrays of `owner`.
   void list_state(int tool, const std::string& owner, std::vector<StateField>& fields);
 
  private:
   static constexpr int width = pack_width, group = LaneSums::group;
-  static constexpr double reach_awake = 0.9;  // of its gap an edge sleeps
-  // Two records of eight numbers.
-  struct alignas(64) Touching {
-    // 1. since the surface was asked last
-    double s, normal[3], offset;
-    double tilt;                    // normal.(x_b - x_a) then
-    double seen;                    // what is known of it, see below
-    std::int32_t hint, sharp_hint;  // of the surface and of its sharp places; -1: none
-    // 2. what changes in every cycle
-    double shear[3];
-    double left;     // slip until the surface is asked again [mm]
-    double pressed;  // [mm]; 0 off the tool
-    double viscous;  // [N]
-    double half;     // thickness at s when it was pressed [mm]
-    double spared;   // depth at which it came to the sharp places [mm]
-  };
+  using Touching = EdgeTouching;
   static const double* records_of(const Touching& p) { return reinterpret_cast<const double*>(&p); }
   static double* records_of(Touching& p) { return reinterpret_cast<double*>(&p); }
-  // Off the sharp places; near them, but off the tool; awake, s followed from ask to ask.
-  static constexpr double off = 0.0, near = 1.0, followed = 2.0;
   static constexpr int before_hints = 7;
-  static constexpr Touching untouched{0, {0, 0, 0}, 0, 0, off, -1, -1, {0, 0, 0}, 0, 0, 0, 0, 0};
   struct Pairs {
     std::unique_ptr<contact::SharpPlaces> sharp;  // none: these are empty
     // The tool's travel at which an edge may touch, filled up to whole groups; a bound of it for each group.
     std::vector<double> wake, wake_group;
     std::vector<Touching> at;
   };
-  // An edge in a tool's frame.
-  struct Segment {
-    double start[3], way[3], length;
-
-    Segment(const double a[3], const double b[3], const double displacement[3]);
-    void locate(double s, double x[3]) const {
-      for (int k = 0; k < 3; ++k) x[k] = start[k] + s * way[k];
-    }
-  };
+  using Segment = EdgeSegment;
   // n edges for a pack, filled up with the last of them: places and velocities of their ends, their bases, half
   // thicknesses, and where they are kept.
   struct EdgePack {
@@ -137,10 +127,8 @@ class EdgeContact {
 
   // The edges of a chunk that are awake; gives how many.
   int find_awake(int c, Pairs& of, double travel, int found[chunk + 1]) const;
-  double stiffness(const Grip& grip, int edge) const { return share * grip.penalty * base_[edge]; }
+  double stiffness(const Grip& grip, int edge) const { return edge_touch::share * grip.penalty * base_[edge]; }
   double half_at(const Grip& grip, const double* half, int edge, double s) const;
-  bool find_lowest(const contact::ToolSurface& surface, const Segment& edge, bool known, double& s, int& hint,
-                   contact::Touch& found) const;
   void ask(const Tool& tool, Pairs& of, int edge, const Segment& seen, const double* half, int& lost) const;
   // Forces of a tool on a pack of edges, the first of which has a slot in the sums.
   void touch(const Tool& tool, Pairs& of, EdgePack& edges, const double* half, double dt, int slot, LaneSums& sums,
@@ -208,7 +196,7 @@ double EdgeContact::deepest(int number, const Tool& tool, const double* half, do
     const double in_middle = half_at(tool.grip, half, e, 0.5);  // it may have gone through
     if (of.sharp->distance(seen.start, b, 0.0, sharp_hint) > 0.5 * seen.length + in_middle + memory_) continue;
     contact::Touch found;
-    if (!find_lowest(*tool.surface, seen, false, s, hint, found)) continue;
+    if (!find_lowest(*tool.surface, EdgeSight{memory_, reach_}, seen, false, s, hint, found)) continue;
     const double depth = half_at(tool.grip, half, e, s) - found.gap;
     if (depth > worst) worst = depth, edge = e;
   }

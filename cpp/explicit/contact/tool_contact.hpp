@@ -115,7 +115,7 @@ class ToolContact {
 
   // What a device needs of contact, beside tools and pairs, and what of it changes.
   struct Lent {
-    bool ironing, edges;  // edges: some tool is sharp
+    bool ironing;
     double memory, near, reach, step;
     const std::vector<int>&node_start, &node_cell;
     const std::vector<double>& base;
@@ -123,10 +123,11 @@ class ToolContact {
     ContactSums& sums;
     ToolWork& work;
     int& cycle;
+    EdgeContact& edges;
   };
   Lent lend() {
-    return {ironing_, edges_.needed(), memory_, awake_within_, reach_, step_, node_start_, node_cell_,
-            base_,    half_,           room_,   held_,         total_, work_, cycle_};
+    return {ironing_, memory_, awake_within_, reach_, step_, node_start_, node_cell_, base_,
+            half_,    room_,   held_,         total_, work_, cycle_,      edges_};
   }
   // What the nodes remember of a tool: rows of Touching (rows, n_nodes), and hints (n_nodes).
   static constexpr int pair_rows = sizeof(explicit_dynamics::Touching<double>) / sizeof(double);
