@@ -139,6 +139,7 @@ class ShellContact {
   bool searched_ = false;
   double margin_, travel_ = 0.0, next_search_ = 0.0;
   std::vector<int> entry_start_, entry_cell_, entry_node_, of_cell_start_, of_cell_;
+  std::vector<int> near_start_, near_;  // of each chunk: nodes that have entries, or whose shells have
   std::vector<double> wake_;
   std::vector<signed char> active_;  // of entries: the face that touches, -1: none
   std::vector<Slot> slots_;          // (n_nodes, faces)
@@ -252,8 +253,8 @@ void ShellContact::touch(int node, const View& sheet, const Seen& at, const Slot
 template <class View>
 void ShellContact::find_forces(int c, const View& sheet) {
   Work work;
-  for (int node = c * chunk; node < std::min(n_nodes_, (c + 1) * chunk); ++node) {
-    const int first = entry_start_[node], last = entry_start_[node + 1];
+  for (int near = near_start_[c]; near < near_start_[c + 1]; ++near) {
+    const int node = near_[near], first = entry_start_[node], last = entry_start_[node + 1];
     Slot* slots = &slots_[std::size_t(node) * faces];
     if (first == last && slots[0].cell < 0) continue;
     Seen best[faces];
@@ -299,7 +300,8 @@ void ShellContact::find_forces(int c, const View& sheet) {
 
 template <class Real>
 void ShellContact::gather(int c, Real* net) const {
-  for (int node = c * chunk; node < std::min(n_nodes_, (c + 1) * chunk); ++node) {
+  for (int near = near_start_[c]; near < near_start_[c + 1]; ++near) {
+    const int node = near_[near];
     double force[3] = {};
     gather_node(node, force);
     for (int i = 0; i < 3; ++i) net[6 * std::size_t(node) + i] -= static_cast<Real>(force[i]);

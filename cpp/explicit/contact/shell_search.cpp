@@ -155,6 +155,15 @@ void ShellContact::search(const double* position, const std::vector<double>& hal
   for (int c = 0; c < n_cells; ++c) of_cell_start_[c + 1] += of_cell_start_[c];
   std::vector<int> next(of_cell_start_.begin(), of_cell_start_.end() - 1);
   for (int e = 0; e < n_entries; ++e) of_cell_[next[entry_cell_[e]]++] = e;
+  // 4. nodes that may have a force
+  near_start_.assign(1, 0), near_.clear();
+  for (int node = 0; node < n_nodes_; ++node) {
+    bool is_near = entry_start_[node] < entry_start_[node + 1] || slots_[std::size_t(node) * faces].cell >= 0;
+    for (int s = node_start_[node]; s < node_start_[node + 1] && !is_near; ++s)
+      is_near = of_cell_start_[node_cell_[s]] < of_cell_start_[node_cell_[s] + 1];
+    if (is_near) near_.push_back(node);
+    if ((node + 1) % chunk == 0 || node + 1 == n_nodes_) near_start_.push_back(static_cast<int>(near_.size()));
+  }
   for (Slot& slot : slots_) slot.entry = -1;  // forces are found anew before they are gathered
   searched_ = true, next_search_ = travel_ + reach_awake * margin_;
 }
