@@ -96,3 +96,27 @@ def test_threads_and_a_dump_change_no_bit(tmp_path) -> None:
     resumed.load_arrays(advance(begin(model, threads=2), 2).to_arrays())
     found = advance(resumed, 1).solids.dump()
     assert [name for name, values in whole.items() if values.tobytes() != found[name].tobytes()] == []
+
+
+HOT = """
+[heat]
+initial_temperature = 300
+[materials.soft.thermal]
+conductivity = 200
+specific_heat = "900 J/(kg*K)"
+[contacts.joint.heat]
+conductance = "100 kW/(m^2*K)"
+"""
+
+
+def test_heat_passes_between_bodies_and_none_is_lost(tmp_path) -> None:
+    path = write_case(tmp_path, PRESSED, material="soft", stroke=0.2, target_step=5e-7, damping=0.0)
+    text = path.read_text().replace("[bodies.upper]\n", "[bodies.upper]\ninitial_temperature = 100\n")
+    path.write_text(text + HOT)
+    run = begin(build_model(read_case(path)), threads=1)
+    row = [run.row(report) for report in run.advance()][-1]
+    made = row["heat_plastic"] + row["heat_friction"]
+    assert row["heat_stored"] == pytest.approx(made, rel=1e-6)
+    degrees = run.heat.arrays.temperature
+    assert degrees[list(run.model.bodies[0].points)].min() < 299.0
+    assert degrees[list(run.model.bodies[1].points)].max() > 101.0

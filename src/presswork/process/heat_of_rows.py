@@ -32,10 +32,15 @@ from presswork.timing import Timing
 
 def heat_by_itself(model: Model, material: Material) -> Material:
     """Return a material whose law is heated by its plastic work, with its specific heat at the start."""
-    if model.heat is None:
+    if model.heat is None or material.thermal is None:
         return material
-    assert material.thermal is not None
-    start = model.heat.initial[0]
+    blocks = model.mesh.blocks
+    own = [
+        i
+        for i, body in enumerate(model.bodies)
+        if any(model.materials[blocks[b].material] is material for b in body.blocks)
+    ]
+    start = model.heat.initial[own[0] if own else 0]
     capacity = float(np.interp(start, *material.thermal.specific_heat.T))
     given = material.heating or Heating()
     made = replace(given, start=start, heat_capacity=capacity, plastic_fraction=model.heat.plastic_fraction)
