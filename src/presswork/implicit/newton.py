@@ -35,8 +35,6 @@ CALM = 1e-2
 """Relative residual at which soft springs are stiffened."""
 SOFT, STIFFENING = 300.0, 4.0
 """Gentle attempts: how many times softer springs begin, and by what they are stiffened each time."""
-LOST, FAR = 5, 0.9
-"""Sheets between tools: iterations, and the relative residual that all of them exceed where none will converge."""
 STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
 MOST_AUGMENTATIONS = 10
@@ -403,13 +401,9 @@ class Equilibrium:
     def _is_hopeless(self, log: IterationLog) -> bool:
         """Five iterations of full Newton with its own tangent that come no closer than the best before them.
 
-        The first residual does not count: before anything has moved it may be zero. A sheet between tools is given up
-        after as many iterations that all leave nearly the largest force out of balance: it folds next.
+        The first residual does not count: before anything has moved it may be zero.
         """
         r = log.residual
         if not np.isfinite(r[-1]):
-            return True
-        lost = len(r) - log.start >= LOST and min(r[-LOST:]) > FAR
-        if lost and self._model.analysis == "shell" and self._model.space_tools:
             return True
         return self._tangent_is_consistent and len(r) - log.start > 7 and min(r[-5:]) > min(r[log.start : -5])
