@@ -190,7 +190,6 @@ std::string find_lack(const SpaceLoop<Real>& loop) {
       if (tool.surface->is_smooth()) return "tools of triangles that are rounded off";
   if (loop.shell_contact) return "shells that touch each other";
   if (loop.beads) return "drawbeads";
-  if (loop.shell_contact) return "shells that touch shells";
   if (!loop.hanging.all().empty()) return "refined sheets";
   for (std::size_t b = 0; b < loop.blocks.size(); ++b)
     if (!loop.is_sheet(static_cast<int>(b))) return "solids";

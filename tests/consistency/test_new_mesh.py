@@ -26,6 +26,8 @@ from presswork.state import ANEW, RUN, Arrays
 REFUSED = {
     "drawbeads": "sheets are refined, not remeshed",
     "fading_loads": "of shells",
+    "former": "of shells",
+    "sensitivities": "the key gradients is refused with [remesh]",
     "shells": "of shells",
     "sheet_heat": "sheets are refined, not remeshed",
     "space_tools": "of shells",
