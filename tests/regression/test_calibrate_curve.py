@@ -10,6 +10,7 @@ import pytest
 import tomli_w
 from typer.testing import CliRunner
 
+from presswork.case import CaseError
 from presswork.case.solid.schema import Case
 from presswork.cli import app
 from presswork.outcome import StartError
@@ -72,3 +73,10 @@ def test_curve_with_columns_that_the_history_does_not_have_is_refused(tmp_path: 
     curve.write_text(text, encoding="utf-8")
     with pytest.raises(StartError, match=r"no column `ram\.force`"):
         calibrate_curve(curve, case, tmp_path / "fit", keys=["tools.punch.m"])
+
+
+def test_a_run_that_gives_up_is_told_by_its_numbers(tmp_path: Path) -> None:
+    case, curve = make_test(tmp_path)
+    lame = ["solver.max_iterations=2", "solver.min_increment=0.04"]
+    with pytest.raises(CaseError, match=r"run 1 \(tools\.punch\.m=.*\) ended early: .*no equilibrium"):
+        calibrate_curve(curve, case, tmp_path / "fit", keys=["tools.punch.m"], settings=lame)

@@ -76,6 +76,9 @@ def calibrate_curve(
         overrides = [format_override(key, float(value)) for key, value in zip(keys, numbers, strict=True)]
         overrides = [*settings, *overrides, format_override("gradients", asked)]
         outcome = run(read_case(case_file, overrides), folder / f"run_{count}", overwrite=overwrite)
+        if outcome.status != "completed":
+            text = f"run {count} ({', '.join(overrides[len(settings) : -1])}) ended early: {outcome.reason}"
+            raise CaseError([Problem("", text, "begin with other numbers, or fit fewer")], case_file)
         computed, slopes = _compare(outcome.result, along, of, keys, points[:, 0])
         residual = (points[:, 1] - computed) / scale
         now = float(residual @ residual)
