@@ -13,6 +13,9 @@ from typer.testing import CliRunner
 from presswork.case import CaseError
 from presswork.case.solid.schema import Case
 from presswork.cli import app
+from presswork.implicit import sensitivities
+from presswork.implicit.progress import Progress
+from presswork.implicit.sensitivities import Sensitivities
 from presswork.outcome import StartError
 from presswork.study.calibrate_curve import calibrate_curve
 from tests.problems.differentiated import run_case, set_value, upset_cylinder
@@ -80,3 +83,26 @@ def test_a_run_that_gives_up_is_told_by_its_numbers(tmp_path: Path) -> None:
     lame = ["solver.max_iterations=2", "solver.min_increment=0.04"]
     with pytest.raises(CaseError, match=r"run 1 \(tools\.punch\.m=.*\) ended early: .*no equilibrium"):
         calibrate_curve(curve, case, tmp_path / "fit", keys=["tools.punch.m"], settings=lame)
+
+
+def test_a_derivative_that_is_lost_costs_the_run_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No round is allowed from the third increment on: the history goes on, its derivatives do not."""
+    data = upset_cylinder(gradients={"by": ["tools.punch.m"]}, solver=SETTINGS)
+    whole = run_case(Case, data, tmp_path / "whole")
+    begin = Sensitivities._begin
+
+    def begin_lamed(self: Sensitivities, *given: object) -> object:
+        if self._procedure.state[Progress].increments >= 2:
+            monkeypatch.setattr(sensitivities, "MOST_ROUNDS", 0)
+        return begin(self, *given)
+
+    monkeypatch.setattr(Sensitivities, "_begin", begin_lamed)
+    lost = run_case(Case, data, tmp_path / "lost")
+    name = "d(punch.force)/d(tools.punch.m)"
+    assert np.isnan(lost.history[name][2:]).all()
+    np.testing.assert_array_equal(lost.history[name][:2], whole.history[name][:2])
+    np.testing.assert_array_equal(lost.history["punch.force"], whole.history["punch.force"])
+    assert any("derivative by tools.punch.m was not found in increment 3" in w for w in lost.summary["warnings"])
+    case, curve = make_test(tmp_path)
+    with pytest.raises(CaseError, match=r"derivative by tools\.punch\.m was not found on the way"):
+        calibrate_curve(curve, case, tmp_path / "fit", keys=["tools.punch.m"])

@@ -113,25 +113,44 @@ class Sensitivities:
         self._held = trial.duplicate()
 
     def follow(self, state_n: State, trial: State, step: Step, next_stage: int | None) -> None:
-        """Find the derivatives of a converged increment, and put them into its state. Raises GaveUpError."""
-        found = []
+        """Find the derivatives of a converged increment, and put them into its state.
+
+        One that is not found is no number from then on: the run goes on without it.
+        """
+        arrays, found = trial.to_arrays(), []
         for number, each in enumerate(self.neighbours):
-            sides = [self._begin(*side, number, state_n, step) for side in each.sides]
-            for increment in self._procedure.equilibrium.augmented_at:
-                self._solve(sides, each, increment, step)
-                for side in sides:
-                    side.procedure.equilibrium.augment_like(side.trial, side.point)
-            self._solve(sides, each, self._held.nodes.increment, step)
-            for side in sides:
-                side.procedure.equilibrium.fill(side.state_n, side.trial, side.point, side.constraints)
-                side.procedure.settle(side.state_n, side.trial, step)
-                side.procedure.evolve(side.state_n, side.trial, step)
-                if next_stage is not None:
-                    side.procedure.end_stage(side.trial, next_stage)
-                side.trial.replace(trial[Progress].duplicate())
-                side.procedure.state = side.trial
-            found.append(each.differ())
+            try:
+                if self.is_lost(state_n, number):
+                    raise GaveUpError("no derivative to begin with")
+                self._go_along(number, each, state_n, trial, step, next_stage)
+                found.append(each.differ())
+            except GaveUpError:
+                found.append({name: np.full_like(arrays[name], np.nan) for name in state_n[SensitivityArrays].slope})
         trial[SensitivityArrays].slope = {name: [f[name] for f in found] for name in found[0]}
+
+    @staticmethod
+    def is_lost(state: State, number: int) -> bool:
+        """Say whether the derivative by a parameter has not been found in some increment up to a state."""
+        return bool(np.isnan(state[SensitivityArrays].slope["nodes.displacement"][number]).any())
+
+    def _go_along(
+        self, number: int, each: Neighbours, state_n: State, trial: State, step: Step, next_stage: int | None
+    ) -> None:
+        """Take the neighbours through an increment. Raises GaveUpError."""
+        sides = [self._begin(*side, number, state_n, step) for side in each.sides]
+        for increment in self._procedure.equilibrium.augmented_at:
+            self._solve(sides, each, increment, step)
+            for side in sides:
+                side.procedure.equilibrium.augment_like(side.trial, side.point)
+        self._solve(sides, each, self._held.nodes.increment, step)
+        for side in sides:
+            side.procedure.equilibrium.fill(side.state_n, side.trial, side.point, side.constraints)
+            side.procedure.settle(side.state_n, side.trial, step)
+            side.procedure.evolve(side.state_n, side.trial, step)
+            if next_stage is not None:
+                side.procedure.end_stage(side.trial, next_stage)
+            side.trial.replace(trial[Progress].duplicate())
+            side.procedure.state = side.trial
 
     def _begin(self, procedure: ImplicitProcedure, change: float, number: int, state_n: State, step: Step) -> _Side:
         """Put a neighbour beside the state before an increment, and let the increment begin."""

@@ -6,6 +6,8 @@ from __future__ import annotations
 import difflib
 from typing import Any
 
+import numpy as np
+
 from presswork.implicit.sensitivities import Neighbours, Sensitivities
 from presswork.implicit.stepping import IncrementReport
 from presswork.model import Model
@@ -59,7 +61,10 @@ class DifferentiatedForming(ImplicitRecording):
     def row(self, report: IncrementReport) -> Row:
         """Return the row of the history."""
         row = super().row(report)
-        for parameter, sides in zip(self._by, self._beside, strict=True):
+        for number, (parameter, sides) in enumerate(zip(self._by, self._beside, strict=True)):
+            if self._sensitivities.is_lost(self.procedure.state, number):
+                row |= {name_derivative(of, parameter.key): float("nan") for of in self._of}
+                continue
             less, more = (side.row(report) for side in sides)
             for of in self._of:
                 change = float(more[of]) - float(less[of])
@@ -74,4 +79,18 @@ class DifferentiatedForming(ImplicitRecording):
             | {of: float(history[name][-1]) for of in self._of if len(history[name := name_derivative(of, p.key)])}
             for p in self._by
         }
+        found["warnings"] = [*found["warnings"], *self._warn(history)]
         return found | {"gradients": last, "gradient_rounds": self._sensitivities.rounds}
+
+    def _warn(self, history: Any) -> list[str]:
+        """Say from which increment on a derivative has not been found."""
+        warnings = []
+        for parameter in self._by:
+            lost = np.isnan(np.asarray(history[name_derivative(self._of[0], parameter.key)], dtype=float))
+            if lost.any():
+                warnings.append(
+                    f"the derivative by {parameter.key} was not found in increment "
+                    f"{int(history['increment'][int(np.argmax(lost))])} and stays away: a smaller "
+                    "solver.max_increment or solver.force_tolerance may find it"
+                )
+        return warnings

@@ -157,5 +157,9 @@ def _compare(
     found = []
     for key in keys:
         moved, changed = (np.asarray(history[name_derivative(name, key)]) for name in (along, of))
+        if np.isnan(changed).any():
+            text = f"the derivative by {key} was not found on the way"
+            remedy = "begin with other numbers, or set solver.force_tolerance lower"
+            raise CaseError([Problem("", text, remedy)])
         found.append(np.interp(places, x, changed - rise * moved))
     return np.interp(places, x, y), np.column_stack(found)
