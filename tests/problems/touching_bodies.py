@@ -96,10 +96,11 @@ contact = "coulomb"
 mu = 0.1
 [boundary]
 floor = {{ set = "bottom", fix = ["x", "y", "z"] }}
+back = {{ set = "back", fix = ["z"] }}  # without it the slab buckles sideways from 1.9 mm on
 [[stages]]
 name = "shut"
 duration = 1e-3
-displacement = [{{ set = "top", component = "x", value = 0 }}, {{ set = "top", component = "y", value = -1.7 }}]
+displacement = [{{ set = "top", component = "x", value = 0 }}, {{ set = "top", component = "y", value = -2.1 }}]
 [explicit]
 target_step = 2e-7
 [output]
