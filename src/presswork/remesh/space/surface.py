@@ -29,6 +29,8 @@ SNAP = 0.45
 """Of its mean edge, within which a node comes to lie on a tool's sharp edge."""
 APART = 0.3
 """Of its mean edge, within which it then has no neighbour."""
+TURNED = 0.5
+"""Cosine between the normals of a face before and after, below which its nodes have gone too far."""
 _NEAREST, _OTHER_SIDE = 24, 1e6
 _ROUNDS = 12
 
@@ -116,6 +118,7 @@ def place_skin(
     count = np.maximum(np.bincount(edges.ravel(), minlength=len(points)), 1)
     around = np.bincount(edges.ravel(), np.repeat(length, 2), len(points)) / count
     on_tool = np.zeros((len(body.obstacles), len(points)), dtype=bool)
+    inside = np.zeros(len(points), dtype=bool)
     longest = float(length.max())
     for t, tool in enumerate(body.obstacles):
         corners = body.faces[places.face]
@@ -126,11 +129,41 @@ def place_skin(
         gap, _ = tool.touch(points[skin], longest)
         close = gap < np.minimum(STEEPEST * end + NEAR * around[skin], longest)
         on_tool[t, skin] = (share > 0.5 - 1e-6) & close | (gap < 0.0)
-    points = put_on_tools(points, body.obstacles, on_tool, in_plane, longest)
+        inside[skin] |= gap < 0.0
+    points = _put_on_tools(body, points, faces, on_tool, in_plane, inside, longest)
     points = _keep_sharp_edges(body.obstacles, points, edges, around, on_tool, in_plane)
     points = put_on_tools(points, body.obstacles, on_tool, in_plane, longest)  # sharp edges may be rounded a little
     target = body.volume * (1.0 + body.lost)
     return _give_volume_back(body, points, faces, on_tool, in_plane, target, float(length.mean()))
+
+
+def _put_on_tools(
+    body: OldBody,
+    points: FloatArray,
+    faces: IndexArray,
+    on_tool: BoolArray,
+    in_plane: BoolArray,
+    inside: BoolArray,
+    reach: float,
+) -> FloatArray:
+    """Return points with nodes in contact on their tools.
+
+    Where a face would turn over, as beside the end of a contact at an edge of the body, its nodes that are not inside
+    a tool (n,) stay where they are, and contact does not reach them: on_tool (n_tools, n) changes in place.
+    """
+    before = area_vectors(points, faces)
+    for _ in range(_ROUNDS):
+        placed = put_on_tools(points, body.obstacles, on_tool, in_plane, reach)
+        after = area_vectors(placed, faces)
+        cosine = np.einsum("ki,ki->k", before, after)
+        sizes = np.linalg.norm(before, axis=1) * np.linalg.norm(after, axis=1)
+        turned = np.unique(faces[cosine <= TURNED * sizes])
+        moved = np.linalg.norm(placed[turned] - points[turned], axis=1) > 0.0
+        back = turned[on_tool[:, turned].any(axis=0) & ~inside[turned] & moved]
+        if not len(back):
+            break
+        on_tool[:, back] = False
+    return placed
 
 
 def _keep_sharp_edges(

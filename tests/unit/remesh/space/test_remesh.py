@@ -17,6 +17,7 @@ from presswork.remesh.space.fill import FilledBody, mesh_to_size
 from presswork.remesh.space.inside import improve_cells, spread_moves
 from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.size_field import EdgeSizes, expect_cells, measure_sizes, measure_thickness
+from presswork.remesh.space.surface import locate_on_skin, place_skin
 from presswork.remesh.space.tetrahedra import area_vectors, find_skin, list_edges, measure_quality, measure_volumes
 from presswork.remesh.space.triggers import (
     find_cut_edge,
@@ -30,6 +31,7 @@ from tests.unit.remesh.space.bodies import (
     indented_block,
     mesh_box,
     place_block,
+    place_plane,
     upset_block,
 )
 
@@ -141,6 +143,21 @@ def test_the_skin_has_the_faces_of_one_cell_and_edges_are_listed_once_in_order(c
     assert (np.diff(of_cell) >= 0).all()
     pairs = {pair for cell in cells.tolist() for pair in itertools.combinations(sorted(cell), 2)}
     assert [tuple(edge) for edge in list_edges(cells).tolist()] == sorted(pairs)
+
+
+def test_no_face_turns_over_beside_the_end_of_a_contact_at_a_sharp_edge_of_the_body():
+    """Nodes just below that edge would pass it on their way to the tool."""
+    (points, cells), (wanted, new_cells) = mesh_box((3, 3, 3), (6.0, 6.0, 6.0)), mesh_box((3, 6, 15), (6.0, 6.0, 6.0))
+    for nodes in (points, wanted):
+        nodes[:, 0] += 0.4 * (nodes[:, 2] - 6.0) * (nodes[:, 0] == 6.0)
+    held = np.zeros(points.shape, dtype=bool)
+    body = OldBody(points, cells, (points[:, 2] == 6.0)[None], held, {}, [place_plane((0.0, 0.0, -1.0), (0, 0, 6.0))])
+    faces, _ = find_skin(new_cells)
+    places = locate_on_skin(points, body.faces, wanted[np.unique(faces)])
+    placed = place_skin(body, wanted, faces, np.zeros(wanted.shape, dtype=bool), places)
+    before, after = area_vectors(wanted, faces), area_vectors(placed.points, faces)
+    assert (np.einsum("ki,ki->k", before, after) > 0.0).all()
+    np.testing.assert_array_equal(placed.on_tool[0], wanted[:, 2] == 6.0)
 
 
 def test_the_same_mesh_comes_out_to_the_bit():
