@@ -71,6 +71,25 @@ class OnePointFields:
             pressure,
         )
 
+    def middle_strains(self, points: FloatArray, thickness: FloatArray) -> dict[str, FloatArray]:
+        """Return what formability is judged by, as cell_fields has it, at a tenth of the cost: for every row of a run.
+
+        points (n, 3) and thickness (n_cells) [mm] now. Principal stretches of F from C = F^T F: with two directions
+        they are the roots of a quadratic equation.
+        """
+        base = self._base(points)
+        gradient = _components(base, *_plane_frame(base, base[:, 0])) @ self._inverse
+        xx, yy = (gradient**2).sum(axis=1).T
+        xy = (gradient[:, :, 0] * gradient[:, :, 1]).sum(axis=1)
+        larger = 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
+        area = np.abs(np.linalg.det(gradient))  # the product of both stretches: no difference of near numbers
+        major = 0.5 * np.log(larger)
+        return {
+            "major_strain_middle": major,
+            "minor_strain_middle": np.log(area) - major,
+            "thickness_strain": np.log(thickness / self._geometry.thickness),
+        }
+
     def _direction(self, points: FloatArray) -> FloatArray:
         """Return the first base vector in the frame of the stress, which turns with the sheet (n_cells, 2)."""
         base = self._base(points)

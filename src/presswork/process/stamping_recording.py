@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -144,9 +145,14 @@ class StampingRecording(RowRecording):
             point_data=points,
             cell_data=cells,
             info=describe_stamping(self.model),
-            surfaces=cut_tools(self.model),
+            surfaces=self._tool_surfaces,
             tool_displacement=self.tools.displacement(),
         )
+
+    @cached_property
+    def _tool_surfaces(self) -> dict[str, tuple[FloatArray, IntArray]]:
+        """Triangles of the tools where they start; files keep those of the first step."""
+        return cut_tools(self.model)
 
     def _cell_fields(self) -> dict[str, FloatArray]:
         shells, history = self.shells, self.shells.history_at_points
@@ -181,7 +187,7 @@ class StampingRecording(RowRecording):
         depths = [measure_sheet_penetration(t.name, t.penetration, thickness) for t in self.shells.tools.values()]
         if self.model.self_contact:
             depths.append(measure_overlap(self.shells.find_overlap()[0], thickness))
-        strained = watch_sheet(self._judge(self._cell_fields()))
+        strained = watch_sheet(self._judge(self._fields.middle_strains(self.shells.position, self.shells.thickness)))
         critical: dict[str, list[float | None]] = {
             law.name: [law.critical.get(law.name)] * len(self.model.mesh.blocks) for law in self._damage_laws
         }

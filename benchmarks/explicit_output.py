@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an explicit stamping pays for its rows and saved steps, beside its cycles.
+
+`python -m benchmarks.explicit_output [SIZE ...]` prints CPU milliseconds of one thread, the least of the repeats in
+turn, of the packaged square cup with shells of each size [mm], after its first row: a hundred cycles; a look at the
+state, which follows every row, and what it would take by all fields of the sheet; a step to save, and to write.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+
+from presswork.case import build_model, read_case
+from presswork.examples import copy_example
+from presswork.process.stamping import ExplicitStamping
+from presswork.recorder import append_snapshot
+
+
+def measure(size: float, folder: Path, repeats: int) -> dict[str, float]:
+    """Return milliseconds of each task."""
+    case = read_case(copy_example("square_cup", folder), [f"blank.element_size={size}", "explicit.target_step=1e-6"])
+    run = ExplicitStamping(build_model(case), threads=1)
+    next(iter(run.advance()))
+    snapshot, file = run.snapshot(), folder / f"{size}.vtkhdf"
+    tasks: dict[str, Callable[[], object]] = {
+        "cycles": lambda: run.shells.advance(100, velocity_scale=0.0),
+        "look": run.watch,
+        "all": lambda: run._judge(run._cell_fields()),
+        "save": run.snapshot,
+        "write": lambda: append_snapshot(file, run.mesh, snapshot),
+    }
+    least = dict.fromkeys(tasks, np.inf)
+    for _ in range(repeats):
+        for name, task in tasks.items():
+            started = process_time()
+            task()
+            least[name] = min(least[name], 1e3 * (process_time() - started))
+    return {"shells": len(run._cells), **least}
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("sizes", type=float, nargs="*", default=[2.0, 1.0, 0.5])
+    parser.add_argument("--repeats", type=int, default=5)
+    given = parser.parse_args()
+    print("| shells | 100 cycles | look at a row | by all fields | a step to save | to write |")
+    with tempfile.TemporaryDirectory() as folder:
+        for size in given.sizes:
+            place = Path(folder) / str(size)
+            place.mkdir()
+            shells, *times = measure(size, place, given.repeats).values()
+            print(f"| {shells:,.0f} | {' | '.join(f'{t:.1f}' for t in times)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
