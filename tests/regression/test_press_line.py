@@ -214,3 +214,38 @@ def test_a_part_that_does_not_fit_stops_the_run_and_leaves_what_was_computed(tmp
     assert outcome.status == "gave_up"
     assert told in outcome.reason
     assert len(outcome.result.times) > 4
+
+
+AT_ONCE = {"initial_increment": 0.5, "max_increment": 1.0}
+
+
+def test_a_part_is_held_where_it_lies_not_where_its_blank_was(tmp_path) -> None:
+    """By increments, an operation begins with tools that touch the part alone, 30 mm above the blank's place."""
+    line = cup_line(procedure="implicit", implicit=AT_ONCE, blank={**cup_line()["blank"], "element_size": 6})
+    post = {"kind": "die", "shape": "ring", "outer_diameter": 40}
+    pad = {"kind": "holder", "shape": "ring", "outer_diameter": 30}
+    press = [{"name": "press", "duration": "20 us", "tools": {"pad": {"force": 100}}}]
+    line["operations"] = [
+        {"name": "first", "tools": {"post": post, "pad": pad}, "stages": copy.deepcopy(press)},
+        {"name": "second", "place": {"move": [0, 0, 30]}, "tools": {"post": post, "pad": pad}, "stages": press},
+    ]
+    run = run_stamping(line, tmp_path / "out")
+    assert run.points(-1)[:, 2] == pytest.approx(30.0, abs=0.01)
+    assert run.history["second_pad.force"][-1] == pytest.approx(100.0, rel=1e-6)
+
+
+def test_a_part_that_no_tool_touches_is_refused_where_it_lies(tmp_path) -> None:
+    """Its blank would touch the tool, which stands where that was."""
+    line = cup_line(procedure="implicit", implicit=AT_ONCE, blank={**cup_line()["blank"], "element_size": 6})
+    post = {"kind": "die", "shape": "ring", "outer_diameter": 40}
+    stands = {**post, "position": [0, 0, -0.5]}
+    pad = {"kind": "holder", "shape": "ring", "outer_diameter": 30}
+    press = [{"name": "press", "duration": "20 us", "tools": {"pad": {"force": 100}}}]
+    line["operations"] = [
+        {"name": "first", "tools": {"post": post, "pad": pad}, "stages": press},
+        {"name": "second", "place": {"move": [0, 0, 30]}, "tools": {"post": stands},
+         "stages": [{"name": "wait", "duration": "20 us"}]},
+    ]  # fmt: skip
+    model = build_model(StampingCase.model_validate(line))
+    outcome = run_model(model, tmp_path / "out", threads=1)
+    assert "the operation second cannot begin: nothing holds the shell" in outcome.reason

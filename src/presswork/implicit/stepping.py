@@ -68,6 +68,7 @@ class ImplicitProcedure:
 
     others: interactions of one's own, beside those that the model names (presswork.interaction.contract). before: the
     same run on the mesh before, with its threads and others; the caller then fills the State (epochs.new_epoch).
+    begins_formed: the caller fills the State with a formed sheet; then it checks itself that something holds it.
     """
 
     def __init__(
@@ -77,6 +78,7 @@ class ImplicitProcedure:
         threads: int = 0,
         others: Sequence[Interaction] = (),
         before: ImplicitProcedure | None = None,
+        begins_formed: bool = False,
     ) -> None:
         self.threads, self.others = threads, tuple(others)
         if before:
@@ -107,7 +109,8 @@ class ImplicitProcedure:
             self.initial_volume: float = before.initial_volume
             return
         self.interactions.tools.contact.begin(self.state, self.interactions.supports.fixed(0))
-        check_held(self.model, self.interactions, self.state)
+        if not begins_formed:
+            check_held(self.model, self.interactions, self.state)
         self.mechanics.evaluate(self.state, self.state, self.state.nodes.increment, with_stiffness=False)
         self.initial_volume = self.volume()
 

@@ -20,6 +20,7 @@ from presswork.evolution.points import find_evolved
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
+from presswork.implicit.held import check_held
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
@@ -127,10 +128,12 @@ class ImplicitStamping(IncrementRecording):
 
     def __init__(self, model: Model, *, threads: int = 0, begin: SheetState | None = None) -> None:
         """begin: the sheet that an operation before has left, on the model's mesh; None: the blank."""
-        super().__init__(model, ImplicitProcedure(make_shell_model(model), threads=threads))
         self._begins_formed = begin is not None
+        shells = make_shell_model(model)
+        super().__init__(model, ImplicitProcedure(shells, threads=threads, begins_formed=self._begins_formed))
         if begin is not None:
             begin_with(begin, self.procedure)
+            check_held(self.procedure.model, self.procedure.interactions, self.procedure.state)
         self._judged = model.sheet[1].formability
         self.reactions = Reactions(model, 6, [t.name for t in model.tools])
 
