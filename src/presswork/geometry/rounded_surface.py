@@ -20,6 +20,9 @@ from presswork.model import BoolArray, FloatArray, IndexArray
 BAND = 4.0
 """Of the spacing: a point farther from the tool is told the distance of the tool as it is drawn. So is one beside the
 open rim of a tool, where samples find no tool."""
+LEAST_STEEP = 0.1
+"""Slope of the field along its own gradient: where it rises less, as halfway between the two walls of a ridge, it does
+not tell where the tool is, and the tool as it is drawn answers."""
 _BITS = 21
 _OFFSETS = np.stack(np.meshgrid(*3 * [np.arange(4)], indexing="ij"), axis=-1).reshape(-1, 3)
 
@@ -42,6 +45,8 @@ class RoundedSurface:
         if len(near):
             value, slope, _ = self._evaluate(points[near], samples)
             steepness = np.linalg.norm(slope, axis=1)
+            tells = steepness > LEAST_STEEP
+            near, value, slope, steepness = near[tells], value[tells], slope[tells], steepness[tells]
             gap[near], normal[near] = value / steepness, slope / steepness[:, None]
         gap[gap > reach] = np.inf
         return gap, normal, None, None
@@ -54,6 +59,9 @@ class RoundedSurface:
         if len(near):
             value, slope, curve = self._evaluate(points[near], samples)
             steepness = np.linalg.norm(slope, axis=1)
+            tells = steepness > LEAST_STEEP
+            near, value, slope, curve = near[tells], value[tells], slope[tells], curve[tells]
+            steepness = steepness[tells]
             normal = slope / steepness[:, None]
             along = np.eye(3) - normal[:, :, None] * normal[:, None, :]
             bend[near] = along @ curve / steepness[:, None, None]

@@ -56,6 +56,17 @@ def test_slopes_are_the_derivatives_of_gap_and_normal():
         np.testing.assert_allclose((ahead[1] - behind[1]) / 2e-6, bend[:, :, axis], atol=1e-4)
 
 
+def test_halfway_between_the_walls_of_a_ridge_the_tool_as_it_is_drawn_answers():
+    """The field has its least value there, and no direction."""
+    cube = make_cube()
+    wall = round_off(Triangulation(cube.points * [0.05, 1.0, 1.0], cube.triangles, True))
+    places = np.array([[0.0, 0.3, 1.0], [1e-9, 0.3, 1.0], [0.2, 0.3, 1.0]])
+    gap, normal, *_ = wall.nearest(places)
+    np.testing.assert_allclose(gap, [-0.25, -0.25, -0.05], atol=1e-2)
+    np.testing.assert_allclose(np.abs(normal), [[1, 0, 0]] * 3, atol=1e-12)
+    assert all(np.isfinite(slopes).all() for slopes in wall.slopes(places))
+
+
 def test_the_answer_does_not_depend_on_earlier_questions():
     places = np.random.default_rng(1).uniform(4.5, 5.5, (200, 3))
     at_once, later = round_off(make_cube()), round_off(make_cube())
