@@ -37,13 +37,16 @@ class RoundedSurface:
         self._surface, self._spacing, self._fold = surface, spacing, fold
         self._keys: IndexArray = np.zeros(0, dtype=np.int64)
         self._values: FloatArray = np.zeros(0)
+        self._cubes: IndexArray = np.zeros(0, dtype=np.int64)
+        """Numbers of the lattice's cubes whose samples have been gathered, in order."""
+        self._gathered: FloatArray = np.zeros((0, len(_OFFSETS)))
 
     def nearest(self, points: FloatArray, reach: float = np.inf) -> tuple[FloatArray, FloatArray, None, None]:
         """Return the gap of points (n, 3) closer than reach [mm], infinite of others, and the normal there (n, 3)."""
         gap, normal, _, _ = self._surface.nearest(points, reach + self._spacing)
         near, samples = self._sample_near(points, gap)
         if len(near):
-            value, slope, _ = self._evaluate(points[near], samples)
+            value, slope = self._evaluate(points[near], samples, False)
             steepness = np.linalg.norm(slope, axis=1)
             tells = steepness > LEAST_STEEP
             near, value, slope, steepness = near[tells], value[tells], slope[tells], steepness[tells]
@@ -57,7 +60,7 @@ class RoundedSurface:
         gap, *_ = self._surface.nearest(points, (BAND + 1.0) * self._spacing)
         near, samples = self._sample_near(points, gap)
         if len(near):
-            value, slope, curve = self._evaluate(points[near], samples)
+            value, slope, curve = self._evaluate(points[near], samples, True)
             steepness = np.linalg.norm(slope, axis=1)
             tells = steepness > LEAST_STEEP
             near, value, slope, curve = near[tells], value[tells], slope[tells], curve[tells]
@@ -73,12 +76,12 @@ class RoundedSurface:
         """Return which points (n, 3) of a gap (n,) are near the tool, and the samples round them (m, 4, 4, 4)."""
         near = np.flatnonzero(np.abs(gap) < BAND * self._spacing)
         first = np.floor(points[near] / self._spacing).astype(np.int64)
-        samples = self._sample(first[:, None] + _OFFSETS - 1)
+        samples = self._gather(first)
         known = np.isfinite(samples).all(axis=1)
         return near[known], samples[known].reshape(-1, 4, 4, 4)
 
-    def _evaluate(self, points: FloatArray, samples: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the field at points, its gradient and its second derivatives."""
+    def _evaluate(self, points: FloatArray, samples: FloatArray, curved: bool) -> tuple[FloatArray, ...]:
+        """Return the field at points, its gradient and, where it is asked for as curved, its second derivatives."""
         within = points / self._spacing - np.floor(points / self._spacing)
         weights = [_weigh(within[:, axis]) for axis in range(3)]
 
@@ -89,28 +92,49 @@ class RoundedSurface:
 
         value = contract(0, 0, 0)
         slope = np.stack([contract(*np.eye(3, dtype=int)[axis]) for axis in range(3)], axis=-1)
+        if not curved:
+            return value, slope
         curve = np.empty((len(points), 3, 3))
         for i in range(3):
             for j in range(i, 3):
                 curve[:, i, j] = curve[:, j, i] = contract(*(np.eye(3, dtype=int)[i] + np.eye(3, dtype=int)[j]))
         return value, slope, curve
 
+    def _gather(self, first: IndexArray) -> FloatArray:
+        """Return the samples round cubes of the lattice (n, 64); first: numbers of their lowest corners (n, 3)."""
+        keys = _number(first)
+        wanted = np.unique(keys)
+        missing = wanted[~_are_among(wanted, self._cubes)]
+        if len(missing):
+            found = self._sample(_find_places(missing)[:, None] + _OFFSETS - 1)
+            cubes, gathered = np.concatenate([self._cubes, missing]), np.concatenate([self._gathered, found])
+            order = np.argsort(cubes)
+            self._cubes, self._gathered = cubes[order], gathered[order]
+        return np.asarray(self._gathered[np.searchsorted(self._cubes, keys)])
+
     def _sample(self, numbers: IndexArray) -> FloatArray:
         """Return the signed distance at points of the lattice (n, 64, 3) (n, 64)."""
-        half = 1 << (_BITS - 1)
-        shifted = numbers + half
-        keys = (shifted[..., 0] << 2 * _BITS) | (shifted[..., 1] << _BITS) | shifted[..., 2]
-        wanted, place = np.unique(keys, return_inverse=True)
+        wanted, place = np.unique(_number(numbers), return_inverse=True)
         missing = wanted[~_are_among(wanted, self._keys)]
         if len(missing):
-            mask = (1 << _BITS) - 1
-            at = np.stack([missing >> 2 * _BITS, (missing >> _BITS) & mask, missing & mask], axis=-1) - half
-            points = self._spacing * at
+            points: FloatArray = self._spacing * _find_places(missing).astype(float)
             found, *_ = self._surface.nearest(points if self._fold is None else self._fold(points))
             keys_now, values = np.concatenate([self._keys, missing]), np.concatenate([self._values, found])
             order = np.argsort(keys_now)
             self._keys, self._values = keys_now[order], values[order]
         return np.asarray(self._values[np.searchsorted(self._keys, wanted)][place].reshape(numbers.shape[:2]))
+
+
+def _number(places: IndexArray) -> IndexArray:
+    """Return one number for each point of the lattice (..., 3)."""
+    shifted = places + (1 << (_BITS - 1))
+    return np.asarray((shifted[..., 0] << 2 * _BITS) | (shifted[..., 1] << _BITS) | shifted[..., 2])
+
+
+def _find_places(keys: IndexArray) -> IndexArray:
+    """Return the points of the lattice (n, 3) that have numbers (n,)."""
+    mask = (1 << _BITS) - 1
+    return np.stack([keys >> 2 * _BITS, (keys >> _BITS) & mask, keys & mask], axis=-1) - (1 << (_BITS - 1))
 
 
 def _are_among(wanted: IndexArray, keys: IndexArray) -> BoolArray:

@@ -243,7 +243,7 @@ def _give_volume_back(
         points, total = points + offset * way, total + offset
         if not entered and abs(enclosed_volume(points, faces) / target - 1.0) < 1e-12:
             break
-    if abs(total) > LARGEST_OFFSET * edge:
+    if not abs(total) <= LARGEST_OFFSET * edge:  # nor where it is no number, since the search has run away
         raise MeshError(
             f"an offset of {total:.3g} mm of the free surface would be needed to keep the volume", "smaller cells"
         )

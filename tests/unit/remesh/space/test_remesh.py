@@ -60,6 +60,12 @@ def test_what_old_meshes_have_lost_comes_back():
     assert measure_volumes(new.points, new.cells).sum() == pytest.approx(1.0004 * body.volume, rel=1e-12)
 
 
+@pytest.mark.parametrize("lost", [0.5, np.nan])
+def test_a_volume_that_no_offset_gives_back_is_refused(lost):
+    with pytest.raises(MeshError, match="of the free surface would be needed"):
+        remesh_body(replace(upset_block(), lost=lost), BODIES[upset_block])
+
+
 def test_cells_are_good(pair):
     _, new = pair
     quality = measure_quality(new.points, new.cells)
