@@ -9,6 +9,7 @@
 #include "device/cuda_arrays.cuh"
 #include "device/cuda_library.hpp"
 #include "device/cuda_sums.cuh"
+#include "device/law_tables.hpp"
 
 namespace presswork::device {
 
@@ -24,12 +25,12 @@ __global__ void __launch_bounds__(chunk)
   if (threadIdx.x == 0) fastest[blockIdx.x] = most;
 }
 
-template <int corners, class Real>
+template <int corners, class Law, class Real>
 __global__ void __launch_bounds__(128)
     advance_shells(const __grid_constant__ Nodes<Real> nodes, const __grid_constant__ Shells<Real> shells,
                    const double* room, double dt) {
   const int shell = blockIdx.x * blockDim.x + threadIdx.x;
-  if (shell < shells.n) advance_shell<corners>(nodes, shells, room, dt, shell);
+  if (shell < shells.n) advance_shell<corners>(nodes, shells, *std::get_if<Law>(&shells.law), room, dt, shell);
 }
 
 template <class Real>
@@ -97,9 +98,9 @@ void advance(Problem<Real> p, const Cycles& cycles) {
   const auto add_shells = [&](Shells<Real>& shells, std::size_t corners) {
     if (shells.n == 0) return;
     arrays.add(shells.node, corners * shells.n, false), arrays.add(shells.state, std::size_t(p.rows) * shells.n, true);
-    TabulatedHardening& table = shells.law.hardening;
-    const std::size_t pieces = 4 * static_cast<std::size_t>(table.last + 1);
-    arrays.add(table.rows, pieces, false), arrays.add(table.float_rows, pieces, false);
+    if (shells.temperature) arrays.add(shells.temperature, std::size_t(shells.rule.points) * shells.n, false);
+    const auto add = [&](auto& table, std::size_t n) { arrays.add(table, n, false); };
+    std::visit([&](auto& law) { for_each_table(law, add); }, shells.law);
   };
   add_shells(p.quadrilaterals, 4), add_shells(p.triangles, 3);
   std::vector<Surface> surfaces(p.tools.surface, p.tools.surface + p.tools.n);
@@ -112,9 +113,13 @@ void advance(Problem<Real> p, const Cycles& cycles) {
   const double* room = tools.n > 0 && tools.ironing ? tools.room : nullptr;
   const int chunks = p.chunks();
   const auto launch = [&]<int corners>(const Shells<Real>& shells) {
-    if (shells.n > 0)
-      advance_shells<corners>
-          <<<blocks(shells.n, threads_of_shells), threads_of_shells>>>(nodes, shells, room, cycles.dt);
+    if (shells.n == 0) return;
+    std::visit(
+        [&]<class Law>(const Law&) {
+          advance_shells<corners, Law>
+              <<<blocks(shells.n, threads_of_shells), threads_of_shells>>>(nodes, shells, room, cycles.dt);
+        },
+        shells.law);
   };
   for (int cycle = 0; cycle < cycles.n; ++cycle) {
     move_nodes<<<chunks, chunk>>>(nodes, cycles.step(cycle), tools.n > 0 ? tools.fastest : nullptr);

@@ -16,16 +16,18 @@
 #pragma once
 
 #include <cstdint>
+#include <variant>
 
 #include "device/tools.hpp"
 #include "element/shell3_one_point.hpp"
 #include "explicit/step.hpp"
+#include "material/elastic_plastic_update.hpp"
 
 namespace presswork::device {
 
 using explicit_dynamics::Step;
 
-inline constexpr int freedoms = 6, law_rows = FastMises::rows();
+inline constexpr int freedoms = 6;
 
 // Real: of velocities, forces and shells; positions, work and what is done with a node in a step are double.
 template <class Real>
@@ -51,8 +53,10 @@ struct Shells {
   int n, first_slot;
   const int* node;  // (corners, n)
   Real* state;      // (rows, n): those of shell4_one_point.hpp, then the layers
-  FastMises law;
+  std::variant<FastMises, GeneralSheet> law;
   LayerRule rule;
+  const Real* temperature;  // (points, n) [degrees C]; null: none is given
+  double slower;            // as LayerConditions has it
 };
 
 // A loop's nodes and shells for a call, in the memory of the host or of the device; rows: of a shell's state.
@@ -116,10 +120,10 @@ PRESSWORK_INLINE double move_node(const Nodes<Real>& nodes, const Step& step, in
   return double(own[0]) * own[0] + double(own[1]) * own[1] + double(own[2]) * own[2];
 }
 
-// room_at: between tools, of the nodes; null where no tool squeezes the sheet.
-template <int corners, class Real>
-PRESSWORK_INLINE void advance_shell(const Nodes<Real>& nodes, const Shells<Real>& shells, const double* room_at,
-                                    double dt, int shell) {
+// law: that of the shells. room_at: between tools, of the nodes; null where no tool squeezes the sheet.
+template <int corners, class Real, class Law>
+PRESSWORK_INLINE void advance_shell(const Nodes<Real>& nodes, const Shells<Real>& shells, const Law& law,
+                                    const double* room_at, double dt, int shell) {
   const std::size_t n = shells.n;
   Real x[corners][3], v[corners][3], w[corners][3], state[shell4::head_rows], force[freedoms * corners];
   // positions less that of the first node: elements use differences alone
@@ -135,15 +139,16 @@ PRESSWORK_INLINE void advance_shell(const Nodes<Real>& nodes, const Shells<Real>
   }
   Real* rows = shells.state + shell;
   for (int r = 0; r < shell4::head_rows; ++r) state[r] = rows[r * n];
-  const LayersApart<Real, law_rows> layers{rows + shell4::head_rows * n, static_cast<std::ptrdiff_t>(n), {}};
-  const LayerConditions<Real> now{dt};
+  const auto layers = layers_apart(law, rows + shell4::head_rows * n, static_cast<std::ptrdiff_t>(n));
+  LayerConditions<Real> now{dt, shells.temperature ? shells.temperature + shell : nullptr};
+  now.slower = shells.slower, now.stride = static_cast<std::ptrdiff_t>(n);
   Real room[corners];
   for (int a = 0; room_at && a < corners; ++a) room[a] = static_cast<Real>(room_at[shells.node[a * n + shell]]);
   const Real* between = room_at ? room : nullptr;
   if constexpr (corners == 4)
-    shell4::advance_stabilized(shells.law, shells.rule, now, x, v, w, between, state, layers, force);
+    shell4::advance_stabilized(law, shells.rule, now, x, v, w, between, state, layers, force);
   else
-    shell3::advance(shells.law, shells.rule, now, x, v, w, between, state, layers, force);
+    shell3::advance(law, shells.rule, now, x, v, w, between, state, layers, force);
   for (int r = 0; r < shell4::head_rows; ++r) rows[r * n] = state[r];
   for (int a = 0; a < corners; ++a)
     for (int i = 0; i < freedoms; ++i)

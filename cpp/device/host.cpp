@@ -23,11 +23,15 @@ void advance_on_host(const Problem<Real>& p, const Cycles& cycles) {
     }
 #pragma omp single
     if (tools.n > 0) start_tools(tools, step.dt, cycle, *std::max_element(tools.fastest, tools.fastest + chunks));
+    const auto advance_shells = [&]<int corners>(const Shells<Real>& shells) {
+      choose(shells.law, [&](const auto& law) {
 #pragma omp for schedule(static)
-    for (int shell = 0; shell < p.quadrilaterals.n; ++shell)
-      advance_shell<4>(p.nodes, p.quadrilaterals, room, step.dt, shell);
-#pragma omp for schedule(static)
-    for (int shell = 0; shell < p.triangles.n; ++shell) advance_shell<3>(p.nodes, p.triangles, room, step.dt, shell);
+        for (int shell = 0; shell < shells.n; ++shell)
+          advance_shell<corners>(p.nodes, shells, law, room, step.dt, shell);
+      });
+    };
+    advance_shells.template operator()<4>(p.quadrilaterals);
+    advance_shells.template operator()<3>(p.triangles);
 #pragma omp for schedule(static)
     for (int node = 0; node < p.nodes.n; ++node) gather_forces(p.nodes, node);
     if (tools.n == 0) continue;

@@ -3,6 +3,9 @@
 
 #include <omp.h>
 
+#include <cmath>
+#include <stdexcept>
+
 #include "device/cuda_library.hpp"
 #include "device/host.hpp"
 #include "explicit/space/shell_section.hpp"
@@ -24,7 +27,7 @@ template <class Real>
 struct Borrowed {
   ElementBlock<SpaceNodes<Real>>* block = nullptr;  // none: no shells of this kind
   std::vector<int> node;
-  std::vector<Real> state;
+  std::vector<Real> state, temperature;
   Shells<Real> view{};
 
   void take(ElementBlock<SpaceNodes<Real>>& from, const ShellSection& section, int first_slot) {
@@ -35,7 +38,18 @@ struct Borrowed {
       for (std::size_t a = 0; a < corners; ++a) node[a * n + e] = from.connectivity()[corners * e + a];
       for (std::size_t r = 0; r < rows; ++r) state[r * n + e] = static_cast<Real>(from.value(int(e), int(r)));
     }
-    view = {from.n(), first_slot, node.data(), state.data(), std::get<FastMises>(section.law), section.rule};
+    const std::size_t points = from.has_temperatures() ? from.n_temperatures() : 0;
+    temperature.resize(points * n);
+    for (std::size_t e = 0; e < n; ++e)
+      for (std::size_t k = 0; k < points; ++k)
+        temperature[k * n + e] = static_cast<Real>(from.temperature(int(e), int(k)));
+    view = {
+        from.n(),   first_slot, node.data(), state.data(), {}, section.rule, points > 0 ? temperature.data() : nullptr,
+        from.slower};
+    if (const auto* general = std::get_if<GeneralSheet>(&section.law))
+      view.law = *general;
+    else
+      view.law = std::get<FastMises>(section.law);
   }
   void give_back() const {
     if (!block) return;
@@ -198,8 +212,7 @@ std::string find_lack(const SpaceLoop<Real>& loop) {
     const auto& block = loop.sheet(static_cast<int>(b));
     if (block.nodes_each() == 4 && block.section().treatment != ShellTreatment::stabilized)
       return "shells other than shell4_1pt with physical hourglass";
-    if (!std::holds_alternative<FastMises>(block.section().law))
-      return "laws other than von Mises with isotropic hardening from a table, without rate and heat";
+    if (std::holds_alternative<UserSheet>(block.section().law)) return "laws of shared libraries (UMAT)";
     if (!block.damage.empty()) return "damage";
     if (like[block.nodes_each() - 3]++ > 0) return "two blocks of like shells";
   }
@@ -249,6 +262,11 @@ void advance(SpaceLoop<Real>& loop, Target target, const Cycles& cycles) {
     advance_on_host(problem, cycles);
   else
     advance_on_cuda(problem, cycles);
+  for (std::size_t i = 0; i < freedoms * n_nodes; ++i)
+    if (std::isnan(nodes.internal_force.data()[i]))
+      throw std::runtime_error(
+          "a force is no number any more: a material law has found no stress for the strain of a step, the step is too "
+          "long, or a shell has collapsed");
   // 3. back into the loop
   for (const auto& kind : kinds) kind.give_back();
   tools.give_back(nodes.n, cycles.n);

@@ -31,13 +31,16 @@ struct LayerConditions {
   int point = 0;                   // in the plane
   ShellPlaces* places = nullptr;   // null but for laws from shared libraries
   double slower = 1.0;             // by which the process takes longer than it is computed
+  std::ptrdiff_t stride = 1;       // from the temperature of a layer to that of the next
 
   // Time of the process, by which laws take their rates [s].
   PRESSWORK_DEVICE double law_dt() const { return dt * slower; }
-  T temperature_or(double start, int layer) const { return temperature ? temperature[layer] : T(start); }
+  PRESSWORK_DEVICE T temperature_or(double start, int layer) const {
+    return temperature ? temperature[layer * stride] : T(start);
+  }
   // those of another point in the plane, of so many layers each
-  LayerConditions at_point(int other, int layers) const {
-    return {dt, temperature ? temperature + other * layers : nullptr, other, places, slower};
+  PRESSWORK_DEVICE LayerConditions at_point(int other, int layers) const {
+    return {dt, temperature ? temperature + other * layers * stride : nullptr, other, places, slower, stride};
   }
 };
 
@@ -48,20 +51,25 @@ struct GeneralSheet {
   SheetLaw law;
   double young = law.young, poisson = law.poisson;
 
-  int rows() const { return 3 + law.history_size(); }
+  PRESSWORK_DEVICE int rows() const { return 3 + law.history_size(); }
 
   template <class T>
-  T young_at(const T* state) const {
+  PRESSWORK_DEVICE T young_at(const T* state) const {
     return law.young_at(state[3]);
   }
+  PRESSWORK_DEVICE float young_at(const float* state) const {
+    return static_cast<float>(law.young_at(double(state[3])));
+  }
+#if !defined(__CUDACC__)
   FloatPack young_at(const FloatPack* state) const {
     FloatPack young;
     for (int half = 0; half < 2; ++half) narrow(law.young_at(widen(state[3], half)), half, young);
     return young;
   }
+#endif
 
   template <class T>
-  T advance(T sum, T difference, T shear, const LayerConditions<T>& now, int layer, T* state) const {
+  PRESSWORK_DEVICE T advance(T sum, T difference, T shear, const LayerConditions<T>& now, int layer, T* state) const {
     const LawInput<3, T> in{{T(0.5) * (sum + difference), T(0.5) * (sum - difference), shear},
                             now.law_dt(),
                             now.temperature_or(law.flow.thermal.start, layer)};
@@ -75,6 +83,18 @@ struct GeneralSheet {
     return across;
   }
 
+  PRESSWORK_DEVICE float advance(float sum, float difference, float shear, const LayerConditions<float>& now, int layer,
+                                 float* state) const {
+    double wide[most_rows];
+    const double degrees = now.temperature ? double(now.temperature[layer * now.stride]) : law.flow.thermal.start;
+    for (int i = 0; i < rows(); ++i) wide[i] = state[i];
+    const LayerConditions<double> own{now.law_dt(), &degrees};
+    const double across = advance(double(sum), double(difference), double(shear), own, 0, wide);
+    for (int i = 0; i < rows(); ++i) state[i] = static_cast<float>(wide[i]);
+    return static_cast<float>(across);
+  }
+
+#if !defined(__CUDACC__)
   FloatPack advance(FloatPack sum, FloatPack difference, FloatPack shear, const LayerConditions<FloatPack>& now,
                     int layer, FloatPack* state) const {
     Pack wide[most_rows];
@@ -89,7 +109,10 @@ struct GeneralSheet {
     }
     return across;
   }
+#endif
 };
+
+#if !defined(__CUDACC__)
 
 // A routine from a shared library, in double precision alone. A layer keeps the equivalent plastic strain, the
 // routine's state variables and UmatHistory<3>.
@@ -136,6 +159,8 @@ struct UserSheet {
     return across;
   }
 };
+
+#endif
 
 struct FastMises : TabulatedMises {
   static constexpr bool can_fail = false;
@@ -186,6 +211,31 @@ struct LayersApart {
     for (int i = 0; i < rows; ++i) first[(k * rows + i) * stride] = point[i];
   }
 };
+
+// The same for a law whose number of rows is known in the run alone.
+template <class T, int most>
+struct LayersApartInRun {
+  T* first;
+  std::ptrdiff_t stride;
+  int rows;
+  T now[most];
+  PRESSWORK_INLINE T* open(int k) {
+    for (int i = 0; i < rows; ++i) now[i] = first[(k * rows + i) * stride];
+    return now;
+  }
+  PRESSWORK_INLINE void close(int k, const T* point) const {
+    for (int i = 0; i < rows; ++i) first[(k * rows + i) * stride] = point[i];
+  }
+};
+
+template <class T>
+PRESSWORK_INLINE auto layers_apart(const FastMises&, T* first, std::ptrdiff_t stride) {
+  return LayersApart<T, FastMises::rows()>{first, stride, {}};
+}
+template <class T>
+PRESSWORK_INLINE auto layers_apart(const GeneralSheet& law, T* first, std::ptrdiff_t stride) {
+  return LayersApartInRun<T, GeneralSheet::most_rows>{first, stride, law.rows(), {}};
+}
 
 // Stress resultants of one shell [N/mm] and [N], sums and differences as above: of force, then of moment.
 template <class T>

@@ -64,6 +64,10 @@ class ElementBlock {
   // Temperatures (n, n_temperatures) given to the points [degrees C] from now on; else they have that of the law's
   // start.
   int n_temperatures() const { return n_temperatures_; }
+  bool has_temperatures() const { return temperature_.size() > 0; }
+  double temperature(int element, int k) const {
+    return temperature_.data()[(std::size_t(element / lanes) * n_temperatures_ + k) * lanes + element % lanes];
+  }
   void set_temperature(const double* degrees) {
     const std::size_t points = n_temperatures_;
     if (temperature_.size() == 0) temperature_ = AlignedArray<Real>(n_packs() * points * lanes);

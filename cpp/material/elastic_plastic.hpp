@@ -26,41 +26,41 @@ struct ElasticPlastic {
   Thermoelastic thermoelastic = {};
   double young_rate = 0.0;  // E = Ea + (E0 - Ea) exp(-rate p), p of the start of the increment; 0 keeps E0
 
-  int history_size() const {  // values behind the stress
+  PRESSWORK_DEVICE int history_size() const {  // values behind the stress
     return 1 + (flow.thermal.heats() ? 1 : 0) +
            choose(kinematic, [](const auto& k) { return k.template history_size<N>(); }) +
            (thermoelastic.active() ? 1 : 0);
   }
-  int state_size() const { return N + history_size(); }
-  double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
-  double bulk_modulus() const { return young / (3.0 * (1.0 - 2.0 * poisson)); }
+  PRESSWORK_DEVICE int state_size() const { return N + history_size(); }
+  PRESSWORK_DEVICE double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
+  PRESSWORK_DEVICE double bulk_modulus() const { return young / (3.0 * (1.0 - 2.0 * poisson)); }
 
   template <class T>
-  T young_at(T eqps) const {
+  PRESSWORK_DEVICE T young_at(T eqps) const {
     if (young_rate == 0.0) return T(young);
     return T(young_saturated) + T(young - young_saturated) * exponential(T(-young_rate) * eqps);
   }
   // Whole temperature of a point in state s0 at a given one, and that of its last increment.
   template <class T>
-  T temperature_now(T given, const T* s0) const {
+  PRESSWORK_DEVICE T temperature_now(T given, const T* s0) const {
     return flow.thermal.heats() ? given + s0[N + 1] : given;
   }
   template <class T>
-  T temperature_before(const T* s0) const {
+  PRESSWORK_DEVICE T temperature_before(const T* s0) const {
     return T(flow.thermal.start) + s0[state_size() - 1];
   }
   template <class T>
-  Elasticity<N, T> elasticity(T eqps) const {
+  PRESSWORK_DEVICE Elasticity<N, T> elasticity(T eqps) const {
     return {young_at(eqps), poisson};
   }
   template <class T>
-  Elasticity<N, T> elasticity(T eqps, T temperature) const {
+  PRESSWORK_DEVICE Elasticity<N, T> elasticity(T eqps, T temperature) const {
     const T E = young_at(eqps) * thermoelastic.young_factor_at(temperature);
     return {E, thermoelastic.poisson_at(poisson, temperature)};
   }
   // Whether mises_sheet.hpp serves: von Mises without back stress, whose flow stress is smooth and does not heat
   // itself.
-  bool is_plain() const {
+  PRESSWORK_DEVICE bool is_plain() const {
     const auto* quadratic = std::get_if<QuadraticYield<N>>(&yield);
     if (!quadratic || flow.hot.active() || flow.thermal.heats() || kinematic.index() != 0) return false;
     const auto& P = quadratic->P;
@@ -68,7 +68,7 @@ struct ElasticPlastic {
   }
   // Flow stress and its slope at equivalent plastic strain p, at rest.
   template <class T>
-  void flow_at_rest(T p, T temperature, T& flow_stress, T& slope) const {
+  PRESSWORK_DEVICE void flow_at_rest(T p, T temperature, T& flow_stress, T& slope) const {
     flow.at_rest(p, temperature, flow_stress, slope);
   }
 };
@@ -88,15 +88,20 @@ using PlaneLaw = ElasticPlastic<4>;
 using SolidLaw = ElasticPlastic<6>;
 
 // T is double, Pack or, for tests of the tangent, Dual<double, N>.
+// Compiled once for all that call it: a card's kernels share it, too.
 template <int N, class T>
-Mask<T> update(const ElasticPlastic<N>& law, const LawInput<N, T>& in, const T* s0, T* s1, T (*tangent)[N]);
+[[gnu::noinline]] PRESSWORK_DEVICE Mask<T> update(const ElasticPlastic<N>& law, const LawInput<N, T>& in, const T* s0,
+                                                  T* s1, T (*tangent)[N]);
 
+// a CUDA compiler needs those of double for the card (elastic_plastic_update.hpp)
+#if !defined(__CUDACC__)
 extern template bool update(const SheetLaw&, const LawInput<3, double>&, const double*, double*, double (*)[3]);
 extern template bool update(const PlaneLaw&, const LawInput<4, double>&, const double*, double*, double (*)[4]);
 extern template bool update(const SolidLaw&, const LawInput<6, double>&, const double*, double*, double (*)[6]);
 extern template Mask<Pack> update(const SheetLaw&, const LawInput<3, Pack>&, const Pack*, Pack*, Pack (*)[3]);
 extern template Mask<Pack> update(const PlaneLaw&, const LawInput<4, Pack>&, const Pack*, Pack*, Pack (*)[4]);
 extern template Mask<Pack> update(const SolidLaw&, const LawInput<6, Pack>&, const Pack*, Pack*, Pack (*)[6]);
+#endif
 
 // Values behind the stress that a law keeps at most.
 template <int N>
@@ -109,7 +114,7 @@ struct Heated {
   Elasticity<N, T> before, elastic;
   T thermal, temperature, state[N + most_kept<N>];
 
-  Heated(const ElasticPlastic<N>& law, T given, const T* s0)
+  PRESSWORK_DEVICE Heated(const ElasticPlastic<N>& law, T given, const T* s0)
       : before(law.elasticity(s0[N], law.temperature_before(s0))),
         elastic(law.elasticity(s0[N], law.temperature_now(given, s0))),
         thermal(law.thermoelastic.strain(law.temperature_before(s0), law.temperature_now(given, s0))),
@@ -119,7 +124,7 @@ struct Heated {
     elastic.stiffness(strain, state);
     for (int i = N; i < law.state_size(); ++i) state[i] = s0[i];
   }
-  void take_off(const T strain[N], T mechanical[N]) const {
+  PRESSWORK_DEVICE void take_off(const T strain[N], T mechanical[N]) const {
     constexpr int normal = N == 3 ? 2 : 3;
     for (int i = 0; i < N; ++i) mechanical[i] = i < normal ? strain[i] - thermal : strain[i];
   }
@@ -127,7 +132,8 @@ struct Heated {
 
 // The same as update for plane stress, with the increment of thickness strain.
 template <class T>
-Mask<T> update_sheet(const SheetLaw& law, const LawInput<3, T>& in, const T* s0, T* s1, T& thickness, T (*tangent)[3]) {
+PRESSWORK_DEVICE Mask<T> update_sheet(const SheetLaw& law, const LawInput<3, T>& in, const T* s0, T* s1, T& thickness,
+                                      T (*tangent)[3]) {
   const T before[3] = {s0[0], s0[1], s0[2]};
   if (law.thermoelastic.active()) {
     const Heated<3, T> heated(law, in.temperature, s0);

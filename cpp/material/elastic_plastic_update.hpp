@@ -59,9 +59,10 @@ void update_range(const ElasticPlastic<N>& law, std::size_t n, const double* str
 }  // namespace elastic_plastic
 
 template <int N, class T>
-Mask<T> update(const ElasticPlastic<N>& law, const LawInput<N, T>& in, const T* s0, T* s1, T (*tangent)[N]) {
+PRESSWORK_DEVICE Mask<T> update(const ElasticPlastic<N>& law, const LawInput<N, T>& in, const T* s0, T* s1,
+                                T (*tangent)[N]) {
   const auto run = [&](const Elasticity<N, T>& elastic, const LawInput<N, T>& given, const T* from) {
-    if constexpr (N == 3 && (std::is_same_v<T, double> || std::is_same_v<T, Pack>))
+    if constexpr (N == 3 && is_of_doubles<T>)
       if (!tangent && law.is_plain()) return return_mises_sheet(law.flow, elastic, given, from, s1);
     return choose(law.yield, [&](const auto& yield) {
       return choose(law.kinematic, [&](const auto& kinematic) {

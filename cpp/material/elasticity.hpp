@@ -4,6 +4,8 @@
 
 #include <type_traits>
 
+#include "tensor/on_device.hpp"
+
 namespace presswork {
 
 // Isotropic elasticity; the moduli may differ from lane to lane.
@@ -15,7 +17,7 @@ struct Elasticity {
   T spread;                // Lame's first
   T one_plus, twice_plus;  // 1 + poisson, 2 (1 + poisson)
 
-  Elasticity(T young, double nu)
+  PRESSWORK_DEVICE Elasticity(T young, double nu)
       : young(young),
         shear(young * T(0.5 / (1.0 + nu))),
         plane(young * T(1.0 / (1.0 - nu * nu))),
@@ -23,7 +25,7 @@ struct Elasticity {
         spread(young * T(nu / ((1.0 + nu) * (1.0 - 2.0 * nu)))),
         one_plus(1.0 + nu),
         twice_plus(2.0 * (1.0 + nu)) {}
-  Elasticity(T young, T nu)
+  PRESSWORK_DEVICE Elasticity(T young, T nu)
     requires(!std::is_same_v<T, double>)
       : young(young),
         shear(young * T(0.5) / (T(1.0) + nu)),
@@ -33,7 +35,7 @@ struct Elasticity {
         one_plus(T(1.0) + nu),
         twice_plus(T(2.0) * (T(1.0) + nu)) {}
 
-  void stiffness(const T strain[N], T stress[N]) const {
+  PRESSWORK_DEVICE void stiffness(const T strain[N], T stress[N]) const {
     if constexpr (N == 3) {
       stress[0] = plane * (strain[0] + poisson * strain[1]);
       stress[1] = plane * (strain[1] + poisson * strain[0]);
@@ -44,7 +46,7 @@ struct Elasticity {
       for (int i = 3; i < N; ++i) stress[i] = shear * strain[i];
     }
   }
-  void matrix(T (*stress)[N]) const {
+  PRESSWORK_DEVICE void matrix(T (*stress)[N]) const {
     for (int j = 0; j < N; ++j) {
       T unit[N], column[N];
       for (int i = 0; i < N; ++i) unit[i] = T(i == j ? 1.0 : 0.0);
@@ -52,7 +54,7 @@ struct Elasticity {
       for (int i = 0; i < N; ++i) stress[i][j] = column[i];
     }
   }
-  void compliance(const T stress[N], T strain[N]) const {
+  PRESSWORK_DEVICE void compliance(const T stress[N], T strain[N]) const {
     constexpr int normal = N == 3 ? 2 : 3;
     T sum(0.0);
     for (int i = 0; i < normal; ++i) sum += stress[i];

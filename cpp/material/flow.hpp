@@ -15,7 +15,7 @@ struct Flow {
   Rate rate;
   Thermal thermal;
   HotHardening hot;  // where it is active: in place of hardening, rate and softening
-  // in place of the formula, for packs of doubles; the explicit loop's
+  // in place of the formula, for doubles and packs of them; the explicit loop's
   bool tabulated = false;
   TabulatedHardening table = {};
 
@@ -26,7 +26,7 @@ struct Flow {
 
   // Flow stress at p_n + dp over the time dt, from the temperature of the start; value: of the yield function.
   template <class T>
-  void evaluate(T p_n, T dp, T value, double dt, T temperature, Point<T>& out) const {
+  PRESSWORK_DEVICE void evaluate(T p_n, T dp, T value, double dt, T temperature, Point<T>& out) const {
     if (hot.active()) return evaluate_hot(p_n, dp, value, dt, temperature, out);
     out.by_value = T(0.0);
     harden(p_n + dp, out.stress, out.by_dp);
@@ -44,7 +44,7 @@ struct Flow {
     out.stress = out.stress * soft.factor;
   }
   template <class T>
-  void evaluate_hot(T p_n, T dp, T value, double dt, T temperature, Point<T>& out) const {
+  PRESSWORK_DEVICE void evaluate_hot(T p_n, T dp, T value, double dt, T temperature, Point<T>& out) const {
     HotPoint<T> point;
     const T heating(thermal.heating);
     hot.evaluate(p_n + dp, dp * T(1.0 / dt), temperature + heating * value * dp, point);
@@ -52,17 +52,17 @@ struct Flow {
     out.by_dp = point.by_strain + point.by_rate * T(1.0 / dt) + point.by_temperature * heating * value;
     out.by_value = point.by_temperature * heating * dp;
   }
-  bool depends_on_rate() const { return rate.active() || hot.active(); }
+  PRESSWORK_DEVICE bool depends_on_rate() const { return rate.active() || hot.active(); }
   // By the formula, or from the table.
   template <class T>
-  void harden(T p, T& flow, T& slope) const {
-    if constexpr (std::is_same_v<T, Pack>)
+  PRESSWORK_DEVICE void harden(T p, T& flow, T& slope) const {
+    if constexpr (is_of_doubles<T>)
       if (tabulated) return table.evaluate(p, flow, slope);
     hardening.evaluate(p, flow, slope);
   }
   // At rest and without a rise.
   template <class T>
-  void at_rest(T p, T temperature, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void at_rest(T p, T temperature, T& flow, T& slope) const {
     if (hot.active()) return at_rate(p, T(0.0), temperature, flow, slope);
     harden(p, flow, slope);
     if (!thermal.softening.active()) return;
@@ -71,7 +71,7 @@ struct Flow {
   }
   // At a constant rate and without a rise.
   template <class T>
-  void at_rate(T p, T plastic_rate, T temperature, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void at_rate(T p, T plastic_rate, T temperature, T& flow, T& slope) const {
     if (hot.active()) {
       HotPoint<T> point;
       hot.evaluate(p, plastic_rate, temperature, point);

@@ -33,7 +33,7 @@ struct Linear {
     f("yield_stress", yield_stress), f("modulus", modulus);
   }
   template <class T>
-  void evaluate(T p, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T p, T& flow, T& slope) const {
     flow = T(yield_stress) + T(modulus) * p;
     slope = T(modulus);
   }
@@ -48,7 +48,7 @@ struct Swift {
     f("K", K), f("e0", e0), f("n", n);
   }
   template <class T>
-  void evaluate(T p, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T p, T& flow, T& slope) const {
     T base = T(e0) + p;
     flow = T(K) * power(base, n);
     slope = T(n) * flow / base;
@@ -65,7 +65,7 @@ struct Ludwik {
   }
   // the slope at p = 0 is infinite: below 1e-12 the curve rises straight from the yield stress
   template <class T>
-  void evaluate(T p, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T p, T& flow, T& slope) const {
     T base = larger(p, T(1e-12)), rise = T(K) * power(base, n);
     auto straight = p < T(1e-12);
     flow = T(yield_stress) + select(straight, rise * (p * T(1e12)), rise);
@@ -82,7 +82,7 @@ struct Voce {
     f("yield_stress", yield_stress), f("saturation_stress", saturation_stress), f("rate", rate);
   }
   template <class T>
-  void evaluate(T p, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T p, T& flow, T& slope) const {
     T gap = T(saturation_stress - yield_stress) * exponential(T(-rate) * p);
     flow = T(saturation_stress) - gap;
     slope = T(rate) * gap;
@@ -98,7 +98,7 @@ struct LinearVoce {
     f("yield_stress", yield_stress), f("saturation_stress", saturation_stress), f("rate", rate), f("modulus", modulus);
   }
   template <class T>
-  void evaluate(T p, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T p, T& flow, T& slope) const {
     T gap = T(saturation_stress - yield_stress) * exponential(T(-rate) * p);
     flow = T(saturation_stress) - gap + T(modulus) * p;
     slope = T(rate) * gap + T(modulus);
@@ -116,7 +116,7 @@ struct HockettSherby {
   }
   // straight below 1e-12, as Ludwik's
   template <class T>
-  void evaluate(T p, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T p, T& flow, T& slope) const {
     T base = larger(p, T(1e-12)), argument = T(rate) * power(base, exponent);
     T gap = T(saturation_stress - yield_stress) * exponential(-argument);
     T rise = T(saturation_stress - yield_stress) - gap;
@@ -136,7 +136,7 @@ struct SwiftVoce {
     f("saturation_stress", saturation_stress), f("rate", rate);
   }
   template <class T>
-  void evaluate(T p, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T p, T& flow, T& slope) const {
     T base = T(e0) + p;
     T rise = T((1.0 - voce_share) * K) * power(base, n);
     T gap = T(voce_share * (saturation_stress - yield_stress)) * exponential(T(-rate) * p);
@@ -152,11 +152,11 @@ struct LookedUp {
   int n_rows;
 
   template <class T>
-  void evaluate(T p, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T p, T& flow, T& slope) const {
     T curvature;
     look_up(p, flow, slope, curvature);
   }
-  void look_up(double p, double& flow, double& slope, double& curvature) const {
+  PRESSWORK_DEVICE void look_up(double p, double& flow, double& slope, double& curvature) const {
     static_cast<const Rows*>(this)->at(p, flow, slope, curvature);
   }
   void look_up(Pack p, Pack& flow, Pack& slope, Pack& curvature) const {
@@ -183,7 +183,7 @@ struct Table : LookedUp<Table> {
   static constexpr const char* name = "table";
   static constexpr int columns = 2;
 
-  void at(double p, double& flow, double& slope, double& curvature) const {
+  PRESSWORK_DEVICE void at(double p, double& flow, double& slope, double& curvature) const {
     int i = 1;
     while (i + 1 < n_rows && p > rows[2 * i]) ++i;
     const double *a = rows + 2 * (i - 1), *b = n_rows > 1 ? a + 2 : a;
@@ -198,7 +198,7 @@ struct MonotoneTable : LookedUp<MonotoneTable> {
   static constexpr const char* name = "monotone_table";
   static constexpr int columns = 3;
 
-  void at(double p, double& flow, double& slope, double& curvature) const {
+  PRESSWORK_DEVICE void at(double p, double& flow, double& slope, double& curvature) const {
     int i = 1;
     while (i + 1 < n_rows && p > rows[3 * i]) ++i;
     const double *a = rows + 3 * (i - 1), *b = a + 3;
@@ -225,10 +225,10 @@ struct Hardening {
   Law law = hardening::Linear{};
 
   template <class T>
-  void evaluate(T p, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T p, T& flow, T& slope) const {
     choose(law, [&](const auto& chosen) { chosen.evaluate(p, flow, slope); });
   }
-  bool is_linear() const { return std::holds_alternative<hardening::Linear>(law); }
+  PRESSWORK_DEVICE bool is_linear() const { return std::holds_alternative<hardening::Linear>(law); }
 };
 
 // Which of Hardening::Law; its values are named in the bindings, from the structs.

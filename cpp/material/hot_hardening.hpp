@@ -55,7 +55,7 @@ struct HenselSpittel {
     window.fields(f);
   }
   template <class T>
-  void evaluate(T e, T r, T t, HotPoint<T>& out) const {
+  PRESSWORK_DEVICE void evaluate(T e, T r, T t, HotPoint<T>& out) const {
     const T ln_rate = logarithm(r), ln_stretch = T(m5) * logarithm(T(1.0) + e);
     T exponent = T(std::log(A)) + T(m1) * t + ln_stretch * t + T(m7) * e + (T(m3) + T(m8) * t) * ln_rate;
     T by_strain = T(m5) * t / (T(1.0) + e) + T(m7), by_temperature = T(m1) + ln_stretch + T(m8) * ln_rate;
@@ -86,7 +86,7 @@ struct NortonHoff {
     window.fields(f);
   }
   template <class T>
-  void evaluate(T e, T r, T t, HotPoint<T>& out) const {
+  PRESSWORK_DEVICE void evaluate(T e, T r, T t, HotPoint<T>& out) const {
     const T over = T(1.0) / (t + T(zero_celsius));
     T exponent = T(std::log(K)) + T(m) * logarithm(r) + T(beta) * over, by_strain(0.0);
     if (n != 0.0) {
@@ -111,7 +111,7 @@ struct SinhArrhenius {
     window.fields(f);
   }
   template <class T>
-  void evaluate(T, T r, T t, HotPoint<T>& out) const {
+  PRESSWORK_DEVICE void evaluate(T, T r, T t, HotPoint<T>& out) const {
     const T over = T(1.0) / (t + T(zero_celsius));
     const T x = exponential(T(1.0 / n) * (logarithm(r) + T(Q / gas_constant) * over - T(std::log(A))));
     const T root = square_root(T(1.0) + x * x);
@@ -136,7 +136,7 @@ struct JohnsonCook {
   }
   // the slope at e = 0 may be infinite: below 1e-12 the curve rises straight from A
   template <class T>
-  void evaluate(T e, T r, T t, HotPoint<T>& out) const {
+  PRESSWORK_DEVICE void evaluate(T e, T r, T t, HotPoint<T>& out) const {
     const T base = larger(e, T(1e-12)), rise = T(B) * power(base, n);
     const auto straight = e < T(1e-12);
     const T hard = T(A) + select(straight, rise * (e * T(1e12)), rise);
@@ -165,14 +165,14 @@ struct Table {
     int at;
     double share, width;
   };
-  static Place find(const double* axis, int n, double x) {
+  PRESSWORK_DEVICE static Place find(const double* axis, int n, double x) {
     if (n == 1) return {0, 0.0, 1.0};
     int i = 0;
     while (i + 2 < n && x > axis[i + 1]) ++i;
     const double width = axis[i + 1] - axis[i];
     return {i, (x - axis[i]) / width, width};
   }
-  void at(double e, double r, double t, HotPoint<double>& out) const {
+  PRESSWORK_DEVICE void at(double e, double r, double t, HotPoint<double>& out) const {
     const double *strains = rows, *rates = strains + n[0], *degrees = rates + n[1], *stress = degrees + n[2];
     const Place a = find(strains, n[0], e), c = find(degrees, n[2], t);
     Place b = find(rates, n[1], r);
@@ -199,7 +199,7 @@ struct Table {
     out.by_rate = mix(plane[0][1] - plane[0][0], plane[1][1] - plane[1][0], a.share) / (b.width * r);
     out.by_temperature = mix(mix(slope[0][0], slope[0][1], b.share), mix(slope[1][0], slope[1][1], b.share), a.share);
   }
-  void evaluate(double e, double r, double t, HotPoint<double>& out) const { at(e, r, t, out); }
+  PRESSWORK_DEVICE void evaluate(double e, double r, double t, HotPoint<double>& out) const { at(e, r, t, out); }
   void evaluate(Pack e, Pack r, Pack t, HotPoint<Pack>& out) const {
     for (int lane = 0; lane < pack_width; ++lane) {
       HotPoint<double> one;
@@ -228,9 +228,9 @@ struct HotHardening {
   Law law = hot_hardening::HenselSpittel{};
   bool chosen = false;
 
-  bool active() const { return chosen; }
+  PRESSWORK_DEVICE bool active() const { return chosen; }
   template <class T>
-  void evaluate(T strain, T rate, T temperature, HotPoint<T>& out) const {
+  PRESSWORK_DEVICE void evaluate(T strain, T rate, T temperature, HotPoint<T>& out) const {
     choose(law, [&](const auto& own) {
       const auto& w = own.window;
       const auto clamp = [](T x, double low, double high) { return smaller(larger(x, T(low)), T(high)); };

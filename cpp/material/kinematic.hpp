@@ -31,7 +31,7 @@ struct BackStress {
 
 // The direction in which a back stress grows: all of xi in plane stress, else its deviator.
 template <int N, class T>
-void back_direction(const T xi[N], T direction[N]) {
+PRESSWORK_DEVICE void back_direction(const T xi[N], T direction[N]) {
   for (int i = 0; i < N; ++i) direction[i] = xi[i];
   if constexpr (N > 3) {
     T mean = (xi[0] + xi[1] + xi[2]) * T(1.0 / 3);
@@ -40,7 +40,7 @@ void back_direction(const T xi[N], T direction[N]) {
 }
 // adds factor d(direction)/d(xi)
 template <int N, class T>
-void add_direction_slope(T factor, T by_xi[N][N]) {
+PRESSWORK_DEVICE void add_direction_slope(T factor, T by_xi[N][N]) {
   for (int i = 0; i < N; ++i) by_xi[i][i] += factor;
   if constexpr (N > 3)
     for (int i = 0; i < 3; ++i)
@@ -50,7 +50,7 @@ void add_direction_slope(T factor, T by_xi[N][N]) {
 struct NoKinematic {
   static constexpr bool active = false;
   template <int N>
-  int history_size() const {
+  PRESSWORK_DEVICE int history_size() const {
     return 0;
   }
 };
@@ -62,18 +62,18 @@ struct Chaboche {
   double C[most] = {}, gamma[most] = {};  // [MPa], [-]
 
   template <int N>
-  int history_size() const {
+  PRESSWORK_DEVICE int history_size() const {
     return N * count;
   }
   template <int N, class T>
-  void total(const T* history, T back[N]) const {
+  PRESSWORK_DEVICE void total(const T* history, T back[N]) const {
     for (int i = 0; i < N; ++i) back[i] = T(0.0);
     for (int k = 0; k < count; ++k)
       for (int i = 0; i < N; ++i) back[i] += history[N * k + i];
   }
   template <int N, class Yield, class T>
-  void evaluate(const Yield&, const T* history, const T xi[N], T dp, T flow, T flow_slope,
-                BackStress<N, T>& out) const {
+  PRESSWORK_DEVICE void evaluate(const Yield&, const T* history, const T xi[N], T dp, T flow, T flow_slope,
+                                 BackStress<N, T>& out) const {
     T direction[N], growth(0.0), growth_slope(0.0), over = T(1.0) / flow;
     back_direction<N>(xi, direction);
     for (int i = 0; i < N; ++i) {
@@ -98,7 +98,7 @@ struct Chaboche {
     add_direction_slope<N>(growth, out.by_xi);
   }
   template <int N, class Yield, class T>
-  void advance(const Yield&, T* history, const T xi[N], T dp, T flow, Mask<T> moved) const {
+  PRESSWORK_DEVICE void advance(const Yield&, T* history, const T xi[N], T dp, T flow, Mask<T> moved) const {
     T direction[N];
     back_direction<N>(xi, direction);
     for (int k = 0; k < count; ++k)
@@ -114,18 +114,18 @@ struct YoshidaUemori {
   double Y = 0.0, B = 0.0, C = 0.0, m = 0.0, b = 0.0, Rsat = 0.0, h = 0.0;  // Y, B, b, Rsat [MPa]
 
   template <int N>
-  int history_size() const {
+  PRESSWORK_DEVICE int history_size() const {
     return 3 * N + 2;
   }
   template <int N, class T>
-  void total(const T* history, T back[N]) const {
+  PRESSWORK_DEVICE void total(const T* history, T back[N]) const {
     for (int i = 0; i < N; ++i) back[i] = history[i] + history[N + i];
   }
   // Theta = theta_n + C a dp/Y direction; theta = Theta x / (x + C dp sqrt(a)) with x = sqrt(f(theta)) from the
   // quadratic
   template <int N, class Yield, class T>
-  void move_theta(const Yield& yield, const T* history, const T direction[N], T dp, T theta[N], T& root_a, T& x,
-                  YieldTerms<N, T>& terms) const {
+  PRESSWORK_DEVICE void move_theta(const Yield& yield, const T* history, const T direction[N], T dp, T theta[N],
+                                   T& root_a, T& x, YieldTerms<N, T>& terms) const {
     T a = T(B - Y) + history[2 * N];
     root_a = square_root(a);
     for (int i = 0; i < N; ++i) theta[i] = history[i] + T(C / Y) * a * dp * direction[i];
@@ -134,7 +134,8 @@ struct YoshidaUemori {
     x = square_root(half * half + terms.value) - half;
   }
   template <int N, class Yield, class T>
-  void evaluate(const Yield& yield, const T* history, const T xi[N], T dp, T, T, BackStress<N, T>& out) const {
+  PRESSWORK_DEVICE void evaluate(const Yield& yield, const T* history, const T xi[N], T dp, T, T,
+                                 BackStress<N, T>& out) const {
     T direction[N], Theta[N], root_a, x;
     YieldTerms<N, T> terms;
     back_direction<N>(xi, direction);
@@ -163,7 +164,7 @@ struct YoshidaUemori {
     add_direction_slope<N>(fade * grow * dp + lift, out.by_xi);
   }
   template <int N, class Yield, class T>
-  void advance(const Yield& yield, T* history, const T xi[N], T dp, T, Mask<T> moved) const {
+  PRESSWORK_DEVICE void advance(const Yield& yield, T* history, const T xi[N], T dp, T, Mask<T> moved) const {
     T direction[N], Theta[N], root_a, x, before[N], after[N];
     YieldTerms<N, T> terms;
     back_direction<N>(xi, direction);

@@ -33,7 +33,7 @@ struct Solver {
   T y = T(0.0), over_u = T(0.0), over_v = T(0.0);
   T flow = T(0.0), slope = T(0.0);  // flow stress, and by y
 
-  void evaluate(T at) {
+  PRESSWORK_DEVICE void evaluate(T at) {
     flow_law.harden(p_n + at, flow, slope);
     if (flow_law.rate.active()) {
       T factor, by_rate;
@@ -45,7 +45,7 @@ struct Solver {
   }
 
   // Finds y, the flow stress, 1/u and 1/v in the lanes of `open`; gives those that did not get there. flow_n: at rest.
-  Mask<T> solve(Mask<T> open, T trial, T flow_n) {
+  PRESSWORK_DEVICE Mask<T> solve(Mask<T> open, T trial, T flow_n) {
     const T rises = (A * alpha + B * beta) / (trial * trial);  // by which the trial stress falls with y at first
     T low(0.0), high = square_root(A / (alpha * alpha) + B / (beta * beta));
     // on the chord of the flow stress up to where a flow stress that does not rise would end
@@ -73,8 +73,8 @@ struct Solver {
 
 // As return_to_yield (return_mapping.hpp), without a tangent. State: stress, equivalent plastic strain.
 template <class T>
-Mask<T> return_mises_sheet(const Flow& flow_law, const Elasticity<3, T>& elastic, const LawInput<3, T>& in, const T* s0,
-                           T* s1) {
+PRESSWORK_DEVICE Mask<T> return_mises_sheet(const Flow& flow_law, const Elasticity<3, T>& elastic,
+                                            const LawInput<3, T>& in, const T* s0, T* s1) {
   T trial[3];
   elastic.stiffness(in.strain, trial);
   for (int i = 0; i < 3; ++i) trial[i] += s0[i];

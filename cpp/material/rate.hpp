@@ -21,7 +21,7 @@ struct None {
   template <class F>
   void fields(F&&) {}
   template <class T>
-  void evaluate(T, T& factor, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T, T& factor, T& slope) const {
     factor = T(1.0), slope = T(0.0);
   }
 };
@@ -36,7 +36,7 @@ struct CowperSymonds {
   }
   // the slope at rest is infinite: below 1e-12 D the factor rises straight from 1
   template <class T>
-  void evaluate(T rate, T& factor, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T rate, T& factor, T& slope) const {
     auto creeping = rate < T(1e-12 * D);
     T base = larger(rate, T(1e-12 * D)), share = larger(rate, T(0.0)) * T(1e12 / D);
     T rise = power(base * T(1.0 / D), 1.0 / q);
@@ -55,7 +55,7 @@ struct JohnsonCook {
   }
   // a parabola from 0.762 r0 to 1.2 r0 rounds the kink at r0, by at most 0.054 C
   template <class T>
-  void evaluate(T rate, T& factor, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T rate, T& factor, T& slope) const {
     constexpr double top = 1.2, log_top = 0.18232155679395462, foot = top * (1.0 - 2.0 * log_top);
     T share = rate * T(1.0 / reference_rate);
     auto fast = share > T(top);
@@ -75,7 +75,7 @@ struct Logarithmic {
     f("C", C), f("reference_rate", reference_rate);
   }
   template <class T>
-  void evaluate(T rate, T& factor, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T rate, T& factor, T& slope) const {
     T base = T(1.0) + larger(rate, T(0.0)) * T(1.0 / reference_rate);
     factor = T(1.0) + T(C) * logarithm(base);
     slope = T(C / reference_rate) / base;
@@ -88,9 +88,9 @@ struct Rate {
   using Law = std::variant<rate::None, rate::CowperSymonds, rate::JohnsonCook, rate::Logarithmic>;
   Law law = rate::None{};
 
-  bool active() const { return law.index() != 0; }
+  PRESSWORK_DEVICE bool active() const { return law.index() != 0; }
   template <class T>
-  void evaluate(T rate, T& factor, T& slope) const {
+  PRESSWORK_DEVICE void evaluate(T rate, T& factor, T& slope) const {
     choose(law, [&](const auto& chosen) { chosen.evaluate(rate, factor, slope); });
   }
 };

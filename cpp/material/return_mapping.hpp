@@ -33,7 +33,7 @@ struct Factors {
   T a[N][N];
   T over[N];
 
-  void factorise() {
+  PRESSWORK_DEVICE void factorise() {
     for (int k = 0; k < N; ++k) {
       over[k] = T(1.0) / a[k][k];
       for (int i = k + 1; i < N; ++i) {
@@ -42,7 +42,7 @@ struct Factors {
       }
     }
   }
-  void solve(T x[N]) const {
+  PRESSWORK_DEVICE void solve(T x[N]) const {
     for (int i = 1; i < N; ++i)
       for (int j = 0; j < i; ++j) x[i] -= a[i][j] * x[j];
     for (int i = N - 1; i >= 0; --i) {
@@ -71,7 +71,7 @@ struct Solver {
   BackStress<N, T> back = {};
   T residual[N] = {}, excess = T(0.0), merit = T(0.0);
 
-  void evaluate_residual() {
+  PRESSWORK_DEVICE void evaluate_residual() {
     yield.evaluate(xi, terms);
     flow_law.evaluate(p_n, dp, terms.value, dt, temperature, flow);
     T stress[N];
@@ -94,7 +94,7 @@ struct Solver {
   }
 
   // A = d residual/d xi, factorised, and y = A^-1 d residual/d dp
-  void linearise(Factors<N, T>& A, T y[N]) const {
+  PRESSWORK_DEVICE void linearise(Factors<N, T>& A, T y[N]) const {
     for (int j = 0; j < N; ++j) {
       T column[N], strain[N];
       for (int i = 0; i < N; ++i) column[i] = T(i == j ? 1.0 : 0.0);
@@ -113,19 +113,19 @@ struct Solver {
     A.solve(y);
   }
 
-  T along_gradient(const T x[N]) const {
+  PRESSWORK_DEVICE T along_gradient(const T x[N]) const {
     T sum(0.0);
     for (int i = 0; i < N; ++i) sum += terms.gradient[i] * x[i];
     return sum;
   }
   // change of value - flow stress along x
-  T excess_along(const T x[N]) const {
+  PRESSWORK_DEVICE T excess_along(const T x[N]) const {
     const T sum = along_gradient(x);
     return flow_law.thermal.heats() ? sum * (T(1.0) - flow.by_value) : sum;
   }
 
   // Newton with backtracking from (xi, dp); gives the lanes of `open` that did not get there.
-  Mask<T> iterate(Mask<T> open) {
+  PRESSWORK_DEVICE Mask<T> iterate(Mask<T> open) {
     T from_xi[N], from_dp = dp, step_xi[N], step_dp(0.0), length(1.0), from_merit(1e300);
     for (int i = 0; i < N; ++i) from_xi[i] = xi[i], step_xi[i] = T(0.0);
     [[maybe_unused]] Mask<T> was_apart = open;
@@ -133,7 +133,7 @@ struct Solver {
       evaluate_residual();
       const T size = larger(flow.stress, T(molten) * elastic.young);
       const auto apart = invert(merit < T(tolerance * tolerance) * size * size);
-      if constexpr (std::is_same_v<T, double> || std::is_same_v<T, Pack>) {
+      if constexpr (is_of_doubles<T>) {
         open = both(open, apart);
       } else {  // derivatives by dual numbers are one step behind the values
         open = both(open, invert(both(invert(apart), invert(was_apart))));
@@ -171,7 +171,7 @@ struct Solver {
   // As `iterate`, for a flow stress with corners in dp, the ends of a window or the bend where a rate begins to count,
   // on which Newton's method for both equations can come to stand: xi of a given dp by the first equation, and dp by
   // the second between bounds.
-  Mask<T> iterate_nested(Mask<T> open) {
+  PRESSWORK_DEVICE Mask<T> iterate_nested(Mask<T> open) {
     constexpr int most_inside = 12;
     T low(0.0), high(0.0), x(0.0);
     for (int iteration = 0; iteration < max_iterations; ++iteration) {
@@ -209,7 +209,7 @@ struct Solver {
   }
 
   // d stress/d strain: dxi and ddp of the two equations linearised; C where the lane is elastic
-  void consistent_tangent(Mask<T> plastic, T (*tangent)[N]) const {
+  PRESSWORK_DEVICE void consistent_tangent(Mask<T> plastic, T (*tangent)[N]) const {
     Factors<N, T> A;
     T y[N];
     linearise(A, y);
@@ -235,7 +235,7 @@ struct Solver {
   // Start of the iteration. xi: the trial stress scaled to the yield surface; dp of f_trial - stiffness dp = flow on
   // the chord of the hardening curve up to its largest possible value. A trial stress that is not far out is moved by
   // that dp along C n instead. Lanes that are not plastic get a stress of their own, and dp = 0.
-  void start(const T shifted[N], T f_trial, T flow_n, Mask<T> plastic) {
+  PRESSWORK_DEVICE void start(const T shifted[N], T f_trial, T flow_n, Mask<T> plastic) {
     T ratio = flow_n / larger(f_trial, T(1e-300));
     for (int i = 0; i < N; ++i) xi[i] = select(plastic, shifted[i] * ratio, T(i == 0 ? 1.0 : 0.0) * flow_n);
     yield.evaluate(xi, terms);
@@ -252,7 +252,8 @@ struct Solver {
 
   // A flow stress that rises from next to nothing with a power of the rate is far from its chord: here the equation
   // f_trial - stiffness dp = flow is solved between 0 and `high`, by Newton's method and halving of logarithms.
-  void start_hot(const T shifted[N], T f_trial, T flow_n, T stiffness, T high, const T push[N], Mask<T> plastic) {
+  PRESSWORK_DEVICE void start_hot(const T shifted[N], T f_trial, T flow_n, T stiffness, T high, const T push[N],
+                                  Mask<T> plastic) {
     T low(0.0), x = select(plastic, dp, T(1e-300));
     Flow::Point<T> point;
     for (int k = 0; k < 12; ++k) {
@@ -279,9 +280,9 @@ struct Solver {
 // plastic strain, work-conjugate to the yield function; where the law heats the rise of temperature; what the kinematic
 // law keeps.
 template <class Yield, class Kinematic, class T>
-Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Flow& flow_law,
-                        const Elasticity<Yield::size, T>& elastic, const LawInput<Yield::size, T>& in, const T* s0,
-                        T* s1, T (*tangent)[Yield::size]) {
+PRESSWORK_DEVICE Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Flow& flow_law,
+                                         const Elasticity<Yield::size, T>& elastic, const LawInput<Yield::size, T>& in,
+                                         const T* s0, T* s1, T (*tangent)[Yield::size]) {
   constexpr int N = Yield::size;
   const bool heats = flow_law.thermal.heats();
   const int behind = N + 1 + (heats ? 1 : 0);  // where the kinematic law's values begin

@@ -38,6 +38,13 @@ struct TabulatedHardening {
   };
   PRESSWORK_DEVICE double shift() const { return offset; }
   // Flow stress and slope at equivalent plastic strain p.
+  PRESSWORK_DEVICE void evaluate(double p, double& flow, double& slope) const {
+    const double x = larger(p, 0.0) + offset;
+    Piece<double> piece;
+    find(x, piece);
+    flow = piece.value(x);
+    slope = piece.slope(x);
+  }
   template <class Real>
   void evaluate(PackOf<Real> p, PackOf<Real>& flow, PackOf<Real>& slope) const {
     const PackOf<Real> x = larger(p, PackOf<Real>(Real(0))) + PackOf<Real>(static_cast<Real>(offset));

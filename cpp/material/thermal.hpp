@@ -21,9 +21,9 @@ struct Softening {
     T factor = T(1.0), slope = T(0.0);  // and d factor/dT
   };
 
-  bool active() const { return melting > reference; }
+  PRESSWORK_DEVICE bool active() const { return melting > reference; }
   template <class T>
-  Point<T> at(T temperature) const {
+  PRESSWORK_DEVICE Point<T> at(T temperature) const {
     Point<T> point;
     if (!active()) return point;
     point.share = share_at(temperature);
@@ -32,7 +32,7 @@ struct Softening {
   }
   // The same at a temperature that may be near that of another point: by the binomial series about it.
   template <class T>
-  Point<T> near(const Point<T>& other, T temperature) const {
+  PRESSWORK_DEVICE Point<T> near(const Point<T>& other, T temperature) const {
     if (!active()) return other;
     Point<T> point;
     point.share = share_at(temperature);
@@ -49,12 +49,12 @@ struct Softening {
 
  private:
   template <class T>
-  T share_at(T temperature) const {
+  PRESSWORK_DEVICE T share_at(T temperature) const {
     const T share = (temperature - T(reference)) * T(1.0 / (melting - reference));
     return smaller(larger(share, T(1e-12)), T(1.0));  // an exponent below 1 has no slope at 0
   }
   template <class T>
-  void finish(T loss, Point<T>& point) const {
+  PRESSWORK_DEVICE void finish(T loss, Point<T>& point) const {
     point.loss = loss;
     point.factor = T(1.0) - loss;
     point.slope = T(-exponent / (melting - reference)) * loss / point.share;
@@ -66,7 +66,7 @@ struct Thermal {
   double start = 0.0;    // temperature of a point that nobody gives one [degrees C]
   double heating = 0.0;  // k above [degree/MPa]
 
-  bool heats() const { return heating > 0.0; }
+  PRESSWORK_DEVICE bool heats() const { return heating > 0.0; }
 };
 
 }  // namespace presswork

@@ -18,15 +18,15 @@ struct TemperatureCurve {
   const double* rows = nullptr;  // (n_rows, 4): start [degrees C], c0, c1, c2
   int n_rows = 0;
 
-  bool given() const { return n_rows > 0; }
-  void look_up(double t, double& value, double& slope) const {
+  PRESSWORK_DEVICE bool given() const { return n_rows > 0; }
+  PRESSWORK_DEVICE void look_up(double t, double& value, double& slope) const {
     int i = 0;
     while (i + 1 < n_rows && t > rows[columns * (i + 1)]) ++i;
     const double *row = rows + columns * i, d = t - row[0];
     value = row[1] + d * (row[2] + d * row[3]);
     slope = row[2] + 2.0 * d * row[3];
   }
-  double at(double t) const {
+  PRESSWORK_DEVICE double at(double t) const {
     double value, slope;
     look_up(t, value, slope);
     return value;
@@ -49,17 +49,17 @@ struct Thermoelastic {
   TemperatureCurve young_factor;  // Young's modulus over that of the law
   TemperatureCurve poisson;       // in place of that of the law
 
-  bool active() const { return expansion.given() || young_factor.given() || poisson.given(); }
+  PRESSWORK_DEVICE bool active() const { return expansion.given() || young_factor.given() || poisson.given(); }
   template <class T>
-  T young_factor_at(T temperature) const {
+  PRESSWORK_DEVICE T young_factor_at(T temperature) const {
     return young_factor.given() ? young_factor.at(temperature) : T(1.0);
   }
   template <class T>
-  T poisson_at(double otherwise, T temperature) const {
+  PRESSWORK_DEVICE T poisson_at(double otherwise, T temperature) const {
     return poisson.given() ? poisson.at(temperature) : T(otherwise);
   }
   template <class T>
-  T strain(T before, T now) const {
+  PRESSWORK_DEVICE T strain(T before, T now) const {
     return expansion.given() ? expansion.at(now) - expansion.at(before) : T(0.0);
   }
 };

@@ -30,7 +30,7 @@ struct QuadraticYield {
   double P[N][N] = {};
 
   template <class T>
-  T multiply(const T s[N], T product[N]) const {
+  PRESSWORK_DEVICE T multiply(const T s[N], T product[N]) const {
     T sum(0.0);
     for (int i = 0; i < N; ++i) {
       product[i] = T(0.0);
@@ -40,12 +40,12 @@ struct QuadraticYield {
     return square_root(larger(sum, T(0.0)));
   }
   template <class T>
-  T value(const T s[N]) const {
+  PRESSWORK_DEVICE T value(const T s[N]) const {
     T product[N];
     return multiply(s, product);
   }
   template <class T>
-  void evaluate(const T s[N], YieldTerms<N, T>& out) const {
+  PRESSWORK_DEVICE void evaluate(const T s[N], YieldTerms<N, T>& out) const {
     out.value = multiply(s, out.gradient);
     T over = T(1.0) / larger(out.value, T(1e-300));
     for (auto& g : out.gradient) g *= over;
@@ -85,7 +85,7 @@ struct EvenPowerYield {
     T D1, E1, M, D2, E2, v, w, u;  // v = 4 (D1^2 + E1^2), w = M^2, u = r^2
   };
   template <class T>
-  Arguments<T> arguments(const T s[3]) const {
+  PRESSWORK_DEVICE Arguments<T> arguments(const T s[3]) const {
     Arguments<T> a;
     a.D1 = T(d1[0]) * s[0] + T(d1[1]) * s[1];
     a.M = T(m[0]) * s[0] + T(m[1]) * s[1];
@@ -99,7 +99,7 @@ struct EvenPowerYield {
   }
   // phi/2: half the first bracket to the power k, and the even part of the binomial series
   template <class T>
-  T half_phi(const Arguments<T>& a) const {
+  PRESSWORK_DEVICE T half_phi(const Arguments<T>& a) const {
     T first = a.v * a.v * a.v, w = a.w, u = a.u;
     if constexpr (k == 3)
       return T(0.5 * b1) * first + T(b2) * ((w + T(15.0) * u) * w * w + (T(15.0) * w + u) * u * u);
@@ -110,20 +110,20 @@ struct EvenPowerYield {
     }
   }
   template <class T>
-  static T root(T half_phi) {
+  PRESSWORK_DEVICE static T root(T half_phi) {
     if constexpr (k == 3)
       return cube_root(square_root(half_phi));
     else
       return square_root(square_root(square_root(half_phi)));
   }
   template <class T>
-  T value(const T s[3]) const {
+  PRESSWORK_DEVICE T value(const T s[3]) const {
     return root(larger(half_phi(arguments(s)), T(1e-300)));
   }
 
   // 1. arguments  2. derivatives of phi/2 by v, w, u  3. chain rule to the stress  4. to the root
   template <class T>
-  void evaluate(const T s[3], YieldTerms<3, T>& out) const {
+  PRESSWORK_DEVICE void evaluate(const T s[3], YieldTerms<3, T>& out) const {
     Arguments<T> a = arguments(s);
     T phi = larger(half_phi(a), T(1e-300));
     out.value = root(phi);

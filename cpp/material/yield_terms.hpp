@@ -17,7 +17,7 @@ struct YieldTerms {
 };
 
 // x^(1/3) of a positive number; the pack's by a guess from the exponent bits and three steps of Halley.
-inline double cube_root(double x) { return std::cbrt(x); }
+PRESSWORK_DEVICE inline double cube_root(double x) { return std::cbrt(x); }
 inline Pack cube_root(Pack x) {
   const double shift = 715094163.0 * 4294967296.0;  // (1023 (1 - 1/3) - 0.033) 2^52
   Pack::Vector bits = __builtin_convertvector(std::bit_cast<Pack::Mask>(x.v), Pack::Vector);

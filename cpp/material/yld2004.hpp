@@ -46,14 +46,14 @@ struct Yld2004 {
   struct Tensor {
     T a[6], e[3], p[m + 1], h[m];
 
-    T by(int k, int i) const {  // dp_k/de_i, i from 0
+    PRESSWORK_DEVICE T by(int k, int i) const {  // dp_k/de_i, i from 0
       if (k <= i) return T(0.0);
       return (i == 1 ? T(-k) : T(k)) * h[k - i - 1];
     }
   };
 
   template <class T>
-  void transform(const T s[N], int t, Tensor<T>& A) const {
+  PRESSWORK_DEVICE void transform(const T s[N], int t, Tensor<T>& A) const {
     for (int i = 0; i < 3; ++i) {
       A.a[i] = T(normal[t][i][0]) * s[0];
       for (int j = 1; j < normals; ++j) A.a[i] += T(normal[t][i][j]) * s[j];
@@ -75,26 +75,26 @@ struct Yld2004 {
     for (int k = 3; k < m; ++k) h[k] = e[0] * h[k - 1] - e[1] * h[k - 2] + e[2] * h[k - 3];
   }
 
-  static constexpr double factor(int k) {  // binomial(m, k) (-1)^k
+  PRESSWORK_DEVICE static constexpr double factor(int k) {  // binomial(m, k) (-1)^k
     double c = 1.0;
     for (int i = 0; i < k; ++i) c = -c * (m - i) / (i + 1);
     return c;
   }
   template <class T>
-  static T sum(const Tensor<T>& A, const Tensor<T>& B) {
+  PRESSWORK_DEVICE static T sum(const Tensor<T>& A, const Tensor<T>& B) {
     T phi(0.0);
     for (int k = 0; k <= m; ++k) phi += T(factor(k)) * A.p[k] * B.p[m - k];
     return phi;
   }
   template <class T>
-  static T root(T quarter_phi) {
+  PRESSWORK_DEVICE static T root(T quarter_phi) {
     if constexpr (m == 6)
       return cube_root(square_root(quarter_phi));
     else
       return square_root(square_root(square_root(quarter_phi)));
   }
   template <class T>
-  T value(const T s[N]) const {
+  PRESSWORK_DEVICE T value(const T s[N]) const {
     Tensor<T> A, B;
     transform(s, 0, A), transform(s, 1, B);
     return root(larger(T(0.25) * sum(A, B), T(1e-300)));
@@ -102,7 +102,7 @@ struct Yld2004 {
 
   // Derivatives of an invariant, from 0, by the stress.
   template <class T>
-  void invariant_gradient(const Tensor<T>& A, int t, int which, T out[N]) const {
+  PRESSWORK_DEVICE void invariant_gradient(const Tensor<T>& A, int t, int which, T out[N]) const {
     const T *a = A.a, xy = a[3], yz = a[4], zx = a[5];
     T g[6];
     for (int i = 0; i < 3; ++i) g[i] = which == 0 ? T(1.0) : A.e[0] - a[i], g[3 + i] = T(-2.0) * a[3 + i];
@@ -120,7 +120,7 @@ struct Yld2004 {
 
   // Adds w2 and w3 times the second derivatives of the second and third invariant.
   template <class T>
-  void add_curvature(const Tensor<T>& A, int t, T w2, T w3, T (*hessian)[N]) const {
+  PRESSWORK_DEVICE void add_curvature(const Tensor<T>& A, int t, T w2, T w3, T (*hessian)[N]) const {
     const T* a = A.a;
     T M[6][6];
     for (auto& row : M)
@@ -152,7 +152,7 @@ struct Yld2004 {
 
   // 1. transformed stresses  2. derivatives of phi by the six invariants  3. chain rule to the stress  4. to the root
   template <class T>
-  void evaluate(const T s[N], YieldTerms<N, T>& out) const {
+  PRESSWORK_DEVICE void evaluate(const T s[N], YieldTerms<N, T>& out) const {
     Tensor<T> A[2];
     for (int t = 0; t < 2; ++t) transform(s, t, A[t]);
     const T phi = larger(sum(A[0], A[1]), T(4e-300));
@@ -188,7 +188,7 @@ struct Yld2004 {
  private:
   // Of phi by e_1, e_2, e_3 of the first tensor, then of the second.
   template <class T>
-  static void differentiate(const Tensor<T> A[2], T first[6], T second[6][6]) {
+  PRESSWORK_DEVICE static void differentiate(const Tensor<T> A[2], T first[6], T second[6][6]) {
     for (int i = 0; i < 6; ++i) {
       first[i] = T(0.0);
       for (int j = 0; j < 6; ++j) second[i][j] = T(0.0);

@@ -9,10 +9,12 @@
 #include <utility>
 #include <variant>
 
+#include "tensor/on_device.hpp"
+
 namespace presswork {
 
 template <std::size_t i = 0, class F, class... Ts>
-[[gnu::always_inline]] inline decltype(auto) choose(const std::variant<Ts...>& choice, F&& f) {
+PRESSWORK_INLINE decltype(auto) choose(const std::variant<Ts...>& choice, F&& f) {
   if constexpr (i + 1 < sizeof...(Ts))
     if (choice.index() != i) return choose<i + 1>(choice, std::forward<F>(f));
   return f(*std::get_if<i>(&choice));

@@ -86,6 +86,14 @@ using Pack = PackOf<double>;
 using FloatPack = PackOf<float>;  // twice the lanes
 inline constexpr int pack_width = Pack::width;
 
+// Whether T is a double or a pack of them: no floats, no dual numbers.
+template <class T>
+inline constexpr bool is_of_doubles = false;
+template <>
+inline constexpr bool is_of_doubles<double> = true;
+template <>
+inline constexpr bool is_of_doubles<Pack> = true;
+
 // --- masks ---------------------------------------------------------------------------------------------------------
 template <class T>
 using Mask = decltype(T(0.0) < T(0.0));
@@ -133,10 +141,10 @@ Pack map_lanes(Pack a, F f) {
 
 PRESSWORK_DEVICE inline double square_root(double a) { return std::sqrt(a); }
 PRESSWORK_DEVICE inline float square_root(float a) { return std::sqrt(a); }
-inline double logarithm(double a) { return std::log(a); }
-inline double logarithm_one_plus(double a) { return std::log1p(a); }
-inline double exponential(double a) { return std::exp(a); }
-inline double power(double a, double b) { return std::pow(a, b); }
+PRESSWORK_DEVICE inline double logarithm(double a) { return std::log(a); }
+PRESSWORK_DEVICE inline double logarithm_one_plus(double a) { return std::log1p(a); }
+PRESSWORK_DEVICE inline double exponential(double a) { return std::exp(a); }
+PRESSWORK_DEVICE inline double power(double a, double b) { return std::pow(a, b); }
 
 inline Pack square_root(Pack a) {
 #if PRESSWORK_VECTOR_BYTES == 64

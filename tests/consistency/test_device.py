@@ -146,12 +146,6 @@ def test_a_dump_goes_on_across_devices(first: Device, second: Device) -> None:
 
 
 def test_what_no_device_computes_is_refused() -> None:
-    power = _core.SheetLaw(
-        207e3, 0.3, _core.YieldFunction.hill1948([0.4, 0.5, 0.5, 1.5, 1.5, 1.5]), _core.HardeningLaw.swift,
-        [565.0, 0.007, 0.26],
-    )  # fmt: skip
-    with pytest.raises(ExplicitError, match=r"does not compute laws other than von Mises .*take device = \"cpu\""):
-        make_run("host", law=power)
     with pytest.raises(ExplicitError, match="does not compute shells other than shell4_1pt"):
         make_run("host", options=ShellOptions(hourglass="stiffness"))
     points, cells = mesh()

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Every law of a sheet on the host build of the code for cards: the same run as by the loop of the CPU."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from presswork import _core
+from presswork.case import ShellCase, build_model
+from presswork.explicit.device import Device
+from presswork.explicit.shells import ExplicitError, ExplicitShells, ShellOptions
+from presswork.explicit.space import Precision
+from presswork.law.elastic_plastic import make_sheet_law
+from tests.consistency.test_explicit_shells import halve, mesh, results
+from tests.consistency.test_matrix import BASE, FEATURES, USER, shell_case
+
+CYCLES, SHELLS_ALONG = 120, 8
+AGREEMENT = {"double": 1e-9, "single": 1e-4}
+"""Of the largest value: round-off, and what Newton's method leaves of a flow stress."""
+LAWS = [name for name in FEATURES if name not in USER]
+
+
+def law_of(feature: str) -> _core.SheetLaw:
+    return make_sheet_law(build_model(ShellCase.model_validate(shell_case({**BASE, **FEATURES[feature]}))).materials[0])
+
+
+def pull(
+    device: Device, law: _core.SheetLaw, precision: Precision = "double", *, tabulate: bool = True
+) -> ExplicitShells:
+    """Pull a wavy sheet of quadrilaterals and triangles by 10 %, and bend it; the process is 3 times as slow."""
+    points, cells = mesh(SHELLS_ALONG)
+    options = ShellOptions(n_points=3, tabulate=tabulate)
+    shells = ExplicitShells(points, halve(cells), 0.8, law, 2.7e-9, options=options, precision=precision, device=device)
+    shells.fix(np.flatnonzero(points[:, 0] == 0), "uvwpqr")
+    shells.fix(np.flatnonzero(points[:, 0] == 48), "u", 20000.0)
+    shells.force = np.tile([0.0, 0.0, 2.0, 0.0, 0.0, 0.0], (len(points), 1))
+    shells.set_slower(3.0)
+    return shells
+
+
+def compare(runs: list[ExplicitShells], within: float) -> None:
+    for expected, found in zip(*map(results, runs), strict=True):
+        np.testing.assert_allclose(found, expected, rtol=0, atol=within * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("feature", LAWS)
+def test_every_law_of_a_sheet_runs_on_a_device(feature: str) -> None:
+    """Motion, stress, history and thickness after plastic flow."""
+    law = law_of(feature)
+    runs = [pull(device, law) for device in ("cpu", "host")]
+    for run in runs:
+        run.advance(CYCLES)
+    assert runs[0].equivalent_plastic_strain.max() > 0.01
+    compare(runs, AGREEMENT["double"])
+
+
+@pytest.mark.parametrize("feature", ["all of them", "hensel_spittel", "yld2000"])
+def test_laws_in_single_precision_agree(feature: str) -> None:
+    runs = [pull(device, law_of(feature), "single") for device in ("cpu", "host")]
+    for run in runs:
+        run.advance(CYCLES)
+    compare(runs, AGREEMENT["single"])
+
+
+def test_a_law_by_its_formula_agrees() -> None:
+    runs = [pull(device, law_of("swift_voce"), tabulate=False) for device in ("cpu", "host")]
+    for run in runs:
+        run.advance(CYCLES)
+    compare(runs, AGREEMENT["double"])
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_layers_are_computed_at_their_own_temperatures(precision: Precision) -> None:
+    runs = [pull(device, law_of("adiabatic heating"), precision) for device in ("cpu", "host")]
+    for run in runs:
+        run.given_temperature = np.array([40.0, 150.0, 350.0])
+        run.advance(CYCLES)
+    assert np.ptp(runs[0].stress[:, :, 0], axis=1).max() > 30.0
+    compare(runs, AGREEMENT[precision])
+
+
+def test_a_law_that_finds_no_stress_stops_the_run() -> None:
+    run = pull("host", law_of("hill1948"))
+    run.fix([40], "u", 5e7)
+    with pytest.raises(ExplicitError, match="material law"):
+        run.advance(100)
