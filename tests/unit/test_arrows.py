@@ -18,7 +18,7 @@ CPP_ROOMS = {
     "contact": {"tensor", "reference"},
     "assembly": {"tensor", "element", "contact"},
     "explicit": {"tensor", "element", "material", "assembly", "contact"},
-    "device": {"tensor", "element", "contact", "explicit"},
+    "device": {"tensor", "element", "material", "contact", "explicit"},
     "remesh": {"tensor"},
     "sanitize": set(),
 }
