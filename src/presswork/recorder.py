@@ -9,6 +9,7 @@ import platform
 import resource
 import sys
 from collections.abc import Callable
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass, fields
 from pathlib import Path
 from time import perf_counter
@@ -22,6 +23,7 @@ from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
 from presswork.process.recording import Recording, Report, Snapshot
 from presswork.process.watch import Watch
+from presswork.ranks.world import World
 from presswork.results import (
     History,
     OutputError,
@@ -80,11 +82,12 @@ def run_model(
     threads: int = 0,
     on_increment: Callable[[Progress], None] | None = None,
     procedure: Callable[[Model, int], Recording] = begin,
+    world: World | None = None,
 ) -> Outcome:
     """Compute the whole process and write it to the folder.
 
     procedure: makes the procedure at work on the model, from the model and the number of threads; by default the one
-    that the model asks for.
+    that the model asks for. world: the ranks of MPI that compute the run together: rank 0 writes.
 
     A resumed run starts from the folder's checkpoint and gives the same bits as one never stopped. Ctrl-C, SIGTERM and
     a solver that gives up leave a checkpoint and readable results, and are told by Outcome.status. Raises OutputError
@@ -93,15 +96,48 @@ def run_model(
     once all files are whole.
     """
     recording = procedure(model, threads)
-    with stop.listen():
-        path = open_output_folder(folder, overwrite=overwrite, resume=resume)
-        with occupy(path):
-            run = _Run(recording, path, fingerprint(model), Watch(model.limits))
+    if world is not None and world.rank > 0:
+        with stop.listen(world.largest):
+            return _follow(recording, Path(folder), world, resume=resume)
+    with stop.listen(world.largest if world else None), ExitStack() as stack:
+        with _leading(world):
+            path = open_output_folder(folder, overwrite=overwrite, resume=resume)
+            stack.enter_context(occupy(path))
+            run = _Run(recording, path, fingerprint(model), Watch(model.limits), world)
             if resume:
                 run.load()
             else:
                 run.begin(model.case_text)
-            return run.complete(on_increment)
+        return run.complete(on_increment)
+
+
+def _leading(world: World | None) -> AbstractContextManager[None]:
+    """Return the context of what rank 0 alone does."""
+    return world.leading() if world else nullcontext()
+
+
+def _follow(recording: Recording, folder: Path, world: World, *, resume: bool) -> Outcome:
+    """Compute a rank's part of a run that rank 0 writes, as far as rank 0 goes; Outcome.reason is told by rank 0."""
+    if not world.follow():
+        return Outcome("gave_up", folder)
+    if resume:
+        arrays, meta = load_checkpoint(folder / CHECKPOINT)
+        recording.load_arrays(arrays)
+        recording.load_meta(meta)
+    try:
+        if not world.follow():
+            return Outcome("gave_up", folder)
+        for _ in recording.advance():
+            if not world.follow():
+                return Outcome("gave_up", folder)
+            if recording.remaining() > 0.0:
+                stop.look()
+    except GaveUpError:
+        return Outcome("gave_up", folder)
+    except KeyboardInterrupt:
+        return Outcome("interrupted", folder)
+    world.describe_traffic()
+    return Outcome("completed", folder)
 
 
 def fingerprint(model: Model) -> str:
@@ -170,8 +206,9 @@ class _Log(logging.FileHandler):
 class _Run:
     """One run in one folder."""
 
-    def __init__(self, recording: Recording, folder: Path, model: str, watch: Watch) -> None:
+    def __init__(self, recording: Recording, folder: Path, model: str, watch: Watch, world: World | None) -> None:
         self.recording = recording
+        self.world = world
         self.watch = watch
         self.folder = folder
         self.model = model
@@ -207,15 +244,21 @@ class _Run:
         reason = ""
         self.progress.tell(1.0 - self.recording.remaining(), "")
         try:
-            if self.recorded:
-                self._look_again()
+            with _leading(self.world):
+                if self.recorded:
+                    self._look_again()
             for report in self.recording.advance():
-                self._record(report, on_increment)
+                with _leading(self.world):
+                    self._record(report, on_increment)
                 if self.recording.remaining() > 0.0:
                     stop.look()
+            if self.world is not None:
+                self.log.info("%s", self.world.describe_traffic())
         except GaveUpError as error:
             status, reason = "gave_up", str(error)
         except MemoryError:
+            if self.world is not None:  # the other ranks wait for this one: all must end
+                raise
             remedy = "close other programs, take fewer or larger elements, or go on with --resume on a larger machine"
             status, reason = "gave_up", f"not enough memory; {remedy}"
         except KeyboardInterrupt:

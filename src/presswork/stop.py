@@ -9,27 +9,33 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
+Agree = Callable[[int], int]
+"""Of several processes that compute one run: returns the largest of their numbers."""
+
+_agree: Agree | None = None
 _asked = 0
 _seen = False
 
 
 @contextmanager
-def listen() -> Iterator[None]:
+def listen(agree: Agree | None = None) -> Iterator[None]:
     """Count signals until the block ends. One that nobody read raises KeyboardInterrupt there.
+
+    agree: then all processes read a signal that one of them has got, where they look next.
 
     In a thread other than the main one, where Python does not allow it, nothing changes.
     """
-    global _asked, _seen
+    global _agree, _asked, _seen
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    _asked, _seen = 0, False
+    _agree, _asked, _seen = agree, 0, False
     before = {number: signal.signal(number, _count) for number in SIGNALS}
     try:
         yield
@@ -37,6 +43,7 @@ def listen() -> Iterator[None]:
         for number, handler in before.items():
             signal.signal(number, handler)
         lost, _asked = _asked > 0 and not _seen, 0
+        _agree = None
     if lost:
         raise KeyboardInterrupt
 
@@ -44,7 +51,7 @@ def listen() -> Iterator[None]:
 def look() -> None:
     """Raise KeyboardInterrupt if a signal has come since `listen` began, once."""
     global _seen
-    if _asked and not _seen:
+    if not _seen and (_agree(_asked) if _agree else _asked):
         _seen = True
         raise KeyboardInterrupt
 

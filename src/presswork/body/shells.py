@@ -221,6 +221,9 @@ class ShellMechanics:
         """Keep which increment this is, for laws that ask."""
         self._when = place_increment(step)
 
+    def complete(self, trial: State) -> None:
+        """Let a trial state in equilibrium have the arrays of all cells; it has."""
+
     def settle(self, state_n: State, trial: State, dt: float) -> None:
         """Turn the directors of a converged trial state by its increment; with small displacements they stay.
 

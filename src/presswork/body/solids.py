@@ -16,7 +16,6 @@ from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.law_window import LawWindow, note_rates
 from presswork.body.laws_of_solids import history_at_rest, make_law, make_point_settings
 from presswork.body.nodal_pressure import describe_freedom, find_scale
-from presswork.body.shells import ShellMechanics
 from presswork.body.solid_energy import elastic_energy, stress_in_axes
 from presswork.evolution.points import find_evolved
 from presswork.fields.contact_stress import BodyTraction, ContactForces
@@ -31,13 +30,9 @@ from presswork.law.elastic_plastic import (
 )
 from presswork.model import POROSITY, FloatArray, Hardening, IntArray, MaskArray, Material, Model
 from presswork.outcome import BadGuess, Step
+from presswork.ranks.assembler import DividedAssembler
 from presswork.state import CellArrays, NodeArrays, State
 from presswork.timing import Timing
-
-
-def make_mechanics(model: Model, timing: Timing) -> Mechanics | ShellMechanics:
-    """Return what evaluates a model's cells."""
-    return ShellMechanics(model, timing) if model.analysis == "shell" else Mechanics(model, timing)
 
 
 @dataclass(frozen=True)
@@ -51,6 +46,19 @@ class TurnedInsideOut(BadGuess):
         return f"cell {self.cell} of block {self.block} turned inside out"
 
 
+@dataclass(frozen=True)
+class CellBlock:
+    """The arrays of a block's cells that are evaluated here; as in CellArrays."""
+
+    stress: FloatArray
+    eqps: FloatArray
+    hourglass: FloatArray
+    volume: FloatArray
+    history: FloatArray
+    temperature: FloatArray
+
+
+SolidAssembler = _core.Assembler | _core.SpaceAssembler | _core.MixedAssembler | DividedAssembler
 _NEVER_FLOWS = Hardening("linear", np.array([1e12, 0.0]))
 NOISE = 1e-8
 """Strain across the workpiece whose forces are taken for round-off where no larger ones have been."""
@@ -69,6 +77,7 @@ class Mechanics:
         self._first_cell = np.cumsum([0, *(len(b.connectivity) for b in model.mesh.blocks)])
         self._when = _core.UmatPlace()
         self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in model.mesh.blocks]
+        self._evaluated = self._choose_cells()
         self._has_pressure = self.freedoms > model.dimension
         self.pressure_scale = find_scale(model)
         """What the last freedom of a node, a length, is multiplied by to make it a pressure [MPa/mm], if it has one."""
@@ -87,20 +96,27 @@ class Mechanics:
         """What each freedom is multiplied by to make it a length [mm]."""
         self._force: list[FloatArray] = []
         self._stiffness: list[FloatArray] = []
-        for connectivity in self._connectivity:
+        for connectivity in self._evaluated:
             cells, nodes = connectivity.shape
             packs = -(-cells // _core.pack_width)
             self._force.append(np.zeros((packs, self.freedoms * nodes, _core.pack_width)))
             self._stiffness.append(np.zeros((packs, self.freedoms * nodes, self.freedoms * nodes, _core.pack_width)))
 
-    def _make_assembler(
-        self, couplings: IntArray | None
+    def _choose_cells(self) -> list[IntArray]:
+        """Return the connectivity of the cells that are evaluated here, block by block: all of them."""
+        return self._connectivity
+
+    def _make_assembler(self, couplings: IntArray | None) -> SolidAssembler:
+        return self._make_core_assembler(self._connectivity, couplings)
+
+    def _make_core_assembler(
+        self, connectivity: list[IntArray], couplings: IntArray | None
     ) -> _core.Assembler | _core.SpaceAssembler | _core.MixedAssembler:
         n_points, symmetric = len(self._model.mesh.points), self._model.solver.symmetric
         if self.freedoms == 4:
-            return _core.MixedAssembler(n_points, self._connectivity, symmetric, couplings)
+            return _core.MixedAssembler(n_points, connectivity, symmetric, couplings)
         assembler = _core.SpaceAssembler if self.freedoms == 3 else _core.Assembler
-        return assembler(n_points, self._connectivity, symmetric, couplings)
+        return assembler(n_points, connectivity, symmetric, couplings)
 
     @contextmanager
     def answering_elastically(self) -> Iterator[None]:
@@ -175,6 +191,18 @@ class Mechanics:
         state_n.
         """
         started = perf_counter()
+        bad = self._evaluate_cells(state_n, trial, increment, with_stiffness=with_stiffness, dt=dt)
+        if bad is not None:
+            self._timing.add("assembly", started)
+            return bad
+        force: FloatArray = self.assembler.assemble_vector(self._force)
+        self._timing.add("assembly", started)
+        return force
+
+    def _evaluate_cells(
+        self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool, dt: float
+    ) -> TurnedInsideOut | LawFailed | None:
+        """Fill stress, history and volumes of a trial state, element forces too; return why a cell fails, if so."""
         model = self._model
         points = self._start
         if not model.solver.is_small:
@@ -183,9 +211,10 @@ class Mechanics:
             points = np.column_stack([model.mesh.points, state_n.nodes.displacement[:, 3]])
         for i, block in enumerate(model.mesh.blocks):
             fault = _core.LawFault()
+            before, now = self._take_block(state_n.cells, i), self._take_block(trial.cells, i)
             failed = _core.evaluate_block(
                 block.element,
-                self._connectivity[i],
+                self._evaluated[i],
                 points,
                 increment,
                 self._laws[i],
@@ -194,34 +223,42 @@ class Mechanics:
                 depth=model.depth,
                 hourglass_fraction=model.solver.hourglass_stiffness,
                 pressure=self._pressure[i],
-                stress_n=state_n.cells.stress[i],
-                eqps_n=state_n.cells.eqps[i],
-                hourglass_n=state_n.cells.hourglass[i],
-                stress=trial.cells.stress[i],
-                eqps=trial.cells.eqps[i],
-                hourglass=trial.cells.hourglass[i],
-                volume=trial.cells.volume[i],
+                stress_n=before.stress,
+                eqps_n=before.eqps,
+                hourglass_n=before.hourglass,
+                stress=now.stress,
+                eqps=now.eqps,
+                hourglass=now.hourglass,
+                volume=now.volume,
                 force=self._force[i],
                 stiffness=self._stiffness[i] if with_stiffness else None,
                 symmetric=model.solver.symmetric,
-                history_n=state_n.cells.history[i],
-                history=trial.cells.history[i],
+                history_n=before.history,
+                history=now.history,
                 first_cell=int(self._first_cell[i]),
-                temperature=trial.cells.temperature[i] if trial.cells.temperature[i].size else None,
-                temperature_n=state_n.cells.temperature[i] if state_n.cells.temperature[i].size else None,
+                temperature=now.temperature if now.temperature.size else None,
+                temperature_n=before.temperature if before.temperature.size else None,
                 when=self._when,
                 dt=dt,
                 fault=fault,
             )
             if failed >= 0:
-                self._timing.add("assembly", started)
                 return TurnedInsideOut(i, failed)
             if fault.status != _core.LawStatus.done:
-                self._timing.add("assembly", started)
                 return LawFailed.of(i, fault)
-        force: FloatArray = self.assembler.assemble_vector(self._force)
-        self._timing.add("assembly", started)
-        return force
+            self._keep_block(now, trial.cells, i)
+        return None
+
+    def _take_block(self, cells: CellArrays, i: int) -> CellBlock:
+        """Return the arrays of a block's cells that are evaluated here."""
+        arrays = (cells.stress, cells.eqps, cells.hourglass, cells.volume, cells.history, cells.temperature)
+        return CellBlock(*(array[i] for array in arrays))
+
+    def _keep_block(self, block: CellBlock, cells: CellArrays, i: int) -> None:
+        """Put evaluated arrays where _take_block has taken them from; these are the arrays themselves."""
+
+    def complete(self, trial: State) -> None:
+        """Let a trial state in equilibrium have the arrays of all cells; by one process it has."""
 
     def assemble_stiffness(self, turned: MaskArray, frames: FloatArray, data: FloatArray) -> None:
         """Fill `data` (nnz) with the stiffness of the last evaluation; turned nodes use their own frames."""

@@ -7,6 +7,7 @@ Exit status: 0 the whole process was computed; 2 bad input or output folder; 3 t
 from __future__ import annotations
 
 import signal
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -16,6 +17,9 @@ from presswork.cli.case_files import load_model
 from presswork.cli.pictures import show
 from presswork.cli.terminal import GAVE_UP, INTERRUPTED, CaseFile, Settings, console, exit_on, refuse
 from presswork.model import Model, OneStepModel
+from presswork.process.begin import begin
+from presswork.process.on_ranks import begin_on_ranks
+from presswork.ranks.world import RanksError, World, find_world
 from presswork.recorder import Outcome, Progress, StartError, run_model
 from presswork.results import OutputError, Result
 
@@ -35,8 +39,14 @@ def run(
 ) -> None:
     """Compute a case, draw its pictures and write its page for the browser."""
     folder = output or case.with_suffix("")
+    with exit_on(RanksError):
+        world = find_world()
+    if world is not None and world.rank > 0:
+        console().quiet = quiet = True
     model = load_model(case, set_, folder)
     if isinstance(model, OneStepModel):
+        if world is not None:
+            raise refuse("a one-step run takes seconds and is not divided over ranks: run it without mpiexec")
         if resume:
             raise refuse("a one-step run takes seconds and leaves nothing to resume; run it anew with --overwrite")
         result = _run_onestep(model, folder, overwrite, threads, quiet)
@@ -45,7 +55,9 @@ def run(
         return
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        outcome = _compute(model, folder, overwrite, resume, threads, quiet)
+        outcome = _compute(model, folder, overwrite, resume, threads, quiet, world)
+        if world is not None and world.rank > 0:
+            return
         if outcome.status != "interrupted":
             show(outcome.result, plot=plot, report=report, quiet=quiet)
     except (OutputError, StartError) as error:
@@ -74,7 +86,9 @@ def _run_onestep(model: OneStepModel, folder: Path, overwrite: bool, threads: in
         raise refuse(str(error)) from error
 
 
-def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool) -> Outcome:
+def _compute(
+    model: Model, folder: Path, overwrite: bool, resume: bool, threads: int, quiet: bool, world: World | None
+) -> Outcome:
     from rich import progress
     from rich.table import Column
 
@@ -92,7 +106,19 @@ def _compute(model: Model, folder: Path, overwrite: bool, resume: bool, threads:
         def show(now: Progress) -> None:
             bar.update(task, completed=now.fraction, description=now.text)
 
-        outcome = run_model(model, folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=show)
+        begin_run = begin if world is None else partial(begin_on_ranks, world=world)
+        outcome = run_model(
+            model,
+            folder,
+            overwrite=overwrite,
+            resume=resume,
+            threads=threads,
+            on_increment=show,
+            procedure=begin_run,
+            world=world,
+        )
+    if world is not None and world.rank > 0:
+        return outcome
     s = outcome.result.summary
     for warning in s["warnings"] if outcome.status == "completed" else []:
         console().print(f"warning: {warning}", style="yellow", markup=False)

@@ -75,5 +75,6 @@ def new_epoch(run: ImplicitProcedure, mesh: Mesh, transfer: Transfer) -> Implici
     found = after.mechanics.evaluate(state, trial, np.zeros_like(state.nodes.displacement), with_stiffness=False)
     if isinstance(found, BadGuess):
         raise GaveUpError(f"the new mesh cannot be used: {found}")
+    after.mechanics.complete(trial)
     state.cells.volume = trial.cells.volume
     return after

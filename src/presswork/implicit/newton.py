@@ -201,6 +201,7 @@ class Equilibrium:
         unsettled = sum(i.n_unsettled for i in self._interactions)
         if unsettled:
             return Failed(log, f"contact of {unsettled} nodes does not settle", 0.5)
+        self._mechanics.complete(trial)
         self.fill(state_n, trial, point, balance.constraints)
         return Converged(log)
 

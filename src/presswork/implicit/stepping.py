@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from presswork import _core
+from presswork.body.make import make_mechanics
 from presswork.body.shells import ShellMechanics
-from presswork.body.solids import Mechanics, make_mechanics
+from presswork.body.solids import Mechanics
 from presswork.body.thermoelastic import find_thermal_work, keep_temperatures
 from presswork.evolution.points import Evolution
 from presswork.implicit.energy import Work, add_external_work, add_work, balance
@@ -34,6 +35,7 @@ from presswork.interaction.of_model import Interactions
 from presswork.interaction.supports import NotHeldError
 from presswork.model import FloatArray, Model
 from presswork.outcome import BadGuess, Converged, Failed, GaveUpError, IterationLog, Step
+from presswork.ranks.world import World
 from presswork.state import State
 from presswork.threads import available_threads
 from presswork.timing import Timing
@@ -67,8 +69,9 @@ class ImplicitProcedure:
     """Advances one model through its stages.
 
     others: interactions of one's own, beside those that the model names (presswork.interaction.contract). before: the
-    same run on the mesh before, with its threads and others; the caller then fills the State (epochs.new_epoch).
+    same run on the mesh before, with its threads, others and world; the caller then fills the State (epochs.new_epoch).
     begins_formed: the caller fills the State with a formed sheet; then it checks itself that something holds it.
+    world: the ranks that share the cells of solids, if there are several.
     """
 
     def __init__(
@@ -79,8 +82,10 @@ class ImplicitProcedure:
         others: Sequence[Interaction] = (),
         before: ImplicitProcedure | None = None,
         begins_formed: bool = False,
+        world: World | None = None,
     ) -> None:
         self.threads, self.others = threads, tuple(others)
+        self.world: World | None = before.world if before else world
         if before:
             self.threads, self.others = before.threads, tuple(copy(i) for i in before.others)
         freedoms = model.freedoms * len(model.mesh.points)
@@ -90,7 +95,7 @@ class ImplicitProcedure:
         self.timing: Timing = before.timing if before else Timing("assembly", "contact", "analysis", "solve")
         for interaction in self.others:
             interaction.find_places(model.mesh)
-        self.mechanics = make_mechanics(model, self.timing)
+        self.mechanics = make_mechanics(model, self.timing, self.world)
         self.interactions = Interactions(model, self.mechanics, self.others)
         self.equilibrium = Equilibrium(model, self.mechanics, self.interactions.all, self.timing, threads)
         self.ram = Ram(model)
@@ -112,6 +117,7 @@ class ImplicitProcedure:
         if not begins_formed:
             check_held(self.model, self.interactions, self.state)
         self.mechanics.evaluate(self.state, self.state, self.state.nodes.increment, with_stiffness=False)
+        self.mechanics.complete(self.state)
         self.initial_volume = self.volume()
 
     def at_rest(self) -> State:

@@ -33,7 +33,6 @@ from typing import Any, ClassVar, Protocol, Self
 import numpy as np
 import scipy
 
-from presswork import _core
 from presswork.model import FloatArray, IntArray, MaskArray, Mesh
 from presswork.outcome import BadGuess, Step
 from presswork.state import Arrays, State
@@ -87,6 +86,19 @@ class Constraints:
     frames: FloatArray  # (n_points, d, d): rows are the local axes of a node's displacement, of a shell's rotation
 
 
+class Matrix(Protocol):
+    """An assembler, to which interactions add stiffness."""
+
+    @property
+    def indptr(self) -> IntArray:
+        """Where the rows of its values begin."""
+
+    def add_blocks(
+        self, pairs: IntArray, blocks: FloatArray, turned: MaskArray, frames: FloatArray, data: FloatArray
+    ) -> None:
+        """Add blocks (n, d, d) at pairs of nodes (n, 2)."""
+
+
 class Resistance(Protocol):
     """Forces on the nodes that follow from the reactions of what is held."""
 
@@ -95,7 +107,7 @@ class Resistance(Protocol):
 
     def add_stiffness(
         self,
-        assembler: _core.Assembler | _core.SpaceAssembler | _core.MixedAssembler | _core.ShellAssembler,
+        assembler: Matrix,
         constraints: Constraints,
         data: FloatArray,
         *,

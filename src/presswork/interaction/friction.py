@@ -26,9 +26,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork import _core
 from presswork.fields.contact_stress import edge_shares
-from presswork.interaction.contract import Constraints
+from presswork.interaction.contract import Constraints, Matrix
 from presswork.interaction.coulomb import return_to_limit
 from presswork.interaction.grazing import Drag
 from presswork.interaction.tool_arrays import SLIDING, ContactArrays
@@ -67,7 +66,7 @@ class FrictionForces:
 
     def add_stiffness(
         self,
-        assembler: _core.Assembler | _core.SpaceAssembler | _core.MixedAssembler | _core.ShellAssembler,
+        assembler: Matrix,
         constraints: Constraints,
         data: FloatArray,
         *,

@@ -51,6 +51,7 @@ from presswork.process.recording import Meta, Row, Snapshot, find_never_touched
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.tool_ends import explain_passed_ends
 from presswork.process.tool_quantities import ToolQuantities, describe_plane, measure_tools
+from presswork.ranks.world import World
 from presswork.results import history_columns
 
 NEW_MESHES = "the mesh stays as it is: with [remesh] in the case it is made anew where it fails"
@@ -63,11 +64,18 @@ class ImplicitRecording(IncrementRecording):
 
     model: Model
 
-    def __init__(self, model: Model, *, threads: int = 0, ask_for_mesh: AskForMesh | None = None) -> None:
+    def __init__(
+        self, model: Model, *, threads: int = 0, ask_for_mesh: AskForMesh | None = None, world: World | None = None
+    ) -> None:
+        """world: ranks that share the cells of solids."""
         by_arc = model.solver.control == "arc_length"
         if by_arc and ask_for_mesh is not None:
             raise ValueError("arc length follows its path on one mesh: take load control")
-        procedure = (ArcLengthProcedure if by_arc else ImplicitProcedure)(model, threads=threads)
+        procedure = (
+            ArcLengthProcedure(model, threads=threads)
+            if by_arc
+            else ImplicitProcedure(model, threads=threads, world=world)
+        )
         super().__init__(model, procedure, ask_for_mesh)
         self.turning = find_turning(model.tools, model.stages)
         self.penetration = Penetration()

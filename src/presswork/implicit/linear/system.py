@@ -25,6 +25,7 @@ from presswork.interaction.contract import (
     turn_back,
 )
 from presswork.model import FloatArray, MaskArray, Model
+from presswork.ranks.assembler import DividedAssembler
 from presswork.timing import Timing
 
 FLAT = 1e-3
@@ -93,6 +94,11 @@ class LinearSystem:
         """The linear solver of the assembler's pattern; it is analysed when it is first asked for."""
         if self._solver is None:
             started, assembler, symmetric = perf_counter(), self._analysed, self._model.solver.symmetric
+            if isinstance(assembler, DividedAssembler):
+                from presswork.implicit.linear.petsc import PetscSolver
+
+                self._solver = PetscSolver(assembler, self._model.takes_multigrid)
+                return self._solver
             make = partial(make_solver, assembler.indptr, assembler.indices, symmetric=symmetric, threads=self._threads)
             if self._model.takes_multigrid:
                 self._solver = make(freedoms=self._model.freedoms)

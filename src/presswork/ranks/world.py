@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The ranks of a run, and the messages between them, counted."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from presswork.model import FloatArray, IntArray
+from presswork.ranks.launch import count_ranks
+
+REMEDY = (
+    "on Debian and Ubuntu: apt install python3-petsc4py python3-mpi4py openmpi-bin; elsewhere: "
+    'pip install "presswork[mpi]", which compiles PETSc where there is none; or run without mpiexec'
+)
+
+
+class RanksError(Exception):
+    """The run cannot be divided over ranks."""
+
+
+@dataclass
+class Traffic:
+    """What one rank has sent by this program; PETSc's solvers send more."""
+
+    messages: int = 0
+    """From rank to rank."""
+    sent: int = 0
+    """In these [bytes]."""
+    collectives: int = 0
+    """Calls that all ranks take part in."""
+    received: int = 0
+    """From other ranks in these [bytes]."""
+
+    def numbers(self) -> IntArray:
+        """Return the counts (4,)."""
+        return np.array([self.messages, self.sent, self.collectives, self.received], dtype=np.int64)
+
+
+class World:
+    """All ranks of a run; every method that is not a property is called by all of them at the same place."""
+
+    def __init__(self, communicator: Any) -> None:
+        """communicator: of mpi4py."""
+        self._comm = communicator
+        self.rank: int = communicator.Get_rank()
+        self.size: int = communicator.Get_size()
+        self.traffic = Traffic()
+
+    def exchange(self, outgoing: Mapping[int, FloatArray], incoming: Mapping[int, FloatArray]) -> None:
+        """Send arrays to ranks and fill those that come from ranks, in place."""
+        requests = [self._comm.Irecv(array, source=rank) for rank, array in sorted(incoming.items())]
+        for rank, array in sorted(outgoing.items()):
+            requests.append(self._comm.Isend(array, dest=rank))
+            self.traffic.messages += 1
+            self.traffic.sent += array.nbytes
+        for request in requests:
+            request.Wait()
+
+    def swap(self, outgoing: Mapping[int, Any]) -> dict[int, Any]:
+        """Send any object to each of some ranks; return what has come, by rank. For set-up, not for iterations."""
+        listed = self._comm.alltoall([outgoing.get(rank) for rank in range(self.size)])
+        self.traffic.collectives += 1
+        return {rank: what for rank, what in enumerate(listed) if what is not None}
+
+    def gather(self, own: FloatArray, counts: IntArray) -> FloatArray:
+        """Return the values of all ranks one after another; counts: of each rank."""
+        whole = np.empty(int(counts.sum()))
+        self._comm.Allgatherv(np.ascontiguousarray(own), [whole, counts.astype(np.int32)])
+        self.traffic.collectives += 1
+        self.traffic.received += whole.nbytes - own.nbytes
+        return whole
+
+    def largest(self, number: int) -> int:
+        """Return the largest of the ranks' numbers."""
+        return int(self.gather(np.array([float(number)]), np.ones(self.size, dtype=np.int32)).max())
+
+    def gather_objects(self, own: Any) -> list[Any]:
+        """Return any object of each rank. For what seldom happens."""
+        self.traffic.collectives += 1
+        return list(self._comm.allgather(own))
+
+    @contextmanager
+    def leading(self) -> Iterator[None]:
+        """Do on rank 0 what it does alone; the others hear by follow() whether it has ended without an error."""
+        went_well = False
+        try:
+            yield
+            went_well = True
+        finally:
+            self._comm.bcast(went_well, root=0)
+
+    def follow(self) -> bool:
+        """Wait until rank 0 has done what it does alone; return whether the run goes on."""
+        return bool(self._comm.bcast(None, root=0))
+
+    def describe_traffic(self) -> str:
+        """Say in a line what all ranks have sent so far."""
+        messages, sent, collectives, received = sum(self.gather_objects(self.traffic.numbers()))
+        return (
+            f"{self.size} ranks: {messages} messages of {sent / 1e6:.3f} MB from rank to rank, "
+            f"{collectives // self.size} collective calls, in which ranks received {received / 1e6:.3f} MB; "
+            "the linear solver's own not counted"
+        )
+
+
+def find_world() -> World | None:
+    """Return the ranks that mpiexec has started, None if this process computes alone. Raises RanksError."""
+    if count_ranks() == 1:
+        return None
+    try:
+        import petsc4py
+        from mpi4py import MPI
+
+        petsc4py.init([])
+    except ImportError as error:
+        raise RanksError(f"a run on {count_ranks()} ranks needs petsc4py and mpi4py ({error}); {REMEDY}") from error
+    world = World(MPI.COMM_WORLD)
+    if world.size != count_ranks():
+        raise RanksError(
+            f"mpiexec has started {count_ranks()} processes, of which each sees {world.size}: mpi4py was made for "
+            "another MPI than that of this mpiexec; take the mpiexec of mpi4py's MPI, or rebuild mpi4py"
+        )
+    _end_all_on_errors()
+    return world
+
+
+def _end_all_on_errors() -> None:
+    """End all ranks where one ends by an error that nobody handles: the others would wait for it for ever."""
+    before = sys.excepthook
+
+    def end(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        from mpi4py import MPI
+
+        before(kind, error, trace)
+        sys.stderr.flush()
+        MPI.COMM_WORLD.Abort(1)
+
+    sys.excepthook = end

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Cells divided over ranks give the forces, the state and the matrix of all cells by one process."""
+
+import numpy as np
+import pytest
+
+from presswork.body.divided_solids import DividedMechanics
+from presswork.body.solids import Mechanics, TurnedInsideOut
+from presswork.model import Stage
+from presswork.outcome import Step
+from presswork.timing import Timing
+from tests.problems.rank_threads import on_ranks
+from tests.problems.space_solids import SYMMETRY, box, make_model
+
+STEP = Step(0, 0.0, 1.0, 1, 0.0, 1.0, 0.0)
+
+
+def _model(element, *, symmetric=True):
+    mesh = box(element, (3.0, 2.0, 2.0), (3, 2, 2), distort=0.1)
+    return make_model(mesh, SYMMETRY, Stage("press"), symmetric=symmetric)
+
+
+def _fill(mechanics, model, squeeze=-0.05):
+    """Evaluate a squeezed body; return force, state, assembled values and right-hand side of prescribed freedoms."""
+    state = mechanics.at_rest()
+    trial = state.duplicate()
+    increment = np.zeros_like(state.nodes.displacement)
+    increment[:, :3] = squeeze * model.mesh.points[:, [1, 2, 0]]
+    mechanics.begin_increment(state, STEP)
+    force = mechanics.evaluate(state, trial, increment, with_stiffness=True, dt=1.0)
+    if isinstance(force, TurnedInsideOut):
+        return force
+    mechanics.complete(trial)
+    n, f = force.shape
+    assembler = mechanics.assembler
+    data = np.zeros(len(assembler.indices))
+    turned, frames = np.zeros(n, dtype=np.uint8), np.zeros((n, min(f, 3), min(f, 3)))
+    turned[::3] = 1
+    frames[:] = np.linalg.qr(np.random.default_rng(3).normal(size=frames.shape[1:]))[0]
+    mechanics.assemble_stiffness(turned, frames, data)
+    corner = model.mesh.blocks[0].connectivity[:, :2].astype(np.int32)  # pairs of nodes as a load that follows has
+    blocks = np.random.default_rng(5).normal(size=(len(corner), f, f))
+    assembler.add_blocks(np.ascontiguousarray(corner), blocks, turned, frames, data)
+    mask = np.zeros((n, f), dtype=np.uint8)
+    mask[::4, 1] = 1
+    rhs = np.zeros(n * f)
+    assembler.constrain(mask.reshape(-1), np.full(n * f, 0.3), 7.0, data, rhs)
+    return force, trial, data, rhs
+
+
+@pytest.mark.parametrize("element", ["hex8_fbar", "tet4_mini", "tet10"])
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_ranks_together_have_the_forces_the_state_and_the_matrix_of_one_process(element, symmetric):
+    model = _model(element, symmetric=symmetric)
+    whole = Mechanics(model, Timing("assembly"))
+    force, trial, data, rhs = _fill(whole, model)
+    start, columns = whole.assembler.indptr, whole.assembler.indices
+
+    def work(world):
+        mechanics = DividedMechanics(model, Timing("assembly"), world)
+        own_force, own_trial, own_data, own_rhs = _fill(mechanics, model)
+        assembler = mechanics.assembler
+        return own_force, own_trial, assembler.sum_entries(own_data), own_rhs, assembler, world.rank
+
+    f = force.shape[1]
+    seen = np.zeros(len(data), dtype=bool)
+    for own_force, own_trial, own_data, own_rhs, assembler, rank in on_ranks(3, work):
+        np.testing.assert_allclose(own_force, force, atol=1e-12 * np.abs(force).max())
+        assert own_trial.cells.stress[0].tobytes() == trial.cells.stress[0].tobytes()
+        assert own_trial.cells.volume[0].tobytes() == trial.cells.volume[0].tobytes()
+        own = np.repeat(assembler.division.owner == rank, f)
+        np.testing.assert_allclose(own_rhs[own], rhs[own], atol=1e-12 * np.abs(rhs).max())
+        for row in np.flatnonzero(own):
+            there, here = slice(start[row], start[row + 1]), slice(assembler.indptr[row], assembler.indptr[row + 1])
+            assert np.array_equal(assembler.indices[here], columns[there])
+            np.testing.assert_allclose(own_data[here], data[there], atol=1e-12 * np.abs(data).max())
+            seen[there] = True
+    assert seen.all()
+
+
+def test_all_ranks_hear_of_a_cell_that_one_has_turned_inside_out():
+    model = _model("hex8_fbar")
+    expected = _fill(Mechanics(model, Timing("assembly")), model, squeeze=-40.0)
+    assert isinstance(expected, TurnedInsideOut)
+    found = on_ranks(3, lambda world: _fill(DividedMechanics(model, Timing("assembly"), world), model, squeeze=-40.0))
+    assert all(isinstance(bad, TurnedInsideOut) for bad in found)
+    assert len({bad.cell for bad in found}) == 1

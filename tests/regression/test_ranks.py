@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""One run on several ranks of MPI: what refuses it, and, where petsc4py is installed, whole runs."""
+
+import importlib.util
+import shutil
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import typer
+
+from presswork import build_model, read_case
+from presswork.cli.run import run
+from presswork.model import ExplicitSolid
+from presswork.outcome import StartError
+from presswork.process.on_ranks import begin_on_ranks
+from presswork.results import load_checkpoint, read_history
+from tests.problems.ranks import run_on_ranks
+from tests.problems.upset_block import describe_block
+
+needs_mpi = pytest.mark.skipif(
+    shutil.which("mpiexec") is None or importlib.util.find_spec("petsc4py") is None,
+    reason="mpiexec or petsc4py is not installed (apt install python3-petsc4py openmpi-bin)",
+)
+HEX = 'element = "hex8_fbar"\nmesh = {size = [4, 4, 3], cells = [3, 3, 2]}'
+TET = 'element = "tet4_mini"\nmesh = {size = [4, 4, 3], cells = [2, 2, 2]}'
+SOLVER = """
+[solver]
+initial_increment = 0.5
+max_increment = 0.5
+linear_solver = "{kind}"
+[output]
+steps = 1
+checkpoint_every = 1
+[remesh]
+enabled = false
+"""
+
+
+def _write(folder, workpiece=HEX, kind="direct"):
+    case = folder / "block.toml"
+    stage = "tools.die = {stroke = 0.2, direction = [0, 0, -1]}"
+    case.write_text(describe_block(workpiece, 3, 0.3, stage, tail=SOLVER.format(kind=kind)))
+    return case
+
+
+def _model(folder, **changes):
+    return build_model(read_case(_write(folder)))
+
+
+def test_more_ranks_than_cells_are_refused(tmp_path):
+    with pytest.raises(StartError, match=r"19 ranks, but the mesh has only 18 cells: start at most that many"):
+        begin_on_ranks(_model(tmp_path), 1, SimpleNamespace(rank=0, size=19))
+
+
+def test_what_is_not_divided_is_refused(tmp_path):
+    from dataclasses import replace
+
+    explicit = replace(_model(tmp_path), explicit=ExplicitSolid())
+    with pytest.raises(StartError, match="explicit dynamics: ranks of MPI share the implicit forming of solids"):
+        begin_on_ranks(explicit, 1, SimpleNamespace(rank=0, size=2))
+
+
+def test_a_missing_petsc4py_names_the_way_out(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "4")
+    monkeypatch.setitem(sys.modules, "petsc4py", None)
+    with pytest.raises(typer.Exit) as ended:
+        run(_write(tmp_path))
+    said = " ".join(capsys.readouterr().err.split())
+    assert ended.value.exit_code == 2
+    assert "a run on 4 ranks needs petsc4py and mpi4py" in said
+    assert "python3-petsc4py" in said
+    assert not (tmp_path / "block").exists()
+
+
+@needs_mpi
+@pytest.mark.parametrize(("workpiece", "kind"), [(HEX, "direct"), (TET, "direct"), (HEX, "multigrid")])
+def test_two_ranks_find_the_answer_of_one_process(tmp_path, workpiece, kind):
+    case = _write(tmp_path, workpiece, kind)
+    run_on_ranks(1, case, tmp_path / "one")
+    run_on_ranks(2, case, tmp_path / "two")
+    one, two = (read_history(tmp_path / name / "history.csv") for name in ("one", "two"))
+    assert one["iterations"].tolist() == two["iterations"].tolist()
+    np.testing.assert_allclose(two["die.force"], one["die.force"], rtol=1e-8)
+    _compare(tmp_path / "one", tmp_path / "two")
+    assert "2 ranks: " in (tmp_path / "two" / "run.log").read_text()
+
+
+@needs_mpi
+def test_a_run_on_two_ranks_is_resumed_by_one_process(tmp_path):
+    case = _write(tmp_path)
+    run_on_ranks(1, case, tmp_path / "whole")
+    run_on_ranks(2, case, tmp_path / "parts", "--set", "limits.hydrostatic_stress=0.01", status=3)
+    assert 0 < len(read_history(tmp_path / "parts" / "history.csv")["time"]) < 2
+    run_on_ranks(1, case, tmp_path / "parts", "--resume")
+    _compare(tmp_path / "whole", tmp_path / "parts")
+
+
+def _compare(first, second):
+    whole, _ = load_checkpoint(first / "checkpoint.h5")
+    parts, _ = load_checkpoint(second / "checkpoint.h5")
+    for name in ("nodes.displacement", "nodes.reaction", "cells.stress.0", "cells.eqps.0"):
+        scale = np.abs(whole[name]).max()
+        np.testing.assert_allclose(parts[name], whole[name], atol=1e-8 * scale, rtol=0, err_msg=name)
