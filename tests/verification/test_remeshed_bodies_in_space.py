@@ -8,8 +8,6 @@ from presswork import CaseError, build_model
 from presswork.case.space.schema import SpaceCase
 from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.process.begin import begin
-from presswork.recorder import run_model
-from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 
 def press(remesh, *, stroke=0.8, fine=False, checkpoints=100):
@@ -44,26 +42,6 @@ def press(remesh, *, stroke=0.8, fine=False, checkpoints=100):
 SIZES = {"size": 1.5, "smallest_size": 0.7, "bodies": {"upper": {"size": 1.25, "smallest_size": 0.7}}}
 
 FINE = {"size": 1.1, "smallest_size": 0.6, "bodies": {"upper": {"size": 0.9, "smallest_size": 0.5}}}
-
-
-def follow(case):
-    recording = begin(build_model(case), 1)
-    rows = [recording.row(report) for report in recording.advance()]
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}, recording
-
-
-def test_contact_of_bodies_in_space_survives_new_meshes():
-    once, _ = follow(press({"enabled": False}, fine=True))
-    often, recording = follow(press(FINE | {"every": 0.3}, fine=True))
-    assert often["remeshes"][-1] >= 2
-    stroke = np.linspace(0.2, 0.8, 7)
-    for key in ("die.force", "joint.force_z"):
-        wanted, found = (np.interp(stroke, rows["die.stroke"], rows[key]) for rows in (once, often))
-        assert np.abs(found / wanted - 1).max() < 0.02
-    procedure = recording.procedure
-    plastic = procedure.volume() - procedure.mechanics.elastic_dilatation(procedure.state) - procedure.initial_volume
-    assert abs(plastic / procedure.initial_volume) < 1e-3
-    assert abs(procedure.energy_balance()["error_percent"]) < 1.0
 
 
 def stop_after(case, n):
@@ -103,15 +81,6 @@ def test_pressure_and_shear_pass_to_the_surface_that_is_the_slave_now(size):
     assert again[:2] == pytest.approx(passed[:2], abs=0.02 * passed[2])
     # no slot that presses is open, or deeper in than what its pressure takes
     assert after.state[InterfaceArrays].pressure.max() < 1500.0
-
-
-def test_runs_with_new_meshes_of_bodies_in_space_resume_to_the_same_bits(tmp_path):
-    model = build_model(press(FINE | {"every": 0.5}, stroke=0.6, fine=True, checkpoints=1))
-    whole = run_model(model, tmp_path / "whole", threads=1)
-    assert whole.status == "completed"
-    assert whole.result.summary["remeshes"] >= 1
-    parts = run_in_two_parts(model, tmp_path / "halves", lambda now: now.text.startswith("press: increment 7,"))
-    assert_same_bits(parts.folder, tmp_path / "whole")
 
 
 def test_sizes_of_a_body_that_there_is_not_are_refused():
