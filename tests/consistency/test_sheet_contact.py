@@ -95,3 +95,61 @@ def test_push_is_that_of_the_sheet_across_its_thickness() -> None:
     np.testing.assert_allclose(stress, -STIFFNESS * gap / THICKNESS, rtol=1e-9)
     off = x + normal * (-gap + 1.001 * ROUNDING * THICKNESS)[:, None]
     assert len(touch(*tool, sheet, off, np.zeros_like(x), np.zeros_like(x)).nodes) == 0
+
+
+class Plane:
+    """The plane z = 0 as a tool; answers as PlacedSurface does."""
+
+    def nearest(self, points: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+        gap = points[:, 2]
+        return np.where(gap < reach, gap, np.inf), np.broadcast_to([0.0, 0.0, 1.0], points.shape)
+
+
+def count_corrections(start: float, pulled_to: float, softness: float, *, at_own_gap: bool) -> tuple[int, float]:
+    """Return Newton's corrections of one node on a spring, and its gap over the rounding in equilibrium.
+
+    start: its gap when the spring's end is moved to a gap of `pulled_to`; both over the rounding. softness: of the
+    contact's spring over the node's own.
+    """
+    sheet = sheet_nodes(np.ones(1), np.full(1, THICKNESS), STIFFNESS)
+    k, delta, half = sheet.spring[0], sheet.rounding[0], 0.5 * THICKNESS
+    gap, before = start * delta, None
+    for corrections in range(60):
+        touched = find_touched(Plane(), sheet, np.array([[0.0, 0.0, half + gap]]), before)
+        law = find_touched(Plane(), sheet, np.array([[0.0, 0.0, half + gap]]))
+        push, slope = (touched.push[0], touched.slope[0]) if len(touched.nodes) else (0.0, 0.0)
+        own = k / softness
+        wrong = abs((law.push[0] if len(law.nodes) else 0.0) - push)
+        if max(abs(push + own * (pulled_to * delta - gap)), wrong) < 1e-10 * k * delta:
+            return corrections, gap / delta
+        gap += (push + own * (pulled_to * delta - gap)) / (own - slope)
+        before = np.full(1, np.inf)
+        before[touched.nodes] = touched.law_gap
+        before = None if at_own_gap else before
+    raise AssertionError("no equilibrium")
+
+
+@pytest.mark.parametrize("softness", [10.0, 1e3, 1e5])
+def test_a_node_that_is_pulled_off_leaves_within_three_corrections(softness: float) -> None:
+    corrections, gap = count_corrections(-3.0, 5.0, softness, at_own_gap=False)
+    assert gap == pytest.approx(5.0, rel=1e-9)
+    assert corrections <= 3
+
+
+@pytest.mark.parametrize("softness", [0.1, 10.0, 1e3, 1e5])
+@pytest.mark.parametrize("start", [-50.0, 0.3, 0.9, 2.0], ids=["deep", "touches", "hardly touches", "free"])
+@pytest.mark.parametrize("pulled_to", [-1e-3, -1.0, 0.9])
+def test_a_node_comes_to_equilibrium_on_the_parabola(start: float, pulled_to: float, softness: float) -> None:
+    corrections, gap = count_corrections(start, pulled_to, softness, at_own_gap=False)
+    # k (1 - g)^2 / 4 = (k / softness) (g - pulled_to)
+    b = 1.0 + 2.0 / softness
+    exact = b - np.sqrt(b * b - 1.0 - 4.0 * pulled_to / softness)
+    assert gap == pytest.approx(max(exact, (pulled_to / (1.0 + softness)) if exact < -1.0 else exact), abs=1e-7)
+    assert corrections <= 8
+
+
+def test_tangent_at_the_nodes_own_gap_halves_what_is_left_again_and_again() -> None:
+    assert (
+        count_corrections(-3.0, 0.9, 1e5, at_own_gap=True)[0]
+        > 2 * count_corrections(-3.0, 0.9, 1e5, at_own_gap=False)[0]
+    )

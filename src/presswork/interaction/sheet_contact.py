@@ -16,7 +16,7 @@ import numpy as np
 
 from presswork.body.shell_arrays import ShellArrays
 from presswork.interaction.drawbeads import SheetBeads
-from presswork.interaction.space_contact import SpaceContact, SpaceForces, TouchingNodes
+from presswork.interaction.space_contact import SpaceContact, SpaceForces, TouchingNodes, find_touched
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.topology import count_corners
 from presswork.model import FloatArray, IndexArray, IntArray, Model
@@ -57,6 +57,20 @@ class SheetContact(SpaceContact):
             np.add.at(total, block.connectivity, thickness.mean(axis=1)[:, None])
         self._thickness = total / np.maximum(self._cells, 1.0)
         self.beads.begin_increment(state_n)
+        self._law_gap = None
+
+    def predict(self, found: SpaceForces) -> None:
+        """Take the law's tangent where a correction asks for it, at the next guess."""
+        self._law_gap = found.law_gap
+
+    def count_unsettled(self, trial: State, found: SpaceForces, displacement: FloatArray, pull: float) -> int:
+        """Return how many nodes the tangent of the law pushes otherwise than the law, by more than `pull` [N]."""
+        x, placed, unsettled = self._model.mesh.points + displacement[:, :3], trial[SpaceToolArrays], 0
+        pushed = np.linalg.norm(found.by_tool - found.friction, axis=2)
+        for t in range(len(self._surfaces)):
+            touched = find_touched(self.placed(t, placed), self.touching(t), x)
+            unsettled += int((np.abs(touched.push - pushed[t, touched.nodes]) > pull).sum())
+        return unsettled
 
     def lead(self, state_n: State, trial: State, guess: FloatArray) -> FloatArray:
         """Return a first guess (n_points, 6) with each node that touched a tool where it pushes as it did.

@@ -63,8 +63,18 @@ class TouchingNodes:
 
     def gap_at(self, push: FloatArray) -> FloatArray:
         """Return the gap beyond the reach at which a node is pushed with so much [N] (n_points,) [mm]."""
-        k, delta = self.spring, self.rounding
-        return np.where(push > k * delta, -push / k, delta - np.sqrt(4.0 * delta * push / k))
+        return gap_at(push, self.spring, self.rounding)
+
+
+def push_at(gap: FloatArray, spring: FloatArray, rounding: FloatArray) -> FloatArray:
+    """Return the push (n,) [N] at gaps beyond the reach (n,) [mm]: a parabola within the rounding."""
+    return np.where(gap < -rounding, -spring * gap, spring * (rounding - gap) ** 2 / (4.0 * rounding))
+
+
+def gap_at(push: FloatArray, spring: FloatArray, rounding: FloatArray) -> FloatArray:
+    """Return the gap beyond the reach (n,) [mm] at which the push is so much (n,) [N]."""
+    parabola = rounding - np.sqrt(4.0 * rounding * np.maximum(push, 0.0) / spring)
+    return np.where(push > spring * rounding, -push / spring, parabola)
 
 
 @dataclass(frozen=True)
@@ -80,12 +90,19 @@ class TouchedNodes:
     """As in TouchingNodes (n,) [N/mm]."""
     rounding: FloatArray
     """The same (n,) [mm]."""
+    law_gap: FloatArray
+    """Gap beyond their reach where the tangent of the law is taken (n,) [mm]; `gap` itself: the law."""
+
+    @property
+    def slope(self) -> FloatArray:
+        """Derivative of the push by the gap (n,) [N/mm]."""
+        k, delta = self.spring, self.rounding
+        return np.where(self.law_gap < -delta, -k, -0.5 * k * (delta - self.law_gap) / delta)
 
     @property
     def push(self) -> FloatArray:
-        """Of the tool on the nodes (n,) [N]: a parabola within the rounding."""
-        k, g, delta = self.spring, self.gap, self.rounding
-        return np.where(g < -delta, -k * g, k * (delta - g) ** 2 / (4.0 * delta))
+        """Of the tool on the nodes (n,) [N], by the tangent of the law at law_gap."""
+        return push_at(self.law_gap, self.spring, self.rounding) + self.slope * (self.gap - self.law_gap)
 
 
 @dataclass(frozen=True)
@@ -107,12 +124,27 @@ class PlacedSurface:
         return self.pose.turn(rise), bend if turned is None else turned @ bend @ turned.T
 
 
-def find_touched(surface: PlacedSurface, touching: TouchingNodes, x: FloatArray) -> TouchedNodes:
-    """Return the nodes at x (n_points, 3) [mm] that touch a tool."""
+def find_touched(
+    surface: PlacedSurface, touching: TouchingNodes, x: FloatArray, before: FloatArray | None = None
+) -> TouchedNodes:
+    """Return the nodes at x (n_points, 3) [mm] that touch a tool.
+
+    before: law_gap of all nodes before a correction, infinite of those that did not touch (n_points,) [mm]. The law's
+    tangent is then taken where the push is what the correction has asked for, and nodes that it has asked to pull are
+    let go. At the nodes' own gap Newton's method would only halve what is left of a parabola, again and again.
+    """
     gap, normal = surface.nearest(x, float((touching.reach + touching.rounding).max()))
     nodes = np.flatnonzero(gap - touching.reach < touching.rounding)
-    beyond = (gap - touching.reach)[nodes]
-    return TouchedNodes(nodes, beyond, normal[nodes], touching.spring[nodes], touching.rounding[nodes])
+    k, delta, beyond = touching.spring[nodes], touching.rounding[nodes], (gap - touching.reach)[nodes]
+    law_gap = beyond
+    if before is not None:
+        touched = np.isfinite(before[nodes])
+        last = np.where(touched, before[nodes], 0.0)
+        asked = TouchedNodes(nodes, beyond, normal[nodes], k, delta, last).push
+        law_gap = np.where(touched, np.maximum(gap_at(asked, k, delta), beyond), beyond)
+        kept = ~touched | (asked > 0.0)
+        nodes, k, delta, beyond, law_gap = nodes[kept], k[kept], delta[kept], beyond[kept], law_gap[kept]
+    return TouchedNodes(nodes, beyond, normal[nodes], k, delta, law_gap)
 
 
 def touch_tool(
@@ -134,8 +166,7 @@ def touch_tool(
     rise, bend = surface.slopes(x[nodes])
     # 1. normal force
     deep = g < -delta
-    push = touched.push
-    slope = np.where(deep, -k, -0.5 * k * (delta - g) / delta)  # d push / d g
+    push, slope = touched.push, touched.slope
     rounded = k * (delta - np.maximum(g, -delta)) ** 3 / (12.0 * delta)
     energy = float((rounded + np.where(deep, 0.5 * k * (g**2 - delta**2), 0.0)).sum())
     force = push[:, None] * n
@@ -199,6 +230,8 @@ class SpaceForces(Forces):
     """Which tool each block is of (n,); -1: of a bead."""
     energy: float
     """Stored by the normal forces [N mm]."""
+    law_gap: FloatArray
+    """Where the tangent of the law was taken, infinite of nodes that do not touch (n_tools, n_points) [mm]."""
     beads: BeadForces | None = None
     """Of a sheet."""
 
@@ -210,6 +243,7 @@ class SpaceContact:
         """Take the tools of a model. depth: that a node of a guess may lie in a tool and be found [mm]."""
         self._model = model
         self._surfaces = [self._make_surface(tool, depth) for tool in model.space_tools]
+        self._law_gap: FloatArray | None = None
 
     def _make_surface(self, tool: Tool, depth: float) -> _core.ToolSurface | RoundedSurface:
         return make_surface(tool.surface, depth, smooth=True)
@@ -276,11 +310,17 @@ class SpaceContact:
         by_tool, friction = np.zeros((len(tools), n, 3)), np.zeros((len(tools), n, 3))
         nodes, blocks, owners, energy = [], [], [], 0.0
         surfaces = [self.placed(t, placed) for t in range(len(tools))]
-        touched = [find_touched(surface, self.touching(t), x) for t, surface in enumerate(surfaces)]
+        before, self._law_gap = self._law_gap, None
+        touched = [
+            find_touched(surface, self.touching(t), x, None if before is None else before[t])
+            for t, surface in enumerate(surfaces)
+        ]
+        law_gap = np.full((len(tools), n), np.inf)
         shear = self.limit_by_shear(x, [(own.nodes, own.normal, own.push) for own in touched])
         for t, (tool, way) in enumerate(zip(tools, self.ways(state_n, trial, displacement), strict=True)):
             found = touch_tool(surfaces[t], tool.friction, touched[t], x, way, friction_n[t], shear[t])
             by_tool[t, found.nodes], friction[t, found.nodes] = found.force, found.friction
+            law_gap[t, found.nodes] = touched[t].law_gap
             block = np.zeros((len(found.nodes), freedoms, freedoms))
             block[:, :3, :3] = found.stiffness
             energy += found.energy
@@ -298,6 +338,7 @@ class SpaceContact:
             friction,
             np.concatenate(owners) if owners else np.zeros(0, dtype=np.int32),
             energy,
+            law_gap,
         )
 
     def evaluate(
@@ -305,6 +346,13 @@ class SpaceContact:
     ) -> SpaceForces:
         """Return the forces on the nodes at a guess, at a fraction of a stage."""
         return self.touch_all(state_n, trial, displacement)
+
+    def predict(self, found: SpaceForces) -> None:
+        """Take note of a correction from a guess that is about to be evaluated."""
+
+    def count_unsettled(self, trial: State, found: SpaceForces, displacement: FloatArray, pull: float) -> int:
+        """Return how many nodes the tangent of the law pushes otherwise than the law, by more than `pull` [N]."""
+        return 0
 
     def augment(self, own: SpaceForces) -> bool:
         """Take multipliers over in equilibrium if they are not good enough yet."""

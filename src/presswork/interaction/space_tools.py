@@ -95,6 +95,15 @@ class SpaceTools(Interaction):
         step = guess.step
         return self.contact.evaluate(state_n, trial, guess.displacement, step.stage, step.fraction)
 
+    def predict(self, found: Any, change: FloatArray) -> None:
+        """Take note of a correction that is about to be evaluated."""
+        self.contact.predict(found)
+
+    def tune(self, trial: State, point: Point, *, pull: float, credible: float) -> int:
+        """Return how many nodes the tangent of the law of contact still pushes otherwise than the law."""
+        own = next(f for f in point.forces if isinstance(f, SpaceForces))
+        return self.contact.count_unsettled(trial, own, point.guess.displacement, pull)
+
     def border(
         self, trial: State, point: Point, own: Any, resistance: Any, *, near: bool
     ) -> tuple[FloatingInSpace | None, int]:
