@@ -37,6 +37,8 @@ SOFT, STIFFENING = 300.0, 4.0
 """Gentle attempts: how many times softer springs begin, and by what they are stiffened each time."""
 STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
+LOST = 1.0
+"""Correction over the increment above which an attempt that began from a good guess is given up."""
 MOST_AUGMENTATIONS = 10
 """Times that an increment takes multipliers over."""
 
@@ -98,11 +100,19 @@ class Equilibrium:
         return largest
 
     def solve(
-        self, state_n: State, trial: State, step: Step, guess: FloatArray, *, gently: bool = False
+        self,
+        state_n: State,
+        trial: State,
+        step: Step,
+        guess: FloatArray,
+        *,
+        gently: bool = False,
+        is_led: bool = False,
     ) -> Converged | Failed:
         """Find the trial state at step.fraction. state_n is not touched; trial is in equilibrium if Converged.
 
-        gently: begin with soft springs and stiffen them as equilibrium comes near; takes more iterations.
+        gently: begin with soft springs and stiffen them as equilibrium comes near; takes more iterations. is_led: the
+        guess is good, so that corrections larger than the increment itself lead nowhere.
         """
         log, size, factorised = IterationLog(), 0.0, False
         self._soften(SOFT if gently else 1.0)
@@ -130,6 +140,8 @@ class Equilibrium:
                 self._soften(max(1.0, self._softness / STIFFENING))
             if len(log) - log.since_augmented > most or (stiff and self._is_hopeless(log)):
                 break
+            if is_led and iteration > 1 and log.correction[-1] > LOST:
+                return Failed(log, f"a correction is {log.correction[-1]:.2g} times the increment", 0.5)
             # 3. correction; constrained freedoms go all the way to where they must be
             try:
                 refactorise = not factorised or self._needs_new_factors(balance, size)

@@ -46,6 +46,8 @@ SMALLEST = 10.0
 BACK = 1e-3
 """Fraction of the last increment by which the first guess is reversed where a stage releases what held the workpiece:
 the tangent from there is that of unloading."""
+WORTH_ALL = 0.25
+"""Of the last increment: attempts at so little of it are worth all iterations."""
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
 
@@ -299,11 +301,12 @@ class ImplicitProcedure:
         for interaction in self.interactions.all:
             interaction.place(state_n, trial, step, ratio)
         guess = state_n.nodes.increment * (-BACK if self._lets_go else ratio)
-        if FormerIncrement in state_n and not self._lets_go:
+        is_led = FormerIncrement in state_n and not self._lets_go
+        if is_led:
             fixed = self.interactions.supports.fixed(stage)
             guess = find_first_guess(state_n, trial, fraction - fraction_n, self.interactions.all, fixed)
-        outcome = self.equilibrium.solve(state_n, trial, step, guess, gently=gently)
-        return trial, outcome
+        is_led &= fraction - fraction_n > WORTH_ALL * last > 0.0
+        return trial, self.equilibrium.solve(state_n, trial, step, guess, gently=gently, is_led=is_led)
 
     def _conduct(self, heat: HeatOfIncrements, trial: State, step: Step, found: Converged) -> Converged | Failed:
         """Take the heat of an increment in equilibrium to its end; repeat both where temperatures given were off."""
