@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The packaged press line by explicit dynamics and by increments: outline, thickness and force after each operation."""
+
+from __future__ import annotations
+
+import pytest
+
+from validation.press_line_twice import IMPLICIT, compare, largest_forces, mean_forces, run_line, step_of
+
+pytestmark = pytest.mark.validation
+
+
+@pytest.fixture(scope="module")
+def lines(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("lines")
+    return run_line(folder / "explicit"), run_line(folder / "implicit", IMPLICIT)
+
+
+@pytest.mark.parametrize(
+    "stage", ["draw_form", "draw_springback", "pierce_springback", "flange_down", "flange_springback"]
+)
+def test_outline_and_thickness_are_alike(lines, stage) -> None:
+    """Rim, so draw-in, within 0.3 mm, thickness within 0.01 of the blank's."""
+    found = compare(*lines, step_of(lines[0], stage))
+    assert found.rim < 0.3
+    assert found.thickness < 0.01
+
+
+@pytest.mark.parametrize("punch", ["draw_punch", "flange_punch"])
+def test_forces_are_alike(lines, punch) -> None:
+    """Largest, and mean over the second half of the stroke, within 3 %."""
+    for find in (largest_forces, mean_forces):
+        explicit, implicit = (find(line)[punch] for line in lines)
+        assert explicit == pytest.approx(implicit, rel=0.03)
