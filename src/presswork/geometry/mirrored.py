@@ -3,9 +3,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
-from presswork.model import Triangulation
+from presswork.geometry.pose import find_space_pose
+from presswork.model import Model, Tool, Triangulation, find_held_side
+
+WITHIN = 5e-4
+"""Of the smallest cells: how far a tool may end off the symmetry plane at which it is completed."""
+
+
+def find_mirrors(tool: Tool, model: Model) -> list[tuple[int, float, float]]:
+    """Return the symmetry planes that cut a tool: axis, level [mm], and 1 where the body lies above it, else -1."""
+    middle = model.mesh.points.mean(axis=0)
+    levels = {axis: find_held_side(model, axis) for axis in range(3) if tool.mirrored_across[axis]}
+    return [(axis, level, float(np.sign(middle[axis] - level))) for axis, level in levels.items() if level is not None]
+
+
+def complete_tool(tool: Tool, mirrors: Sequence[tuple[int, float, float]], tolerance: float) -> Triangulation:
+    """Return the facets of a tool, in its own frame, with their mirror images beyond planes as of find_mirrors.
+
+    tolerance: how far the tool may end off the planes [mm].
+    """
+    assert isinstance(tool.surface, Triangulation)
+    start = find_space_pose(tool, np.zeros(3))
+    shape = replace(tool.surface, points=start.carry(tool.surface.points))
+    for axis, level, inward in mirrors:
+        shape = add_mirror_image(shape, axis, level, inward, tolerance)
+    return replace(shape, points=np.ascontiguousarray(start.to_frame(shape.points)))
 
 
 def add_mirror_image(shape: Triangulation, axis: int, level: float, inward: float, tolerance: float) -> Triangulation:

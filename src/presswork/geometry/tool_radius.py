@@ -13,11 +13,12 @@ FLAT = float(np.radians(1.0))
 """Turn below which two facets are one."""
 
 
-def find_least_radius(points: FloatArray, triangles: IntArray, length: float) -> float:
+def find_least_radius(points: FloatArray, triangles: IntArray, length: float, *, sharp_counts: bool = True) -> float:
     """Return the radius below which a tool is bent along `length` [mm] of its edges; infinite where it is flat.
 
-    points: (n_points, 3) [mm]; triangles: (n, 3). Between facets that turn by theta the radius is the width of the
-    narrower one over theta: exact within a fillet of facets of one width, twice too large where one ends.
+    points: (n_points, 3) [mm]; triangles: (n, 3); sharp_counts: whether edges without a radius count. Between facets
+    that turn by theta the radius is the width of the narrower one over theta: exact within a fillet of facets of one
+    width, twice too large where one ends.
     """
     corners = points[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -32,7 +33,7 @@ def find_least_radius(points: FloatArray, triangles: IntArray, length: float) ->
     edge = np.linalg.norm(points[ends[same, 1]] - points[ends[same, 0]], axis=1)
     turn = np.arccos(np.clip((normal[one] * normal[other]).sum(axis=1), -1.0, 1.0))
     width = np.minimum(doubled[one], doubled[other]) / np.maximum(edge, 1e-300)
-    bent = turn > FLAT
+    bent = (turn > FLAT) & (sharp_counts | (turn <= SHARP))
     radius = np.where(turn > SHARP, 0.0, width / np.maximum(turn, FLAT))[bent]
     sharpest = np.argsort(radius)
     reached = np.flatnonzero(np.cumsum(edge[bent][sharpest]) >= length)

@@ -27,7 +27,7 @@ import numpy as np
 from presswork import _core
 from presswork.body.solids import Mechanics
 from presswork.fields.instant import NodalContact
-from presswork.geometry.mirrored import add_mirror_image
+from presswork.geometry.mirrored import WITHIN, complete_tool, find_mirrors
 from presswork.geometry.pose import find_space_pose
 from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.geometry.tool_surface import make_surface
@@ -36,7 +36,7 @@ from presswork.interaction.resting import SOFT, RestingBody, find_loose
 from presswork.interaction.space_contact import STEEPEST, SpaceContact, SpaceForces, TouchingNodes, limit_friction
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.faces import nodal_normals, take_bearing
-from presswork.model import FloatArray, IndexArray, IntArray, Model, Tool, Triangulation, find_held_side
+from presswork.model import FloatArray, IndexArray, IntArray, Model, Tool, Triangulation
 from presswork.state import State
 
 GUESSES = 8
@@ -51,8 +51,6 @@ SUDDEN, GIVES = 0.2, 1e-4
 iteration: where a blow begins, the force rises as steeply as the springs give."""
 OF_SMALLEST = 0.5
 """Of the smallest cell: spacing of the lattice by which edges of tools are rounded where meshes change."""
-WITHIN = 1e-3
-"""Of that spacing: how far a tool that ends at a symmetry plane may end beside it."""
 ROUNDING = 1e-4
 """Gap, over the same length, below which a node begins to touch."""
 
@@ -88,24 +86,16 @@ class SolidContact(SpaceContact):
         if remeshing is None or remeshing.keeps_first or not isinstance(tool.surface, Triangulation):
             return super()._make_surface(tool, depth)
         spacing = OF_SMALLEST * remeshing.smallest_size
-        start, middle = find_space_pose(tool, np.zeros(3)), self._model.mesh.points.mean(axis=0)
-        shape = replace(tool.surface, points=start.carry(tool.surface.points))
-        planes = []
-        for axis in range(3):
-            level = find_held_side(self._model, axis) if tool.mirrored_across[axis] else None
-            if level is not None:
-                inward = float(np.sign(middle[axis] - level))
-                shape = add_mirror_image(shape, axis, level, inward, WITHIN * spacing)
-                planes.append((axis, level, inward))
+        start, mirrors = find_space_pose(tool, np.zeros(3)), find_mirrors(tool, self._model)
+        shape = complete_tool(tool, mirrors, WITHIN * remeshing.smallest_size)
 
         def fold(points: FloatArray) -> FloatArray:
             """Return places in the tool's frame, those beyond a symmetry plane as their mirror image."""
             places = start.carry(points)
-            for axis, level, inward in planes:
+            for axis, level, inward in mirrors:
                 places[:, axis] = level + inward * np.abs(places[:, axis] - level)
             return np.ascontiguousarray(start.to_frame(places))
 
-        shape = replace(shape, points=np.ascontiguousarray(start.to_frame(shape.points)))
         return RoundedSurface(make_surface(shape, depth), spacing, fold)
 
     def begin_increment(self, state_n: State) -> None:

@@ -48,7 +48,7 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
         self._obstacle = _find_obstacle(model)
         if self._obstacle and not model.remeshing.keeps_first:
             raise StartError(f"{self._obstacle}: leave out [remesh]")
-        self._shapes = [draw_shape(tool, model.mesh.points, model.remeshing) for tool in model.space_tools]
+        self._shapes = [draw_shape(tool, model, model.remeshing) for tool in model.space_tools]
         self._left = Left()
         """What was wrong with the present mesh when it was made."""
         super().__init__(model, threads=threads)

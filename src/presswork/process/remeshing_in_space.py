@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.body.solids import Mechanics
+from presswork.geometry.mirrored import WITHIN, complete_tool, find_mirrors
 from presswork.geometry.tool_widths import find_widths
 from presswork.implicit.epochs import Epoch, new_epoch
 from presswork.implicit.stepping import ImplicitProcedure
@@ -65,7 +66,7 @@ class RemeshedSpaceForming(RemeshedForming):
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         assert model.remeshing is not None
-        self._shapes = [draw_shape(tool, model.mesh.points, model.remeshing) for tool in model.space_tools]
+        self._shapes = [draw_shape(tool, model, model.remeshing) for tool in model.space_tools]
         super().__init__(model, threads=threads)
         self._left = [Left() for _ in self._bodies()]
         """What was wrong with the present mesh of each body when it was made."""
@@ -229,11 +230,14 @@ def find_breach(old: OldBody, limits: Limits, *, left: Left) -> str | None:
     return find_cut_face(old, max(BEFORE_LIMIT * limit, min(WORSE * left.face, AT_LIMIT * limit)))
 
 
-def draw_shape(tool: Tool, points: FloatArray, settings: Remeshing) -> ToolShape:
-    """Return what new meshes must know of a tool that meets a body of points (n, 3) [mm]."""
-    corners, triangles = draw_tool(tool, points, CHORD * settings.smallest_size)
+def draw_shape(tool: Tool, model: Model, settings: Remeshing) -> ToolShape:
+    """Return what new meshes must know of a tool; ridges and slots that symmetry planes halve are wide as they are."""
+    corners, triangles = draw_tool(tool, model.mesh.points, CHORD * settings.smallest_size)
     widest = settings.size / OF_WIDTH
-    widths = find_widths(Triangulation(corners, triangles, False), widest, settings.smallest_size)
+    shape = Triangulation(corners, triangles, False)
+    if isinstance(tool.surface, Triangulation):
+        shape = complete_tool(tool, find_mirrors(tool, model), WITHIN * settings.smallest_size)
+    widths = find_widths(shape, widest, settings.smallest_size)
     return ToolShape(find_bends(corners, triangles), widths)
 
 

@@ -14,7 +14,7 @@ from presswork.case import CaseError, build_model
 from presswork.case.space.schema import SpaceCase
 from presswork.geometry.crossing_facets import find_crossing_facets
 from presswork.geometry.pose import find_space_pose, turn_about
-from presswork.geometry.swept_tool import triangulate
+from presswork.geometry.swept_tool import draw_punch, triangulate
 from presswork.geometry.tool_surface import make_surface
 from presswork.geometry.touch_in_space import find_touch_in_space
 from presswork.model import Model, SweptProfile, Tool
@@ -223,6 +223,32 @@ def test_cells_too_coarse_for_a_radius_are_told_with_the_size_that_would_do(capl
     rounded["profile"][1]["radius"] = 3  # type: ignore[index]
     build(rounded)
     assert "would do" not in caplog.text
+
+
+def test_cells_too_coarse_for_a_radius_of_facets_are_told_with_the_size_that_would_do(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    for radius, said in ((1.0, True), (3.0, False)):
+        points, triangles = triangulate(draw_punch((8.0, 8.0), 4.0, radius, 6.0), 0.02)
+        write_stl(tmp_path / "die.stl", (points + np.array([0.0, 0.0, 8.0]))[triangles])
+        caplog.clear()
+        with caplog.at_level(logging.WARNING):
+            build(FILE, tmp_path)
+        assert ("tools.die: its smallest radius is" in caplog.text) == said, caplog.text
+        if said:
+            found = float(caplog.text.split("its smallest radius is ")[1].split(" mm")[0])
+            assert found == pytest.approx(radius, rel=0.25)
+
+
+def test_a_ridge_that_a_symmetry_plane_halves_is_as_wide_as_it_is(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    for half, said in ((0.6, True), (1.2, False)):
+        write_stl(tmp_path / "die.stl", box_facets((0.0, 0.0, 8.0), (half, 12.0, 14.0)))
+        caplog.clear()
+        with caplog.at_level(logging.WARNING):
+            build(FILE, tmp_path)
+        assert (f"a ridge about {2 * half:.2g} mm wide near (" in caplog.text) == said, caplog.text
 
 
 def test_cells_too_coarse_for_a_ridge_are_told_with_the_size_that_would_do(

@@ -25,4 +25,5 @@ def test_a_sharp_edge_has_no_radius_and_a_flat_face_an_infinite_one() -> None:
     bent = np.concatenate([flat, np.array([[0, 5, 1], [0, 4, 5]], np.int32)])
     assert find_least_radius(points, flat, 5.0) == float("inf")
     assert find_least_radius(points, bent, 5.0) == 0.0
+    assert find_least_radius(points, bent, 5.0, sharp_counts=False) == float("inf")
     assert find_least_radius(points, bent, 11.0) == float("inf")  # less than that is sharp

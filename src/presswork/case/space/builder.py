@@ -33,7 +33,7 @@ from presswork.case.space.remesh import build_space_remeshing, check_space_remes
 from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
 from presswork.case.space.symmetry import Symmetry, build_supports, check_symmetry, find_symmetry
 from presswork.case.space.tool_builder import build_tool, check_motions, find_way
-from presswork.case.space.tool_checks import mean_edge, warn_of_widths
+from presswork.case.space.tool_checks import mean_edge, warn_of_facets, warn_of_widths
 from presswork.mesh.faces import face_areas
 
 logger = logging.getLogger(__name__)
@@ -66,7 +66,9 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     remeshing = build_space_remeshing(case, mesh, bodies)
     for name, tool in zip(case.tools, built, strict=True):
         if isinstance(tool, model.Tool):
-            warn_of_widths(name, tool, *_find_smallest_cells(remeshing, mesh))
+            smallest = _find_smallest_cells(remeshing, mesh)
+            warn_of_widths(name, tool, symmetry.planes, mesh, *smallest)
+            warn_of_facets(name, tool, mesh, *smallest)
     stages, of_presses = _build_stages(case, mesh, symmetry)
     problems += [
         *wrong,

@@ -9,9 +9,11 @@ import numpy as np
 
 from presswork.case.errors import Problem
 from presswork.geometry.crossing_facets import find_crossing_facets
+from presswork.geometry.mirrored import WITHIN, complete_tool
 from presswork.geometry.pose import SpacePose, find_space_pose
 from presswork.geometry.segments import CENTRE, TURN, X0
 from presswork.geometry.swept_tool import triangulate
+from presswork.geometry.tool_radius import find_least_radius
 from presswork.geometry.tool_surface import make_surface
 from presswork.geometry.tool_widths import find_widths
 from presswork.mesh.faces import take_corners
@@ -28,6 +30,8 @@ OVER = 0.1
 """Of the same size: how far a tool that is no mirror image of itself may reach over the plane."""
 COARSE = 0.75
 """Of a tool's radius: a longer edge of a cell turns by more than 43 degrees on it."""
+EDGES = 5.0
+"""Cells along a radius from which on it counts."""
 ENOUGH = 0.5
 """Of the radius: the edge that would do, turning by 29 degrees."""
 LOOKS = (-0.6, 0.0, 0.6)
@@ -119,22 +123,48 @@ def warn_of_radius(name: str, segments: FloatArray, edge: float) -> None:
     """Say where cells with such edges [mm] are too coarse for the smallest radius of a tool's profile (n, 7)."""
     arcs = segments[segments[:, TURN] != 0.0]
     radii = np.linalg.norm(arcs[:, X0] - arcs[:, CENTRE], axis=1)
-    if len(radii) and edge > COARSE * (smallest := float(radii.min())):
+    _tell_radius(name, float(radii.min(initial=np.inf)), edge, "the cells of the workpiece have edges")
+
+
+def warn_of_facets(name: str, tool: Tool, mesh: Mesh, edge: float, key: str) -> None:
+    """Say where cells with such edges [mm] are too coarse for radii of a tool of facets beside the workpiece.
+
+    Sharp edges have none, and a radius along less than EDGES such edges does not count. key: what they are.
+    """
+    if not isinstance(tool.surface, Triangulation):
+        return
+    nodes, corners = mesh.points, find_space_pose(tool, np.zeros(3)).carry(tool.surface.points)
+    reach = 0.5 * float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    beside = ((corners > nodes.min(axis=0) - reach) & (corners < nodes.max(axis=0) + reach)).all(axis=1)
+    own = tool.surface.triangles[beside[tool.surface.triangles].all(axis=1)]
+    _tell_radius(name, find_least_radius(corners, own, EDGES * edge, sharp_counts=False), edge, key)
+
+
+def _tell_radius(name: str, radius: float, edge: float, what: str) -> None:
+    if edge > COARSE * radius:
         logger.warning(
-            "tools.%s: its smallest radius is %.3g mm, and the cells of the workpiece have edges of %.3g mm, too "
-            "coarse to follow it; cells of %.2g mm would do",
+            "tools.%s: its smallest radius is %.3g mm, and %s of %.3g mm, too coarse to follow it; cells of %.2g mm "
+            "would do",
             name,
-            smallest,
+            radius,
+            what,
             edge,
-            ENOUGH * smallest,
+            ENOUGH * radius,
         )
 
 
-def warn_of_widths(name: str, tool: Tool, edge: float, key: str) -> None:
-    """Say where ridges or slots of a tool of facets are narrower than the smallest cells [mm]; key: what they are."""
+def warn_of_widths(name: str, tool: Tool, mirrors: tuple[FloatArray, ...], mesh: Mesh, edge: float, key: str) -> None:
+    """Say where ridges or slots of a tool of facets are narrower than the smallest cells [mm]; key: what they are.
+
+    mirrors: positions of the symmetry planes normal to x, y and z [mm].
+    """
     if not isinstance(tool.surface, Triangulation):
         return
-    widths = find_widths(tool.surface, edge, edge)
+    cut = [axis for axis in range(3) if tool.mirrored_across[axis]]
+    levels = [(axis, float(mirrors[axis][0])) for axis in cut]
+    middle = mesh.points.mean(axis=0)
+    planes = [(axis, level, float(np.sign(middle[axis] - level))) for axis, level in levels]
+    widths = find_widths(complete_tool(tool, planes, WITHIN * edge), edge, edge)
     for kind, own, fate in (("ridge", widths.is_ridge, "follow it"), ("slot", ~widths.is_ridge, "flow into it")):
         if not own.any():
             continue
