@@ -53,11 +53,12 @@ def results(sheet: ExplicitShells) -> list[np.ndarray]:
     return [sheet.position, sheet.velocity, sheet.stress, sheet.thickness, sheet.contact_force, *tools, sums]
 
 
-def test_threads_do_not_change_a_bit_of_contact() -> None:
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_threads_do_not_change_a_bit_of_contact(precision: str) -> None:
     before, runs = _core.max_threads(), []
     for threads in (1, 2, 3):
         _core.set_threads(threads)
-        sheet = draw(n=33, radius=1.0)
+        sheet = draw(precision, n=33, radius=1.0)
         sheet.advance(300)
         runs.append(results(sheet))
     _core.set_threads(before)

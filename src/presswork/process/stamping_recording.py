@@ -82,7 +82,7 @@ class StampingRecording(RowRecording):
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
         return (
-            f"explicit: {len(self._cells)} shells, stable step "
+            f"explicit: {len(self._cells)} shells in {self.settings.precision} precision, stable step "
             f"{self.shells.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
         )
 
