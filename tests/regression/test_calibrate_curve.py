@@ -89,14 +89,14 @@ def test_a_derivative_that_is_lost_costs_the_run_nothing_else(tmp_path: Path, mo
     """No round is allowed from the third increment on: the history goes on, its derivatives do not."""
     data = upset_cylinder(gradients={"by": ["tools.punch.m"]}, solver=SETTINGS)
     whole = run_case(Case, data, tmp_path / "whole")
-    begin = Sensitivities._begin
+    go_along = Sensitivities._go_along
 
-    def begin_lamed(self: Sensitivities, *given: object) -> object:
+    def go_along_lamed(self: Sensitivities, *given: object) -> object:
         if self._procedure.state[Progress].increments >= 2:
             monkeypatch.setattr(sensitivities, "MOST_ROUNDS", 0)
-        return begin(self, *given)
+        return go_along(self, *given)
 
-    monkeypatch.setattr(Sensitivities, "_begin", begin_lamed)
+    monkeypatch.setattr(Sensitivities, "_go_along", go_along_lamed)
     lost = run_case(Case, data, tmp_path / "lost")
     name = "d(punch.force)/d(tools.punch.m)"
     assert np.isnan(lost.history[name][2:]).all()

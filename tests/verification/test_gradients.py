@@ -40,6 +40,19 @@ def test_upsetting_has_the_derivatives_of_whole_runs(tmp_path: Path) -> None:
             assert largest_error(own, other) < 1e-6, (key, name)
 
 
+def test_loose_equilibrium_has_three_digits_of_the_derivatives(tmp_path: Path) -> None:
+    """With the default tolerance one neighbour a number is computed, beside the run itself."""
+    asked = {"by": list(BY), "of": ["punch.force", "rim.x"]}
+    data = upset_cylinder(points={"rim": [10, 0]}, gradients=asked)
+    tight = run_case(Case, data, tmp_path / "tight").history
+    loose = {"initial_increment": 0.25, "max_increment": 0.25}
+    found = run_case(Case, {**data, "solver": loose}, tmp_path / "loose").history
+    names = [name for name in tight if name.startswith("d(")]
+    assert len(names) == 12
+    for name in names:
+        assert largest_error(np.asarray(found[name]), np.asarray(tight[name])) < 1e-3, name
+
+
 def test_force_on_a_cylinder_rises_with_friction_by_the_closed_form(tmp_path: Path) -> None:
     """Thin friction: p / sigma0 = 1 + m d / (3 sqrt3 h) of a cylinder that does not harden (slab method)."""
     flow, radius, half = 300.0, 20.0, 5.0

@@ -19,6 +19,8 @@ from presswork.case.reader import apply_overrides
 
 STEP = 1e-4
 """Of a number: by how much the neighbours of a run differ from it. The error is h^2 and that of round-off over h."""
+COARSE, ONE_SIDED = 1e-7, 1e-5
+"""Force tolerance above which one neighbour is enough, and its step: the error is h."""
 MOST = 50
 """Numbers by which a run is differentiated."""
 
@@ -59,7 +61,8 @@ def add_gradients(
             remedy = "give it a value that is not zero: the step is a part of it"
             problems.append(Problem(place, f"`{key}` is zero", remedy, key))
             continue
-        step = STEP * abs(value)
+        is_coarse = built.solver.force_tolerance > COARSE
+        step = (ONE_SIDED if is_coarse else STEP) * abs(value)
         try:
             less, more = (build(_vary(case, data, key, value + change)) for change in (-step, step))
         except CaseError as error:
@@ -71,7 +74,8 @@ def add_gradients(
             remedy = "take a key that moves the nodes and leaves the cells as they are"
             problems.append(Problem(place, f"`{key}` changes which cells there are", remedy, key))
             continue
-        found.append(model.Parameter(key, value, step, *(replace(side, remeshing=None) for side in (less, more))))
+        less, more = (replace(side, remeshing=None) for side in (less, more))
+        found.append(model.Parameter(key, value, step, None if is_coarse else less, more))
     if problems:
         raise CaseError(problems, case.source)
     return replace(built, gradients=model.Gradients(wanted.of, tuple(found)), remeshing=None)

@@ -13,7 +13,7 @@ from presswork import stop
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
 from presswork.implicit.linear.contract import LinearSolver, SolverError
-from presswork.implicit.linear.system import Balance, LinearSystem
+from presswork.implicit.linear.system import Balance, Lacking, LinearSystem
 from presswork.implicit.progress import Progress
 from presswork.interaction.contract import Constraints, Forces, Guess, Interaction, Point, Resistance, turn
 from presswork.interaction.placing import LostWorkpieceError
@@ -259,17 +259,19 @@ class Equilibrium:
         return point, Balance(constraints, resistances, drag, tuple(borders), lacking, changes, tuned, length)
 
     def evaluate_like(
-        self, other: Equilibrium, state_n: State, trial: State, held: State, step: Step, increment: FloatArray
-    ) -> Point | BadGuess:
+        self, other: Equilibrium, state_n: State, trial: State, held: State, step: Step, increment: FloatArray, *,
+        with_stiffness: bool = False,
+    ) -> Point | BadGuess:  # fmt: skip
         """Return the forces after an increment, the nodes held that another run of nearly the same model holds."""
         for own, led_by in zip(self._interactions, other._interactions, strict=True):
             own.hold_like(led_by, trial, held, state_n.nodes.displacement + increment)
-        return self.evaluate(state_n, trial, step, increment, with_stiffness=False)
+        return self.evaluate(state_n, trial, step, increment, with_stiffness=with_stiffness)
 
-    def find_lacking(self, state_n: State, trial: State, point: Point) -> tuple[Constraints, FloatArray]:
-        """Return what holds the nodes, and what is out of balance in their frames (n_points, freedoms) [N]."""
+    def find_lacking(self, state_n: State, trial: State, point: Point) -> Lacking:
+        """Return what holds the nodes, and what is out of balance."""
         constraints = self._constrain(state_n, trial, point)
-        return constraints, self._resist(state_n, trial, point, constraints)[2]
+        resistances, _, lacking = self._resist(state_n, trial, point, constraints)
+        return Lacking(constraints, resistances, lacking)
 
     def augment_like(self, trial: State, point: Point) -> None:
         """Let interactions take their multipliers over, as another run has done."""

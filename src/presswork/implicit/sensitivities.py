@@ -6,39 +6,44 @@ increment gives
 
     K du/dp = -(dR/dp + dR/ds_n ds_n/dp)      ds/dp = ds/du du/dp + ds/ds_n ds_n/dp + ds/dp
 
-K is the matrix that Newton's method has left, factorised; so a parameter costs back-substitutions and evaluations of
-forces, and no factors. Nodes stay held as the run holds them: contact is differentiated within the increment, its
+K is the whole tangent at the increment, solved by the factors that Newton's method has left (whole_tangent.py), for all
+parameters at a time. Nodes stay held as the run holds them: contact is differentiated within the increment, its
 changes lie between increments. Increments are those of the run.
 
 The derivatives on the right are taken along one direction at a time, (du, ds_n, dp), by two neighbours of the run: the
 same model with the parameter a little less and a little more, whose states differ by the same part of ds/dp. So every
 law, cell, tool and load counts without a line of its own, and so does all that an increment keeps for the next one.
-K lacks what friction and curved tools add to the tangent and half of its unsymmetric part, so the solution is repeated
+Where equilibrium is not solved to so many digits, the neighbour with less is the run itself, computed once for all.
+K lacks what curved tools and the area of friction add to the tangent, so the solution is repeated
 with what is out of balance, and the ways found are combined so that the least is left (generalised conjugate
 residuals), until nothing is. Tsay & Arora 1990, Comput. Methods Appl. Mech. Engrg. 81 (direct
-differentiation with history); there the derivatives are written out, here they are central differences of step h, with
-an error of h^2 and of round-off over h.
+differentiation with history); there the derivatives are written out, here they are differences of step h, with
+an error of h^2, on one side of h, and of round-off over h.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from presswork.implicit.linear.system import Lacking
+from presswork.implicit.linear.whole_tangent import WholeTangent
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.contract import Constraints, Point, turn_back
+from presswork.interaction.contract import Point, turn_back
 from presswork.model import FloatArray
 from presswork.outcome import BadGuess, GaveUpError, Step
 from presswork.state import Arrays, State
 
-BALANCED, DIGITS = 1e-10, 1e-2
+BALANCED, DIGITS = 1e-10, 1e-1
 """Out of balance over the largest change of a nodal force, below which a derivative is found; and that of a run whose
 equilibrium is not so near, over its tolerance."""
 ENOUGH = 1e-4
 """The same, above which it is not, if it becomes no less."""
+INNER = 0.3
+"""Part of what is enough to which K is solved."""
 MOST_ROUNDS = 30
 
 
@@ -52,54 +57,129 @@ class SensitivityArrays(Arrays):
     over that of the parameter."""
 
 
-@dataclass(frozen=True)
-class Neighbours:
-    """Two runs beside one, with a parameter less and more by a step."""
+class Neighbour:
+    """A run of nearly the same model."""
 
-    key: str
-    """Name of the parameter."""
-    step: float
-    less: ImplicitProcedure
-    more: ImplicitProcedure
+    def __init__(self, procedure: ImplicitProcedure, change: float) -> None:
+        self.procedure = procedure
+        self.change = change
+        """Of the parameter, from that of the run."""
+        self._begun: _Begun | None = None
 
     @property
-    def sides(self) -> tuple[tuple[ImplicitProcedure, float], ...]:
-        """Each with its change of the parameter."""
-        return (self.more, self.step), (self.less, -self.step)
+    def now(self) -> _Begun:
+        """Return where it is in the present increment."""
+        assert self._begun is not None, "an increment has begun"
+        return self._begun
 
-    def differ(self) -> dict[str, FloatArray]:
-        """Return the derivative of the state, array by array."""
-        more, less = self.more.state.to_arrays(), self.less.state.to_arrays()
-        found = {}
-        for name, values in more.items():
-            if values.dtype == np.float64:
-                with np.errstate(invalid="ignore"):  # infinite in both: what is not there
-                    change = np.subtract(values, less[name], dtype=np.float64) / (2.0 * self.step)
-                found[name] = np.nan_to_num(change, nan=0.0)
-        return found
+    def begin(self, state_n: State, number: int, step: Step) -> None:
+        """Put it beside the state before an increment, and let the increment begin."""
+        procedure = self.procedure
+        beside = _shift(state_n, procedure.state, number, self.change)
+        if step.fraction_n == 0.0 and step.stage > 0:
+            for interaction in procedure.interactions.all:
+                interaction.begin_stage(beside, step.stage)
+        trial = beside.duplicate()
+        for interaction in procedure.interactions.all:
+            interaction.place(beside, trial, step, 1.0)
+        procedure.equilibrium.begin(beside, step)
+        self._begun = _Begun(beside, trial)
+
+    def evaluate(
+        self, main: ImplicitProcedure, held: State, step: Step, increment: FloatArray, *, with_stiffness: bool = False
+    ) -> None:
+        """Find what is out of balance after an increment of its own (n_points, freedoms) [mm, rad].
+
+        main, held: the run, and its state in equilibrium. Raises GaveUpError.
+        """
+        now, own = self.now, self.procedure.equilibrium
+        point = own.evaluate_like(
+            main.equilibrium, now.state_n, now.trial, held, step, increment, with_stiffness=with_stiffness
+        )
+        if isinstance(point, BadGuess):
+            raise GaveUpError(f"no derivatives here: {point}")
+        now.point, now.lacking = point, own.find_lacking(now.state_n, now.trial, point)
+        constraints = now.lacking.constraints
+        now.force = turn_back(constraints, now.lacking.force.copy())
+        now.missing = turn_back(constraints, np.where(constraints.mask == 1, constraints.value, 0.0))
+
+    def find_tangent(self, main: ImplicitProcedure) -> WholeTangent:
+        """Return the tangent at the point that was evaluated with stiffness."""
+        now, system = self.now, self.procedure.equilibrium.system
+        held = now.lacking.constraints
+        matrix = system.find_whole(held, now.point, now.lacking.resistances)
+        return WholeTangent(main.equilibrium.system, matrix, held, main.mechanics.length)
+
+    def augment(self) -> None:
+        """Take multipliers over where the run has."""
+        self.procedure.equilibrium.augment_like(self.now.trial, self.now.point)
+
+    def settle(self, progress: Progress, step: Step, next_stage: int | None) -> None:
+        """Complete its state at the end of an increment; the run's progress goes with it."""
+        now, procedure = self.now, self.procedure
+        procedure.equilibrium.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
+        procedure.settle(now.state_n, now.trial, step)
+        procedure.evolve(now.state_n, now.trial, step)
+        if next_stage is not None:
+            procedure.end_stage(now.trial, next_stage)
+        now.trial.replace(progress.duplicate())
+        procedure.state = now.trial
 
 
 @dataclass
-class _Side:
-    """One neighbour in an increment."""
+class _Begun:
+    """A neighbour in an increment."""
 
-    procedure: ImplicitProcedure
-    change: float
     state_n: State
     trial: State
     point: Point = field(init=False)
-    constraints: Constraints = field(init=False)
-    lacking: FloatArray = field(init=False)
+    lacking: Lacking = field(init=False)
+    force: FloatArray = field(init=False)
     """Out of balance where nothing is prescribed (n_points, freedoms) [N], in the global frame."""
     missing: FloatArray = field(init=False)
     """What nodes still have to move where something is, in the same form [mm, rad]."""
 
 
-class Sensitivities:
-    """Follows a run and keeps the derivatives of its state; they are part of the state."""
+@dataclass(frozen=True)
+class Neighbours:
+    """Two runs by which a derivative is found: with more of a parameter, and with less or as much."""
 
-    def __init__(self, procedure: ImplicitProcedure, neighbours: Sequence[Neighbours]) -> None:
+    key: str
+    """Name of the parameter."""
+    more: Neighbour
+    less: Neighbour
+
+    @property
+    def own(self) -> list[Neighbour]:
+        """Those that belong to this parameter alone."""
+        return [side for side in (self.more, self.less) if side.change]
+
+    @property
+    def apart(self) -> float:
+        """How far the parameters of both are apart."""
+        return self.more.change - self.less.change
+
+    def differ(self) -> dict[str, FloatArray]:
+        """Return the derivative of the state, array by array."""
+        more, less = self.more.procedure.state.to_arrays(), self.less.procedure.state.to_arrays()
+        found = {}
+        for name, values in more.items():
+            if values.dtype == np.float64:
+                with np.errstate(invalid="ignore"):  # infinite in both: what is not there
+                    change = np.subtract(values, less[name], dtype=np.float64) / self.apart
+                found[name] = np.nan_to_num(change, nan=0.0)
+        return found
+
+
+class Sensitivities:
+    """Follows a run and keeps the derivatives of its state; they are part of the state.
+
+    same: a run of the same model whose matrix is not symmetric.
+    """
+
+    def __init__(self, procedure: ImplicitProcedure, same: Neighbour, neighbours: Sequence[Neighbours]) -> None:
         self._procedure = procedure
+        self._same = same
         self.neighbours = neighbours
         self.rounds = 0
         """Back-substitutions so far, of all parameters."""
@@ -117,99 +197,130 @@ class Sensitivities:
 
         One that is not found is no number from then on: the run goes on without it.
         """
-        arrays, found = trial.to_arrays(), []
-        for number, each in enumerate(self.neighbours):
-            try:
-                if self.is_lost(state_n, number):
-                    raise GaveUpError("no derivative to begin with")
-                self._go_along(number, each, state_n, trial, step, next_stage)
-                found.append(each.differ())
-            except GaveUpError:
-                found.append({name: np.full_like(arrays[name], np.nan) for name in state_n[SensitivityArrays].slope})
-        trial[SensitivityArrays].slope = {name: [f[name] for f in found] for name in found[0]}
+        courses = [_Course(n, each) for n, each in enumerate(self.neighbours) if not self.is_lost(state_n, n)]
+        try:
+            self._go_along(courses, state_n, step)
+            self._same.settle(trial[Progress], step, next_stage)
+        except GaveUpError:
+            courses = []
+        found = {c.number: c.each for c in courses if not c.is_lost}
+        for each in found.values():
+            for side in each.own:
+                side.settle(trial[Progress], step, next_stage)
+        arrays, names = trial.to_arrays(), state_n[SensitivityArrays].slope
+        slopes = [
+            found[number].differ() if number in found else {name: np.full_like(arrays[name], np.nan) for name in names}
+            for number in range(len(self.neighbours))
+        ]
+        trial[SensitivityArrays].slope = {name: [each[name] for each in slopes] for name in names}
 
     @staticmethod
     def is_lost(state: State, number: int) -> bool:
         """Say whether the derivative by a parameter has not been found in some increment up to a state."""
         return bool(np.isnan(state[SensitivityArrays].slope["nodes.displacement"][number]).any())
 
-    def _go_along(
-        self, number: int, each: Neighbours, state_n: State, trial: State, step: Step, next_stage: int | None
-    ) -> None:
-        """Take the neighbours through an increment. Raises GaveUpError."""
-        sides = [self._begin(*side, number, state_n, step) for side in each.sides]
+    def _go_along(self, courses: Sequence[_Course], state_n: State, step: Step) -> None:
+        """Take the neighbours through an increment. Raises GaveUpError if the run itself cannot be repeated."""
+        self._same.begin(state_n, 0, step)
+        for course in courses:
+            for side in course.each.own:
+                side.begin(state_n, course.number, step)
         for increment in self._procedure.equilibrium.augmented_at:
-            self._solve(sides, each, increment, step)
-            for side in sides:
-                side.procedure.equilibrium.augment_like(side.trial, side.point)
-        self._solve(sides, each, self._held.nodes.increment, step)
-        for side in sides:
-            side.procedure.equilibrium.fill(side.state_n, side.trial, side.point, side.constraints)
-            side.procedure.settle(side.state_n, side.trial, step)
-            side.procedure.evolve(side.state_n, side.trial, step)
-            if next_stage is not None:
-                side.procedure.end_stage(side.trial, next_stage)
-            side.trial.replace(trial[Progress].duplicate())
-            side.procedure.state = side.trial
+            self._solve(courses, increment, step)
+            for side in [self._same, *(side for c in courses if not c.is_lost for side in c.each.own)]:
+                side.augment()
+        for course in courses:
+            course.predict(state_n, step)
+        self._solve(courses, self._held.nodes.increment, step)
 
-    def _begin(self, procedure: ImplicitProcedure, change: float, number: int, state_n: State, step: Step) -> _Side:
-        """Put a neighbour beside the state before an increment, and let the increment begin."""
-        beside = _shift(state_n, procedure.state, number, change)
-        if step.fraction_n == 0.0 and step.stage > 0:
-            for interaction in procedure.interactions.all:
-                interaction.begin_stage(beside, step.stage)
-        trial = beside.duplicate()
-        for interaction in procedure.interactions.all:
-            interaction.place(beside, trial, step, 1.0)
-        procedure.equilibrium.begin(beside, step)
-        return _Side(procedure, change, beside, trial)
+    def _solve(self, courses: Sequence[_Course], increment: FloatArray, step: Step) -> None:
+        """Find the derivatives of the increment; leaves the neighbours there, or their courses lost.
 
-    def _evaluate(self, side: _Side, increment: FloatArray, step: Step) -> None:
-        """Find what is out of balance at a neighbour after an increment of its own (n_points, freedoms) [mm, rad]."""
-        main, equilibrium = self._procedure.equilibrium, side.procedure.equilibrium
-        point = equilibrium.evaluate_like(main, side.state_n, side.trial, self._held, step, increment)
-        if isinstance(point, BadGuess):
-            raise GaveUpError(f"no derivatives here: {point}")
-        side.point = point
-        side.constraints, lacking = equilibrium.find_lacking(side.state_n, side.trial, point)
-        side.lacking = turn_back(side.constraints, lacking)
-        side.missing = turn_back(side.constraints, np.where(side.constraints.mask == 1, side.constraints.value, 0.0))
-
-    def _solve(self, sides: Sequence[_Side], each: Neighbours, increment: FloatArray, step: Step) -> None:
-        """Find the derivative of the increment; leaves the neighbours there. Raises GaveUpError.
-
-        increment: of the run, in equilibrium (n_points, freedoms) [mm, rad].
+        increment: of the run, in equilibrium (n_points, freedoms) [mm, rad]. Raises GaveUpError.
         """
-        system, length = self._procedure.equilibrium.system, self._procedure.mechanics.length
-        lack = _Lack(length)
-        for side in sides:
-            self._evaluate(side, increment, step)
-        rest = first = lack.find(sides, each.step)
-        slope, ways, taken = np.zeros_like(increment), [], []
-        enough = min(max(BALANCED, DIGITS * self._procedure.model.solver.force_tolerance), ENOUGH)
+        main, length = self._procedure, self._procedure.mechanics.length
+        self._same.evaluate(main, self._held, step, increment, with_stiffness=True)
+        tangent = self._same.find_tangent(main)
+        enough = min(max(BALANCED, DIGITS * main.model.solver.force_tolerance), ENOUGH)
+
+        def evaluate(side: Neighbour, slope: FloatArray) -> None:
+            side.evaluate(main, self._held, step, increment + side.change * slope)
+
+        open_ = [c for c in courses if not c.is_lost and c.begin(increment, length, evaluate)]
         for _ in range(MOST_ROUNDS):
-            # 1. the way that the factors at hand give, and what it leaves
-            way = system.respond(rest[0]) + rest[1]
-            self.rounds += 1
-            for side in sides:
-                self._evaluate(side, increment + side.change * (slope + way), step)
-            left = lack.find(sides, each.step)
-            if lack.size(left, slope + way) < enough:
-                return
-            # 2. the ways so far, combined so that the least is left: what is lacking is linear in the slope
-            ways.append(way)
-            taken.append(np.subtract(rest, left))
-            share = lack.combine(first, taken, slope + way)
-            slope = np.tensordot(share, ways, axes=1)
-            before, rest = rest, np.subtract(first, np.tensordot(share, taken, axes=1))
-            stagnates = lack.size(rest, slope) > 0.5 * lack.size(before, slope)
-            if lack.size(rest, slope) < (ENOUGH if stagnates else enough):
-                for side in sides:
-                    self._evaluate(side, increment + side.change * slope, step)
-                return
-        raise GaveUpError(
-            f"the derivative by {each.key} is not found: {lack.size(rest, slope):.1e} of its forces stay out of balance"
-        )
+            if not open_:
+                break
+            rests, goals = [c.rest for c in open_], [INNER * enough * c.force for c in open_]
+            ways = tangent.respond([r[0] for r in rests], [r[1] for r in rests], goals)
+            open_ = [c for c, way in zip(open_, ways, strict=True) if c.go(way, enough, evaluate)]
+        for course in open_:
+            course.is_lost = True
+        self.rounds += tangent.rounds
+
+
+Evaluate = Callable[[Neighbour, FloatArray], None]
+"""Evaluates a neighbour at a derivative of the nodes' increment. Raises GaveUpError."""
+
+
+class _Course:
+    """The search for the derivative by one parameter in an increment."""
+
+    def __init__(self, number: int, each: Neighbours) -> None:
+        self.number, self.each = number, each
+        self.is_lost = False
+        self._start: FloatArray | None = None
+
+    @property
+    def force(self) -> float:
+        """Largest derivative of a nodal force so far."""
+        return self._lack.force
+
+    def predict(self, state_n: State, step: Step) -> None:
+        """Begin the search with the derivative of the increment before, for each part of the stage."""
+        last = state_n[Progress].last_size
+        if step.fraction_n > 0.0 and last > 0.0:
+            slope = state_n[SensitivityArrays].slope["nodes.increment"][self.number]
+            self._start = slope * (step.fraction - step.fraction_n) / last
+
+    def begin(self, increment: FloatArray, length: FloatArray, evaluate: Evaluate) -> bool:
+        """Begin with what was predicted, or nodes that do not move by the parameter; return whether to go on."""
+        first = np.zeros_like(increment) if self._start is None else self._start
+        self._lack, self._begin, self._slope = _Lack(length), first, first
+        self._ways: list[FloatArray] = []
+        self._taken: list[FloatArray] = []
+        if not self._evaluate(self._slope, evaluate):
+            return False
+        self.rest = self._first = self._lack.find(self.each)
+        return True
+
+    def go(self, way: FloatArray, enough: float, evaluate: Evaluate) -> bool:
+        """Go a way further; return whether the derivative is still to be found."""
+        if not self._evaluate(self._slope + way, evaluate):
+            return False
+        # 1. what the way leaves
+        left, lack = self._lack.find(self.each), self._lack
+        if lack.size(left, self._slope + way) < enough:
+            return False
+        # 2. the ways so far, combined so that the least is left: what is lacking is linear in the slope
+        self._ways.append(way)
+        self._taken.append(np.subtract(self.rest, left))
+        share = lack.combine(self._first, self._taken, self._slope + way)
+        slope = self._begin + np.tensordot(share, self._ways, axes=1)
+        rest = np.subtract(self._first, np.tensordot(share, self._taken, axes=1))
+        stagnates = lack.size(rest, slope) > 0.5 * lack.size(self.rest, slope)
+        self._slope, self.rest = slope, rest
+        if lack.size(rest, slope) < (ENOUGH if stagnates else enough):
+            self._evaluate(slope, evaluate)
+            return False
+        return True
+
+    def _evaluate(self, slope: FloatArray, evaluate: Evaluate) -> bool:
+        try:
+            for side in self.each.own:
+                evaluate(side, slope)
+        except GaveUpError:
+            self.is_lost = True
+        return not self.is_lost
 
 
 class _Lack:
@@ -217,14 +328,15 @@ class _Lack:
 
     def __init__(self, length: FloatArray) -> None:
         self._length = length
-        self._force = 0.0
+        self.force = 0.0
+        """Largest derivative of a nodal force that holds the nodes so far, made a force."""
 
-    def find(self, sides: Sequence[_Side], step: float) -> FloatArray:
+    def find(self, each: Neighbours) -> FloatArray:
         """Return both for the present ways of the neighbours (2, n_points, freedoms)."""
-        more, less = sides
-        reaction = (more.point.reaction - less.point.reaction) / (2.0 * step)
-        self._force = max(self._force, float(np.abs(reaction / self._length).max()), 1e-300)
-        return np.array([more.lacking - less.lacking, more.missing - less.missing]) / (2.0 * step)
+        more, less = each.more.now, each.less.now
+        reaction = (more.point.reaction - less.point.reaction) / each.apart
+        self.force = max(self.force, float(np.abs(reaction / self._length).max()), 1e-300)
+        return np.array([more.force - less.force, more.missing - less.missing]) / each.apart
 
     def size(self, lack: FloatArray, slope: FloatArray) -> float:
         """Return the larger of both over the forces and ways of the derivative."""
@@ -237,13 +349,13 @@ class _Lack:
 
     def _weigh(self, lack: FloatArray, slope: FloatArray) -> FloatArray:
         way = max(float(np.abs(slope * self._length).max()), 1e-300)
-        return np.array([lack[0] / self._length / self._force, lack[1] * self._length / way])
+        return np.array([lack[0] / self._length / self.force, lack[1] * self._length / way])
 
 
 def _shift(state: State, own: State, number: int, change: float) -> State:
     """Return a state with the derivative by a parameter times its change added, in the form of a neighbour's own."""
     shifted, arrays = own.duplicate(), state.to_arrays()
-    slope = state[SensitivityArrays].slope
+    slope = state[SensitivityArrays].slope if change else {}
     shifted.load_arrays(
         {
             name: np.add(arrays[name], change * slope[name][number]) if name in slope else arrays[name]

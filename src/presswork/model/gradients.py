@@ -20,7 +20,8 @@ class Parameter:
     """In the units of the Model: mm, s, N, MPa."""
     step: float
     """By how much it is less and more in the two models."""
-    less: Model
+    less: Model | None
+    """None: the run itself stands for it, in differences to one side."""
     more: Model
 
 

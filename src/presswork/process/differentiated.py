@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import difflib
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from presswork.implicit.sensitivities import Neighbours, Sensitivities
+from presswork.implicit.sensitivities import Neighbour, Neighbours, Sensitivities
 from presswork.implicit.stepping import IncrementReport
 from presswork.model import Model
 from presswork.outcome import StartError
@@ -44,14 +45,16 @@ class DifferentiatedForming(ImplicitRecording):
         if not self._of:
             raise StartError(f"gradients.of: say of what; the history has {', '.join(measures)}")
         self._by = model.gradients.by
-        self._beside = [tuple(ImplicitRecording(side, threads=threads) for side in (p.less, p.more)) for p in self._by]
-        self._sensitivities = Sensitivities(
-            self.procedure,
-            [
-                Neighbours(p.key, p.step, less.procedure, more.procedure)
-                for p, (less, more) in zip(self._by, self._beside, strict=True)
-            ],
-        )
+        whole = replace(model, gradients=None, solver=replace(model.solver, symmetric=False))
+        self._same = ImplicitRecording(whole, threads=threads)
+        same = Neighbour(self._same.procedure, 0.0)
+        self._beside, neighbours = [], []
+        for p in self._by:
+            less, more = (ImplicitRecording(m, threads=threads) if m else self._same for m in (p.less, p.more))
+            self._beside.append((less, more))
+            beside = Neighbour(less.procedure, -p.step) if p.less else same
+            neighbours.append(Neighbours(p.key, Neighbour(more.procedure, p.step), beside))
+        self._sensitivities = Sensitivities(self.procedure, same, neighbours)
 
     @property
     def columns(self) -> list[str]:
@@ -61,14 +64,15 @@ class DifferentiatedForming(ImplicitRecording):
     def row(self, report: IncrementReport) -> Row:
         """Return the row of the history."""
         row = super().row(report)
-        for number, (parameter, sides) in enumerate(zip(self._by, self._beside, strict=True)):
+        own = self._same.row(report)
+        neighbours = self._sensitivities.neighbours
+        for number, (parameter, sides, each) in enumerate(zip(self._by, self._beside, neighbours, strict=True)):
             if self._sensitivities.is_lost(self.procedure.state, number):
                 row |= {name_derivative(of, parameter.key): float("nan") for of in self._of}
                 continue
-            less, more = (side.row(report) for side in sides)
+            less, more = (own if side is self._same else side.row(report) for side in sides)
             for of in self._of:
-                change = float(more[of]) - float(less[of])
-                row[name_derivative(of, parameter.key)] = change / (2.0 * parameter.step)
+                row[name_derivative(of, parameter.key)] = (float(more[of]) - float(less[of])) / each.apart
         return row
 
     def summary(self, history: Any) -> dict[str, Any]:

@@ -50,3 +50,6 @@ class LinearSolver(Protocol):
 
     def solve(self, rhs: FloatArray) -> FloatArray:
         """Return the solution for one right-hand side. Raises SolverError."""
+
+    def solve_all(self, rhs: FloatArray) -> FloatArray:
+        """Return the solutions (k, n) for several right-hand sides (k, n). Raises SolverError."""

@@ -60,6 +60,9 @@ class SuperLU:
         solution: FloatArray = self._factor.solve(rhs)
         return solution
 
+    def solve_all(self, rhs: FloatArray) -> FloatArray:
+        return np.ascontiguousarray(self.solve(np.ascontiguousarray(rhs.T)).T)
+
 
 def _count_swaps(order: IntArray) -> int:
     """Return the number of exchanges that a permutation is made of."""
@@ -162,7 +165,7 @@ class Pardiso:
             self._indptr.ctypes.data,
             self._indices.ctypes.data,
             self._order.ctypes.data,
-            _integer(1),
+            _integer(rhs.size // self._n),
             self._iparm.ctypes.data,
             _integer(0),
             rhs.ctypes.data,
@@ -185,4 +188,9 @@ class Pardiso:
     def solve(self, rhs: FloatArray) -> FloatArray:
         solution = np.zeros(self._n)
         self._call(33, np.ascontiguousarray(rhs), solution)
+        return solution
+
+    def solve_all(self, rhs: FloatArray) -> FloatArray:
+        solution = np.zeros(rhs.shape)
+        self._call(33, np.ascontiguousarray(rhs), solution)  # by columns, as PARDISO reads them
         return solution

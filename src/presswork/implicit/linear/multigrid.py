@@ -97,6 +97,10 @@ class Multigrid:
         self.iterations = Iterations(0, residual, remark)
         return x
 
+    def solve_all(self, rhs: FloatArray) -> FloatArray:
+        """Return the solutions (k, n) one after the other."""
+        return np.array([self.solve(each) for each in rhs])
+
     def _fill(self, values: FloatArray) -> scipy.sparse.bsr_matrix:
         """Return a matrix of its own, since pyamg keeps what it finds out about a matrix in it."""
         return scipy.sparse.bsr_matrix((values, *self._pattern), self._shape)

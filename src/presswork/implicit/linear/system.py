@@ -59,6 +59,17 @@ class Balance:
         return max(float(np.abs(self.lacking / self.length).max()), *own, 0.0)
 
 
+@dataclass(frozen=True)
+class Lacking:
+    """What holds the nodes at a point, and what is out of balance."""
+
+    constraints: Constraints
+    resistances: tuple[Resistance | None, ...]
+    """Of each interaction."""
+    force: FloatArray
+    """(n_points, freedoms) [N], in the nodes' own frames."""
+
+
 class LinearSystem:
     """Matrix and factors of one run; the factors of contract.Factors."""
 
@@ -165,6 +176,23 @@ class LinearSystem:
         rhs = turn(self._constraints, force)
         rhs[self._constraints.mask == 1] = 0.0
         return turn_back(self._constraints, self.solver.solve(rhs.reshape(-1)).reshape(rhs.shape))
+
+    def respond_to_all(self, forces: Sequence[FloatArray]) -> list[FloatArray]:
+        """Return the nodes' answers to several forces at once, as respond() does."""
+        rhs = np.array([turn(self._constraints, force) for force in forces])
+        rhs[:, self._constraints.mask == 1] = 0.0
+        found = self.solver.solve_all(rhs.reshape(len(rhs), -1)).reshape(rhs.shape)
+        return [turn_back(self._constraints, each) for each in found]
+
+    def find_whole(
+        self, constraints: Constraints, point: Point, resistances: Sequence[Resistance | None]
+    ) -> scipy.sparse.csr_matrix:
+        """Return the matrix of a point before constraints, in the nodes' own frames; the system is not symmetric."""
+        if self._analysed is not self._mechanics.assembler:
+            self._analyse()
+        self._assemble(constraints, point, resistances)
+        pattern = (self._analysed.indices, self._analysed.indptr)
+        return scipy.sparse.csr_matrix((self.data, *pattern), shape=(len(pattern[1]) - 1,) * 2)
 
     def respond_in_frames(self, value: FloatArray, force: FloatArray) -> FloatArray:
         """Return the answer to prescribed values and forces, all in the nodes' own frames (n_points, freedoms)."""
