@@ -90,6 +90,10 @@ class PetscSolver:
         self.iterations = Iterations(0, 0.0, remark)
         return self._solve(self._factors, rhs)
 
+    def solve_all(self, rhs: FloatArray) -> FloatArray:
+        """Return the solutions (k, n) one after the other."""
+        return np.array([self.solve(each) for each in rhs])
+
     # --- rows ---------------------------------------------------------------------------------------------------------
 
     def _number_rows(self) -> None:
