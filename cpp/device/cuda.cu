@@ -50,6 +50,20 @@ __global__ void __launch_bounds__(chunk)
 
 template <class Real>
 __global__ void __launch_bounds__(chunk)
+    hold_beads(const __grid_constant__ Problem<Real> problem, double dt, int cycle) {
+  const int i = blockIdx.x * chunk + threadIdx.x;
+  const Nodes<Real>& nodes = problem.nodes;
+  if (i < problem.beads.n) hold_bead(problem.beads, problem.tools, nodes.position, nodes.motion, dt, cycle, i);
+}
+
+// One block.
+template <class Real>
+__global__ void __launch_bounds__(chunk) push_sheet_of(const __grid_constant__ Beads beads, Real* net) {
+  push_sheet(beads, net, threadIdx.x, chunk);
+}
+
+template <class Real>
+__global__ void __launch_bounds__(chunk)
     touch_nodes(const __grid_constant__ Problem<Real> problem, double dt, int cycle) {
   const int node = blockIdx.x * chunk + threadIdx.x;
   touch_tools(problem, dt, cycle, node, [&](int t, const ContactSums& sums) {
@@ -107,6 +121,7 @@ void advance(Problem<Real> p, const Cycles& cycles) {
   std::vector<SharpTool> sharp(p.tools.edges.sharp, p.tools.edges.sharp + p.tools.edges.n_sharp);
   if (p.tools.n > 0) add_tools(arrays, p, cycles, surfaces);
   if (!sharp.empty()) add_edges(arrays, p, sharp);
+  if (p.beads.n > 0) add_beads(arrays, p, cycles);
   arrays.send();
 
   const Tools& tools = p.tools;
@@ -127,6 +142,10 @@ void advance(Problem<Real> p, const Cycles& cycles) {
     launch.template operator()<4>(p.quadrilaterals);
     launch.template operator()<3>(p.triangles);
     gather_nodes<<<chunks, chunk>>>(nodes);
+    if (p.beads.n > 0) {
+      hold_beads<<<blocks(p.beads.n, chunk), chunk>>>(p, cycles.dt, cycle);
+      push_sheet_of<<<1, chunk>>>(p.beads, nodes.internal_force);
+    }
     if (tools.n > 0) {
       if (tools.edges.chunks() > 0) press_edges<<<tools.edges.chunks(), chunk>>>(p, cycles.dt);
       touch_nodes<<<chunks, chunk>>>(p, cycles.dt, cycle);

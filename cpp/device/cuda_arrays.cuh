@@ -95,6 +95,17 @@ void add_tools(Arrays& arrays, Problem<Real>& p, const Cycles& cycles, std::vect
   arrays.add(tools.fastest, chunks, false), arrays.add(tools.sums, chunks * n, false);
 }
 
+template <class Real>
+void add_beads(Arrays& arrays, Problem<Real>& p, const Cycles& cycles) {
+  Beads& beads = p.beads;
+  const std::size_t n = beads.n, cells = beads.sheet.n, corners = beads.sheet.start[cells];
+  arrays.add(beads.sheet.start, cells + 1, false), arrays.add(beads.sheet.corner, corners, false);
+  arrays.add(beads.sheet.neighbour, corners, false), arrays.add(beads.cell_mass, cells, false);
+  arrays.add(beads.bead, n, false), arrays.add(beads.tool, beads.n_beads, false), arrays.add(beads.limit, n, false);
+  arrays.add(beads.share, std::size_t(beads.n_beads) * cycles.n, false);
+  arrays.add(beads.point, n, true), arrays.add(beads.work, n, true);
+}
+
 // sharp: copies of the sharp tools, in which the pointers are set.
 template <class Real>
 void add_edges(Arrays& arrays, Problem<Real>& p, std::vector<SharpTool>& sharp) {

@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <variant>
 
+#include "device/beads.hpp"
 #include "device/tools.hpp"
 #include "element/shell3_one_point.hpp"
 #include "explicit/step.hpp"
@@ -66,6 +67,7 @@ struct Problem {
   Shells<Real> quadrilaterals, triangles;
   int rows;
   Tools tools;
+  Beads beads{};
 
   int chunks() const { return (nodes.n + chunk - 1) / chunk; }
   // Thickness [mm], and spring of a node [N/mm], of a cell as the tools number them.

@@ -34,6 +34,11 @@ void advance_on_host(const Problem<Real>& p, const Cycles& cycles) {
     advance_shells.template operator()<3>(p.triangles);
 #pragma omp for schedule(static)
     for (int node = 0; node < p.nodes.n; ++node) gather_forces(p.nodes, node);
+    const Beads& beads = p.beads;
+#pragma omp for schedule(static)
+    for (int i = 0; i < beads.n; ++i) hold_bead(beads, tools, p.nodes.position, p.nodes.motion, step.dt, cycle, i);
+#pragma omp single
+    push_sheet(beads, p.nodes.internal_force, 0, 1);
     if (tools.n == 0) continue;
     const Edges& edges = tools.edges;
 #pragma omp for schedule(static)

@@ -194,6 +194,46 @@ struct BorrowedTools {
   }
 };
 
+// Drawbeads of a loop as a device takes them.
+struct BorrowedBeads {
+  explicit_dynamics::Drawbeads* own = nullptr;  // none: no beads
+  std::vector<int> bead, tool;
+  std::vector<double> limit, share, work;
+  std::vector<BeadPoint> point;
+  Beads view{};
+
+  void take(explicit_dynamics::Drawbeads& from, int n_cycles) {
+    own = &from;
+    const auto lent = from.lend();
+    const std::size_t n_beads = from.beads.size();
+    point = lent.points, work.assign(point.size(), 0.0), share.resize(n_beads * n_cycles);
+    for (std::size_t b = 0; b < n_beads; ++b) {
+      const explicit_dynamics::Drawbead& each = from.beads[b];
+      tool.push_back(each.tool);
+      for (int i = each.first; i < each.last; ++i)
+        bead.push_back(static_cast<int>(b)), limit.push_back(each.force * point[i].length);
+      for (int cycle = 0; cycle < n_cycles; ++cycle) share[n_beads * cycle + b] = each.share.at(cycle);
+    }
+    view = {static_cast<int>(point.size()),
+            static_cast<int>(n_beads),
+            lent.cycle,
+            lent.sheet,
+            lent.cell_mass.data(),
+            bead.data(),
+            tool.data(),
+            limit.data(),
+            share.data(),
+            point.data(),
+            work.data()};
+  }
+  void give_back(int n_cycles) const {
+    if (!own) return;
+    double sum = 0.0;
+    for (const double each : work) sum -= each;
+    own->take(point, sum, n_cycles);
+  }
+};
+
 }  // namespace
 
 template <class Real>
@@ -203,7 +243,6 @@ std::string find_lack(const SpaceLoop<Real>& loop) {
     for (const Tool& tool : loop.contact->tools)
       if (tool.surface->is_smooth()) return "tools of triangles that are rounded off";
   if (loop.shell_contact) return "shells that touch each other";
-  if (loop.beads) return "drawbeads";
   if (!loop.hanging.all().empty()) return "refined sheets";
   for (std::size_t b = 0; b < loop.blocks.size(); ++b)
     if (!loop.is_sheet(static_cast<int>(b))) return "solids";
@@ -245,6 +284,8 @@ void advance(SpaceLoop<Real>& loop, Target target, const Cycles& cycles) {
     }
     tools.take(*loop.contact, nodes.n, cycles.n, n_of_block, first_cell);
   }
+  BorrowedBeads beads;
+  if (loop.beads) beads.take(*loop.beads, cycles.n);
   std::vector<int> first, corner;
   list_corners(kinds, nodes.n, first, corner);
   std::vector<Real> corner_force(std::size_t(freedoms) * n_slots);
@@ -256,7 +297,8 @@ void advance(SpaceLoop<Real>& loop, Target target, const Cycles& cycles) {
       kinds[0].view,
       kinds[1].view,
       loop.blocks[0]->n_rows(),
-      tools.view};
+      tools.view,
+      beads.view};
   // 2. the cycles
   if (target == Target::host)
     advance_on_host(problem, cycles);
@@ -270,6 +312,7 @@ void advance(SpaceLoop<Real>& loop, Target target, const Cycles& cycles) {
   // 3. back into the loop
   for (const auto& kind : kinds) kind.give_back();
   tools.give_back(nodes.n, cycles.n);
+  beads.give_back(cycles.n);
   for (std::size_t i = 0; i < n_nodes; ++i) loop.work.external += work[2 * i], loop.work.damping += work[2 * i + 1];
   loop.seconds[static_cast<int>(explicit_dynamics::Phase::elements)] += omp_get_wtime() - start;
 }

@@ -30,6 +30,26 @@
 
 namespace presswork::explicit_dynamics {
 
+// A point of a bead and what it holds.
+struct BeadPoint {
+  double place[2], across[2], length;
+  double force = 0.0, stiffness = 1.0;  // T [N], k [N/mm]
+  double direction[3] = {};
+  contact::Beneath beneath;
+
+  // Finds what lies beneath, by positions of `stride` numbers and the masses of the cells [t].
+  PRESSWORK_DEVICE void look_beneath(const contact::SheetSearch& sheet, const double* cell_mass, double dt,
+                                     const double* position, int stride);
+  // One cycle of dt; motion: records of `stride` numbers, velocity first; moved: velocity of the bead [mm/s], or null;
+  // limit of the force [N]. Gives the work of the force along the slip [N mm]: what is taken from the sheet is less it.
+  template <class Real>
+  PRESSWORK_DEVICE double hold(const Real* motion, int stride, const double* moved, double limit, double dt);
+  // What is taken off the net force of corner a of the cell beneath [N].
+  PRESSWORK_DEVICE double push(int a, int i) const { return beneath.weight[a] * force * direction[i]; }
+};
+
+inline constexpr double bead_penalty = 0.1;  // as that of tools by default
+
 struct Drawbead {
   int first, last;            // its points
   int tool;                   // that it moves with; -1: it stands still
@@ -39,8 +59,7 @@ struct Drawbead {
 
 class Drawbeads {
  public:
-  static constexpr int refresh = 16;      // cycles between two looks beneath
-  static constexpr double penalty = 0.1;  // as that of tools by default
+  static constexpr int refresh = 16;  // cycles between two looks beneath
 
   explicit Drawbeads(contact::SheetUnder sheet) : sheet_(std::move(sheet)) {}
 
@@ -66,13 +85,22 @@ class Drawbeads {
 
   std::vector<Drawbead> beads;
 
- private:
-  struct Point {
-    double place[2], across[2], length;
-    double force = 0.0, stiffness = 1.0;  // T [N], k [N/mm]
-    double direction[3] = {};
-    contact::Beneath beneath;
+  // For a device, which changes the points, the work and the cycles, and says so by `take`.
+  struct Lent {
+    contact::SheetSearch sheet;
+    const std::vector<BeadPoint>& points;
+    const std::vector<double>& cell_mass;
+    int cycle;
   };
+  Lent lend() const { return {sheet_.search(), points_, cell_mass_, cycle_}; }
+  void take(const std::vector<BeadPoint>& points, double work, int cycles) {
+    points_ = points;
+    for (Point& p : points_) sheet_.stand_on(p.beneath.cell, p.beneath);
+    work_ += work, cycle_ += cycles;
+  }
+
+ private:
+  using Point = BeadPoint;
   template <class Real>
   void look_beneath(Point& p, double dt, const SpaceNodes<Real>& nodes) const;
   template <class Real>
@@ -85,18 +113,40 @@ class Drawbeads {
   int cycle_ = 0;
 };
 
+PRESSWORK_DEVICE inline void BeadPoint::look_beneath(const contact::SheetSearch& sheet, const double* cell_mass,
+                                                     double dt, const double* position, int stride) {
+  sheet.find(place, position, stride, beneath);
+  if (!beneath.inside) return;
+  const double* n = beneath.normal;
+  const double size = std::sqrt(contact::dot(n, n)), out = (across[0] * n[0] + across[1] * n[1]) / (size * size);
+  const double d[3] = {across[0] - out * n[0], across[1] - out * n[1], -out * n[2]};
+  const double whole = std::sqrt(contact::dot(d, d));
+  for (int i = 0; i < 3; ++i) direction[i] = d[i] / whole;
+  // |g1 x g2| is a quarter of a quadrilateral's area, and twice a triangle's
+  const double area = beneath.corners == 4 ? 4.0 * size : 0.5 * size;
+  stiffness = bead_penalty * 0.5 * cell_mass[beneath.cell] / (dt * dt) * length / std::sqrt(area);
+}
+
+template <class Real>
+PRESSWORK_DEVICE double BeadPoint::hold(const Real* motion, int stride, const double* moved, double limit, double dt) {
+  double slip = 0.0;
+  for (int a = 0; a < beneath.corners; ++a) {
+    const Real* v = motion + std::size_t(stride) * beneath.node[a];
+    double along = 0.0;
+    for (int i = 0; i < 3; ++i) along += direction[i] * v[i];
+    slip += beneath.weight[a] * along;
+  }
+  if (moved) slip -= contact::dot(direction, moved);
+  slip *= dt;
+  const double now = smaller(larger(force - stiffness * slip, -limit), limit);
+  const double work = 0.5 * (force + now) * slip;
+  force = now;
+  return work;
+}
+
 template <class Real>
 void Drawbeads::look_beneath(Point& p, double dt, const SpaceNodes<Real>& nodes) const {
-  sheet_.find(p.place, nodes.position.data(), SpaceNodes<Real>::position_stride, p.beneath);
-  if (!p.beneath.inside) return;
-  const double* n = p.beneath.normal;
-  const double size = std::sqrt(contact::dot(n, n)), out = (p.across[0] * n[0] + p.across[1] * n[1]) / (size * size);
-  double d[3] = {p.across[0] - out * n[0], p.across[1] - out * n[1], -out * n[2]};
-  const double length = std::sqrt(contact::dot(d, d));
-  for (int i = 0; i < 3; ++i) p.direction[i] = d[i] / length;
-  // |g1 x g2| is a quarter of a quadrilateral's area, and twice a triangle's
-  const double area = p.beneath.corners == 4 ? 4.0 * size : 0.5 * size;
-  p.stiffness = penalty * 0.5 * cell_mass_[p.beneath.cell] / (dt * dt) * p.length / std::sqrt(area);
+  p.look_beneath(sheet_.search(), cell_mass_.data(), dt, nodes.position.data(), SpaceNodes<Real>::position_stride);
 }
 
 template <class Real>
@@ -115,8 +165,7 @@ void Drawbeads::inherit(const Drawbeads& from, double dt, const SpaceNodes<Real>
 template <class Real>
 void Drawbeads::push(const Point& p, Real* net) {
   for (int a = 0; a < p.beneath.corners; ++a)
-    for (int j = 0; j < 3; ++j)
-      net[6 * std::size_t(p.beneath.node[a]) + j] -= static_cast<Real>(p.beneath.weight[a] * p.force * p.direction[j]);
+    for (int j = 0; j < 3; ++j) net[6 * std::size_t(p.beneath.node[a]) + j] -= static_cast<Real>(p.push(a, j));
 }
 
 template <class Real>
@@ -132,19 +181,8 @@ void Drawbeads::visit(int cycle, double dt, const SpaceNodes<Real>& nodes, const
         p.force = 0.0;
         continue;
       }
-      double slip = 0.0;
-      for (int a = 0; a < p.beneath.corners; ++a) {
-        const Real* v = nodes.motion.data() + std::size_t(SpaceNodes<Real>::motion_stride) * p.beneath.node[a];
-        double along = 0.0;
-        for (int j = 0; j < 3; ++j) along += p.direction[j] * v[j];
-        slip += p.beneath.weight[a] * along;
-      }
-      if (moved) slip -= contact::dot(p.direction, moved);
-      slip *= dt;
       const double limit = bead.share[cycle] * bead.force * p.length;
-      const double now = std::clamp(p.force - p.stiffness * slip, -limit, limit);
-      work_ -= 0.5 * (p.force + now) * slip;
-      p.force = now;
+      work_ -= p.hold(nodes.motion.data(), SpaceNodes<Real>::motion_stride, moved, limit, dt);
       push(p, net);
     }
   }
