@@ -75,7 +75,9 @@ def test_a_missing_petsc4py_names_the_way_out(tmp_path, monkeypatch, capsys):
 
 
 @needs_mpi
-@pytest.mark.parametrize(("workpiece", "kind"), [(HEX, "direct"), (TET, "direct"), (HEX, "multigrid")])
+@pytest.mark.parametrize(
+    ("workpiece", "kind"), [(HEX, "direct"), (TET, "direct"), (HEX, "multigrid"), (TET, "multigrid")]
+)
 def test_two_ranks_find_the_answer_of_one_process(tmp_path, workpiece, kind):
     case = _write(tmp_path, workpiece, kind)
     run_on_ranks(1, case, tmp_path / "one")
@@ -84,7 +86,19 @@ def test_two_ranks_find_the_answer_of_one_process(tmp_path, workpiece, kind):
     assert one["iterations"].tolist() == two["iterations"].tolist()
     np.testing.assert_allclose(two["die.force"], one["die.force"], rtol=1e-8)
     _compare(tmp_path / "one", tmp_path / "two")
-    assert "2 ranks: " in (tmp_path / "two" / "run.log").read_text()
+    log = (tmp_path / "two" / "run.log").read_text()
+    assert "2 ranks: " in log
+    assert "PETSc's reason" not in log, "iterations have converged"
+
+
+@needs_mpi
+def test_a_repeated_run_on_two_ranks_gives_the_same_bits(tmp_path):
+    case = _write(tmp_path)
+    for name in ("first", "second"):
+        run_on_ranks(2, case, tmp_path / name)
+    first, second = (load_checkpoint(tmp_path / name / "checkpoint.h5")[0] for name in ("first", "second"))
+    assert set(first) == set(second)
+    assert all(first[name].tobytes() == second[name].tobytes() for name in first)
 
 
 @needs_mpi

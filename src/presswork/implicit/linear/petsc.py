@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Linear systems whose rows are divided over ranks, by PETSc (Balay et al. 1997).
 
-Factors by MUMPS (Amestoy et al. 2001). Large bodies in space are iterated: conjugate gradients preconditioned by the
-smoothed aggregation of PETSc (GAMG) with rigid motions; with a pressure at the nodes, generalised minimal residuals
-preconditioned block by block (Elman, Silvester & Wathen 2014, ch. 4), GAMG on the displacements and Jacobi's method on
-the pressures' complement C + G^T diag(K)^-1 G.
+Factors by MUMPS (Amestoy et al. 2001): up to a size on rank 0 alone, which gives the same bits in every run; beyond
+it on all ranks, whose order of work MUMPS chooses as it goes, so that the last bits of runs differ. Large bodies in
+space are iterated: conjugate gradients preconditioned by PETSc's smoothed aggregation (GAMG) with rigid motions; with a
+pressure at the nodes, generalised minimal residuals preconditioned block by block (Elman, Silvester & Wathen 2014,
+ch. 4), GAMG on the displacements and Jacobi's method on the pressures' complement C + G^T diag(K)^-1 G. On more than
+two ranks the last bits of GAMG's iterations differ from run to run, too.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -21,6 +24,10 @@ TOLERANCE = 1e-8
 """Residual over the right-hand side: ranks find the answer of one process to all digits that matter."""
 MOST = 400
 """Iterations after which the matrix is factorised instead."""
+LEVELS = {"pc_type": "gamg", "mg_levels_pc_type": "sor"}
+"""Smoothed aggregation; on each level Chebyshev's method with each rank's symmetric sweeps."""
+MOST_ON_ONE = 100_000
+"""Rows that rank 0 factorises alone."""
 DISPLACEMENTS = 3
 """Freedoms of a node before its pressure."""
 
@@ -31,7 +38,9 @@ class PetscSolver:
     def __init__(self, assembler: DividedAssembler, iterates: bool) -> None:
         """iterates: by multigrid, by factors only where that fails."""
         self._assembler, self._iterates = assembler, iterates
-        kind = "smoothed aggregation with rigid motions (GAMG)" if iterates else "factors by MUMPS"
+        self._is_on_one = len(assembler.indptr) - 1 <= MOST_ON_ONE
+        factors = "factors by MUMPS on rank 0" if self._is_on_one else "factors by MUMPS on all, last bits may differ"
+        kind = "smoothed aggregation with rigid motions (GAMG)" if iterates else factors
         self.name = f"PETSc on {assembler.world.size} ranks, {kind}"
         self.iterations: Iterations | None = None
         self._matrix: Any = None
@@ -131,7 +140,10 @@ class PetscSolver:
             raise SolverError(f"PETSc: {error}") from error
         whole = np.zeros_like(rhs)
         whole[self._own_rows] = found.getArray(readonly=True)
-        return self._assembler.gather(whole.reshape(-1, self._assembler.freedoms)).reshape(-1)
+        whole = self._assembler.gather(whole.reshape(-1, self._assembler.freedoms)).reshape(-1)
+        if not np.isfinite(whole).all() or (solver is self._factors and solver.getConvergedReason() < 0):
+            raise SolverError("the matrix is singular")
+        return whole
 
     # --- solvers ------------------------------------------------------------------------------------------------------
 
@@ -140,34 +152,57 @@ class PetscSolver:
         from petsc4py import PETSc
 
         if self._factors is None:
-            self._factors = PETSc.KSP().create(self._matrix.getComm())
-            self._factors.setType("preonly")
-            factors = self._factors.getPC()
-            factors.setType("cholesky" if self._assembler.symmetric else "lu")
-            factors.setFactorSolverType("mumps")
+            kind = {"pc_type": "cholesky" if self._assembler.symmetric else "lu", "pc_factor_mat_solver_type": "mumps"}
+            if self._is_on_one:
+                kind = {f"telescope_{name}": value for name, value in kind.items()} | {
+                    "pc_type": "telescope",
+                    "pc_telescope_reduction_factor": self._assembler.world.size,
+                    "telescope_ksp_type": "preonly",
+                }
+            self._factors = self._make("presswork_factors_", {"ksp_type": "preonly", **kind})
         self._factors.setOperators(self._matrix)
         try:
             self._factors.setUp()
         except PETSc.Error as error:
             raise SolverError(f"MUMPS: {error}") from error
-        if (error_code := self._factors.getPC().getFactorMatrix().getMumpsInfog(1)) < 0:
-            raise SolverError(f"the matrix is singular (MUMPS error {error_code})")
         self._is_factorised = True
 
     def _make_iterative(self) -> Any:
+        """Return the solver by iteration."""
+        has_pressure = self._assembler.freedoms > DISPLACEMENTS
+        is_definite = self._assembler.symmetric and not has_pressure
+        options = {"ksp_type": "cg" if is_definite else "fgmres", "ksp_gmres_restart": 100}
+        if has_pressure:
+            options |= {
+                "pc_type": "fieldsplit",
+                "pc_fieldsplit_type": "schur",
+                "pc_fieldsplit_schur_fact_type": "lower",
+                "pc_fieldsplit_schur_precondition": "selfp",
+                **{f"fieldsplit_u_{name}": value for name, value in LEVELS.items()},
+                "fieldsplit_u_ksp_type": "preonly",
+                "fieldsplit_p_ksp_type": "preonly",
+                "fieldsplit_p_pc_type": "jacobi",
+            }
+        else:
+            options |= LEVELS
+        return self._make("presswork_", options)
+
+    def _make(self, prefix: str, options: Mapping[str, object]) -> Any:
+        """Return a solver of the matrix by PETSc's options."""
         from petsc4py import PETSc
 
+        known = PETSc.Options(prefix)
+        for name, value in options.items():
+            known[name] = value
         solver = PETSc.KSP().create(self._matrix.getComm())
+        solver.setOptionsPrefix(prefix)
         solver.setOperators(self._matrix)
-        solver.setTolerances(rtol=TOLERANCE, atol=1e-300, max_it=MOST)
-        solver.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
-        has_pressure = self._assembler.freedoms > DISPLACEMENTS
-        if has_pressure or not self._assembler.symmetric:
-            solver.setType("fgmres")
-            solver.setGMRESRestart(100)
-        else:
-            solver.setType("cg")
-        (self._split if has_pressure else _set_levels)(solver.getPC())
+        if options["ksp_type"] != "preonly":
+            solver.setTolerances(rtol=TOLERANCE, atol=1e-300, max_it=MOST)
+            solver.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+        if options["pc_type"] == "fieldsplit":
+            self._split(solver.getPC())
+        solver.setFromOptions()
         return solver
 
     def _split(self, preconditioner: Any) -> None:
@@ -182,9 +217,6 @@ class PetscSolver:
         self._displacements.setBlockSize(DISPLACEMENTS)
         pressures = PETSc.IS().createGeneral(pressure, comm=self._matrix.getComm())
         preconditioner.setFieldSplitIS(("u", self._displacements), ("p", pressures))
-        preconditioner.setFieldSplitType(PETSc.PC.CompositeType.SCHUR)
-        preconditioner.setFieldSplitSchurFactType(PETSc.PC.SchurFactType.LOWER)
-        preconditioner.setFieldSplitSchurPreType(PETSc.PC.SchurPreType.SELFP)
 
     def _set_modes(self, modes: FloatArray) -> None:
         """Tell the rigid motions (n_points * 3, 6) of this rank's nodes."""
@@ -203,17 +235,6 @@ class PetscSolver:
             self._matrix.setNearNullSpace(near)
             return
         self._displacements.compose("nearnullspace", near)
-        self._solver.setUp()
-        displace, press = self._solver.getPC().getFieldSplitSubKSP()
-        displace.setType("preonly")
-        _set_levels(displace.getPC())
-        press.setType("preonly")
-        press.getPC().setType("jacobi")
-
-
-def _set_levels(preconditioner: Any) -> None:
-    """Take smoothed aggregation, with one Chebyshev smoothing by Jacobi's method on each side of a level."""
-    preconditioner.setType("gamg")
 
 
 def _orthogonalise(modes: FloatArray, communicator: Any) -> FloatArray:
