@@ -152,7 +152,10 @@ class PetscSolver:
         from petsc4py import PETSc
 
         if self._factors is None:
-            kind = {"pc_type": "cholesky" if self._assembler.symmetric else "lu", "pc_factor_mat_solver_type": "mumps"}
+            kind: dict[str, object] = {
+                "pc_type": "cholesky" if self._assembler.symmetric else "lu",
+                "pc_factor_mat_solver_type": "mumps",
+            }
             if self._is_on_one:
                 kind = {f"telescope_{name}": value for name, value in kind.items()} | {
                     "pc_type": "telescope",
