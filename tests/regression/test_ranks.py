@@ -75,13 +75,12 @@ def test_a_missing_petsc4py_names_the_way_out(tmp_path, monkeypatch, capsys):
 
 
 @needs_mpi
-@pytest.mark.parametrize(
-    ("workpiece", "kind"), [(HEX, "direct"), (TET, "direct"), (HEX, "multigrid"), (TET, "multigrid")]
-)
+@pytest.mark.parametrize("kind", ["direct", "multigrid"])
+@pytest.mark.parametrize("workpiece", [HEX, TET], ids=["hex8", "tet4"])
 def test_two_ranks_find_the_answer_of_one_process(tmp_path, workpiece, kind):
-    case = _write(tmp_path, workpiece, kind)
-    run_on_ranks(1, case, tmp_path / "one")
-    run_on_ranks(2, case, tmp_path / "two")
+    """One process takes factors: its own multigrid ends at a residual of 1e-4."""
+    run_on_ranks(1, _write(tmp_path, workpiece), tmp_path / "one")
+    run_on_ranks(2, _write(tmp_path, workpiece, kind), tmp_path / "two")
     one, two = (read_history(tmp_path / name / "history.csv") for name in ("one", "two"))
     assert one["iterations"].tolist() == two["iterations"].tolist()
     np.testing.assert_allclose(two["die.force"], one["die.force"], rtol=1e-8)
