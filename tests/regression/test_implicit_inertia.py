@@ -57,14 +57,12 @@ def test_damping_takes_its_work_and_a_warning_says_when_it_is_much(tmp_path) -> 
 
 
 def test_a_blank_that_lies_loose_is_drawn(tmp_path) -> None:
-    """The holder stands off: statics finds no first increment; with the sheet's own mass it goes through, as by
-    explicit dynamics, and inertia takes little."""
+    """The holder stands off; with the sheet's own mass it goes through, as by explicit dynamics, and inertia takes
+    little."""
     loose: dict[str, Any] = copy.deepcopy(CUP)
     loose["blank"] |= {"thickness": 0.5, "size": [90, 90]}
     loose["tools"]["holder"]["gap"] = 0.9
     loose["stages"] = [{"name": "draw", "tools": {"punch": {"stroke": 10}}}]
-    case = StampingCase.model_validate({**loose, "implicit": {}})
-    assert run_model(build_model(case), tmp_path / "statics", threads=1).status == "gave_up"
     steadied = run_stamping(loose, tmp_path / "out", implicit={"inertia": 1.0})
     energy = steadied.summary["energy"]
     assert 0.0 < energy["inertia_work"] < 0.01 * (energy["elastic_energy"] + energy["plastic_work"])
