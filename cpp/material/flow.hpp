@@ -26,7 +26,7 @@ struct Flow {
 
   // Flow stress at p_n + dp over the time dt, from the temperature of the start; value: of the yield function.
   template <class T>
-  PRESSWORK_DEVICE void evaluate(T p_n, T dp, T value, double dt, T temperature, Point<T>& out) const {
+  PRESSWORK_CALLED void evaluate(T p_n, T dp, T value, double dt, T temperature, Point<T>& out) const {
     if (hot.active()) return evaluate_hot(p_n, dp, value, dt, temperature, out);
     out.by_value = T(0.0);
     harden(p_n + dp, out.stress, out.by_dp);

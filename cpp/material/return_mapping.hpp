@@ -71,7 +71,7 @@ struct Solver {
   BackStress<N, T> back = {};
   T residual[N] = {}, excess = T(0.0), merit = T(0.0);
 
-  PRESSWORK_DEVICE void evaluate_residual() {
+  PRESSWORK_CALLED void evaluate_residual() {
     yield.evaluate(xi, terms);
     flow_law.evaluate(p_n, dp, terms.value, dt, temperature, flow);
     T stress[N];
@@ -94,7 +94,7 @@ struct Solver {
   }
 
   // A = d residual/d xi, factorised, and y = A^-1 d residual/d dp
-  PRESSWORK_DEVICE void linearise(Factors<N, T>& A, T y[N]) const {
+  PRESSWORK_CALLED void linearise(Factors<N, T>& A, T y[N]) const {
     for (int j = 0; j < N; ++j) {
       T column[N], strain[N];
       for (int i = 0; i < N; ++i) column[i] = T(i == j ? 1.0 : 0.0);
@@ -125,7 +125,7 @@ struct Solver {
   }
 
   // Newton with backtracking from (xi, dp); gives the lanes of `open` that did not get there.
-  PRESSWORK_DEVICE Mask<T> iterate(Mask<T> open) {
+  PRESSWORK_CALLED Mask<T> iterate(Mask<T> open) {
     T from_xi[N], from_dp = dp, step_xi[N], step_dp(0.0), length(1.0), from_merit(1e300);
     for (int i = 0; i < N; ++i) from_xi[i] = xi[i], step_xi[i] = T(0.0);
     [[maybe_unused]] Mask<T> was_apart = open;
@@ -235,7 +235,7 @@ struct Solver {
   // Start of the iteration. xi: the trial stress scaled to the yield surface; dp of f_trial - stiffness dp = flow on
   // the chord of the hardening curve up to its largest possible value. A trial stress that is not far out is moved by
   // that dp along C n instead. Lanes that are not plastic get a stress of their own, and dp = 0.
-  PRESSWORK_DEVICE void start(const T shifted[N], T f_trial, T flow_n, Mask<T> plastic) {
+  PRESSWORK_CALLED void start(const T shifted[N], T f_trial, T flow_n, Mask<T> plastic) {
     T ratio = flow_n / larger(f_trial, T(1e-300));
     for (int i = 0; i < N; ++i) xi[i] = select(plastic, shifted[i] * ratio, T(i == 0 ? 1.0 : 0.0) * flow_n);
     yield.evaluate(xi, terms);
@@ -252,7 +252,7 @@ struct Solver {
 
   // A flow stress that rises from next to nothing with a power of the rate is far from its chord: here the equation
   // f_trial - stiffness dp = flow is solved between 0 and `high`, by Newton's method and halving of logarithms.
-  PRESSWORK_DEVICE void start_hot(const T shifted[N], T f_trial, T flow_n, T stiffness, T high, const T push[N],
+  PRESSWORK_CALLED void start_hot(const T shifted[N], T f_trial, T flow_n, T stiffness, T high, const T push[N],
                                   Mask<T> plastic) {
     T low(0.0), x = select(plastic, dp, T(1e-300));
     Flow::Point<T> point;
@@ -280,7 +280,7 @@ struct Solver {
 // plastic strain, work-conjugate to the yield function; where the law heats the rise of temperature; what the kinematic
 // law keeps.
 template <class Yield, class Kinematic, class T>
-PRESSWORK_DEVICE Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Flow& flow_law,
+PRESSWORK_CALLED Mask<T> return_to_yield(const Yield& yield, const Kinematic& kinematic, const Flow& flow_law,
                                          const Elasticity<Yield::size, T>& elastic, const LawInput<Yield::size, T>& in,
                                          const T* s0, T* s1, T (*tangent)[Yield::size]) {
   constexpr int N = Yield::size;

@@ -45,7 +45,7 @@ struct QuadraticYield {
     return multiply(s, product);
   }
   template <class T>
-  PRESSWORK_DEVICE void evaluate(const T s[N], YieldTerms<N, T>& out) const {
+  PRESSWORK_CALLED void evaluate(const T s[N], YieldTerms<N, T>& out) const {
     out.value = multiply(s, out.gradient);
     T over = T(1.0) / larger(out.value, T(1e-300));
     for (auto& g : out.gradient) g *= over;
@@ -123,7 +123,7 @@ struct EvenPowerYield {
 
   // 1. arguments  2. derivatives of phi/2 by v, w, u  3. chain rule to the stress  4. to the root
   template <class T>
-  PRESSWORK_DEVICE void evaluate(const T s[3], YieldTerms<3, T>& out) const {
+  PRESSWORK_CALLED void evaluate(const T s[3], YieldTerms<3, T>& out) const {
     Arguments<T> a = arguments(s);
     T phi = larger(half_phi(a), T(1e-300));
     out.value = root(phi);

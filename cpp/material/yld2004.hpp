@@ -152,7 +152,7 @@ struct Yld2004 {
 
   // 1. transformed stresses  2. derivatives of phi by the six invariants  3. chain rule to the stress  4. to the root
   template <class T>
-  PRESSWORK_DEVICE void evaluate(const T s[N], YieldTerms<N, T>& out) const {
+  PRESSWORK_CALLED void evaluate(const T s[N], YieldTerms<N, T>& out) const {
     Tensor<T> A[2];
     for (int t = 0; t < 2; ++t) transform(s, t, A[t]);
     const T phi = larger(sum(A[0], A[1]), T(4e-300));
