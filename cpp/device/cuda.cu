@@ -9,7 +9,6 @@
 #include "device/cuda_arrays.cuh"
 #include "device/cuda_library.hpp"
 #include "device/cuda_sums.cuh"
-#include "device/law_tables.hpp"
 
 namespace presswork::device {
 
@@ -25,12 +24,12 @@ __global__ void __launch_bounds__(chunk)
   if (threadIdx.x == 0) fastest[blockIdx.x] = most;
 }
 
-template <int corners, class Law, class Real>
+template <class Kind, class Real>
 __global__ void __launch_bounds__(128)
-    advance_shells(const __grid_constant__ Nodes<Real> nodes, const __grid_constant__ Shells<Real> shells,
-                   const double* room, double dt) {
-  const int shell = blockIdx.x * blockDim.x + threadIdx.x;
-  if (shell < shells.n) advance_shell<corners>(nodes, shells, *std::get_if<Law>(&shells.law), room, dt, shell);
+    advance_elements(const __grid_constant__ Nodes<Real> nodes, const __grid_constant__ Kind block, const double* room,
+                     double dt) {
+  const int i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i < block.n) block.advance(nodes, room, dt, i);
 }
 
 template <class Real>
@@ -95,8 +94,8 @@ __global__ void __launch_bounds__(chunk) close_tools(const __grid_constant__ Too
   }
 }
 
-constexpr int threads_of_shells = 128;
-int blocks(int n, int threads) { return (n + threads - 1) / threads; }
+constexpr int threads_of_elements = 128;
+int count_blocks(int n, int threads) { return (n + threads - 1) / threads; }
 
 template <class Real>
 void advance(Problem<Real> p, const Cycles& cycles) {
@@ -109,41 +108,33 @@ void advance(Problem<Real> p, const Cycles& cycles) {
   arrays.add(nodes.reaction_impulse, freedoms * n, true), arrays.add(nodes.work, 2 * n, true);
   arrays.add(nodes.first_corner, n + 1, false), arrays.add(nodes.corner, slots, false);
   arrays.add(nodes.corner_force, freedoms * slots, false);
-  const auto add_shells = [&](Shells<Real>& shells, std::size_t corners) {
-    if (shells.n == 0) return;
-    arrays.add(shells.node, corners * shells.n, false), arrays.add(shells.state, std::size_t(p.rows) * shells.n, true);
-    if (shells.temperature) arrays.add(shells.temperature, std::size_t(shells.rule.points) * shells.n, false);
-    const auto add = [&](auto& table, std::size_t n) { arrays.add(table, n, false); };
-    std::visit([&](auto& law) { for_each_table(law, add); }, shells.law);
-  };
-  add_shells(p.quadrilaterals, 4), add_shells(p.triangles, 3);
+  std::vector<Block<Real>> blocks(p.block, p.block + p.n_blocks);
+  for (auto& block : blocks) std::visit([&](auto& of) { add_elements(arrays, of); }, block);
   std::vector<Surface> surfaces(p.tools.surface, p.tools.surface + p.tools.n);
   std::vector<SharpTool> sharp(p.tools.edges.sharp, p.tools.edges.sharp + p.tools.edges.n_sharp);
   if (p.tools.n > 0) add_tools(arrays, p, cycles, surfaces);
   if (!sharp.empty()) add_edges(arrays, p, sharp);
   if (p.beads.n > 0) add_beads(arrays, p, cycles);
   arrays.send();
+  p.block = blocks.data();
+  p.find_sheets();
 
   const Tools& tools = p.tools;
   const double* room = tools.n > 0 && tools.ironing ? tools.room : nullptr;
   const int chunks = p.chunks();
-  const auto launch = [&]<int corners>(const Shells<Real>& shells) {
-    if (shells.n == 0) return;
-    std::visit(
-        [&]<class Law>(const Law&) {
-          advance_shells<corners, Law>
-              <<<blocks(shells.n, threads_of_shells), threads_of_shells>>>(nodes, shells, room, cycles.dt);
-        },
-        shells.law);
-  };
   for (int cycle = 0; cycle < cycles.n; ++cycle) {
     move_nodes<<<chunks, chunk>>>(nodes, cycles.step(cycle), tools.n > 0 ? tools.fastest : nullptr);
     if (tools.n > 0) start_tools_of<<<1, chunk>>>(tools, chunks, cycles.dt, cycle);
-    launch.template operator()<4>(p.quadrilaterals);
-    launch.template operator()<3>(p.triangles);
+    for (const auto& block : blocks)
+      std::visit(
+          [&](const auto& of) {
+            advance_elements<<<count_blocks(of.n, threads_of_elements), threads_of_elements>>>(nodes, of, room,
+                                                                                               cycles.dt);
+          },
+          block);
     gather_nodes<<<chunks, chunk>>>(nodes);
     if (p.beads.n > 0) {
-      hold_beads<<<blocks(p.beads.n, chunk), chunk>>>(p, cycles.dt, cycle);
+      hold_beads<<<count_blocks(p.beads.n, chunk), chunk>>>(p, cycles.dt, cycle);
       push_sheet_of<<<1, chunk>>>(p.beads, nodes.internal_force);
     }
     if (tools.n > 0) {

@@ -65,6 +65,14 @@ class Arrays {
   std::vector<Copy> copies_;
 };
 
+template <class Kind>
+void add_elements(Arrays& arrays, Kind& of) {
+  const std::size_t n = of.n;
+  arrays.add(of.node, Kind::n_corners * n, false), arrays.add(of.state, of.rows * n, true);
+  if (of.temperature) arrays.add(of.temperature, of.points * n, false);
+  of.for_each_table([&](auto& table, std::size_t size) { arrays.add(table, size, false); });
+}
+
 // surfaces: copies of those of the tools, in which the pointers are set.
 template <class Real>
 void add_tools(Arrays& arrays, Problem<Real>& p, const Cycles& cycles, std::vector<Surface>& surfaces) {

@@ -7,11 +7,13 @@ namespace presswork::device {
 
 template <class Real>
 void advance_on_host(const Problem<Real>& p, const Cycles& cycles) {
-  constexpr int serial_shells = 1000;  // fewer are left to one thread
+  constexpr int serial_elements = 1000;  // fewer are left to one thread
+  int n_elements = 0;
+  for (int b = 0; b < p.n_blocks; ++b) n_elements += std::visit([](const auto& of) { return of.n; }, p.block[b]);
   const Tools& tools = p.tools;
   const double* room = tools.n > 0 && tools.ironing ? tools.room : nullptr;
   const int chunks = p.chunks();
-#pragma omp parallel if (p.quadrilaterals.n + p.triangles.n >= serial_shells)
+#pragma omp parallel if (n_elements >= serial_elements)
   for (int cycle = 0; cycle < cycles.n; ++cycle) {
     const Step step = cycles.step(cycle);
 #pragma omp for schedule(static)
@@ -23,15 +25,13 @@ void advance_on_host(const Problem<Real>& p, const Cycles& cycles) {
     }
 #pragma omp single
     if (tools.n > 0) start_tools(tools, step.dt, cycle, *std::max_element(tools.fastest, tools.fastest + chunks));
-    const auto advance_shells = [&]<int corners>(const Shells<Real>& shells) {
-      choose(shells.law, [&](const auto& law) {
+    for (int b = 0; b < p.n_blocks; ++b)
+      std::visit(
+          [&](const auto& block) {
 #pragma omp for schedule(static)
-        for (int shell = 0; shell < shells.n; ++shell)
-          advance_shell<corners>(p.nodes, shells, law, room, step.dt, shell);
-      });
-    };
-    advance_shells.template operator()<4>(p.quadrilaterals);
-    advance_shells.template operator()<3>(p.triangles);
+            for (int i = 0; i < block.n; ++i) block.advance(p.nodes, room, step.dt, i);
+          },
+          p.block[b]);
 #pragma omp for schedule(static)
     for (int node = 0; node < p.nodes.n; ++node) gather_forces(p.nodes, node);
     const Beads& beads = p.beads;

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+// Blocks of elements of a loop as a device takes them, and what goes back into the loop.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "device/cycle.hpp"
+#include "explicit/space/loop.hpp"
+#include "explicit/space/shell_section.hpp"
+
+namespace presswork::device {
+
+using explicit_dynamics::ElementBlock;
+using explicit_dynamics::ShellSection;
+using explicit_dynamics::ShellTreatment;
+using explicit_dynamics::SpaceLoop;
+using explicit_dynamics::SpaceNodes;
+
+// What a block of shells has that no device computes; empty where there is nothing.
+inline std::string find_lack_of_shells(const ShellSection& section, int corners) {
+  if (corners == 4 && section.treatment != ShellTreatment::stabilized)
+    return "shells other than shell4_1pt with physical hourglass";
+  if (std::holds_alternative<UserSheet>(section.law)) return "laws of shared libraries (UMAT)";
+  return "";
+}
+
+// A block, of which nothing lacks.
+template <class Real>
+class BorrowedBlock {
+ public:
+  BorrowedBlock(SpaceLoop<Real>& loop, int number, int first_slot) : own_(*loop.blocks[number]) {
+    const std::size_t n = own_.n(), corners = own_.nodes_each(), rows = own_.n_rows();
+    node.resize(corners * n), state_.resize(rows * n);
+    for (std::size_t e = 0; e < n; ++e) {
+      for (std::size_t a = 0; a < corners; ++a) node[a * n + e] = own_.connectivity()[corners * e + a];
+      for (std::size_t r = 0; r < rows; ++r) state_[r * n + e] = static_cast<Real>(own_.value(int(e), int(r)));
+    }
+    const std::size_t points = own_.has_temperatures() ? own_.n_temperatures() : 0;
+    temperature_.resize(points * n);
+    for (std::size_t e = 0; e < n; ++e)
+      for (std::size_t k = 0; k < points; ++k)
+        temperature_[k * n + e] = static_cast<Real>(own_.temperature(int(e), int(k)));
+    const Elements<Real> elements{own_.n(),
+                                  own_.n_rows(),
+                                  first_slot,
+                                  node.data(),
+                                  state_.data(),
+                                  static_cast<int>(points),
+                                  points > 0 ? temperature_.data() : nullptr,
+                                  own_.slower};
+    see_shells(elements, loop.sheet(number).section());
+  }
+  BorrowedBlock(const BorrowedBlock&) = delete;
+  BorrowedBlock& operator=(const BorrowedBlock&) = delete;
+
+  void give_back() const {
+    const std::size_t n = own_.n(), rows = own_.n_rows();
+    for (std::size_t e = 0; e < n; ++e)
+      for (std::size_t r = 0; r < rows; ++r) own_.set_value(int(e), int(r), double(state_[r * n + e]));
+  }
+  const Block<Real>& view() const { return *view_; }
+  int n() const { return own_.n(); }
+  int first_slot() const {
+    return std::visit([](const auto& of) { return of.first_slot; }, *view_);
+  }
+
+  std::vector<int> node;  // (corners, n)
+
+ private:
+  void see_shells(const Elements<Real>& elements, const ShellSection& section) {
+    const auto see = [&]<class Law>(const Law& law) {
+      if (own_.nodes_each() == 4)
+        view_ = OnePointShells<Real, 4, Law>{elements, law, section.rule};
+      else
+        view_ = OnePointShells<Real, 3, Law>{elements, law, section.rule};
+    };
+    if (const auto* general = std::get_if<GeneralSheet>(&section.law))
+      see(*general);
+    else
+      see(std::get<FastMises>(section.law));
+  }
+
+  ElementBlock<SpaceNodes<Real>>& own_;
+  std::vector<Real> state_, temperature_;
+  std::optional<Block<Real>> view_;
+};
+
+// The slots of the corners round each node, the elements in turn.
+template <class Real>
+void list_corners(const std::vector<std::unique_ptr<BorrowedBlock<Real>>>& blocks, int n_nodes, std::vector<int>& first,
+                  std::vector<int>& list) {
+  first.assign(n_nodes + 1, 0);
+  for (const auto& block : blocks)
+    for (int node : block->node) ++first[node + 1];
+  for (int node = 0; node < n_nodes; ++node) first[node + 1] += first[node];
+  list.resize(first[n_nodes]);
+  std::vector<int> next(first.begin(), first.end() - 1);
+  for (const auto& block : blocks)
+    for (int e = 0; e < block->n(); ++e)
+      for (std::size_t slot = e; slot < block->node.size(); slot += block->n())
+        list[next[block->node[slot]]++] = block->first_slot() + static_cast<int>(slot);
+}
+
+}  // namespace presswork::device
