@@ -18,19 +18,22 @@ pytestmark = pytest.mark.validation
 
 ROOT = Path(__file__).parents[1]
 WHEELS = ("nvidia-cuda-nvcc", "nvidia-nvvm", "nvidia-cuda-crt", "nvidia-cuda-runtime")
+ELEMENTS = "16advance_elementsINS0_{kind}I([df]){then}E"
+SHELLS = {"quadrilaterals": ("14OnePointShells", "Li4E"), "triangles": ("14OnePointShells", "Li3E")}
 KERNELS = {
-    "move_nodes": "10move_nodesI",
-    "advance_quadrilaterals": "14advance_shellsILi4ENS_9FastMisesE",
-    "advance_triangles": "14advance_shellsILi3ENS_9FastMisesE",
-    "advance_quadrilaterals_of_any_law": "14advance_shellsILi4ENS_12GeneralSheetE",
-    "advance_triangles_of_any_law": "14advance_shellsILi3ENS_12GeneralSheetE",
-    "hold_beads": "10hold_beadsI",
-    "push_sheet": "13push_sheet_ofI",
-    "gather_nodes": "12gather_nodesI",
-    "touch_nodes": "11touch_nodesI",
-    "press_edges": "11press_edgesI",
+    "move_nodes": "10move_nodesI([df])",
+    **{
+        f"advance_{name}{of_any_law}": ELEMENTS.format(kind=kind, then=f"{corners}NS_{law}")
+        for name, (kind, corners) in SHELLS.items()
+        for of_any_law, law in (("", "9FastMises"), ("_of_any_law", "12GeneralSheet"))
+    },
+    "hold_beads": "10hold_beadsI([df])",
+    "push_sheet": "13push_sheet_ofI([df])",
+    "gather_nodes": "12gather_nodesI([df])",
+    "touch_nodes": "11touch_nodesI([df])",
+    "press_edges": "11press_edgesI([df])",
 }
-"""And how the compiler's name of each begins, before that of its scalar."""
+"""And what the compiler's name of each has in it, with the letter of its scalar."""
 KERNELS_OF_TOOLS = {"start_tools": "14start_tools_ofE", "close_tools": "11close_toolsE"}
 """Of one block, in double precision alone."""
 CAPABILITIES = ("80", "90")
@@ -68,8 +71,12 @@ def read_kernels(told: str) -> dict[tuple[str, str, str], tuple[int, int]]:
     for name, capability, spilled, registers in re.findall(
         r"entry function '(\w+)' for 'sm_(\d+)'.*?(\d+) bytes spill stores.*?Used (\d+) registers", told, re.DOTALL
     ):
-        kernel, start = next(pair for pair in (KERNELS | KERNELS_OF_TOOLS).items() if pair[1] in name)
-        precision = "single" if name.split(start)[1].startswith("f") else "double"
+        kernel, match = next(
+            (kernel, match)
+            for kernel, pattern in (KERNELS | KERNELS_OF_TOOLS).items()
+            if (match := re.search(pattern, name))
+        )
+        precision = "single" if match.groups() == ("f",) else "double"
         found[kernel, precision, capability] = (int(registers), int(spilled))
     return found
 
