@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """PARDISO and SuperLU solve the same systems; a singular matrix is said to be one."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -19,11 +21,16 @@ def system(symmetric: bool, n: int = 60) -> tuple[sp.csr_matrix, np.ndarray]:
     return matrix, rng.standard_normal(n)
 
 
+def need_pardiso() -> None:
+    if direct._find_mkl() is None:
+        pytest.skip("MKL PARDISO is not installed")
+
+
 @pytest.mark.parametrize("symmetric", [True, False])
 @pytest.mark.parametrize("solver", ["pardiso", "superlu"])
 def test_solver_solves(solver, symmetric) -> None:
     if solver == "pardiso":
-        pytest.importorskip("pypardiso")
+        need_pardiso()
     matrix, rhs = system(symmetric)
     stored = sp.triu(matrix).tocsr() if symmetric else matrix
     if solver == "pardiso":
@@ -40,7 +47,7 @@ def test_solver_solves(solver, symmetric) -> None:
 def test_negative_pivots_tell_of_negative_eigenvalues(solver) -> None:
     """PARDISO counts them in a symmetric matrix; SuperLU says whether they are odd."""
     if solver == "pardiso":
-        pytest.importorskip("pypardiso")
+        need_pardiso()
     matrix, _ = system(symmetric=True)
     values = np.linalg.eigvalsh(matrix.toarray())
     found = []
@@ -57,7 +64,7 @@ def test_negative_pivots_tell_of_negative_eigenvalues(solver) -> None:
 
 
 def test_the_bits_do_not_depend_on_the_number_of_threads() -> None:
-    pytest.importorskip("pypardiso")
+    need_pardiso()
     matrix, rhs = system(symmetric=False, n=2000)
     solutions = []
     for threads in (1, 2):
@@ -69,7 +76,7 @@ def test_the_bits_do_not_depend_on_the_number_of_threads() -> None:
 
 def test_the_library_is_looked_for_once_a_process(monkeypatch) -> None:
     """However many analyses follow; it takes longer than a small one."""
-    pytest.importorskip("pypardiso")
+    need_pardiso()
     looked, find = [], direct._find_mkl
     monkeypatch.setattr(direct, "_find_mkl", lambda: (looked.append(1), find())[1])
     direct._load_mkl.cache_clear()
@@ -82,12 +89,24 @@ def test_the_library_is_looked_for_once_a_process(monkeypatch) -> None:
 
 
 def test_library_elsewhere_is_found_by_pypardiso(monkeypatch, tmp_path) -> None:
-    wrapper = pytest.importorskip("pypardiso.pardiso_wrapper")
+    wrapper = pytest.importorskip("pypardiso.pardiso_wrapper", exc_type=ImportError)
     library = direct._find_mkl()
     monkeypatch.delenv("PYPARDISO_MKL_RT", raising=False)
     monkeypatch.setattr(direct.sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(direct, "_list_mkl_of_package", list)
     monkeypatch.setattr(wrapper, "find_library", lambda name: library)
     assert direct._find_mkl() == library
+
+
+def test_library_of_the_environment_beneath_is_found_by_its_package(monkeypatch, tmp_path) -> None:
+    """As in a virtual environment that sees the packages of another one."""
+    need_pardiso()
+    library = direct._find_mkl()
+    monkeypatch.delenv("PYPARDISO_MKL_RT", raising=False)
+    monkeypatch.setattr(direct.sys, "prefix", str(tmp_path))
+    found = direct._find_mkl()
+    assert found is not None
+    assert Path(found).resolve() == Path(library).resolve()
 
 
 def test_a_singular_matrix_is_an_error() -> None:

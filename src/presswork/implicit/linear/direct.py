@@ -13,6 +13,7 @@ import os
 import sys
 import weakref
 from functools import cache
+from importlib import metadata
 from typing import Any
 
 import numpy as np
@@ -96,11 +97,12 @@ def _explain(error: int) -> SolverError | MemoryError:
 def _find_mkl() -> str | None:
     """Return the path of MKL's library: PYPARDISO_MKL_RT says it, or it lies where pip and conda put it.
 
-    Elsewhere pypardiso finds it, which walks all folders of the environment and loads SciPy's sparse matrices first.
+    In an environment on top of another one the installed package `mkl` knows its place. Elsewhere pypardiso finds it,
+    which walks all folders of the environment and loads SciPy's sparse matrices first.
     """
     named = os.environ.get("PYPARDISO_MKL_RT")
     here = [named] if named else sorted(glob.glob(f"{glob.escape(sys.prefix)}/lib/libmkl_rt.so*"))
-    if here:
+    if here or (here := _list_mkl_of_package()):
         return here[0]
     try:
         from pypardiso.pardiso_wrapper import PyPardisoSolver
@@ -108,6 +110,16 @@ def _find_mkl() -> str | None:
         return str(PyPardisoSolver().libmkl._name)
     except ImportError:
         return None
+
+
+def _list_mkl_of_package() -> list[str]:
+    """Return the paths of MKL's library in the installed package `mkl`, whatever environment that lies in."""
+    try:
+        files = metadata.files("mkl") or []
+    except metadata.PackageNotFoundError:
+        return []
+    places = sorted(str(file.locate()) for file in files if file.name.startswith("libmkl_rt.so"))
+    return [place for place in places if os.path.exists(place)]
 
 
 @cache
