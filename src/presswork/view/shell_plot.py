@@ -180,10 +180,10 @@ def frame_axes(ax: Axes3D, low: FloatArray, high: FloatArray, zoom: float = 1.0)
     margin = 0.03 * float(size.max())
     ax.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     ax.set_zlim(low[2] - margin, high[2] + margin)
-    ax.set_box_aspect(size + 2 * margin, zoom=zoom * (0.8 if size[2] > size[:2].max() else 1.0))  # a tall body: labels
-    ax.set_xlabel("x [mm]", labelpad=8)
-    ax.set_ylabel("y [mm]", labelpad=8)
-    ax.set_zlabel("z [mm]")
+    ax.set_box_aspect(size + 2 * margin, zoom=zoom * (0.72 if size[2] > size[:2].max() else 1.0))  # a tall body: labels
+    slender = 0.5 * (size.sum() - size) < 0.4 * size  # along such an axis matplotlib puts the label on the numbers
+    for set_label, name, far in zip((ax.set_xlabel, ax.set_ylabel, ax.set_zlabel), "xyz", slender, strict=True):
+        set_label(f"{name} [mm]", labelpad=(4.0 if name == "z" else 11.0) + (28.0 if far else 0.0))
     ax.tick_params(labelsize="x-small")
     for axis, part in zip((ax.xaxis, ax.yaxis, ax.zaxis), size / size.max(), strict=True):
         axis.set_major_locator(MaxNLocator(int(np.clip(10 * part, 1, 5))))  # where an axis is short, numbers collide
