@@ -21,8 +21,8 @@ using explicit_dynamics::SpaceNodes;
 
 // What a block of shells has that no device computes; empty where there is nothing.
 inline std::string find_lack_of_shells(const ShellSection& section, int corners) {
-  if (corners == 4 && section.treatment != ShellTreatment::stabilized)
-    return "shells other than shell4_1pt with physical hourglass";
+  if (corners == 4 && section.treatment != ShellTreatment::stabilized && section.treatment != ShellTreatment::mitc)
+    return "shells of one point without physical hourglass control";
   if (std::holds_alternative<UserSheet>(section.law)) return "laws of shared libraries (UMAT)";
   return "";
 }
@@ -72,7 +72,9 @@ class BorrowedBlock {
  private:
   void see_shells(const Elements<Real>& elements, const ShellSection& section) {
     const auto see = [&]<class Law>(const Law& law) {
-      if (own_.nodes_each() == 4)
+      if (own_.nodes_each() == 4 && section.treatment == ShellTreatment::mitc)
+        view_ = MitcShells<Real, Law>{elements, law, section.rule};
+      else if (own_.nodes_each() == 4)
         view_ = OnePointShells<Real, 4, Law>{elements, law, section.rule};
       else
         view_ = OnePointShells<Real, 3, Law>{elements, law, section.rule};

@@ -26,7 +26,8 @@ namespace presswork::device {
 // A block of elements of one kind and law; a kind is added here and by a pass of space.cpp.
 template <class Real>
 using Block = std::variant<OnePointShells<Real, 4, FastMises>, OnePointShells<Real, 4, GeneralSheet>,
-                           OnePointShells<Real, 3, FastMises>, OnePointShells<Real, 3, GeneralSheet>>;
+                           OnePointShells<Real, 3, FastMises>, OnePointShells<Real, 3, GeneralSheet>,
+                           MitcShells<Real, FastMises>, MitcShells<Real, GeneralSheet>>;
 
 // Cells of a block of shells, as the loop numbers them, and what tools ask of them.
 template <class Real>

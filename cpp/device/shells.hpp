@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shells of one point in the device's cycle: those of four nodes with physical stabilisation, and those of three.
+// Shells in the device's cycle: those of one point, of four nodes with physical stabilisation and of three nodes, and
+// MITC4+.
 #pragma once
 
 #include "device/elements.hpp"
 #include "device/law_tables.hpp"
 #include "element/shell3_one_point.hpp"
-#include "element/shell4_stabilized.hpp"
+#include "element/shell4_mitc.hpp"
 #include "material/elastic_plastic_update.hpp"
 
 namespace presswork::device {
@@ -35,6 +36,33 @@ struct OnePointShells : Elements<Real> {
       shell3::advance(law, rule, now, x, v, w, between, state, layers, force);
     for (int r = 0; r < shell4::head_rows; ++r) rows[r * n] = state[r];
     leave_forces<corners>(nodes, *this, shell, force);
+  }
+  template <class F>
+  void for_each_table(const F& f) {
+    device::for_each_table(law, f);
+  }
+};
+
+// Those of 2 x 2 points, MITC4+: the rows of a point are read where they are used.
+template <class Real, class OfLaw>
+struct MitcShells : Elements<Real> {
+  using Law = OfLaw;
+  static constexpr int n_corners = 4, thickness_row = shell4_mitc::thickness, spring_row = shell4_mitc::spring;
+  Law law;
+  LayerRule rule;
+
+  PRESSWORK_INLINE void advance(const Nodes<Real>& nodes, const double* room_at, double dt, int shell) const {
+    Real x[4][3], v[4][3], w[4][3], force[freedoms * 4], room[4];
+    gather_corners<4>(nodes, *this, shell, x, v, w);
+    const auto stride = static_cast<std::ptrdiff_t>(this->n);
+    const shell4_mitc::RowsApart<Real> rows{this->state + shell, stride};
+    const auto layers = layers_apart(law, rows.first + shell4_mitc::head_rows * stride, stride);
+    LayerConditions<Real> now{dt, this->temperature ? this->temperature + shell : nullptr};
+    now.slower = this->slower, now.stride = stride;
+    for (int a = 0; room_at && a < 4; ++a)
+      room[a] = static_cast<Real>(room_at[this->node[a * std::size_t(this->n) + shell]]);
+    shell4_mitc::advance(law, rule, now, x, v, w, room_at ? room : nullptr, rows, layers, force);
+    leave_forces<4>(nodes, *this, shell, force);
   }
   template <class F>
   void for_each_table(const F& f) {

@@ -187,13 +187,15 @@ struct LayerRule {
   double height[most_points], weight[most_points];
 };
 
-// The layers of a section one behind the other, as packs keep them: (points, rows).
+// The layers of a section one behind the other, as packs keep them: (points, rows). skip: goes on to those of the next
+// point in the plane.
 template <class T>
 struct LayersInRow {
   T* first;
   int rows;
   PRESSWORK_DEVICE T* open(int k) const { return first + k * rows; }
   PRESSWORK_DEVICE void close(int, const T*) const {}
+  PRESSWORK_DEVICE void skip(int layers) { first += layers * rows; }
 };
 
 // Those of a law of so many rows, each value `stride` behind the one before, as neighbouring lanes of a GPU keep them:
@@ -210,6 +212,7 @@ struct LayersApart {
   PRESSWORK_INLINE void close(int k, const T* point) const {
     for (int i = 0; i < rows; ++i) first[(k * rows + i) * stride] = point[i];
   }
+  PRESSWORK_INLINE void skip(int layers) { first += layers * rows * stride; }
 };
 
 // The same for a law whose number of rows is known in the run alone.
@@ -226,6 +229,7 @@ struct LayersApartInRun {
   PRESSWORK_INLINE void close(int k, const T* point) const {
     for (int i = 0; i < rows; ++i) first[(k * rows + i) * stride] = point[i];
   }
+  PRESSWORK_INLINE void skip(int layers) { first += layers * rows * stride; }
 };
 
 template <class T>

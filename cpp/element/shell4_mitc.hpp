@@ -28,15 +28,25 @@ using shell4::Patterns;
 
 inline constexpr int points = 4;
 inline constexpr double place = 0.57735026918962576451;  // 1/sqrt 3
-inline constexpr double at_r[points] = {-place, place, -place, place}, at_s[points] = {-place, -place, place, place};
-// in the bound of the frequency, found by eigenvalues: of membrane and shear
-inline constexpr double of_skew[2] = {0.15, 0.4}, of_warp = 0.6;
+PRESSWORK_DEVICE constexpr double at_r(int q) { return q % 2 == 0 ? -place : place; }
+PRESSWORK_DEVICE constexpr double at_s(int q) { return q < 2 ? -place : place; }
+// in the bound of the frequency, found by eigenvalues
+inline constexpr double membrane_of_skew = 0.15, shear_of_skew = 0.4, membrane_of_warp = 0.6;
 
 // Rows of a shell's state: thickness (mean), work, spring of a squeezed node, then those of each point, then the
 // layers, point after point.
 enum Row { thickness = 0, work = 1, spring = 2, first_point = 3 };
 enum PointRow { point_thickness = 0, rounding = 1, reference = 2, shear = 6, pressure = 8, point_rows = 9 };
 inline constexpr int head_rows = first_point + points * point_rows;
+
+// A shell's rows, each `stride` behind the one before, as neighbouring lanes of a GPU keep them.
+template <class T>
+struct RowsApart {
+  T* first;
+  std::ptrdiff_t stride;
+  PRESSWORK_DEVICE T& operator[](int row) const { return first[row * stride]; }
+  PRESSWORK_DEVICE RowsApart operator+(int rows) const { return {first + rows * stride, stride}; }
+};
 
 // Products of g1, g2, h: the metric at any point.
 template <class T>
@@ -45,17 +55,23 @@ struct Metric {
 };
 
 template <class T>
-[[gnu::always_inline]] inline void measure_metric(const Patterns<T>& c, Metric<T>& out) {
+PRESSWORK_INLINE void measure_metric(const Patterns<T>& c, Metric<T>& out) {
   out.g11 = dot3(c.g[0], c.g[0]), out.g22 = dot3(c.g[1], c.g[1]), out.g12 = dot3(c.g[0], c.g[1]);
   for (int k = 0; k < 2; ++k) out.gh[k] = dot3(c.g[k], c.h);
   out.hh = dot3(c.h, c.h);
 }
 
+// In the frame of the first point, whose rows are given: any frame will do.
+template <class T, class Rows>
+PRESSWORK_INLINE void measure_centre(const T x[4][3], const Rows point, Centre<T>& out) {
+  const T inverse[4] = {point[reference], point[reference + 1], point[reference + 2], point[reference + 3]};
+  shell4::measure_centre(x, inverse, out);
+}
+
 // At a point: base vectors a1 = g1 + s h, a2 = g2 + r h; gives their area, and a^1, a^2 in the frame that the polar
 // decomposition makes of them and of the inverse of what they were at the start.
-template <class T>
-[[gnu::always_inline]] inline T place_frame(const Metric<T>& m, double r, double s, const T inverse[4],
-                                            T contra[2][2]) {
+template <class T, class Rows>
+PRESSWORK_INLINE T place_frame(const Metric<T>& m, double r, double s, const Rows inverse, T contra[2][2]) {
   const T a11 = m.g11 + T(2.0 * s) * m.gh[0] + T(s * s) * m.hh, a22 = m.g22 + T(2.0 * r) * m.gh[1] + T(r * r) * m.hh;
   const T a12 = m.g12 + T(r) * m.gh[0] + T(s) * m.gh[1] + T(r * s) * m.hh;
   const T area = square_root(a11 * a22 - a12 * a12);
@@ -74,12 +90,12 @@ template <class T>
 struct Assumed {
   T h[2], scale;
 
-  explicit Assumed(const T skew[2]) : h{skew[0], skew[1]} {
+  PRESSWORK_INLINE explicit Assumed(const T skew[2]) : h{skew[0], skew[1]} {
     // below 1 in a convex quadrilateral; 1 where two corners meet
     scale = T(1.0) / (smaller(h[0] * h[0] + h[1] * h[1], T(0.99)) - T(1.0));
   }
   // constant: 11, 22 and 12, to which H - 2/3 B is added; linear: L1, L2; gives 2 B
-  T tie(T constant[3], const T linear[2], T H) const {
+  PRESSWORK_INLINE T tie(T constant[3], const T linear[2], T H) const {
     const T B = scale * (h[0] * (h[0] * (constant[0] + H) + h[1] * constant[2] - linear[0]) +
                          h[1] * (h[1] * (constant[1] + H) - linear[1]));
     const T both = H - T(2.0 / 3.0) * B;
@@ -87,7 +103,7 @@ struct Assumed {
     return T(2.0) * B;
   }
   // tie, transposed: resultants on constant, linear and 2 B to those on the strains; gives that on H
-  T spread(T constant[3], T linear[2], T on_two_B) const {
+  PRESSWORK_INLINE T spread(T constant[3], T linear[2], T on_two_B) const {
     const T sum = constant[0] + constant[1], B = scale * (T(2.0) * on_two_B - T(2.0 / 3.0) * sum);
     constant[0] += B * h[0] * h[0], constant[1] += B * h[1] * h[1], constant[2] += B * h[0] * h[1];
     linear[0] -= B * h[0], linear[1] -= B * h[1];
@@ -97,8 +113,7 @@ struct Assumed {
 
 // Adds what a point's resultants do on the strains of the cell; n: 11, 22, 12.
 template <class T>
-[[gnu::always_inline]] inline void add_point(double r, double s, const T n[3], T constant[3], T linear[2],
-                                             T& on_two_B) {
+PRESSWORK_INLINE void add_point(double r, double s, const T n[3], T constant[3], T linear[2], T& on_two_B) {
   for (int i = 0; i < 3; ++i) constant[i] += n[i];
   linear[0] += T(s) * n[0] + T(r) * n[2];
   linear[1] += T(r) * n[1] + T(s) * n[2];
@@ -109,17 +124,17 @@ template <class T>
 // the sum of bending and shear. What shell4::bound_frequency does with the gradients at the centre is done here with
 // 3/4 of their mean over the points, which is the same in a parallelogram; then what the modes of distorted and warped
 // cells have in common.
-template <class T>
-T bound_frequency(double young, double poisson, const T x[4][3], const T* state, T mass, T alpha) {
+template <class T, class Rows>
+PRESSWORK_DEVICE T bound_frequency(double young, double poisson, const T x[4][3], const Rows state, T mass, T alpha) {
   Centre<T> g;
-  const T* point = state + first_point;
-  shell4::measure_centre(x, point + reference, g);
+  Rows point = state + first_point;
+  measure_centre(x, point, g);
   Metric<T> m;
   measure_metric(g.c, m);
   // 1. sums over the points: area, gradients of the nodes' shape functions, and of the tied rotations, as tensors
   T area(0.0), G[3] = {T(0.0), T(0.0), T(0.0)}, R[3] = {T(0.0), T(0.0), T(0.0)};  // xx, yy, xy
-  for (int q = 0; q < points; ++q, point += point_rows) {
-    const double r = at_r[q], s = at_s[q];
+  for (int q = 0; q < points; ++q, point = point + point_rows) {
+    const double r = at_r(q), s = at_s(q);
     T contra[2][2];
     const T here = place_frame(m, r, s, point + reference, contra);
     const T first = T(1.0 / 3.0) * m.g11 + m.hh + T(2.0 * s) * m.gh[0];
@@ -150,15 +165,16 @@ T bound_frequency(double young, double poisson, const T x[4][3], const T* state,
   const T membrane = T(4.0 / (1.0 - poisson * poisson)) * specific * (g1 + T(poisson) * g2);
   const T bending = membrane * t * t * T(1.0 / 12.0) * over;
   const T shear = T(0.5 * shell4::shear_factor / (1.0 + poisson)) * specific * (T(4.0) * g1 + r1 * over);
-  return larger(membrane * (T(1.0) + T(of_skew[0]) * skew + T(of_warp) * warp),
-                bending + shear * (T(1.0) + T(of_skew[1]) * skew));
+  return larger(membrane * (T(1.0) + T(membrane_of_skew) * skew + T(membrane_of_warp) * warp),
+                bending + shear * (T(1.0) + T(shear_of_skew) * skew));
 }
 
-// Advance one shell (or pack) by dt; arguments as those of shell4::advance.
-template <class T, class Law>
-[[gnu::always_inline]] inline void advance(const Law& law, const LayerRule& rule, const LayerConditions<T>& now,
-                                           const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
-                                           T* force) {
+// Advance one shell (or pack) by dt; arguments as those of shell4::advance, but that the layers need not follow the
+// other rows of the state, which may be apart.
+template <class T, class Law, class Rows, class Layers>
+PRESSWORK_INLINE void advance(const Law& law, const LayerRule& rule, const LayerConditions<T>& now, const T x[4][3],
+                              const T v[4][3], const T w[4][3], const T* room, const Rows state, Layers layers,
+                              T* force) {
   const double dt = now.dt;
   using namespace shell4;
   const T none[3] = {T(0.0), T(0.0), T(0.0)};
@@ -171,7 +187,7 @@ template <class T, class Law>
     for (int a = 0; a < 4; ++a)
       for (int i = 0; i < 3; ++i) middle[a][i] = x[a][i] - T(0.5 * dt) * v[a][i];
     Centre<T> g;
-    measure_centre(middle, state + first_point + reference, g);  // any frame will do
+    shell4_mitc::measure_centre(middle, state + first_point, g);
     measure_metric(g.c, middle_metric);
     Patterns<T> change;
     measure_change(g, dt, v, w, change, none, strain);
@@ -180,7 +196,7 @@ template <class T, class Law>
     twice_B[1] = assumed.tie(strain.bending, strain.hourglass + 2, dot3(g.c.h, change.e));
   }
   Centre<T> g;
-  measure_centre(x, state + first_point + reference, g);
+  shell4_mitc::measure_centre(x, state + first_point, g);
   Metric<T> metric;
   measure_metric(g.c, metric);
   // 2. points: layers and transverse shear
@@ -190,10 +206,9 @@ template <class T, class Law>
   for (int i = 0; i < 2; ++i) out.shear[i] = T(0.0);
   for (auto& Q : out.hourglass) Q = T(0.0);
   T on_B[2] = {T(0.0), T(0.0)}, done(0.0), mean(0.0);
-  LayersInRow<T> layers{state + head_rows, law.rows()};
-  T* point = state + first_point;
-  for (int q = 0; q < points; ++q, layers.first += rule.points * layers.rows, point += point_rows) {
-    const double r = at_r[q], s = at_s[q];
+  Rows point = state + first_point;
+  for (int q = 0; q < points; ++q, layers.skip(rule.points), point = point + point_rows) {
+    const double r = at_r(q), s = at_s(q);
     T contra[2][2], e[3], membrane[3], curvature[3], shear_strain[2];
     place_frame(middle_metric, r, s, point + reference, contra);
     const auto covariant = [&](const T constant[3], const T linear[2], T two_B) {

@@ -11,6 +11,7 @@ from presswork import _core
 from presswork.cli.commands import app
 from presswork.explicit.shells import Device, ExplicitError, ExplicitShells, ShellOptions
 from presswork.explicit.space import Precision
+from presswork.model import ExplicitElement
 from tests.consistency import test_explicit_cup as cup
 from tests.consistency.test_explicit_shells import SWIFT, N, halve, mesh, results
 from tests.verification.test_squeezed_sheet import plates
@@ -52,10 +53,12 @@ def everything(shells: ExplicitShells) -> list[np.ndarray]:
     return [*results(shells), shells.internal_force, shells.reaction_impulse, np.array(kinds)]
 
 
+@pytest.mark.parametrize("element", ["shell4_1pt", "shell4_mitc_plus"])
 @pytest.mark.parametrize("precision", ["double", "single"])
-def test_host_build_agrees_with_the_loop(precision: Precision) -> None:
+def test_host_build_agrees_with_the_loop(precision: Precision, element: ExplicitElement) -> None:
     """Motion, layers, thickness, forces, reactions and energies after plastic flow."""
-    runs = [make_run(device, precision) for device in ("cpu", "host")]
+    options = ShellOptions(element=element)
+    runs = [make_run(device, precision, options=options) for device in ("cpu", "host")]
     for run in runs:
         advance(run, CYCLES)
     assert runs[0].history_at_points.max() > 0.04
@@ -81,9 +84,10 @@ def test_a_cup_drawn_on_the_host_build_agrees_with_the_loop(
 
 
 def test_a_sheet_squeezed_on_the_host_build_agrees_with_the_loop() -> None:
-    """Two plates press a sheet of quadrilaterals and triangles thinner by a tenth."""
-    for cut in (False, True):
-        runs = [plates(0.08, mu=0.1, cut=cut, device=device)[0] for device in ("cpu", "host")]
+    """Two plates press a sheet of each kind of shells thinner by a tenth."""
+    mitc = {"options": ShellOptions(element="shell4_mitc_plus")}
+    for kind in ({"cut": False}, {"cut": True}, mitc):
+        runs = [plates(0.08, mu=0.1, device=device, **kind)[0] for device in ("cpu", "host")]
         assert runs[0].thickness.max() < 0.77
         for expected, found in zip(*map(cup.results, runs), strict=True):
             np.testing.assert_allclose(found, expected, rtol=0, atol=SQUEEZED * np.abs(expected).max())
@@ -146,7 +150,7 @@ def test_a_dump_goes_on_across_devices(first: Device, second: Device) -> None:
 
 
 def test_what_no_device_computes_is_refused() -> None:
-    with pytest.raises(ExplicitError, match="does not compute shells other than shell4_1pt"):
+    with pytest.raises(ExplicitError, match="does not compute shells of one point without physical"):
         make_run("host", options=ShellOptions(hourglass="stiffness"))
     points, cells = mesh()
     with pytest.raises(ExplicitError, match="give 'cpu' or 'host' or 'cuda'"):

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from presswork.explicit.device import Device
 from presswork.explicit.shells import ExplicitError, ExplicitShells, ShellOptions
 from presswork.explicit.space import Precision
 from presswork.law.elastic_plastic import make_sheet_law
+from presswork.model import ExplicitElement
 from tests.consistency.test_explicit_shells import halve, mesh, results
 from tests.consistency.test_matrix import BASE, FEATURES, USER, shell_case
 
@@ -25,12 +28,10 @@ def law_of(feature: str) -> _core.SheetLaw:
     return make_sheet_law(build_model(ShellCase.model_validate(shell_case({**BASE, **FEATURES[feature]}))).materials[0])
 
 
-def pull(
-    device: Device, law: _core.SheetLaw, precision: Precision = "double", *, tabulate: bool = True
-) -> ExplicitShells:
+def pull(device: Device, law: _core.SheetLaw, precision: Precision = "double", **how: Any) -> ExplicitShells:
     """Pull a wavy sheet of quadrilaterals and triangles by 10 %, and bend it; the process is 3 times as slow."""
     points, cells = mesh(SHELLS_ALONG)
-    options = ShellOptions(n_points=3, tabulate=tabulate)
+    options = ShellOptions(n_points=3, **how)
     shells = ExplicitShells(points, halve(cells), 0.8, law, 2.7e-9, options=options, precision=precision, device=device)
     shells.fix(np.flatnonzero(points[:, 0] == 0), "uvwpqr")
     shells.fix(np.flatnonzero(points[:, 0] == 48), "u", 20000.0)
@@ -44,11 +45,12 @@ def compare(runs: list[ExplicitShells], within: float) -> None:
         np.testing.assert_allclose(found, expected, rtol=0, atol=within * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("element", ["shell4_1pt", "shell4_mitc_plus"])
 @pytest.mark.parametrize("feature", LAWS)
-def test_every_law_of_a_sheet_runs_on_a_device(feature: str) -> None:
+def test_every_law_of_a_sheet_runs_on_a_device(feature: str, element: ExplicitElement) -> None:
     """Motion, stress, history and thickness after plastic flow."""
     law = law_of(feature)
-    runs = [pull(device, law) for device in ("cpu", "host")]
+    runs = [pull(device, law, element=element) for device in ("cpu", "host")]
     for run in runs:
         run.advance(CYCLES)
     assert runs[0].equivalent_plastic_strain.max() > 0.01
@@ -70,9 +72,10 @@ def test_a_law_by_its_formula_agrees() -> None:
     compare(runs, AGREEMENT["double"])
 
 
+@pytest.mark.parametrize("element", ["shell4_1pt", "shell4_mitc_plus"])
 @pytest.mark.parametrize("precision", ["double", "single"])
-def test_layers_are_computed_at_their_own_temperatures(precision: Precision) -> None:
-    runs = [pull(device, law_of("adiabatic heating"), precision) for device in ("cpu", "host")]
+def test_layers_are_computed_at_their_own_temperatures(precision: Precision, element: ExplicitElement) -> None:
+    runs = [pull(device, law_of("adiabatic heating"), precision, element=element) for device in ("cpu", "host")]
     for run in runs:
         run.given_temperature = np.array([40.0, 150.0, 350.0])
         run.advance(CYCLES)

@@ -35,7 +35,7 @@ struct Mitc {
     for (int q = 0; q < shell4_mitc::points; ++q) {
       double p[3], r[3], inverse[4], of_point;  // p - r and p + r are the base vectors
       for (int i = 0; i < 3; ++i) {
-        const double a1 = g[0][i] + shell4_mitc::at_s[q] * h[i], a2 = g[1][i] + shell4_mitc::at_r[q] * h[i];
+        const double a1 = g[0][i] + shell4_mitc::at_s(q) * h[i], a2 = g[1][i] + shell4_mitc::at_r(q) * h[i];
         p[i] = 0.5 * (a1 + a2), r[i] = 0.5 * (a2 - a1);
       }
       if (!invert_reference(p, r, axis, inverse, of_point)) return false;
@@ -51,7 +51,8 @@ struct Mitc {
   [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, const LayerConditions<T>& now,
                                              const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
                                              T* force) {
-    shell4_mitc::advance(law, section.rule, now, x, v, w, room, state, force);
+    const LayersInRow<T> layers{state + shell4_mitc::head_rows, law.rows()};
+    shell4_mitc::advance(law, section.rule, now, x, v, w, room, state, layers, force);
   }
 
   template <class T>

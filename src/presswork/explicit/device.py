@@ -18,13 +18,19 @@ OLDEST = 80
 """Ten times the least compute capability."""
 
 
+def refuse(device: Device, lack: str) -> None:
+    """Raise ExplicitError: a device does not compute what it lacks."""
+    if device != "cpu":
+        raise ExplicitError(f'device = {device!r} does not compute {lack}: take device = "cpu"')
+
+
 def check_device(device: Device, loop: _core.SpaceLoop | _core.SpaceLoopSingle) -> None:
     """Raise ExplicitError where a device is not there, or the loop has what it does not compute."""
     if device == "cpu":
         return
     lack = _core.find_device_lack(loop)
     if lack:
-        raise ExplicitError(f'device = {device!r} does not compute {lack}: take device = "cpu"')
+        refuse(device, lack)
     if device == "cuda":
         cards, why = _core.list_cuda_cards()
         if cards and cards[0][1] < OLDEST:

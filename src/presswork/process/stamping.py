@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from presswork import stop
 from presswork.evolution.damage import make_damage
+from presswork.explicit.device import refuse
 from presswork.explicit.energy import YIELD_OFFSET, EnergyBalance, MassScaling
 from presswork.explicit.input_checks import check_damping
 from presswork.explicit.options import ShellOptions
@@ -92,6 +93,8 @@ class ExplicitStamping(StampingRecording):
         model = self.model
         section, material = model.sheet
         assert section.rule != "simpson"
+        if model.refinement:
+            refuse(self.settings.device, "refined sheets")
         rolling, self._cells = np.asarray(model.rolling_direction), model.cells
         self._fields = OnePointFields(model.mesh, self._cells, section, rolling, model.symmetry)
         start = self._start
