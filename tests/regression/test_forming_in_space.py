@@ -146,3 +146,22 @@ def test_multigrid_finds_what_factors_find_and_run_log_tells_its_iterations(tmp_
     assert "linear iterations" in log
     assert "factors (" not in log
     assert "linear iterations" not in (tmp_path / "direct" / "run.log").read_text()
+
+
+def test_a_closed_cavity_stops_a_run_and_says_how_much_of_the_surface_is_held(tmp_path) -> None:
+    """A quarter of a block 20 wide in a container 21 wide: full where the block is 10 (20 / 21)^2 = 9.07 mm high."""
+    walls = "".join(
+        f'[tools.{name}]\nshape = "plane"\nnormal = [{x}, {y}, 0]\nposition = [{-10.5 * x}, {-10.5 * y}, 0]\n'
+        'contact = "frictionless"\n'
+        for name, x, y in (("wall_x", -1, 0), ("wall_y", 0, -1))
+    )
+    mesh = 'element = "hex8_fbar"\nmesh = {size = [10, 10, 10], cells = [2, 2, 2]}'
+    text = describe_block(mesh, 10, 0.0, "tools.die = {stroke = 2, direction = [0, 0, -1]}", tail=walls)
+    path = tmp_path / "case.toml"
+    path.write_text(text)
+    outcome = run_model(build_model(read_case(path)), tmp_path / "out", threads=1)
+    assert outcome.status == "gave_up"
+    assert 10 - 10 * (20 / 21) ** 2 < outcome.result.history["die.stroke"][-1] < 1.4
+    assert "the mean pressure in the workpiece is" in outcome.reason
+    assert "tools and supports hold 100 % of the surface" in outcome.reason
+    assert "The metal has no way out" in outcome.reason

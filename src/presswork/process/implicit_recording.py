@@ -35,12 +35,12 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.solid_contact import SolidContact
-from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, ToolArrays
+from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.interaction.tool_course import find_turning
-from presswork.mesh.edges import edge_areas
-from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Model
+from presswork.model import FloatArray, IntArray, Mesh, Model
 from presswork.process.die_fill import make_die_fill
 from presswork.process.heat_quantities import heat_columns, measure_heat, show_dies, summarise_heat, warn_of_tables
+from presswork.process.held_surface import measure_held_part
 from presswork.process.increments import IncrementRecording, find_position
 from presswork.process.limits import Watched, measure_hydrostatic_stress, measure_mean_pressure, watch_sheet
 from presswork.process.peaks import peak_columns, peak_row
@@ -183,24 +183,11 @@ class ImplicitRecording(IncrementRecording):
                 of_body = mean.ravel(), flow.ravel(), state.cells.volume[number].ravel()
                 metal.setdefault(body, []).append(of_body)
         if model.plane_tools or model.space_tools:
-            touched = self._find_touched(points)
+            touched = measure_held_part(procedure, self._stage(), points)
             for body, blocks in metal.items():
                 mean, flow, volume = (np.concatenate(of) for of in zip(*blocks, strict=True))
                 found.append(measure_mean_pressure(body, mean, flow, volume, touched))
         return Watched(tuple(found), damage=peaks)
-
-    def _find_touched(self, position: FloatArray) -> float | None:
-        """Return the part of the surface that tools and supports hold; None in space. position (n_points, 2) [mm]."""
-        model, state = self.model, self.procedure.state
-        if model.dimension > 2:
-            return None
-        held: BoolArray = np.array(self.procedure.interactions.supports.fixed(self._stage()).any(axis=1), dtype=bool)
-        if ContactArrays in state:
-            held[self.procedure.interactions.tools.contact.nodes] |= (state[ContactArrays].status > 0).any(axis=0)
-        edges = model.mesh.boundary_edges
-        thickness = None if model.analysis == "axisymmetric" else model.depth
-        area = edge_areas(position, edges, thickness).sum(axis=1)
-        return float(area[held[edges].all(axis=1)].sum() / area.sum())
 
     def _tool_places(self) -> list[tuple[FloatArray, float]]:
         """Return displacement (2,) [mm] and angle [rad] of each tool in the plane."""
