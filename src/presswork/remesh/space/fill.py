@@ -7,18 +7,26 @@ and the borders between faces of different numbers stay rows of edges, flat face
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray, IndexArray
+from presswork.remesh.space.tetrahedra import measure_volumes
 
 RIDGE = 30.0
 """[degrees]"""
 GRADATION = 1.3
 LARGER = 1.001
 """Times the smallest edge: MMG takes no bounds that are equal."""
+CELLS_PER_CUBE = 14.0
+"""Tetrahedra in a cube whose edge is the size: measured on boxes and barrels, 11 to 14."""
+_MEMORY, _MEMORY_PER_CELL = 64.0, 0.01
+"""That MMG may take [MB], at least and for each cell of the old mesh and of the new one: some thirty times its need. It
+sets up what it may take for a million points at once otherwise, which takes longer than a mesh of some thousand
+cells."""
 REMEDY = "pip install mmgpy, where it has a wheel"
 
 
@@ -49,6 +57,8 @@ def mesh_to_size(
     except ImportError as error:
         raise MeshError("new meshes in space need mmgpy, which is not installed", REMEDY) from error
     mesh = MmgMesh3D()
+    with suppress(RuntimeError, ValueError):  # takes note of the memory, and says that there is no mesh yet
+        mesh.remesh(verbose=-1, mem=_find_memory(body, size))
     mesh.set_mesh_size(len(body.points), len(body.cells), 0, len(body.faces), 0, 0)
     mesh.set_vertices(np.ascontiguousarray(body.points))
     mesh.set_tetrahedra(np.ascontiguousarray(body.cells, dtype=np.int32))
@@ -71,3 +81,13 @@ def mesh_to_size(
     place[used] = np.arange(len(used))
     faces = place[np.asarray(triangles, dtype=np.intp)]
     return FilledBody(points[used], number.reshape(cells.shape), faces, np.asarray(reference, dtype=np.intp) - 1)
+
+
+def expect_cells(points: FloatArray, cells: IndexArray, size: FloatArray) -> float:
+    """Return about how many cells a body needs with edges of a size at its points (n,) [mm]."""
+    return float((CELLS_PER_CUBE * measure_volumes(points, cells) / size[cells].mean(axis=1) ** 3).sum())
+
+
+def _find_memory(body: FilledBody, size: FloatArray) -> int:
+    """Return what MMG may take for a new mesh [MB]."""
+    return int(_MEMORY + _MEMORY_PER_CELL * (len(body.cells) + expect_cells(body.points, body.cells, size)))

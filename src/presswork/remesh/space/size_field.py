@@ -14,7 +14,8 @@ from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray
 from presswork.remesh.size_field import GRADATION, SizeSources, grade, join_sources
 from presswork.remesh.space.body import OldBody
-from presswork.remesh.space.tetrahedra import area_vectors, measure_volumes
+from presswork.remesh.space.fill import expect_cells
+from presswork.remesh.space.tetrahedra import area_vectors
 
 OF_RADIUS = 0.4
 OF_GAP = 0.25
@@ -26,8 +27,6 @@ LEAST_ACROSS = 1.5
 """Cells across the metal below which a budget is too small."""
 OF_SKIN = 0.02
 """Of the skin's area: as much may be thinner than that."""
-_CELLS_PER_CUBE = 14.0
-"""Tetrahedra in a cube whose edge is the size: measured on boxes and barrels, 11 to 14."""
 _OPPOSITE = 0.8
 """Least cosine between a face's normal and that of one opposite to it, reversed."""
 
@@ -57,15 +56,9 @@ def measure_sizes(body: OldBody, sizes: EdgeSizes, points: FloatArray | None = N
     return factor * (at_nodes if points is None else grade(points, all_sources, sizes.largest, sizes.smallest))
 
 
-def expect_cells(body: OldBody, size: FloatArray) -> float:
-    """Return about how many cells a body needs with a size at its nodes (n,) [mm]."""
-    volume = measure_volumes(body.points, body.cells)
-    return float((_CELLS_PER_CUBE * volume / size[body.cells].mean(axis=1) ** 3).sum())
-
-
 def _find_factor(body: OldBody, size: FloatArray, sizes: EdgeSizes) -> float:
     """Return the factor on all sizes that keeps the budget."""
-    factor = max(1.0, float(np.cbrt(expect_cells(body, size) / sizes.max_cells)))
+    factor = max(1.0, float(np.cbrt(expect_cells(body.points, body.cells, size) / sizes.max_cells)))
     if factor == 1.0:
         return factor
     thinnest = _find_thinnest(body, LEAST_ACROSS * factor * sizes.largest)

@@ -12,11 +12,12 @@ from presswork.geometry.tool_widths import Widths
 from presswork.mesh.checks import MeshError
 from presswork.model import Limits, Remeshing
 from presswork.process.remeshing_in_space import Left, find_breach, find_reason, measure_left
+from presswork.remesh.space import fill
 from presswork.remesh.space.body import OldBody
-from presswork.remesh.space.fill import FilledBody, mesh_to_size
+from presswork.remesh.space.fill import FilledBody, expect_cells, mesh_to_size
 from presswork.remesh.space.inside import improve_cells, spread_moves
 from presswork.remesh.space.remesh import remesh_body
-from presswork.remesh.space.size_field import EdgeSizes, expect_cells, measure_sizes, measure_thickness
+from presswork.remesh.space.size_field import EdgeSizes, measure_sizes, measure_thickness
 from presswork.remesh.space.surface import locate_on_skin, place_skin
 from presswork.remesh.space.tetrahedra import area_vectors, find_skin, list_edges, measure_quality, measure_volumes
 from presswork.remesh.space.triggers import (
@@ -175,7 +176,7 @@ def test_the_same_mesh_comes_out_to_the_bit():
 def test_a_budget_makes_cells_larger_and_one_that_is_too_small_is_refused():
     body = upset_block()
     sizes = EdgeSizes(0.8, 0.4, 6_000)
-    assert expect_cells(body, measure_sizes(body, sizes)) == pytest.approx(6_000, rel=1e-6)
+    assert expect_cells(body.points, body.cells, measure_sizes(body, sizes)) == pytest.approx(6_000, rel=1e-6)
     assert len(remesh_body(body, sizes).cells) == pytest.approx(6_000, rel=0.2)
     points, cells = mesh_box((6, 6, 2), (6.0, 6.0, 0.5))
     flash = replace(body, points=points, cells=cells, held=np.zeros(points.shape, dtype=bool), sets={}, tools=[],
@@ -194,7 +195,9 @@ def test_a_hundredth_of_the_skin_may_be_thin():
     body = replace(upset_block(), points=points, cells=cells, held=np.zeros(points.shape, dtype=bool), sets={},
                    tools=[], on_tool=np.zeros((0, len(points)), dtype=bool))  # fmt: skip
     assert measure_thickness(body, 2.0).min() == pytest.approx(0.05)
-    assert expect_cells(body, measure_sizes(body, EdgeSizes(1.0, 0.5, 1_000))) == pytest.approx(1_000, rel=1e-6)
+    assert expect_cells(body.points, body.cells, measure_sizes(body, EdgeSizes(1.0, 0.5, 1_000))) == pytest.approx(
+        1_000, rel=1e-6
+    )
 
 
 def test_triggers_name_the_place():
@@ -243,6 +246,23 @@ def test_a_skin_that_is_kept_stays_where_it_is_and_the_inside_gets_the_size():
     assert places == {tuple(p) for p in np.round(points[np.unique(faces)], 9).tolist()}
     assert len(made.cells) > 1.5 * len(cells)
     assert (np.unique(made.cells) == np.arange(len(made.points))).all()  # no node without a cell
+
+
+def test_the_memory_that_mmg_may_take_does_not_change_a_mesh(monkeypatch):
+    """Nor does it end where a mesh has ninety times the cells of the one before."""
+    points, cells = mesh_box((3, 3, 3), (4.0, 4.0, 4.0))
+    faces, _ = find_skin(cells)
+    body = FilledBody(points, cells, faces, np.zeros(len(faces), dtype=np.intp))
+    made, megabytes = [], []
+    for memory in (fill._find_memory, lambda *_: 4_000):
+        monkeypatch.setattr(
+            fill, "_find_memory", lambda *of, memory=memory: (megabytes.append(memory(*of)), megabytes[-1])[1]
+        )
+        made.append(mesh_to_size(body, np.full(len(points), 0.35), smallest=0.3, largest=0.4, away=0.1))
+    assert megabytes[0] < 0.2 * megabytes[1]
+    assert len(made[0].cells) > 90 * len(cells)
+    assert made[0].points.tobytes() == made[1].points.tobytes()
+    assert made[0].cells.tobytes() == made[1].cells.tobytes()
 
 
 def test_a_mesh_that_could_not_be_made_is_asked_for_again_once_the_present_one_is_worse():
