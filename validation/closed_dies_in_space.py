@@ -5,6 +5,11 @@ A die is a surface of facets (STL). Its cavity joins a web of rounded rectangula
 bosses, drafts of 7 to 15 degrees, edges and fillets of 0.6 to 2 mm, a flash land and a gutter; every third die has
 sharp edges. The billet is a box with the volume of the cavity and of the flash. An eighth is modelled.
 
+A die is filled where its stroke is complete and FILLED of the cavity's wall has metal within OPEN. No finite pressure
+fills an inner edge without a radius, so the wall is taken twice: as it is drawn, and with fillets of the smallest
+cell's edge at inner edges (rounded dies have larger ones from the start). A die that is full where its run gave up is
+counted apart.
+
 Run: python -m validation.closed_dies_in_space [--first 0] [--count 30] [--folder runs]
 """
 
@@ -33,6 +38,8 @@ OPEN = 0.1
 """Gap that counts as filled, as in post.measure_die_fill [mm]."""
 SPACING = 0.25
 """Of the points of a die [mm]."""
+SMALLEST = 0.6
+"""Edge of cells [mm]."""
 
 
 @dataclass(frozen=True)
@@ -179,7 +186,7 @@ def make_case(die: SpaceDie, folder: Path, **changes: Any) -> SpaceCase:
         },
         "stages": [{"name": "forge", "tools": {"die": {"stroke": 1.0, "direction": [0, 0, -1]}}}],
         "output": {"steps": 8},
-        "remesh": {"size": 1.5, "smallest_size": 0.6, "max_cells": 8000},
+        "remesh": {"size": 1.5, "smallest_size": SMALLEST, "max_cells": 8000},
     }
     way = float(build_model(SpaceCase(**case)).space_tools[0].position[2])
     case["tools"]["die"]["position"] = [0.0, 0.0, way]
@@ -193,7 +200,10 @@ class Outcome:
 
     seed: int
     status: str
+    drawn: float
+    """Part of the wall that is filled, as it is drawn."""
     filled: float
+    """The same with fillets at inner edges."""
     remeshes: int
     cells: int
     volume: float
@@ -204,16 +214,21 @@ class Outcome:
     reason: str
 
 
-def measure_fill(die: SpaceDie, result: Result) -> float:
-    """Return the part of the cavity's wall that metal has reached."""
+def measure_fill(die: SpaceDie, result: Result) -> tuple[float, float]:
+    """Return the part of the cavity's wall that metal has reached, as it is drawn and with fillets at inner edges."""
     faces, _ = find_skin(result.mesh_at(-1).blocks[0].connectivity.astype(np.intp))
-    skin = Triangulation(result.points(-1), faces.astype(np.int32), True)
-    corners = result.placed_surface("die")[result.surfaces["die"][1]]
-    middle = corners.mean(axis=1)
-    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    inside = (measure_box(*middle[:, :2].T, die.outline, die.corner) < -0.5) & (middle[:, :2] > 0.0).all(axis=1)
-    gap, area = np.abs(make_surface(skin).nearest(middle[inside])[0]), area[inside]
-    return float(area[gap < OPEN].sum() / area.sum())
+    skin = make_surface(Triangulation(result.points(-1), faces.astype(np.int32), True))
+    moved = float(result.placed_surface("die")[:, 2].max() - die.height.max())
+    found = []
+    for height in (die.height, round_off(die.height, 0.0, SMALLEST)):
+        points, triangles = join_points(die.line, die.line, height + moved)
+        corners = points[triangles]
+        middle = corners.mean(axis=1)
+        area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        inside = (measure_box(*middle[:, :2].T, die.outline, die.corner) < -0.5) & (middle[:, :2] > 0.0).all(axis=1)
+        gap, own = np.abs(skin.nearest(middle[inside])[0]), area[inside]
+        found.append(float(own[gap < OPEN].sum() / own.sum()))
+    return found[0], found[1]
 
 
 def forge(seed: int, folder: Path) -> Outcome:
@@ -228,8 +243,9 @@ def forge(seed: int, folder: Path) -> Outcome:
     change = (volume["change_percent"] - volume["elastic_part_percent"]) / 100
     cells = len(result.mesh_at(-1).blocks[0].connectivity)
     energy = summary["energy"]["error_percent"]
-    filled = measure_fill(die, result)
-    return Outcome(seed, done.status, filled, summary["remeshes"], cells, change, energy, seconds, done.reason)
+    return Outcome(
+        seed, done.status, *measure_fill(die, result), summary["remeshes"], cells, change, energy, seconds, done.reason
+    )
 
 
 def main() -> None:
@@ -239,18 +255,23 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=30)
     parser.add_argument("--folder", type=Path)
     arguments = parser.parse_args()
-    print("seed status filled remeshes cells volume energy seconds", flush=True)
-    n_filled = 0
+    print("seed status drawn filled remeshes cells volume energy seconds", flush=True)
+    all_found = []
     with TemporaryDirectory() as temporary:
         for seed in range(arguments.first, arguments.first + arguments.count):
             found = forge(seed, (arguments.folder or Path(temporary)) / f"die_{seed}")
-            n_filled += found.filled >= FILLED
+            all_found.append(found)
             print(
-                f"{seed} {found.status} {found.filled:.3f} {found.remeshes} {found.cells} {found.volume:+.1e} "
-                f"{found.energy:+.2f} {found.seconds:.1f} {found.reason}",
+                f"{seed} {found.status} {found.drawn:.3f} {found.filled:.3f} {found.remeshes} {found.cells} "
+                f"{found.volume:+.1e} {found.energy:+.2f} {found.seconds:.1f} {found.reason}",
                 flush=True,
             )
-    print(f"{n_filled} of {arguments.count} are filled")
+    done = [found for found in all_found if found.status == "completed"]
+    full_early = sum(found.filled >= FILLED for found in all_found) - sum(found.filled >= FILLED for found in done)
+    print(
+        f"{sum(found.filled >= FILLED for found in done)} of {arguments.count} are filled at the end of their stroke, "
+        f"{sum(found.drawn >= FILLED for found in done)} as they are drawn; {full_early} more are full and gave up"
+    )
 
 
 if __name__ == "__main__":
