@@ -8,6 +8,7 @@
 #include "explicit/space/loop.hpp"
 #include "explicit/space/shell_section.hpp"
 #include "explicit/space/solids.hpp"
+#include "neighbours.hpp"
 #include "sheet_layers.hpp"
 #include "shell_contact.hpp"
 #include "tabulated_mises.hpp"
@@ -306,6 +307,7 @@ auto bind_space(nb::module_& m, const char* name, const char* text) {
   bind_tools(loop);
   bind_beads(loop);
   bind_shell_contact(loop);
+  bind_parts(loop);
   loop.def("__init__", &make_loop<Real>, nb::arg("points"))
       .def("add_shells", &add_shells<Real>, nb::arg("connectivity"), nb::arg("thickness"), nb::arg("axis"),
            nb::arg("law"), nb::arg("density"), nb::arg("height"), nb::arg("weight"), nb::kw_only(),

@@ -94,7 +94,7 @@ PRESSWORK_DEVICE inline void start_tools(const Tools& tools, double dt, int cycl
   explicit_dynamics::move_tools(
       tools.n, [&](int t) -> RigidTool& { return tools.tool[t]; },
       [&](int t) { return tools.drive + 3 * (std::size_t(tools.n) * cycle + t); }, dt, std::sqrt(fastest),
-      tools.totals->work);
+      tools.totals->work, tools.totals->work);
 }
 
 // One lane: sum, what all nodes together have of tool t.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <climits>
 #include <cmath>
+#include <limits>
 
 #include <omp.h>
 
@@ -16,11 +17,15 @@ template <class Nodes>
 struct Loop<Nodes>::Team {
   std::vector<Moved> moved;              // of chunks of nodes
   std::vector<std::vector<double>> led;  // of each interaction's pieces of nodes that follow: largest speed squared
-  std::vector<WorkShares> shares;        // of tiles, then of the rounds of each interaction
+  std::vector<WorkShares> shares;        // of tiles without and with ghosts, then of the rounds of each interaction
+  double fastest = 0.0;                  // largest speed of a node
   int failed = INT_MAX;
+  bool stopped = false;  // an element has failed, here or in another part
+  bool alone = false;    // the other parts do not know it yet
 
   Team(const Loop& loop, int most_threads) : moved(count_chunks(loop.nodes.n)) {
-    shares.emplace_back(static_cast<int>(loop.tiles_.tiles().size()), most_threads);
+    shares.emplace_back(loop.n_inner_, most_threads);
+    shares.emplace_back(static_cast<int>(loop.turn_.size()) - loop.n_inner_, most_threads);
     for (const auto* each : loop.interactions) {
       led.emplace_back(each->n_following());
       for (int round = 0; round < each->n_rounds(); ++round) shares.emplace_back(each->n_pieces(round), most_threads);
@@ -49,7 +54,53 @@ void Loop<Nodes>::add(std::unique_ptr<ElementBlock<Nodes>> block) {
   for (const auto& b : blocks)
     views.push_back({b->n(), b->lanes, b->nodes_each(), Nodes::record(b->nodes_each()), b->connectivity().data()});
   tiles_.cut(nodes.n, views);
+  order_tiles();
   set_masses();
+}
+
+template <class Nodes>
+void Loop<Nodes>::order_tiles() {
+  std::vector<int> outer;
+  turn_.clear();
+  for (int t = 0; t < static_cast<int>(tiles_.tiles().size()); ++t) {
+    const Tile& tile = tiles_.tiles()[t];
+    const auto& block = *blocks[tile.block];
+    const std::size_t each = block.nodes_each(), first = each * tile.first * block.lanes;
+    const auto last = std::min(each * tile.last * block.lanes, block.connectivity().size());
+    bool touches = false;
+    for (std::size_t i = first; neighbours_ && i < last; ++i)
+      touches = touches || neighbours_->is_ghost[block.connectivity()[i]];
+    (touches ? outer : turn_).push_back(t);
+  }
+  n_inner_ = static_cast<int>(turn_.size());
+  turn_.insert(turn_.end(), outer.begin(), outer.end());
+}
+
+template <class Nodes>
+void Loop<Nodes>::join(std::unique_ptr<Neighbours> of) {
+  neighbours_ = std::move(of);
+  order_tiles();
+}
+
+template <class Nodes>
+void Loop<Nodes>::send(double fastest) {
+  tell_neighbours();
+  neighbours_->shared[0] = fastest;
+  neighbours_->send();
+}
+
+template <class Nodes>
+bool Loop<Nodes>::agree(Team& team, const Step& step, int cycle) {
+  if (neighbours_) {
+    neighbours_->agree();
+    team.fastest = neighbours_->shared[0];
+    if (std::isinf(team.fastest)) return false;
+    take_shared();
+  }
+  team.alone = team.failed != INT_MAX;
+  if (team.alone) return false;
+  for (auto* each : interactions) each->move(step, cycle, team.fastest);
+  return true;
 }
 
 template <class Nodes>
@@ -97,7 +148,7 @@ void Loop<Nodes>::advance_elements(double dt) {
 }
 
 template <class Nodes>
-void Loop<Nodes>::move_nodes(Team& team, Thread& own, const Step& step, int cycle) {
+void Loop<Nodes>::move_nodes(Team& team, Thread& own, const Step& step) {
   const int n_chunks = static_cast<int>(team.moved.size());
 #pragma omp for schedule(static) nowait
   for (int c = 0; c < n_chunks; ++c) team.moved[c] = nodes.move(c * chunk, std::min(nodes.n, (c + 1) * chunk), step);
@@ -118,25 +169,46 @@ void Loop<Nodes>::move_nodes(Team& team, Thread& own, const Step& step, int cycl
     }
     for (const auto& pieces : team.led)
       for (double speed : pieces) fastest = std::max(fastest, speed);
-    for (auto* each : interactions) each->move(step, cycle, std::sqrt(fastest));
+    team.fastest = std::sqrt(fastest);
+    if (neighbours_) send(team.fastest);
   }
-  own.clock.lap(Phase::contact);
+  own.clock.lap(Phase::nodes);
 }
 
 template <class Nodes>
-bool Loop<Nodes>::advance_tiles(Team& team, Thread& own, double dt, double time) {
+void Loop<Nodes>::take_tiles(Team& team, Thread& own, int share, double dt, double time) {
   int failed = INT_MAX;
-  for (int t; (t = team.shares[0].take(own.number)) >= 0;)
-    if (const int element = advance_tile(tiles_.tiles()[t], dt, time, own.scratch.data()); element >= 0)
+  for (int i; (i = team.shares[share].take(own.number)) >= 0;) {
+    const Tile& tile = tiles_.tiles()[turn_[share == 0 ? i : n_inner_ + i]];
+    if (const int element = advance_tile(tile, dt, time, own.scratch.data()); element >= 0)
       failed = std::min(failed, element);
     else
-      blocks[tiles_.tiles()[t].block]->advance_damage(tiles_.tiles()[t].first, tiles_.tiles()[t].last, dt);
+      blocks[tile.block]->advance_damage(tile.first, tile.last, dt);
+  }
   if (failed != INT_MAX) {
 #pragma omp critical
     team.failed = std::min(team.failed, failed);
   }
   own.finish(Phase::elements);
-  if (team.failed != INT_MAX) return false;  // the same for all threads
+}
+
+template <class Nodes>
+bool Loop<Nodes>::advance_tiles(Team& team, Thread& own, const Step& step, int cycle, double time) {
+  take_tiles(team, own, 0, step.dt, time);
+  if (neighbours_) {
+#pragma omp master
+    {
+      neighbours_->receive();
+      move_ghosts(step.dt);
+    }
+    own.finish(Phase::waiting);
+    take_tiles(team, own, 1, step.dt, time);
+  }
+#pragma omp master
+  team.stopped = !agree(team, step, cycle);
+  own.clock.lap(Phase::contact);
+  if (neighbours_) own.finish(Phase::waiting);
+  if (neighbours_ ? team.stopped : team.failed != INT_MAX) return false;  // the same for all threads
   const int n_rims = tiles_.n_rim_nodes();
 #pragma omp for schedule(static) nowait
   for (int c = 0; c < count_chunks(n_rims); ++c)
@@ -147,7 +219,7 @@ bool Loop<Nodes>::advance_tiles(Team& team, Thread& own, double dt, double time)
 
 template <class Nodes>
 void Loop<Nodes>::let_interactions_act(Team& team, Thread& own, const Step& step, int cycle) {
-  std::size_t share = 0;
+  std::size_t share = 1;  // behind those of tiles
   for (auto* each : interactions) {
     const int n_rounds = each->n_rounds();
     for (int round = 0; round < n_rounds; ++round) {
@@ -175,8 +247,8 @@ typename Loop<Nodes>::Failure Loop<Nodes>::advance(const Cycles& of) {
       for (WorkShares& each : team.shares) each.deal(own.number, own.of);
       const Step step{of.dt, cycle == 0 ? 0.5 * (of.dt_before + of.dt) : of.dt, of.damping, of.force_scale[cycle],
                       of.velocity_scale[cycle]};
-      move_nodes(team, own, step, cycle);
-      if (!advance_tiles(team, own, of.dt, of.time + cycle * of.dt)) {
+      move_nodes(team, own, step);
+      if (!advance_tiles(team, own, step, cycle, of.time + cycle * of.dt)) {
 #pragma omp master
         failed_in = cycle;
         break;
@@ -186,7 +258,13 @@ typename Loop<Nodes>::Failure Loop<Nodes>::advance(const Cycles& of) {
 #pragma omp critical
     for (int p = 0; p < n_phases; ++p) seconds[p] += own.clock.seconds[p] / own.of;
   }
-  return team.failed == INT_MAX ? Failure{} : Failure{team.failed / reasons, team.failed % reasons, failed_in};
+  if (team.failed == INT_MAX) return {};
+  if (neighbours_ && team.alone && failed_in + 1 < of.n) {  // the others learn it in their next cycle
+    send(std::numeric_limits<double>::infinity());
+    neighbours_->receive();
+    neighbours_->agree();
+  }
+  return {team.failed / reasons, team.failed % reasons, failed_in};
 }
 
 template <class Nodes>

@@ -17,6 +17,7 @@
 
 #include "explicit/element_block.hpp"
 #include "explicit/interaction.hpp"
+#include "explicit/neighbours.hpp"
 #include "explicit/phase_clock.hpp"
 #include "explicit/tile_sums.hpp"
 #include "explicit/work_shares.hpp"
@@ -67,20 +68,35 @@ class Loop {
   Work work;                                      // up to half a step back
   double seconds[n_phases] = {};                  // of wall time by phase, in all calls of advance
 
+  // Let this loop be one of those on the parts of a mesh; before there are tools.
+  virtual void join(std::unique_ptr<Neighbours> of);
+
  protected:
   std::vector<double> sum_masses() const;
+  std::unique_ptr<Neighbours> neighbours_;  // none: the loop has the whole mesh
+  // Fill what goes to neighbours; take what comes from them: ghosts move by dt, and what all parts share.
+  virtual void tell_neighbours() {}
+  virtual void move_ghosts(double /*dt*/) {}
+  virtual void take_shared() {}
 
  private:
   struct Team;    // what the threads of a call share
   struct Thread;  // and what each has to itself
-  void move_nodes(Team& team, Thread& own, const Step& step, int cycle);
-  // False where an element has failed.
-  bool advance_tiles(Team& team, Thread& own, double dt, double time);
+  void move_nodes(Team& team, Thread& own, const Step& step);
+  // False where an element has failed, here or in another part.
+  bool advance_tiles(Team& team, Thread& own, const Step& step, int cycle, double time);
+  void take_tiles(Team& team, Thread& own, int share, double dt, double time);
+  void send(double fastest);
+  // One thread: find the largest speed of all parts, and let interactions move; false where a part has failed.
+  bool agree(Team& team, const Step& step, int cycle);
+  void order_tiles();
   void let_interactions_act(Team& team, Thread& own, const Step& step, int cycle);
   // Advance the elements of a tile and sum up their forces; gives the first that has failed, as its block does.
   int advance_tile(const Tile& tile, double dt, double time, Real* scratch);
 
   TileSums<Real, Nodes::freedoms> tiles_;
+  std::vector<int> turn_;  // tiles: first those without ghosts, n_inner_ of them
+  int n_inner_ = 0;
 };
 
 }  // namespace presswork::explicit_dynamics

@@ -80,9 +80,9 @@ void TileSums<Real, numbers>::cut(int n_nodes, const std::vector<TiledBlock>& bl
   for (int t = 0; t < n_tiles; ++t)
     for_each_use(t, [&](int node, int) { owner[node] = owner[node] == none || owner[node] == t ? t : rim; });
 
-  std::vector<std::vector<int>> rows(n_nodes);  // of partial_
+  std::vector<std::vector<int>> rows(n_nodes);  // of kept_
   std::vector<std::pair<int, int>> uses;        // node, offset
-  int n_partial = 0;
+  int n_kept = 0;
   target_.clear(), entry_.clear(), entry_start_.assign(1, 0);
   for (int t = 0; t < n_tiles; ++t) {
     tiles_[t].nodes_first = static_cast<int>(target_.size());
@@ -91,23 +91,23 @@ void TileSums<Real, numbers>::cut(int n_nodes, const std::vector<TiledBlock>& bl
     std::sort(uses.begin(), uses.end());
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const int node = uses[i].first;
-      if (i == 0 || uses[i - 1].first != node) {
+      if (i == 0 || uses[i - 1].first != node || owner[node] == rim) {
         if (i > 0) entry_start_.push_back(static_cast<int>(entry_.size()));
-        if (owner[node] == rim) rows[node].push_back(n_partial);
-        target_.push_back(owner[node] == rim ? -1 - n_partial++ : node);
+        if (owner[node] == rim) rows[node].push_back(n_kept);
+        target_.push_back(owner[node] == rim ? -1 - n_kept++ : node);
       }
       entry_.push_back(uses[i].second);
     }
     entry_start_.push_back(static_cast<int>(entry_.size()));
     tiles_[t].nodes_last = static_cast<int>(target_.size());
   }
-  partial_ = AlignedArray<Real>(std::size_t(numbers) * n_partial + beyond<numbers>);
-  rim_node_.clear(), rim_partial_.clear(), rim_start_.assign(1, 0);
+  kept_ = AlignedArray<Real>(std::size_t(numbers) * n_kept + beyond<numbers>);
+  rim_node_.clear(), rim_kept_.clear(), rim_start_.assign(1, 0);
   for (int node = 0; node < n_nodes; ++node) {
     if (rows[node].empty()) continue;
     rim_node_.push_back(node);
-    rim_partial_.insert(rim_partial_.end(), rows[node].begin(), rows[node].end());
-    rim_start_.push_back(static_cast<int>(rim_partial_.size()));
+    rim_kept_.insert(rim_kept_.end(), rows[node].begin(), rows[node].end());
+    rim_start_.push_back(static_cast<int>(rim_kept_.size()));
   }
 }
 
@@ -117,7 +117,7 @@ void TileSums<Real, numbers>::sum_tile(const Tile& tile, const Real* scratch, Re
     Sum<numbers> sum{};
     for (int s = entry_start_[i]; s < entry_start_[i + 1]; ++s) sum += load<numbers>(scratch + entry_[s]);
     const int to = target_[i];
-    Real* row = to >= 0 ? force + std::size_t(numbers) * to : partial_.data() + std::size_t(numbers) * (-1 - to);
+    Real* row = to >= 0 ? force + std::size_t(numbers) * to : kept_.data() + std::size_t(numbers) * (-1 - to);
     store<numbers>(sum, row);
   }
 }
@@ -127,7 +127,7 @@ void TileSums<Real, numbers>::close_rims(int first, int last, Real* force) const
   for (int i = first; i < last; ++i) {
     Sum<numbers> sum{};
     for (int s = rim_start_[i]; s < rim_start_[i + 1]; ++s)
-      sum += load<numbers>(partial_.data() + std::size_t(numbers) * rim_partial_[s]);
+      sum += load<numbers>(kept_.data() + std::size_t(numbers) * rim_kept_[s]);
     store<numbers>(sum, force + std::size_t(numbers) * rim_node_[i]);
   }
 }

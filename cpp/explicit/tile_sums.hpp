@@ -2,7 +2,8 @@
 // Elements of the explicit loops in tiles, and their nodal forces summed up without atomics, always in the same order.
 //
 // The forces of a tile's elements stay in the cache: nodes inside a tile are summed up there and then, and those on its
-// rim leave a partial sum, which a second pass adds to those of the other tiles.
+// rim keep each element's force for a second pass. So every sum goes through the elements in the order of their
+// numbers, and does not depend on how they are cut into tiles, or divided over ranks.
 #pragma once
 
 #include <vector>
@@ -37,9 +38,9 @@ class TileSums {
   // Room for the forces of the elements of any tile; one for each thread.
   AlignedArray<Real> make_scratch() const { return AlignedArray<Real>(scratch_size_); }
 
-  // Sum up the forces of a tile's elements, as rows (n_nodes, numbers) and in partial sums.
+  // Sum up the forces of a tile's elements, as rows (n_nodes, numbers), and keep those on rim nodes.
   void sum_tile(const Tile& tile, const Real* scratch, Real* force);
-  // Add up the partial sums of rim nodes [first, last); when all tiles have been summed up.
+  // Add up the forces on rim nodes [first, last); when all tiles have been summed up.
   void close_rims(int first, int last, Real* force) const;
 
  private:
@@ -47,11 +48,11 @@ class TileSums {
 
   std::vector<Tile> tiles_;
   std::size_t scratch_size_ = 0;  // of the largest tile
-  // Nodes of the tiles, one tile after the other: where the sum goes, a row of the forces or, below zero, of partial_
-  // (as -1 - row); and the entries to add up, offsets in the tile's forces.
+  // Nodes of the tiles, one tile after the other: where the sum goes, a row of the forces or, below zero, of kept_
+  // (as -1 - row), one of each element; and the entries to add up, offsets in the tile's forces.
   std::vector<int> target_, entry_start_, entry_;
-  AlignedArray<Real> partial_;                           // (rows, numbers) and what a load takes in beyond
-  std::vector<int> rim_node_, rim_start_, rim_partial_;  // nodes on rims and their rows of partial_
+  AlignedArray<Real> kept_;                           // (rows, numbers) and what a load takes in beyond
+  std::vector<int> rim_node_, rim_start_, rim_kept_;  // nodes on rims and their rows of kept_
 };
 
 }  // namespace presswork::explicit_dynamics

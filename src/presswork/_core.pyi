@@ -1127,6 +1127,24 @@ class SpaceLoop:
         Overlap of the node that is deepest in a shell [mm], it, and the shell; 0, -1, -1 where none is.
         """
 
+    def join(self, messages: object, sent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], ghosts: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], into: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], shared: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], leads: bool) -> None:
+        """
+        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, receive and agree, called once a cycle each; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
+        """
+
+    @property
+    def edges(self) -> NDArray[numpy.int32]:
+        """Nodes of the edges that tools touch (n, 2)."""
+
+    @property
+    def sheet_sizes(self) -> list[float]:
+        """
+        Least thickness, widest shell and longest edge [mm], by which contact looks for what is near; those of the whole sheet are to be given to its parts, before there are tools.
+        """
+
+    @sheet_sizes.setter
+    def sheet_sizes(self, arg: Sequence[float], /) -> None: ...
+
     def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], number: Sequence[int] = []) -> None:
         """
         Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0.
@@ -1490,6 +1508,24 @@ class SpaceLoopSingle:
         """
         Overlap of the node that is deepest in a shell [mm], it, and the shell; 0, -1, -1 where none is.
         """
+
+    def join(self, messages: object, sent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], ghosts: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], into: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], shared: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], leads: bool) -> None:
+        """
+        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, receive and agree, called once a cycle each; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
+        """
+
+    @property
+    def edges(self) -> NDArray[numpy.int32]:
+        """Nodes of the edges that tools touch (n, 2)."""
+
+    @property
+    def sheet_sizes(self) -> list[float]:
+        """
+        Least thickness, widest shell and longest edge [mm], by which contact looks for what is near; those of the whole sheet are to be given to its parts, before there are tools.
+        """
+
+    @sheet_sizes.setter
+    def sheet_sizes(self, arg: Sequence[float], /) -> None: ...
 
     def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], number: Sequence[int] = []) -> None:
         """

@@ -2,7 +2,8 @@
 """One run on several ranks of MPI: what refuses it, and, where petsc4py is installed, whole runs."""
 
 import importlib.util
-import shutil
+import os
+import subprocess
 import sys
 from types import SimpleNamespace
 
@@ -12,17 +13,15 @@ import typer
 
 from presswork import build_model, read_case
 from presswork.cli.run import run
-from presswork.model import ExplicitSolid
 from presswork.outcome import StartError
 from presswork.process.on_ranks import begin_on_ranks
+from presswork.ranks.world import RanksError, start_petsc
 from presswork.results import load_checkpoint, read_history
-from tests.problems.ranks import run_on_ranks
+from tests.problems.ranks import explain_no_mpi, run_on_ranks
 from tests.problems.upset_block import describe_block
 
-needs_mpi = pytest.mark.skipif(
-    shutil.which("mpiexec") is None or importlib.util.find_spec("petsc4py") is None,
-    reason="mpiexec or petsc4py is not installed (apt install python3-petsc4py openmpi-bin)",
-)
+MPI_MISSING = "petsc4py is not installed" if importlib.util.find_spec("petsc4py") is None else explain_no_mpi()
+needs_mpi = pytest.mark.skipif(bool(MPI_MISSING), reason=f"{MPI_MISSING} (apt install python3-petsc4py openmpi-bin)")
 HEX = 'element = "hex8_fbar"\nmesh = {size = [4, 4, 3], cells = [3, 3, 2]}'
 TET = 'element = "tet4_mini"\nmesh = {size = [4, 4, 3], cells = [2, 2, 2]}'
 SOLVER = """
@@ -57,21 +56,41 @@ def test_more_ranks_than_cells_are_refused(tmp_path):
 def test_what_is_not_divided_is_refused(tmp_path):
     from dataclasses import replace
 
-    explicit = replace(_model(tmp_path), explicit=ExplicitSolid())
-    with pytest.raises(StartError, match="explicit dynamics: ranks of MPI share the implicit forming of solids"):
-        begin_on_ranks(explicit, 1, SimpleNamespace(rank=0, size=2))
+    line = replace(_model(tmp_path), solver=replace(_model(tmp_path).solver, control="arc_length"))
+    with pytest.raises(StartError, match="asks for arc length: ranks of MPI share the implicit forming of solids"):
+        begin_on_ranks(line, 1, SimpleNamespace(rank=0, size=2))
 
 
-def test_a_missing_petsc4py_names_the_way_out(tmp_path, monkeypatch, capsys):
-    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "4")
+def test_a_missing_petsc4py_names_the_way_out(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "petsc4py", None)
+    with pytest.raises(RanksError, match=r"an implicit run on 4 ranks needs petsc4py .*python3-petsc4py"):
+        start_petsc(SimpleNamespace(rank=0, size=4))
+    with pytest.raises(StartError, match="needs petsc4py"):
+        begin_on_ranks(_model(tmp_path), 1, SimpleNamespace(rank=0, size=4))
+
+
+def test_a_missing_mpi4py_names_the_way_out(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "4")
+    monkeypatch.setitem(sys.modules, "mpi4py", None)
     with pytest.raises(typer.Exit) as ended:
         run(_write(tmp_path))
     said = " ".join(capsys.readouterr().err.split())
     assert ended.value.exit_code == 2
-    assert "a run on 4 ranks needs petsc4py and mpi4py" in said
-    assert "python3-petsc4py" in said
+    assert "a run on 4 ranks needs mpi4py and an MPI" in said
+    assert 'pip install "presswork[mpi]"' in said
     assert not (tmp_path / "block").exists()
+
+
+def test_an_mpiexec_of_another_mpi_is_named(tmp_path):
+    """As the mpiexec of MPICH starts a process, whose mpi4py takes another MPI and so is alone."""
+    if reason := explain_no_mpi():
+        pytest.skip(reason)
+    program = [sys.executable, "-c", "from presswork.cli import main; main()", "run", str(_write(tmp_path))]
+    done = subprocess.run(program, env={**os.environ, "PMI_SIZE": "4"}, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "mpiexec has started 4 processes, of which each sees 1: mpi4py was made for another MPI" in " ".join(
+        done.stderr.split()
+    )
 
 
 @needs_mpi

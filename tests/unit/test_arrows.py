@@ -68,7 +68,7 @@ PYTHON_ROOMS = {
         "threads",
         "timing",
     },
-    "explicit": {"evolution", "law", "mesh", "model", "stop"},
+    "explicit": {"evolution", "law", "mesh", "model", "ranks", "stop"},
     "process": {
         "body",
         "evolution",

@@ -44,11 +44,12 @@ void ToolContact::list_tool(int number, std::vector<StateField>& fields) {
                         for (int r = 0; r < rows; ++r) *to++ = row[r][static_cast<int>(slot % width)];
                       }
                     },
-                    [&of](const double* from) {
+                    [&of, number, this](const double* from) {
                       for (std::size_t slot = 0; slot < of.hint.size(); ++slot) {
                         auto* row = reinterpret_cast<Pack*>(&of.packs[slot / width]);
                         for (int r = 0; r < rows; ++r) row[r].set(static_cast<int>(slot % width), *from++);
                       }
+                      for (int node : left_) leave(number, node);
                     }});
   fields.push_back(row_field(owner, "hint", of.hint.data(), of.hint.size()));
   edges_.list_state(number, owner, fields);

@@ -64,6 +64,11 @@ void EdgeContact::add(const Tool& tool) {
   sums_.assign(std::size_t(chunks()) * pairs_.size(), {});
 }
 
+void EdgeContact::leave_to_others(const std::vector<char>& is_left) {
+  counts_.clear();
+  for (int e = 0; e < n_edges(); ++e) counts_.push_back(is_left[node(e, 0)] ? 0.0 : 1.0);
+}
+
 ContactSums EdgeContact::sum_up(int tool) const {
   ContactSums sum;
   for (int c = 0; c < chunks(); ++c) sum += sums_[std::size_t(c) * pairs_.size() + tool];
@@ -172,9 +177,12 @@ void EdgeContact::touch(const Tool& tool, Pairs& of, EdgePack& edges, const doub
     for (int lane = 0; lane < n; ++lane)
       if (off_it[lane])
         of.wake[edges.edge[lane]] = tool.travel - reach_awake * depth[lane], edges.pair[lane]->seen = Touching::near;
-  sums.add(LaneSums::squeeze, slot, squeeze), sums.add(LaneSums::damping, slot, found.damping);
-  for (int i = 0; i < 3; ++i) sums.add(static_cast<LaneSums::Row>(LaneSums::force + i), slot, found.force[i]);
-  sums.add(LaneSums::friction, slot, found.friction);
+  Pack counts(1.0);
+  for (int lane = 0; !counts_.empty() && lane < n; ++lane) counts.set(lane, counts_[edges.edge[lane]]);
+  const Pack force[3] = {counts * found.force[0], counts * found.force[1], counts * found.force[2]};
+  sums.add(LaneSums::squeeze, slot, counts * squeeze), sums.add(LaneSums::damping, slot, counts * found.damping);
+  sums.add_force(force, slot);
+  sums.add(LaneSums::friction, slot, counts * found.friction);
   // 4. what has changed, and the nodes' parts
   double* second[width];
   for (int lane = 0; lane < width; ++lane) second[lane] = records_of(*edges.pair[lane]) + 8;

@@ -48,6 +48,8 @@ class EdgeContact {
               double memory, double reach);
 
   void add(const Tool& tool);
+  // Count no edge whose first node is another part's.
+  void leave_to_others(const std::vector<char>& is_left);
   // Whether a tool is sharp.
   bool needed() const { return needed_; }
   int n_edges() const { return static_cast<int>(edges_.size()) / 2; }
@@ -149,6 +151,7 @@ class EdgeContact {
   std::vector<std::uint8_t> bears_;        // (ends), by nodes: whether it has a force
   std::vector<std::vector<int>> bearing_;  // of each chunk the edges that have one
   std::vector<Pairs> pairs_;               // of tools
+  std::vector<double> counts_;             // of edges, or none: 0 where another part counts what it does
   std::vector<ContactSums> sums_;          // (chunks, tools)
 };
 

@@ -47,8 +47,20 @@ void ToolContact::add(std::shared_ptr<const contact::ToolSurface> surface, const
   for (int slot = 0; slot < slots; ++slot)
     if (slot >= n_nodes_ || node_start_[slot] == node_start_[slot + 1])
       pairs_.back().packs[slot / width].wake.set(slot % width, never);
+  for (int node : left_) leave(static_cast<int>(pairs_.size()) - 1, node);
   sums_.assign(std::size_t(node_chunks()) * tools.size(), {});
   edges_.add(tools.back());
+}
+
+void ToolContact::leave_to_others(const std::vector<int>& nodes, const std::vector<char>& is_left) {
+  left_ = nodes;
+  edges_.leave_to_others(is_left);
+}
+
+void ToolContact::leave(int tool, int node) {
+  auto* row = reinterpret_cast<Pack*>(&pairs_[tool].packs[node / width]);
+  for (int r = 0; r < rows; ++r) row[r].set(node % width, 0.0);
+  pairs_[tool].packs[node / width].wake.set(node % width, never);
 }
 
 void ToolContact::remove(int tool) {
@@ -230,14 +242,16 @@ void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const
   const auto found = press(tool, number, awake, place, dx, half, load(base_, slot), damper(tool.grip, step_, dt),
                            awake_within_, pinch, pairs_[number].packs[slot / width], on_sheet);
   sums.add(LaneSums::damping, slot, found.damping);
-  for (int i = 0; i < 3; ++i) sums.add(static_cast<LaneSums::Row>(LaneSums::force + i), slot, found.force[i]);
+  sums.add_force(found.force, slot);
   sums.add(LaneSums::friction, slot, found.friction);
 }
 
-void ToolContact::move_tools(int cycle, double dt, double fastest) {
+void ToolContact::move_tools(int cycle, double dt, double fastest, bool leads) {
+  ToolWork counted_by_others;
   explicit_dynamics::move_tools(
       static_cast<int>(tools.size()), [&](int t) -> RigidTool& { return tools[t]; },
-      [&](int t) { return &tools[t].drive[std::size_t(tools[t].pushed ? 1 : 3) * cycle]; }, dt, fastest, work_);
+      [&](int t) { return &tools[t].drive[std::size_t(tools[t].pushed ? 1 : 3) * cycle]; }, dt, fastest, work_,
+      leads ? work_ : counted_by_others);
 }
 
 void ToolContact::close_cycle(int first_tool) {

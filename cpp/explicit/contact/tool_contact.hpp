@@ -66,6 +66,11 @@ class ToolContact {
               double width, double edge, bool ironing);
 
   void add(std::shared_ptr<const contact::ToolSurface> surface, const Grip& grip);
+  // Leave nodes of another part of the mesh alone (neighbours.hpp), from now on: their thickness and room are set. An
+  // edge is counted in the part of its first node. To be called before there are tools.
+  void leave_to_others(const std::vector<int>& nodes, const std::vector<char>& is_left);
+  double& half(int node) { return half_[node]; }
+  double& room_at(int node) { return room_[node]; }
   // Take a tool away, with what its springs hold; the others keep their numbers.
   void remove(int tool);
   void place(int tool, const double displacement[3]);
@@ -79,7 +84,8 @@ class ToolContact {
   void start(const View& sheet, Real* net);
   // One cycle: tools move (one thread; fastest: the largest speed of a node), then edges, then nodes are visited in
   // chunks, which takes the contact forces off net (n_nodes, 6), internal less external forces; then sums are closed.
-  void move_tools(int cycle, double dt, double fastest);
+  // leads: the work of tools that forces place is counted here, not in another part of the mesh.
+  void move_tools(int cycle, double dt, double fastest, bool leads = true);
   template <class View>
   void visit_edges(int c, const View& sheet, int first_tool = 0);
   template <class View, class Real>
@@ -112,6 +118,7 @@ class ToolContact {
   const double* room() const { return ironing_ ? room_.data() : nullptr; }
 
   int edge_node(int edge, int end) const { return edges_.node(edge, end); }
+  int n_edges() const { return edges_.n_edges(); }
 
   // What a device needs of contact, beside tools and pairs, and what of it changes.
   struct Lent {
@@ -163,6 +170,7 @@ class ToolContact {
     for (std::size_t t = first_tool; t < tools.size(); ++t) sums_[c * tools.size() + t] = {};
   }
 
+  void leave(int tool, int node);
   void list_tool(int tool, std::vector<StateField>& fields);
   void add_stored(double& normal, double& shear) const;
   template <class View>
@@ -194,6 +202,7 @@ class ToolContact {
   EdgeContact edges_;
   ToolWork work_;
   int started_ = 0, cycle_ = 0;
+  std::vector<int> left_;  // nodes that are left to others
 };
 
 template <class View>

@@ -60,10 +60,10 @@ PRESSWORK_DEVICE inline double next_speed(const RigidTool& tool, double push, do
 }
 
 // One cycle of n tools, tool(t) each; drive(t): what moves or pushes it in this cycle. fastest: the largest speed of a
-// node.
+// node. work: of tools that are moved, and of those that forces place.
 template <class ToolAt, class DriveAt>
 PRESSWORK_DEVICE void move_tools(int n, const ToolAt& tool_at, const DriveAt& drive_at, double dt, double fastest,
-                                 ToolWork& work) {
+                                 ToolWork& work, ToolWork& of_pushed) {
   const auto move = [&](RigidTool& tool, const double after[3]) {
     for (int i = 0; i < 3; ++i) {
       tool.velocity[i] = after[i];
@@ -97,8 +97,8 @@ PRESSWORK_DEVICE void move_tools(int n, const ToolAt& tool_at, const DriveAt& dr
       }
     }
     const double mean = 0.5 * (before + speed);
-    work.external += tool.push * mean * dt - held * carried;
-    work.drag += tool.drag * tool.mass * mean * mean * dt + held * (mean - carried);
+    of_pushed.external += tool.push * mean * dt - held * carried;
+    of_pushed.drag += tool.drag * tool.mass * mean * mean * dt + held * (mean - carried);
     const double after[3] = {speed * tool.direction[0], speed * tool.direction[1], speed * tool.direction[2]};
     move(tool, after);
   }

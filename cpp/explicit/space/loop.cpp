@@ -52,7 +52,8 @@ class SpaceLoop<Real>::SheetTools final : public Interaction<SpaceNodes<Real>> {
         throw std::invalid_argument("a tool is not driven for as many cycles");
   }
   void move(const Step& step, int cycle, double fastest) override {
-    if (loop_.contact) loop_.contact->move_tools(cycle, step.dt, fastest);
+    const bool leads = !loop_.neighbours_ || loop_.neighbours_->leads;
+    if (loop_.contact) loop_.contact->move_tools(cycle, step.dt, fastest, leads);
   }
   int n_rounds() const override { return loop_.contact ? 2 : 0; }
   int n_pieces(int round) const override {
@@ -121,6 +122,55 @@ SpaceLoop<Real>::SpaceLoop(int n_nodes, const double* points)
 
 template <class Real>
 SpaceLoop<Real>::~SpaceLoop() = default;
+
+template <class Real>
+void SpaceLoop<Real>::join(std::unique_ptr<Neighbours> of) {
+  if (contact) throw std::invalid_argument("a part joins the others before it has tools");
+  this->nodes.follows = of->is_ghost;
+  Base::join(std::move(of));
+}
+
+template <class Real>
+void SpaceLoop<Real>::tell_neighbours() {
+  Neighbours& to = *this->neighbours_;
+  double* record = to.out;
+  for (int node : to.sent) {
+    const Real* motion = this->nodes.motion.data() + std::size_t(this->nodes.motion_stride) * node;
+    for (int i = 0; i < freedoms; ++i) record[i] = motion[i];
+    record[Neighbours::half] = contact ? contact->half(node) : 0.0;
+    record[Neighbours::room] = contact ? contact->room_at(node) : 0.0;
+    record += Neighbours::record;
+  }
+  if (!contact) return;
+  if (to.n_shared < Neighbours::first_force + 3 * static_cast<int>(contact->tools.size()))
+    throw std::invalid_argument("the parts share the forces on fewer tools");
+  double* share = to.shared + Neighbours::first_force;
+  for (const Tool& tool : contact->tools)
+    for (int i = 0; i < 3; ++i) *share++ = tool.pushed ? tool.force[i] : 0.0;
+}
+
+template <class Real>
+void SpaceLoop<Real>::move_ghosts(double dt) {
+  const Neighbours& from = *this->neighbours_;
+  const double* record = from.in;
+  for (int node : from.ghosts) {
+    Real* motion = this->nodes.motion.data() + std::size_t(this->nodes.motion_stride) * node;
+    for (int i = 0; i < freedoms; ++i) motion[i] = static_cast<Real>(record[i]);
+    this->nodes.step_on(node, dt);
+    if (contact) contact->half(node) = record[Neighbours::half], contact->room_at(node) = record[Neighbours::room];
+    record += Neighbours::record;
+  }
+}
+
+template <class Real>
+void SpaceLoop<Real>::take_shared() {
+  if (!contact) return;
+  const double* share = this->neighbours_->shared + Neighbours::first_force;
+  for (Tool& tool : contact->tools) {
+    if (tool.pushed) std::copy_n(share, 3, tool.force);
+    share += 3;
+  }
+}
 
 template <class Real>
 void SpaceLoop<Real>::add_sheet(std::unique_ptr<SheetBlock<Real>> block) {
@@ -232,7 +282,8 @@ contact::SheetUnder SpaceLoop<Real>::find_cells() const {
 }
 
 template <class Real>
-std::unique_ptr<ToolContact> SpaceLoop<Real>::make_contact() const {
+std::array<double, 3> SpaceLoop<Real>::measure_sheet() const {
+  if (sheet_sizes) return *sheet_sizes;
   const auto& nodes = this->nodes;
   const Sheet sheet = list_cells();
   double widest = 0.0, edge = 0.0;
@@ -247,8 +298,17 @@ std::unique_ptr<ToolContact> SpaceLoop<Real>::make_contact() const {
     if (each > 0) widest = std::max(widest, apart(corner[0], corner[2]));
     for (int a = 0; a < each; ++a) edge = std::max(edge, apart(corner[a], corner[(a + 1) % each]));
   }
+  return {sheet.thinnest, widest, edge};
+}
+
+template <class Real>
+std::unique_ptr<ToolContact> SpaceLoop<Real>::make_contact() const {
+  const Sheet sheet = list_cells();
   if (sheet.node.empty()) throw std::invalid_argument("tools touch shells, and there are none");
-  return std::make_unique<ToolContact>(nodes.n, sheet.start, sheet.node, sheet.thinnest, widest, edge, ironing);
+  const auto [thinnest, widest, edge] = measure_sheet();
+  auto made = std::make_unique<ToolContact>(this->nodes.n, sheet.start, sheet.node, thinnest, widest, edge, ironing);
+  if (this->neighbours_) made->leave_to_others(this->neighbours_->ghosts, this->neighbours_->is_ghost);
+  return made;
 }
 
 template <class Real>

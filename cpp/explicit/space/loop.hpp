@@ -3,8 +3,10 @@
 // that touch shells, hanging nodes, which know the shells alone; and the rigid walls that hold solids off.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "explicit/contact/body_contact.hpp"
@@ -55,7 +57,10 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   std::unique_ptr<Drawbeads> beads;  // none without beads
   contact::SheetUnder find_cells() const;
 
-  bool ironing = true;                   // tools squeeze the sheet; to be set before there are any
+  bool ironing = true;  // tools squeeze the sheet; to be set before there are any
+  // Least thickness, widest shell, longest edge [mm]; those of a part are given to it.
+  std::optional<std::array<double, 3>> sheet_sizes;
+  std::array<double, 3> measure_sheet() const;
   std::unique_ptr<ToolContact> contact;  // none without tools
   // To be called when there are tools, and after a change of masses.
   std::unique_ptr<ToolContact> make_contact() const;
@@ -63,12 +68,18 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   void add_shell_contact(const double* undeformed, const ShellGrip& grip);
   std::unique_ptr<ShellContact> shell_contact;  // none: they do not
   void set_contact_stiffness(double dt);
+  void join(std::unique_ptr<Neighbours> of) override;
   // What contact must know of the sheet, after a step of dt.
   auto view(double dt) const {
     return SheetView{this->nodes.position.data(), this->nodes.motion.data(),
                      [this](int cell) { return value(cell, &StateRows::thickness); },
                      [this](int cell) { return value(cell, &StateRows::spring); }, dt};
   }
+
+ protected:
+  void tell_neighbours() override;
+  void move_ghosts(double dt) override;
+  void take_shared() override;
 
  private:
   class SheetBeads;

@@ -153,7 +153,6 @@ Moved SpaceNodes<Real>::move(int first, int last, const Step& step) {
   Record external{}, damped{};
   Moved sums;
   double fastest = 0.0;
-  const double dt = step.dt;
   for (SpaceWall* wall : walls) wall->open_chunk(first);
   for (int node = first; node < last; ++node) {
     if (!follows.empty() && follows[node]) continue;
@@ -161,7 +160,6 @@ Moved SpaceNodes<Real>::move(int first, int last, const Step& step) {
     next_velocity(node, step, after, outer);
     if (!touches_walls.empty() && touches_walls[node]) sums.work.add(meet_walls(node, step, true, after));
     Real* own = motion.data() + std::size_t(motion_stride) * node;
-    double* x = position.data() + std::size_t(position_stride) * node;
     const Record before = load_record(own);
     external += outer * (before + after);
     if (held_[node]) add_reaction(node, step, outer);
@@ -170,9 +168,7 @@ Moved SpaceNodes<Real>::move(int first, int last, const Step& step) {
       damped += inverse > 0.0 ? mean * mean / inverse : Record{};
     }
     store_record<8>(after, own);
-    // by the velocity as it is kept: what moves a node is what strains its elements
-    const Place velocity = __builtin_shufflevector(load_record(own), Record{}, 0, 1, 2, 8);
-    store_place(load_place(x) + dt * velocity, x);
+    const Place velocity = step_on(node, step.dt);
     const Place squares = velocity * velocity;
     fastest = std::max(fastest, squares[0] + squares[1] + squares[2]);
   }

@@ -34,6 +34,14 @@ class SpaceNodes {
   void prescribe(const std::uint8_t* fixed, const double* velocity);
   // Hold nodes (k, rising) along directions besides, until freedoms are prescribed anew.
   void hold_along(const std::vector<int>& node, std::vector<HeldAlong> held);
+  // Move a node by its velocity, as it is kept: what moves a node is what strains its elements. Gives the velocity.
+  Place step_on(int node, double dt) {
+    double* x = position.data() + std::size_t(position_stride) * node;
+    const Record own = load_record(motion.data() + std::size_t(motion_stride) * node);
+    const Place velocity = __builtin_shufflevector(own, Record{}, 0, 1, 2, 8);
+    store_place(load_place(x) + dt * velocity, x);
+    return velocity;
+  }
   // Advance nodes [first, last) by a step; those that follow others stay.
   Moved move(int first, int last, const Step& step);
   // Kinetic energy, and the work of the first half of the next step.

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core, stop
+from presswork.explicit.divided import DividedLoop
 from presswork.explicit.energy import EnergyBalance, MassScaling, compute_balance, sum_energies
 from presswork.explicit.input_checks import ExplicitError, check_nodal
 from presswork.explicit.motion import Motion
@@ -20,7 +21,7 @@ from presswork.law.umat import TOLD
 
 Array = npt.NDArray[np.float64]
 Numbers = npt.NDArray[np.intp]
-Loop = _core.PlaneLoop | _core.SpaceLoop | _core.SpaceLoopSingle
+Loop = _core.PlaneLoop | _core.SpaceLoop | _core.SpaceLoopSingle | DividedLoop
 Failed = tuple[int, _core.LawStatus, int]
 """Element that has failed, what its law told, and the cycle; the element is -1 where none has."""
 SAFETY = 0.9
@@ -57,6 +58,7 @@ class Dynamics:
         of sound [mm/s], beyond which a velocity must be a mistake.
         """
         self._loop: Any = loop
+        self._parts: DividedLoop | None = loop if isinstance(loop, DividedLoop) else None
         self._nodes, self._elements = nodes, elements
         self._in_order = bool((nodes == np.arange(len(nodes))).all())
         self._node_sets, self._fastest = dict(node_sets or {}), fastest
@@ -179,7 +181,8 @@ class Dynamics:
 
     def stable_step(self) -> float:
         """Give the bound of the stable time step [s] of the elements as they are now."""
-        return float(2.0 / np.sqrt(self._loop.bound_frequencies().max()))
+        highest = self._parts.highest_frequency if self._parts else self._loop.bound_frequencies().max()
+        return float(2.0 / np.sqrt(highest))
 
     def scale_mass(self, target_step: float) -> MassScaling:
         """Add mass to elements whose stable step is below the target [s], take the target as the step; report the mass.
@@ -259,7 +262,7 @@ class Dynamics:
         self._dt_before = self.dt
         self.cycle += n
         self.time += n * self.dt
-        finite = np.isfinite(self.position).all(axis=1)
+        finite = np.ones(1) if self._parts and self._parts.is_finite else np.isfinite(self.position).all(axis=1)
         if not finite.all():
             allowed = SAFETY * self.stable_step()
             now = f" (the elements allow {allowed:g} s now)" if np.isfinite(allowed) else ""

@@ -28,6 +28,7 @@ from presswork.explicit.options import ShellOptions as ShellOptions
 from presswork.explicit.space import Precision as Precision
 from presswork.explicit.space import SpaceDynamics
 from presswork.law.umat import SheetLaw
+from presswork.ranks.world import World
 
 FREEDOMS = SpaceDynamics.FREEDOMS
 
@@ -50,6 +51,7 @@ class ExplicitShells(SpaceDynamics):
         precision: Precision = "double",
         device: Device = "cpu",
         hanging: npt.ArrayLike = (),
+        world: World | None = None,
     ) -> None:
         shells = Shells(
             connectivity=connectivity,
@@ -61,7 +63,7 @@ class ExplicitShells(SpaceDynamics):
             heating=heating,
             options=options or ShellOptions(),
         )
-        super().__init__(points, [shells], precision=precision, device=device, hanging=hanging)
+        super().__init__(points, [shells], precision=precision, device=device, hanging=hanging, world=world)
 
     def inherit(
         self,

@@ -21,6 +21,7 @@ import numpy.typing as npt
 from presswork import _core
 from presswork.explicit.blocks import Shells, Solids
 from presswork.explicit.device import DEVICES, Device, advance_on, check_device
+from presswork.explicit.divided import DividedLoop
 from presswork.explicit.drawbeads import BeadsOfRun
 from presswork.explicit.dynamics import Dynamics, Failed
 from presswork.explicit.input_checks import ExplicitError, check_points
@@ -28,6 +29,8 @@ from presswork.explicit.layers import LayersOfRun
 from presswork.explicit.shell_contact import ShellContactOfRun
 from presswork.explicit.tools import ToolsOfRun
 from presswork.law.umat import TOLD, SheetUmat
+from presswork.ranks.parts import make_part
+from presswork.ranks.world import World
 
 Array = npt.NDArray[np.float64]
 RISE = 4
@@ -68,7 +71,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
     precision: "single" computes shells and velocities in single precision, positions and energies in double: about half
     the time and memory; docs/theory/explicit.md says where it is good enough. device: "cuda" computes the cycles on
     the first NVIDIA card, "host" runs the card's code on the CPU, for tests; docs/theory/explicit.md says what a device
-    computes. The state is that of the CPU's loop: a dump goes on anywhere.
+    computes. The state is that of the CPU's loop: a dump goes on anywhere. world: ranks that share the cycles.
     """
 
     FREEDOMS = "uvwpqr"
@@ -81,6 +84,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         precision: Precision = "double",
         device: Device = "cpu",
         hanging: npt.ArrayLike = (),
+        world: World | None = None,
     ) -> None:
         x = np.array(points, dtype=float)
         if precision not in LOOPS:
@@ -101,32 +105,25 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         nodes = _order_nodes(len(x), np.concatenate([b.cells[c].ravel() for b, c in zip(blocks, curves, strict=True)]))
         place = np.empty(len(x), dtype=np.int32)
         place[nodes] = np.arange(len(x))
-        loop = LOOPS[precision](x[nodes])
         elements: list[npt.NDArray[np.intp]] = []
         self._counts: list[int] = []
         self._first_of: list[int] = []
+        pieces: list[tuple[Shells | Solids, npt.NDArray[np.intp]]] = []
         for block, curve in zip(blocks, curves, strict=True):
             before = sum(sizes[: len(self._first_of)])
             self._first_of.append(len(elements))
             for part in block.split(curve):
-                try:
-                    block.add(loop, part, place)
-                except ValueError as error:
-                    raise ExplicitError(str(error)) from None
+                pieces.append((block, part))
                 elements.append(before + part)
                 if isinstance(block, Shells):
                     self._counts.append(len(part))
+        loop = _make_loop(precision, x[nodes], pieces, place)
         self._shells = np.concatenate([np.zeros(0, np.intp), *elements[: len(self._counts)]])
         if isinstance(blocks[0], Shells):
             shells = blocks[0]
             self._young, self._poisson = shells.law.young, shells.law.poisson
             self._damage_names = tuple(law.name for law in shells.damage)
-            for number in range(len(self._counts)):
-                for law in shells.damage:
-                    rise = RISE if shells.heating[1] else -1
-                    loop.add_damage(number, law.name, law.kernel, temperature=shells.heating[0], rise=rise)
             self.connectivity, self.axis, self.options = shells.cells, shells.axes, shells.options
-            loop.ironing = shells.options.ironing
         follow = np.array(hanging, dtype=np.int32).reshape(-1, 7)
         if len(follow):
             loop.set_hanging(place[follow])
@@ -134,7 +131,9 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         self._start_beads()
         self._start_shell_contact()
         check_device(device, loop)
-        super().__init__(loop, nodes, np.concatenate(elements))
+        super().__init__(
+            _divide(loop, precision, pieces, x, nodes, place, world) if world else loop, nodes, np.concatenate(elements)
+        )
 
     @property
     def mass(self) -> Array:
@@ -223,6 +222,48 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         self._contact_step, self._new_tools = float(own["contact_step"][0]), []
         if own["temperature"].size:
             self.given_temperature = own["temperature"]
+
+
+Piece = tuple[Shells | Solids, npt.NDArray[np.intp]]
+"""A block, and the elements of it that make a block of the loop."""
+
+
+def _make_loop(
+    precision: Precision, points: Array, pieces: Sequence[Piece], place: npt.NDArray[np.int32]
+) -> _core.SpaceLoop | _core.SpaceLoopSingle:
+    """Return a loop with its blocks; place: number in it of each node. Raises ExplicitError."""
+    loop = LOOPS[precision](points)
+    for number, (block, part) in enumerate(pieces):
+        try:
+            block.add(loop, part, place)
+        except ValueError as error:
+            raise ExplicitError(str(error)) from None
+        if not isinstance(block, Shells):
+            continue
+        rise = RISE if block.heating[1] else -1
+        for law in block.damage:
+            loop.add_damage(number, law.name, law.kernel, temperature=block.heating[0], rise=rise)
+        loop.ironing = block.options.ironing
+    return loop
+
+
+def _divide(
+    whole: _core.SpaceLoop | _core.SpaceLoopSingle,
+    precision: Precision,
+    pieces: Sequence[Piece],
+    x: Array,
+    nodes: npt.NDArray[np.intp],
+    place: npt.NDArray[np.int32],
+    world: World,
+) -> DividedLoop:
+    """Return a loop whose cycles ranks share; the arguments are those of the whole loop."""
+    cells = [place[block.cells[part]] for block, part in pieces]
+    mine = make_part(x[nodes], cells, world.size, world.rank)
+    own = [(block, part[kept]) for (block, part), kept in zip(pieces, mine.elements, strict=True) if len(kept)]
+    of_own = np.full(len(x), -1, dtype=np.int32)
+    of_own[nodes[mine.nodes]] = np.arange(len(mine.nodes))
+    loop = _make_loop(precision, x[nodes[mine.nodes]], own, of_own)
+    return DividedLoop(whole, loop, mine, world)
 
 
 def _order_nodes(n: int, used_in_turn: npt.NDArray[np.int32]) -> npt.NDArray[np.intp]:

@@ -3,35 +3,74 @@
 
 from __future__ import annotations
 
-from presswork.model import Model, Stage
+from collections.abc import Mapping
+
+from presswork.explicit.input_checks import ExplicitError
+from presswork.model import ExplicitSheet, Model, Stage
 from presswork.outcome import StartError
 from presswork.process.folding import FoldingRecording
 from presswork.process.implicit_recording import ImplicitRecording
-from presswork.ranks.world import World
+from presswork.process.recording import Recording
+from presswork.ranks.world import RanksError, World, start_petsc
 
+SHARED = "the implicit forming of solids on one mesh, and explicit stampings"
 REMEDY = "compute it without mpiexec, by one process with --threads"
 
 
-def begin_on_ranks(model: Model, threads: int, world: World) -> ImplicitRecording:
-    """Return the model's procedure before its first increment, its cells divided over ranks. Raises StartError."""
-    what = _find_undivided(model)
+def begin_on_ranks(model: Model, threads: int, world: World) -> Recording:
+    """Return the model's procedure at its start, its cells divided over ranks. Raises StartError."""
+    what = _find_undivided(model) if model.explicit is None else _find_undivided_explicit(model)
     if what:
-        raise StartError(f"{what}: ranks of MPI share the implicit forming of solids on one mesh; {REMEDY}")
+        raise StartError(f"{what}: ranks of MPI share {SHARED}; {REMEDY}")
     cells = sum(len(block.connectivity) for block in model.mesh.blocks)
     if world.size > cells:
         raise StartError(
             f"mpiexec has started {world.size} ranks, but the mesh has only {cells} cells: start at most that many; "
             "some thousands of cells for each rank pay"
         )
+    if model.explicit is not None:
+        return _begin_explicit(model, threads, world)
+    try:
+        start_petsc(world)
+    except RanksError as error:
+        raise StartError(str(error)) from error
     folds = model.analysis == "solid" and model.solver.displacements == "large"
     kind = FoldingRecording if folds else ImplicitRecording
     return kind(model, threads=threads or 1, world=world)
 
 
+def _begin_explicit(model: Model, threads: int, world: World) -> Recording:
+    from presswork.process.stamping import ExplicitStamping
+
+    try:
+        return ExplicitStamping(model, threads=threads or 1, world=world)
+    except ExplicitError as error:
+        raise StartError(str(error)) from error
+
+
+def _find_undivided_explicit(model: Model) -> str:
+    """Name what of an explicit model is not divided over ranks; nothing where all is."""
+    if model.analysis != "stamping":
+        return "the case asks for explicit dynamics of solids"
+    assert isinstance(model.explicit, ExplicitSheet)
+    return _list(
+        {
+            "a line of operations": bool(model.following),
+            "a part that is formed already": model.formed is not None,
+            "trimming": bool(model.trim),
+            "springback": model.springback is not None,
+            "a dynain": bool(model.output.dynain),
+            "refinement of the blank": model.refinement is not None,
+            "drawbeads": bool(model.beads),
+            "contact of the sheet with itself": model.self_contact is not None,
+            "heat": model.heat is not None,
+            f'device = "{model.explicit.device}"': model.explicit.device != "cpu",
+        }
+    )
+
+
 def _find_undivided(model: Model) -> str:
-    """Name what of a model is not divided over ranks; nothing where all is."""
-    if model.explicit is not None:
-        return "the case asks for explicit dynamics"
+    """Name what of an implicit model is not divided over ranks; nothing where all is."""
     if model.analysis in ("shell", "stamping"):
         return "the case forms a sheet of shells"
     asked = {
@@ -43,6 +82,10 @@ def _find_undivided(model: Model) -> str:
         "a tool in the plane that a force pushes": bool(model.plane_tools) and any(_pushes(s) for s in model.stages),
         "arc length": model.solver.control == "arc_length",
     }
+    return _list(asked)
+
+
+def _list(asked: Mapping[str, bool]) -> str:
     names = [name for name, is_asked in asked.items() if is_asked]
     return f"the case asks for {' and '.join(names)}" if names else ""
 

@@ -36,6 +36,7 @@ from presswork.process.sheet_history import SheetHistory
 from presswork.process.stamping_recording import ADDED_MASS, CYCLES, SHELL_CYCLES, StampingRecording
 from presswork.process.stamping_tools import StampingTools, mean_speeds
 from presswork.process.transfer import SheetState, ShellStart, fill_layers, keep_heated, sheet_of_explicit
+from presswork.ranks.world import World
 
 ELEMENT_CYCLES_A_CALL = 2_000_000
 """Between two looks at the keyboard: about a second."""
@@ -52,11 +53,20 @@ class ExplicitStamping(StampingRecording):
 
     model: Model
 
-    def __init__(self, model: Model, *, threads: int = 0, begin: SheetState | None = None, level: int = 0) -> None:
+    def __init__(
+        self,
+        model: Model,
+        *,
+        threads: int = 0,
+        begin: SheetState | None = None,
+        level: int = 0,
+        world: World | None = None,
+    ) -> None:
         """begin: the sheet that an operation before has left, on the model's mesh; None: the blank.
 
-        level: how often its shells have been split by then.
+        level: how often its shells have been split by then. world: ranks that share the cycles.
         """
+        self._world = world
         assert isinstance(model.explicit, ExplicitSheet)
         super().__init__(model, threads, 6, (*PHASES, "rest"))
         self._start = None if begin is None else ShellStart.of(begin)
@@ -116,6 +126,7 @@ class ExplicitStamping(StampingRecording):
             precision=self.settings.precision,
             device=self.settings.device,
             hanging=self._sheet.hanging(),
+            world=self._world,
         )
 
     def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:

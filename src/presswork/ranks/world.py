@@ -15,9 +15,10 @@ import numpy as np
 from presswork.model import FloatArray, IntArray
 from presswork.ranks.launch import count_ranks
 
-REMEDY = (
+NO_MPI = 'pip install "presswork[mpi]" brings both mpi4py and an MPI with its mpiexec; or run without mpiexec'
+NO_PETSC = (
     "on Debian and Ubuntu: apt install python3-petsc4py python3-mpi4py openmpi-bin; elsewhere: "
-    'pip install "presswork[mpi]", which compiles PETSc where there is none; or run without mpiexec'
+    "pip install petsc4py, which compiles PETSc where there is none; or run without mpiexec"
 )
 
 
@@ -46,9 +47,9 @@ class Traffic:
 class World:
     """All ranks of a run; every method that is not a property is called by all of them at the same place."""
 
-    def __init__(self, communicator: Any) -> None:
-        """communicator: of mpi4py."""
-        self._comm = communicator
+    def __init__(self, communicator: Any, mpi: Any = None) -> None:
+        """communicator: of mpi4py; mpi: its module, for messages that are prepared."""
+        self._comm, self._mpi = communicator, mpi
         self.rank: int = communicator.Get_rank()
         self.size: int = communicator.Get_size()
         self.traffic = Traffic()
@@ -62,6 +63,34 @@ class World:
             self.traffic.sent += array.nbytes
         for request in requests:
             request.Wait()
+
+    def prepare_send(self, array: FloatArray, rank: int) -> Any:
+        """Return a message to a rank, to be started again and again; the array stays where it is."""
+        return self._comm.Send_init(array, dest=rank)
+
+    def prepare_receive(self, array: FloatArray, rank: int) -> Any:
+        """Return a message from a rank, to be started again and again."""
+        return self._comm.Recv_init(array, source=rank)
+
+    def start(self, prepared: list[Any], messages: int, sent: int) -> None:
+        """Start prepared messages, of which so many send so much [bytes]."""
+        self._mpi.Prequest.Startall(prepared)
+        self.traffic.messages += messages
+        self.traffic.sent += sent
+
+    def start_to_agree(self, shared: FloatArray, *, sums: int) -> list[Any]:
+        """Start to find, in place, the largest of the ranks' first numbers, and the sums of so many that follow."""
+        mpi = self._mpi
+        started = [self._comm.Iallreduce(mpi.IN_PLACE, shared[:1], op=mpi.MAX)]
+        if sums:
+            started.append(self._comm.Iallreduce(mpi.IN_PLACE, shared[1 : 1 + sums], op=mpi.SUM))
+        self.traffic.collectives += len(started)
+        self.traffic.received += 8 * (1 + sums)
+        return started
+
+    def wait(self, requests: list[Any]) -> None:
+        """Wait until messages have come and gone."""
+        self._mpi.Request.Waitall(requests)
 
     def swap(self, outgoing: Mapping[int, Any]) -> dict[int, Any]:
         """Send any object to each of some ranks; return what has come, by rank. For set-up, not for iterations."""
@@ -115,13 +144,10 @@ def find_world() -> World | None:
     if count_ranks() == 1:
         return None
     try:
-        import petsc4py
         from mpi4py import MPI
-
-        petsc4py.init([])
-    except ImportError as error:
-        raise RanksError(f"a run on {count_ranks()} ranks needs petsc4py and mpi4py ({error}); {REMEDY}") from error
-    world = World(MPI.COMM_WORLD)
+    except (ImportError, RuntimeError) as error:  # the second where no library of an MPI is found
+        raise RanksError(f"a run on {count_ranks()} ranks needs mpi4py and an MPI ({error}); {NO_MPI}") from error
+    world = World(MPI.COMM_WORLD, MPI)
     if world.size != count_ranks():
         raise RanksError(
             f"mpiexec has started {count_ranks()} processes, of which each sees {world.size}: mpi4py was made for "
@@ -129,6 +155,16 @@ def find_world() -> World | None:
         )
     _end_all_on_errors()
     return world
+
+
+def start_petsc(world: World) -> None:
+    """Make PETSc ready, which shares implicit runs. Raises RanksError."""
+    try:
+        import petsc4py
+
+        petsc4py.init([])
+    except ImportError as error:
+        raise RanksError(f"an implicit run on {world.size} ranks needs petsc4py ({error}); {NO_PETSC}") from error
 
 
 def _end_all_on_errors() -> None:

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// A part of a mesh whose neighbours Python tells and asks: by messages of MPI, which the core does not know.
+#pragma once
+
+#include "arrays.hpp"
+#include "explicit/neighbours.hpp"
+#include "explicit/space/loop.hpp"
+
+namespace presswork::bindings {
+
+namespace parts {
+
+using explicit_dynamics::Neighbours;
+using Buffer = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
+
+// messages: an object with send, receive and agree, and the arrays that they send and fill.
+class PythonNeighbours final : public Neighbours {
+ public:
+  PythonNeighbours(const nb::object& messages, Buffer sends, Buffer receives, Buffer shares)
+      : send_(messages.attr("send")),
+        receive_(messages.attr("receive")),
+        agree_(messages.attr("agree")),
+        arrays_{std::move(sends), std::move(receives), std::move(shares)} {
+    out = arrays_[0].data(), in = arrays_[1].data(), shared = arrays_[2].data();
+  }
+  void send() override { call(send_); }
+  void receive() override { call(receive_); }
+  void agree() override { call(agree_); }
+
+ private:
+  static void call(const nb::object& function) {
+    nb::gil_scoped_acquire acquire;
+    function();
+  }
+  nb::object send_, receive_, agree_;
+  Buffer arrays_[3];
+};
+
+template <class Loop>
+void join(Loop& self, const nb::object& messages, Ints sent, Ints ghosts, Buffer out, Buffer in, Buffer shared,
+          bool leads) {
+  require(out.size() == Neighbours::record * sent.size() && in.size() == Neighbours::record * ghosts.size(),
+          "out and into must have shape (nodes, 8)");
+  require(shared.size() >= 1, "shared must have room for the largest speed");
+  auto neighbours = std::make_unique<PythonNeighbours>(messages, out, in, shared);
+  neighbours->sent.assign(sent.data(), sent.data() + sent.size());
+  neighbours->ghosts.assign(ghosts.data(), ghosts.data() + ghosts.size());
+  neighbours->is_ghost.assign(self.nodes.n, 0);
+  neighbours->leads = leads, neighbours->n_shared = static_cast<int>(shared.size());
+  for (const auto& nodes : {neighbours->sent, neighbours->ghosts})
+    for (int node : nodes) require(node >= 0 && node < self.nodes.n, "there is no node of this number");
+  for (int node : neighbours->ghosts) neighbours->is_ghost[node] = 1;
+  self.join(std::move(neighbours));
+}
+
+template <class Loop>
+auto list_edges(const Loop& self) {
+  const int n = self.contact ? self.contact->n_edges() : 0;
+  int* to;
+  auto array = new_array({std::size_t(n), 2}, &to);
+  for (int edge = 0; edge < n; ++edge)
+    for (int end = 0; end < 2; ++end) *to++ = self.contact->edge_node(edge, end);
+  return array;
+}
+
+}  // namespace parts
+
+template <class Loop>
+void bind_parts(nb::class_<Loop>& loop) {
+  using namespace parts;
+  loop.def("join", &join<Loop>, nb::arg("messages"), nb::arg("sent"), nb::arg("ghosts"), nb::kw_only(), nb::arg("out"),
+           nb::arg("into"), nb::arg("shared"), nb::arg("leads"),
+           "Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion "
+           "goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has "
+           "send, receive and agree, called once a cycle each; out (sent, 8), into (ghosts, 8): what is sent and has "
+           "come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.")
+      .def_prop_ro("edges", &list_edges<Loop>, nb::rv_policy::move, "Nodes of the edges that tools touch (n, 2).")
+      .def_prop_rw(
+          "sheet_sizes", [](const Loop& self) { return self.measure_sheet(); },
+          [](Loop& self, std::array<double, 3> sizes) { self.sheet_sizes = sizes; },
+          "Least thickness, widest shell and longest edge [mm], by which contact looks for what is near; those of the "
+          "whole sheet are to be given to its parts, before there are tools.");
+}
+
+}  // namespace presswork::bindings
