@@ -79,7 +79,7 @@ def measure(kind: type[CaseFile], data: dict[str, Any], keys: list[str]) -> tupl
             break
     spent = process_time() - started
     mechanics.evaluate, mechanics.assemble_stiffness = evaluate, assemble
-    rounds = recording._sensitivities.rounds if isinstance(recording, DifferentiatedForming) else 0
+    rounds = recording.derivatives.rounds if isinstance(recording, DifferentiatedForming) else 0
     return spent, matrices, evaluations, rounds
 
 

@@ -105,6 +105,35 @@ def bend_strip(hardening: Mapping[str, Any], *, angle: float = 20.0, points: int
     }
 
 
+def bend_over_die(**changes: Any) -> dict[str, Any]:
+    """Return the data of a strip that a punch bends into an open die by the implicit procedure, and that is let go."""
+    return {
+        "title": "Strip bent over a die",
+        "analysis": "stamping",
+        "procedure": "implicit",
+        "blank": {
+            "shape": "rectangle", "size": [44, 4], "thickness": 1.0, "element_size": [2.25, 2], "material": "steel",
+            "symmetry": ["x", "y"], "points": 7,
+        },
+        "materials": {
+            "steel": {"young": 206e3, "poisson": 0.3, "hardening": {"law": "swift", "K": 565.0, "e0": 0.007, "n": 0.26}}
+        },
+        "tools": {
+            "punch": {"kind": "punch", "shape": "strip", "width": 15, "edge_radius": 6, "mu": 0.1},
+            "die": {"kind": "die", "shape": "strip", "width": 21, "edge_radius": 6, "mu": 0.1},
+        },
+        "stages": [{"name": "draw", "tools": {"punch": {"stroke": 3.0}}}],
+        "springback": {"increments": 2},
+        "points": {"tip": [22, 2, 0], "wall": [9, 1, 0]},
+        "implicit": {
+            "initial_increment": 0.05, "max_increment": 0.05, "max_iterations": 40, "force_tolerance": 1e-11,
+            "displacement_tolerance": 1e-9,
+        },
+        "output": {"steps": 1},
+        **changes,
+    }  # fmt: skip
+
+
 def run_case(kind: type[CaseFile], data: Mapping[str, Any], folder: Path) -> Result:
     """Run a case to its end."""
     outcome = run_model(build_model(kind.model_validate(data)), folder)
@@ -113,16 +142,23 @@ def run_case(kind: type[CaseFile], data: Mapping[str, Any], folder: Path) -> Res
 
 
 def differentiate(
-    kind: type[CaseFile], data: dict[str, Any], of: Sequence[str], by: Mapping[str, float], folder: Path
+    kind: type[CaseFile],
+    data: dict[str, Any],
+    of: Sequence[str],
+    by: Mapping[str, float],
+    folder: Path,
+    *,
+    apart: Mapping[str, float] | None = None,
 ) -> dict[str, dict[str, tuple[FloatArray, FloatArray]]]:
     """Return derivatives row by row: in the run, and by central differences of whole runs.
 
-    by: keys of the case, with their values.
+    by: keys of the case, with their values. apart: of the value of a key, by how much whole runs
+    differ; without it APART.
     """
     own = run_case(kind, {**data, "gradients": {"of": list(of), "by": list(by)}}, folder / "own").history
     found: dict[str, dict[str, tuple[FloatArray, FloatArray]]] = {}
     for key, value in by.items():
-        change = APART * abs(value)
+        change = (apart or {}).get(key, APART) * abs(value)
         more, less = (
             run_case(kind, set_value(data, key, value + way), folder / f"{key}{way:+g}").history
             for way in (change, -change)

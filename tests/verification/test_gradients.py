@@ -13,7 +13,9 @@ from scipy.optimize import brentq
 from presswork.case.shell.schema import ShellCase
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
+from presswork.case.stamping.schema import StampingCase
 from tests.problems.differentiated import (
+    bend_over_die,
     bend_strip,
     differentiate,
     largest_error,
@@ -124,3 +126,13 @@ def test_curvature_left_by_springback_follows_bending_by_the_closed_form(degrees
     by_left = (length * np.sin(left * length) - height) / left
     own = abs(found["d(tip.z)/d(stages.0.rotation.0.angle)"][-1]) / by_left * np.degrees(length)
     assert own == pytest.approx(1.0 - (elastic / bent) ** 3, abs=0.015)
+
+
+def test_stamping_has_the_derivatives_of_whole_runs_through_springback(tmp_path: Path) -> None:
+    """Force, shape after release and energies; other numbers in validation/test_gradients.py."""
+    by, apart = {"tools.die.mu": 0.1, "blank.thickness": 1.0}, {"tools.die.mu": 1e-3, "blank.thickness": 2e-5}
+    of = ["punch.force", "tip.x", "tip.z", "plastic_work", "external_work"]
+    for key, columns in differentiate(StampingCase, bend_over_die(), of, by, tmp_path, apart=apart).items():
+        for name, (own, other) in columns.items():
+            assert own.shape == (28,)
+            assert largest_error(own, other) < 1e-6, (key, name)

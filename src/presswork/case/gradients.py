@@ -19,6 +19,9 @@ from presswork.case.reader import apply_overrides
 
 STEP = 1e-4
 """Of a number: by how much the neighbours of a run differ from it. The error is h^2 and that of round-off over h."""
+NEAR, NEAREST = 1e-5, 1e-4
+"""The same of sizes and places in a stamping, and the largest step over the sheet's thickness: contact begins within a
+thousandth of that (sheet_contact.py)."""
 COARSE, ONE_SIDED = 1e-7, 1e-5
 """Force tolerance above which one neighbour is enough, and its step: the error is h."""
 MOST = 50
@@ -62,7 +65,7 @@ def add_gradients(
             problems.append(Problem(place, f"`{key}` is zero", remedy, key))
             continue
         is_coarse = built.solver.force_tolerance > COARSE
-        step = (ONE_SIDED if is_coarse else STEP) * abs(value)
+        step = ONE_SIDED * abs(value) if is_coarse else _find_step(built, key, abs(value))
         try:
             less, more = (build(_vary(case, data, key, value + change)) for change in (-step, step))
         except CaseError as error:
@@ -97,6 +100,9 @@ def _refuse(built: model.Model) -> list[Problem]:
         (built.explicit is not None, "procedure", "dynamics", "implicit runs alone have"),
         (asked, "remesh", "new meshes", "a run on one mesh has"),
         (built.heat is not None, "heat", "heat", "a run without heat has"),
+        (bool(built.trim), "trim", "trimming", "a part that keeps its outline has"),
+        (bool(built.following), "operations", "lines of operations", "a single operation has"),
+        (built.formed is not None, "blank", "formed blanks", "a flat blank has"),
         (built.series is not None, "series", "series of parts", "a run of one part has"),
         (built.solver.control == "arc_length", "solver.control", "paths by arc length", "load control has"),
         (built.solver.inertia > 0.0, "solver.inertia", "inertia", "a run without inertia has"),
@@ -111,6 +117,15 @@ def _refuse(built: model.Model) -> list[Problem]:
         for applies, place, what, remedy in refused
         if applies
     ]
+
+
+def _find_step(built: model.Model, key: str, value: float) -> float:
+    """Return by how much neighbours on both sides differ from a number."""
+    *_, name = key.split(".")
+    is_place = not key.startswith("materials.") and name not in ("mu", "force")
+    if built.analysis == "stamping" and is_place:
+        return min(NEAR * value, NEAREST * built.sheet[0].thickness)
+    return STEP * value
 
 
 def _look_up(data: Any, key: str) -> float | Problem:

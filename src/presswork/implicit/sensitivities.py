@@ -23,7 +23,7 @@ an error of h^2, on one side of h, and of round-off over h.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -58,12 +58,13 @@ class SensitivityArrays(Arrays):
 
 
 class Neighbour:
-    """A run of nearly the same model."""
+    """A run of nearly the same model. counts_work: whether it adds up the work done in increments."""
 
-    def __init__(self, procedure: ImplicitProcedure, change: float) -> None:
+    def __init__(self, procedure: ImplicitProcedure, change: float, *, counts_work: bool = False) -> None:
         self.procedure = procedure
         self.change = change
         """Of the parameter, from that of the run."""
+        self._counts_work = counts_work
         self._begun: _Begun | None = None
 
     @property
@@ -76,6 +77,7 @@ class Neighbour:
         """Put it beside the state before an increment, and let the increment begin."""
         procedure = self.procedure
         beside = _shift(state_n, procedure.state, number, self.change)
+        step = procedure.step_like(beside, step)
         if step.fraction_n == 0.0 and step.stage > 0:
             for interaction in procedure.interactions.all:
                 interaction.begin_stage(beside, step.stage)
@@ -83,10 +85,10 @@ class Neighbour:
         for interaction in procedure.interactions.all:
             interaction.place(beside, trial, step, 1.0)
         procedure.equilibrium.begin(beside, step)
-        self._begun = _Begun(beside, trial)
+        self._begun = _Begun(beside, trial, step)
 
     def evaluate(
-        self, main: ImplicitProcedure, held: State, step: Step, increment: FloatArray, *, with_stiffness: bool = False
+        self, main: ImplicitProcedure, held: State, increment: FloatArray, *, with_stiffness: bool = False
     ) -> None:
         """Find what is out of balance after an increment of its own (n_points, freedoms) [mm, rad].
 
@@ -94,7 +96,7 @@ class Neighbour:
         """
         now, own = self.now, self.procedure.equilibrium
         point = own.evaluate_like(
-            main.equilibrium, now.state_n, now.trial, held, step, increment, with_stiffness=with_stiffness
+            main.equilibrium, now.state_n, now.trial, held, now.step, increment, with_stiffness=with_stiffness
         )
         if isinstance(point, BadGuess):
             raise GaveUpError(f"no derivatives here: {point}")
@@ -114,12 +116,14 @@ class Neighbour:
         """Take multipliers over where the run has."""
         self.procedure.equilibrium.augment_like(self.now.trial, self.now.point)
 
-    def settle(self, progress: Progress, step: Step, next_stage: int | None) -> None:
+    def settle(self, progress: Progress, next_stage: int | None) -> None:
         """Complete its state at the end of an increment; the run's progress goes with it."""
         now, procedure = self.now, self.procedure
         procedure.equilibrium.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
-        procedure.settle(now.state_n, now.trial, step)
-        procedure.evolve(now.state_n, now.trial, step)
+        procedure.settle(now.state_n, now.trial, now.step)
+        if self._counts_work:
+            procedure.count_work(now.state_n, now.trial, now.step)
+        procedure.evolve(now.state_n, now.trial, now.step)
         if next_stage is not None:
             procedure.end_stage(now.trial, next_stage)
         now.trial.replace(progress.duplicate())
@@ -132,6 +136,8 @@ class _Begun:
 
     state_n: State
     trial: State
+    step: Step
+    """Of the run's part of the stage, in its own time."""
     point: Point = field(init=False)
     lacking: Lacking = field(init=False)
     force: FloatArray = field(init=False)
@@ -174,17 +180,23 @@ class Neighbours:
 class Sensitivities:
     """Follows a run and keeps the derivatives of its state; they are part of the state.
 
-    same: a run of the same model whose matrix is not symmetric.
+    same: a run of the same model whose matrix is not symmetric. lost: of which parameters there are none.
     """
 
-    def __init__(self, procedure: ImplicitProcedure, same: Neighbour, neighbours: Sequence[Neighbours]) -> None:
+    def __init__(
+        self,
+        procedure: ImplicitProcedure,
+        same: Neighbour,
+        neighbours: Sequence[Neighbours],
+        lost: Sequence[bool],
+    ) -> None:
         self._procedure = procedure
         self._same = same
         self.neighbours = neighbours
         self.rounds = 0
         """Back-substitutions so far, of all parameters."""
         self._held: State = procedure.state
-        found = [each.differ() for each in neighbours]
+        found = [_lose(each.differ()) if gone else each.differ() for each, gone in zip(neighbours, lost, strict=True)]
         procedure.state.add(SensitivityArrays({name: [f[name] for f in found] for name in found[0]}))
         procedure.followers.append(self)
 
@@ -200,19 +212,31 @@ class Sensitivities:
         courses = [_Course(n, each) for n, each in enumerate(self.neighbours) if not self.is_lost(state_n, n)]
         try:
             self._go_along(courses, state_n, step)
-            self._same.settle(trial[Progress], step, next_stage)
+            self._same.settle(trial[Progress], next_stage)
         except GaveUpError:
             courses = []
         found = {c.number: c.each for c in courses if not c.is_lost}
         for each in found.values():
             for side in each.own:
-                side.settle(trial[Progress], step, next_stage)
+                side.settle(trial[Progress], next_stage)
         arrays, names = trial.to_arrays(), state_n[SensitivityArrays].slope
         slopes = [
             found[number].differ() if number in found else {name: np.full_like(arrays[name], np.nan) for name in names}
             for number in range(len(self.neighbours))
         ]
         trial[SensitivityArrays].slope = {name: [each[name] for each in slopes] for name in names}
+
+    def spread(self) -> None:
+        """Put the neighbours where the derivatives of the run's state have them."""
+        state, same = self._procedure.state, self._same.procedure
+        same.state = _shift(state, same.state, 0, 0.0)
+        for number, each in enumerate(self.neighbours):
+            for side in each.own if not self.is_lost(state, number) else []:
+                side.procedure.state = _shift(state, side.procedure.state, number, side.change)
+
+    def is_lost_now(self, number: int) -> bool:
+        """Say the same of the run's state."""
+        return self.is_lost(self._procedure.state, number)
 
     @staticmethod
     def is_lost(state: State, number: int) -> bool:
@@ -226,25 +250,25 @@ class Sensitivities:
             for side in course.each.own:
                 side.begin(state_n, course.number, step)
         for increment in self._procedure.equilibrium.augmented_at:
-            self._solve(courses, increment, step)
+            self._solve(courses, increment)
             for side in [self._same, *(side for c in courses if not c.is_lost for side in c.each.own)]:
                 side.augment()
         for course in courses:
             course.predict(state_n, step)
-        self._solve(courses, self._held.nodes.increment, step)
+        self._solve(courses, self._held.nodes.increment)
 
-    def _solve(self, courses: Sequence[_Course], increment: FloatArray, step: Step) -> None:
+    def _solve(self, courses: Sequence[_Course], increment: FloatArray) -> None:
         """Find the derivatives of the increment; leaves the neighbours there, or their courses lost.
 
         increment: of the run, in equilibrium (n_points, freedoms) [mm, rad]. Raises GaveUpError.
         """
         main, length = self._procedure, self._procedure.mechanics.length
-        self._same.evaluate(main, self._held, step, increment, with_stiffness=True)
+        self._same.evaluate(main, self._held, increment, with_stiffness=True)
         tangent = self._same.find_tangent(main)
         enough = min(max(BALANCED, DIGITS * main.model.solver.force_tolerance), ENOUGH)
 
         def evaluate(side: Neighbour, slope: FloatArray) -> None:
-            side.evaluate(main, self._held, step, increment + side.change * slope)
+            side.evaluate(main, self._held, increment + side.change * slope)
 
         open_ = [c for c in courses if not c.is_lost and c.begin(increment, length, evaluate)]
         for _ in range(MOST_ROUNDS):
@@ -350,6 +374,10 @@ class _Lack:
     def _weigh(self, lack: FloatArray, slope: FloatArray) -> FloatArray:
         way = max(float(np.abs(slope * self._length).max()), 1e-300)
         return np.array([lack[0] / self._length / self.force, lack[1] * self._length / way])
+
+
+def _lose(slope: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    return {name: np.full_like(values, np.nan) for name, values in slope.items()}
 
 
 def _shift(state: State, own: State, number: int, change: float) -> State:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -330,6 +330,11 @@ class ImplicitProcedure:
         since = self.ram.stage_time(self._start, stage, fraction_n)
         return Step(stage, fraction_n, fraction, now.increments + 1, now.time, dt, since)
 
+    def step_like(self, state_n: State, step: Step) -> Step:
+        """Return the same part of a stage as another run has gone, in the time that it takes here."""
+        dt = self.ram.take_time(state_n, step.stage, step.fraction_n, step.fraction, to_rest=False)
+        return replace(step, dt=dt, stage_time_n=self.ram.stage_time(state_n, step.stage, step.fraction_n))
+
     def _settle(self, trial: State, step: Step) -> None:
         """Complete the trial state, which is in equilibrium."""
         self.settle(self._start, trial, step)
@@ -354,13 +359,7 @@ class ImplicitProcedure:
         settings = self.model.solver
         step = self._step(stage, fraction_n, fraction)
         state_n = self._start
-        stage_n = stage - 1 if fraction_n == 0.0 and stage > 0 else stage
-        supports = self.interactions.supports
-        add_external_work(state_n, trial, supports.fixed(stage_n), supports.fixed(stage))
-        for interaction in self.interactions.all:
-            add_work(trial, interaction.work(state_n, trial))
-        trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, step.dt)
-        trial[Work].thermal_work += find_thermal_work(self.model, state_n, trial)
+        self.count_work(state_n, trial, step)
         if self.ram.is_needed:
             self.ram.commit(state_n, trial, step)
         if self.sheet_heat is not None:
@@ -396,6 +395,16 @@ class ImplicitProcedure:
             follower.follow(self.state, trial, step, stage + 1 if ahead else None)
         self.state = trial
         return is_over
+
+    def count_work(self, state_n: State, trial: State, step: Step) -> None:
+        """Add the work of an increment to that of its completed trial state."""
+        stage_n = step.stage - 1 if step.fraction_n == 0.0 and step.stage > 0 else step.stage
+        supports = self.interactions.supports
+        add_external_work(state_n, trial, supports.fixed(stage_n), supports.fixed(step.stage))
+        for interaction in self.interactions.all:
+            add_work(trial, interaction.work(state_n, trial))
+        trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, step.dt)
+        trial[Work].thermal_work += find_thermal_work(self.model, state_n, trial)
 
     def evolve(self, state_n: State, trial: State, step: Step) -> None:
         """Bring what laws of evolution follow up to date at the end of an increment."""

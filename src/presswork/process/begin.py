@@ -43,6 +43,10 @@ def _begin_formed(model: Model, threads: int) -> Recording:
 
 
 def _begin(model: Model, threads: int) -> Recording:
+    if model.gradients is not None:
+        from presswork.process.differentiated import begin_differentiated
+
+        return begin_differentiated(model, threads)
     if model.formed is not None:
         return _begin_formed(model, threads)
     if model.following:
@@ -83,10 +87,6 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.impact import ExplicitImpact
 
         return ExplicitImpact(model, threads=threads)
-    if model.gradients is not None:
-        from presswork.process.differentiated import DifferentiatedForming
-
-        return DifferentiatedForming(model, threads=threads)
     if model.series is not None:
         from presswork.process.series import SeriesForming
 

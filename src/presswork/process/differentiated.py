@@ -1,100 +1,154 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An implicit run whose history has derivatives by numbers of the case beside its columns."""
+"""Implicit runs whose history has derivatives by numbers of the case beside its columns."""
 
 from __future__ import annotations
 
-import difflib
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
+from numpy.typing import NDArray
 
-from presswork.implicit.sensitivities import Neighbour, Neighbours, Sensitivities
-from presswork.implicit.stepping import IncrementReport
-from presswork.model import Model
-from presswork.outcome import StartError
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.model import Mesh, Model
+from presswork.process.derivatives import Derivatives
 from presswork.process.implicit_recording import ImplicitRecording
-from presswork.process.recording import Row
-from presswork.results.history import name_derivative
+from presswork.process.implicit_stamping import ImplicitStamping
+from presswork.process.recording import Recording, Row
+from presswork.process.springback import FORMING, Released, ReleasedStamping
 
-NO_MEASURES = ("time", "stage", "increment", "iterations")
-"""Columns of the history that have no derivative."""
+
+def begin_differentiated(model: Model, threads: int) -> Recording:
+    """Return the procedure of a model with derivatives. Raises StartError."""
+    if model.analysis == "stamping" and (model.springback is not None or model.output.dynain):
+        return DifferentiatedRelease(model, threads=threads)
+    if model.analysis == "stamping":
+        return DifferentiatedStamping(model, threads=threads)
+    return DifferentiatedForming(model, threads=threads)
 
 
 class DifferentiatedForming(ImplicitRecording):
-    """An implicit procedure at work beside its neighbours, whose rows give the derivatives.
-
-    A row of the neighbours is made as the run's own, so any of its columns has a derivative. Raises StartError for a
-    column that there is not.
-    """
+    """An implicit procedure at work beside its neighbours, whose rows give the derivatives. Raises StartError."""
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         super().__init__(model, threads=threads)
-        assert model.gradients is not None, "begin() makes this of models with derivatives"
-        self._own_columns = super().columns
-        measures = [name for name in self._own_columns if name not in NO_MEASURES]
-        forces = [f"{tool.name}.force" for tool in model.tools]
-        self._of = list(model.gradients.of or forces)
-        for name in self._of:
-            if name not in measures:
-                near = difflib.get_close_matches(name, measures, n=1, cutoff=0.4)
-                remedy = f"did you mean `{near[0]}`? " if near else ""
-                raise StartError(
-                    f"gradients.of: the history has no column `{name}`; {remedy}it has {', '.join(measures)}"
-                )
-        if not self._of:
-            raise StartError(f"gradients.of: say of what; the history has {', '.join(measures)}")
-        self._by = model.gradients.by
-        whole = replace(model, gradients=None, solver=replace(model.solver, symmetric=False))
-        self._same = ImplicitRecording(whole, threads=threads)
-        same = Neighbour(self._same.procedure, 0.0)
-        self._beside, neighbours = [], []
-        for p in self._by:
-            less, more = (ImplicitRecording(m, threads=threads) if m else self._same for m in (p.less, p.more))
-            self._beside.append((less, more))
-            beside = Neighbour(less.procedure, -p.step) if p.less else same
-            neighbours.append(Neighbours(p.key, Neighbour(more.procedure, p.step), beside))
-        self._sensitivities = Sensitivities(self.procedure, same, neighbours)
+        self.derivatives = Derivatives(model, super().columns, lambda m: ImplicitRecording(m, threads=threads))
+        self.derivatives.follow(self.procedure, lambda side: side.procedure)
 
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
-        return [*super().columns, *(name_derivative(of, p.key) for p in self._by for of in self._of)]
+        return [*super().columns, *self.derivatives.names]
 
     def row(self, report: IncrementReport) -> Row:
         """Return the row of the history."""
-        row = super().row(report)
-        own = self._same.row(report)
-        neighbours = self._sensitivities.neighbours
-        for number, (parameter, sides, each) in enumerate(zip(self._by, self._beside, neighbours, strict=True)):
-            if self._sensitivities.is_lost(self.procedure.state, number):
-                row |= {name_derivative(of, parameter.key): float("nan") for of in self._of}
-                continue
-            less, more = (own if side is self._same else side.row(report) for side in sides)
-            for of in self._of:
-                row[name_derivative(of, parameter.key)] = (float(more[of]) - float(less[of])) / each.apart
-        return row
+        return self.derivatives.add(super().row(report), report)
 
-    def summary(self, history: Any) -> dict[str, Any]:
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what summary.json says; of the derivatives those at the end."""
-        found = super().summary(history)
-        last = {
-            p.key: {"value": p.value}
-            | {of: float(history[name][-1]) for of in self._of if len(history[name := name_derivative(of, p.key)])}
-            for p in self._by
-        }
-        found["warnings"] = [*found["warnings"], *self._warn(history)]
-        return found | {"gradients": last, "gradient_rounds": self._sensitivities.rounds}
+        return _summarise(super().summary(history), self.derivatives, history)
 
-    def _warn(self, history: Any) -> list[str]:
-        """Say from which increment on a derivative has not been found."""
-        warnings = []
-        for parameter in self._by:
-            lost = np.isnan(np.asarray(history[name_derivative(self._of[0], parameter.key)], dtype=float))
-            if lost.any():
-                warnings.append(
-                    f"the derivative by {parameter.key} was not found in increment "
-                    f"{int(history['increment'][int(np.argmax(lost))])} and stays away: a smaller "
-                    "solver.max_increment or solver.force_tolerance may find it"
-                )
-        return warnings
+
+class DifferentiatedStamping(ImplicitStamping):
+    """An implicit stamping at work beside its neighbours. Raises StartError."""
+
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        super().__init__(model, threads=threads)
+        self.derivatives = Derivatives(model, super().columns, lambda m: ImplicitStamping(m, threads=threads))
+        self.derivatives.follow(self.procedure, lambda side: side.procedure)
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        return [*super().columns, *self.derivatives.names]
+
+    def row(self, report: IncrementReport) -> Row:
+        """Return the row of the history."""
+        return self.derivatives.add(super().row(report), report)
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return what summary.json says; of the derivatives those at the end."""
+        return _summarise(super().summary(history), self.derivatives, history)
+
+
+class _Side(ReleasedStamping):
+    """A neighbour of a stamping that is released: held by the nodes that hold the run's part."""
+
+    like: Model | None = None
+    """The model of the run's released part."""
+
+    def _make_released_model(self, mesh: Mesh) -> Model:
+        model = super()._make_released_model(mesh)
+        assert self.like is not None, "the run is released first"
+        held = replace(model.mesh, node_sets=self.like.mesh.node_sets)
+        solver = replace(model.solver, symmetric=False)
+        return replace(model, mesh=held, supports=self.like.supports, solver=solver)
+
+    def let_go(self, like: Model) -> None:
+        """Release the part of the neighbour's tools as the run has done."""
+        self.like = like
+        self._released = self._release()
+
+    @property
+    def forming_procedure(self) -> ImplicitProcedure:
+        """The procedure that forms."""
+        return _forming(self)
+
+    @property
+    def released_procedure(self) -> ImplicitProcedure:
+        """The procedure of the part without tools."""
+        assert self._released is not None, "it was let go"
+        return self._released.implicit
+
+
+class DifferentiatedRelease(ReleasedStamping):
+    """An implicit stamping, and the springback of its part, at work beside their neighbours. Raises StartError."""
+
+    def __init__(self, model: Model, *, threads: int = 0) -> None:
+        super().__init__(model, threads=threads)
+        self.derivatives = Derivatives(model, super().columns, lambda m: _Side(m, threads=threads))
+        self.derivatives.follow(_forming(self), lambda side: side.forming_procedure)
+
+    def _release(self) -> Released:
+        released = super()._release()
+        self._release_sides(released.implicit)
+        return released
+
+    def _release_sides(self, procedure: ImplicitProcedure) -> None:
+        """Let the neighbours go, from where the derivatives have them."""
+        self.derivatives.spread()
+        for side in self.derivatives.sides:
+            side.let_go(procedure.model)
+        self.derivatives.follow(procedure, lambda side: side.released_procedure)
+
+    def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        if self._released is not None:
+            formed = {name.removeprefix(FORMING): a for name, a in arrays.items() if name.startswith(FORMING)}
+            self.forming.load_arrays(formed)
+            self._release_sides(self._released.implicit)
+        super()._load_state(arrays)
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        return [*super().columns, *self.derivatives.names]
+
+    def row(self, report: Any) -> Row:
+        """Return the row of the history."""
+        return self.derivatives.add(super().row(report), report)
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return what summary.json says; of the derivatives those at the end."""
+        return _summarise(super().summary(history), self.derivatives, history)
+
+
+def _forming(stamping: ReleasedStamping) -> ImplicitProcedure:
+    assert isinstance(stamping.forming, ImplicitStamping), "explicit runs have no derivatives"
+    return stamping.forming.procedure
+
+
+def _summarise(
+    found: dict[str, Any], derivatives: Derivatives[Any], history: Mapping[str, NDArray[Any]]
+) -> dict[str, Any]:
+    warnings = [*found["warnings"], *derivatives.warnings(history)]
+    return found | derivatives.summary(history) | {"warnings": warnings}

@@ -63,7 +63,7 @@ def make_springback_model(model: Model, mesh: Mesh, turned: FloatArray | None = 
         name = f"held_{node}"
         node_sets[name] = np.array([node], dtype=np.int32)
         supports.append(Support(name, (*fixed, False, False, False)))
-    size = 1.0 / springback.increments
+    size, plain = 1.0 / springback.increments, SolverSettings()
     return Model(
         title=model.title,
         analysis="shell",
@@ -71,6 +71,11 @@ def make_springback_model(model: Model, mesh: Mesh, turned: FloatArray | None = 
         materials=model.materials,
         supports=tuple(supports),
         stages=(Stage(NAME, duration=model.stages[-1].duration),),
-        solver=SolverSettings(initial_increment=size, max_increment=size),
+        solver=SolverSettings(
+            initial_increment=size,
+            max_increment=size,
+            force_tolerance=min(plain.force_tolerance, model.solver.force_tolerance),
+            displacement_tolerance=min(plain.displacement_tolerance, model.solver.displacement_tolerance),
+        ),
         output=OutputSettings(steps=1),
     )

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.geometry.best_fit import measure_deviation
 from presswork.implicit.progress import Progress
@@ -40,7 +41,7 @@ from presswork.process.trim import Cut, TrimError, explain_beside, trim_sheet
 
 TRIM, DEVIATION, HEM = "trim", "deviation", "hem"
 FORMING, FORMED, ELASTIC = "forming.", "formed", "elastic"
-"""Names in a checkpoint: the prefix of the formed part, and what _Released keeps."""
+"""Names in a checkpoint: the prefix of the formed part, and what Released keeps."""
 HEATED = "heated."
 """Prefix in a checkpoint of SheetState.heated."""
 STORED = ("internal_energy", "external_energy", "elastic_energy", "external_work")
@@ -70,7 +71,7 @@ class SpringbackReport:
 
 
 @dataclass(frozen=True)
-class _Released:
+class Released:
     """The part without its tools."""
 
     implicit: ImplicitProcedure
@@ -122,7 +123,7 @@ class ReleasedStamping(EpochRecording):
         self.timing = self.forming.timing
         self._threads = threads
         self._shows_springback = shows_springback or model.springback is not None
-        self._released: _Released | None = None
+        self._released: Released | None = None
 
     def advance(self) -> Iterator[Report]:
         """Form the part row after row, cut it, then let it go. Raises GaveUpError."""
@@ -177,7 +178,11 @@ class ReleasedStamping(EpochRecording):
         """Return the part as a dynain."""
         return write_dynain(make_formed(self.sheet(), self.mesh, self.model.formed), self.model.title)
 
-    def _release(self) -> _Released:
+    def _make_released_model(self, mesh: Mesh) -> Model:
+        """Return the Model of the part without its tools. mesh: undeformed."""
+        return make_springback_model(self.model, mesh, self._turned)
+
+    def _release(self) -> Released:
         """Begin the epoch of the part without its tools: the implicit procedure knows no hanging nodes."""
         if isinstance(self.forming, ExplicitStamping):
             self.forming.split_evenly()
@@ -186,7 +191,7 @@ class ReleasedStamping(EpochRecording):
             if self.model.trim:
                 trimmed = trim_sheet(mesh, state, self.model.trim, ELEMENTS, self.model.symmetry)
                 mesh, state, cut = trimmed.mesh, trimmed.state, trimmed.cut
-            springback = make_springback_model(self.model, mesh, self._turned)
+            springback = self._make_released_model(mesh)
             implicit = ImplicitProcedure(springback, threads=self._threads)
             begin_with(state, implicit)
         except TrimError as error:
@@ -195,7 +200,7 @@ class ReleasedStamping(EpochRecording):
             raise GaveUpError(f"springback cannot begin: {error}") from error
         self._begin_epoch(mesh)
         elastic = implicit.mechanics.elastic_energy(implicit.state)
-        return _Released(implicit, cut, state.position - mesh.points, elastic, state.heated)
+        return Released(implicit, cut, state.position - mesh.points, elastic, state.heated)
 
     def remaining(self) -> float:
         """Return the part of the whole process still to be computed; springback counts as a small one."""
@@ -266,6 +271,9 @@ class ReleasedStamping(EpochRecording):
         freed = self._released.elastic - implicit.mechanics.elastic_energy(implicit.state)
         row |= {name: float(row[name]) - freed for name in STORED if name in row}
         stage = TRIM if isinstance(report, TrimReport) else NAME
+        if self.model.points and not self.model.trim:
+            known = set(self.forming.columns)
+            row |= {name: v for name, v in self.forming.marked.measure(self._show_released()).items() if name in known}
         return row | {"time": self._time(), "stage": stage, "increment": report.number}
 
     def _time(self) -> float:
@@ -288,14 +296,20 @@ class ReleasedStamping(EpochRecording):
                 now.springback, now.deviation = np.zeros_like(self.mesh.points), np.zeros(len(self.mesh.points))
             return self.forming.snapshot(now)
         snapshot = self.forming.snapshot(now)
-        now = self._released.implicit.mechanics.show(self._released.implicit.state)
-        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.sheet[1].formability
-        now.heated, now.temperature = self._released.heated, self._released.heated.get(TEMPERATURE)
+        now = self._show_released()
         if self._shows_springback:
             now.springback, now.deviation = self._moved(), self._deviation()
         points, cells = compute_fields(now)
         common = {name: cells[name] for name in snapshot.cell_data}  # what both procedures have
         return replace(snapshot, time=self._time(), point_data=points, cell_data=common)
+
+    def _show_released(self) -> Instant:
+        """Return what the fields of the released part are computed from."""
+        assert self._released is not None
+        now = self._released.implicit.mechanics.show(self._released.implicit.state)
+        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.sheet[1].formability
+        now.heated, now.temperature = self._released.heated, self._released.heated.get(TEMPERATURE)
+        return now
 
     def _moved(self) -> FloatArray:
         """Return the displacement of springback (n_points, 3) [mm]."""
@@ -320,10 +334,10 @@ class ReleasedStamping(EpochRecording):
         if not self.epoch:
             self._released = None
             return
-        springback = make_springback_model(self.model, self.model.mesh, self._turned)
+        springback = self._make_released_model(self.model.mesh)
         implicit = ImplicitProcedure(springback, threads=self._threads)
         heated = {name.removeprefix(HEATED): v for name, v in epoch.items() if name.startswith(HEATED)}
-        self._released = _Released(implicit, None, epoch[FORMED], float(epoch[ELASTIC]), heated)
+        self._released = Released(implicit, None, epoch[FORMED], float(epoch[ELASTIC]), heated)
 
     def _state_arrays(self) -> NamedArrays:
         parts = {FORMING: self.forming.to_arrays()}

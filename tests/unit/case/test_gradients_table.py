@@ -13,10 +13,12 @@ import pytest
 from presswork.case.errors import CaseError
 from presswork.case.kinds import build_model
 from presswork.case.solid.schema import Case
+from presswork.case.stamping.schema import StampingCase
 from presswork.outcome import StartError
 from presswork.process.begin import begin
 from presswork.recorder import run_model
-from tests.problems.differentiated import run_case, upset_cylinder
+from tests.problems.differentiated import bend_over_die, run_case, upset_cylinder
+from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 LOOSE = {"initial_increment": 0.25, "max_increment": 0.25}
 
@@ -82,3 +84,25 @@ def test_resumed_run_has_the_same_derivatives_to_the_bit(tmp_path: Path) -> None
     resumed = run_model(model, tmp_path / "cut", resume=True).result.history
     name = "d(punch.force)/d(tools.punch.m)"
     assert np.array_equal(whole[name], resumed[name])
+
+
+def test_trimmed_stamping_is_refused() -> None:
+    data = bend_over_die(trim={"edge": {"shape": "rectangle", "size": [40, 6]}})
+    with pytest.raises(CaseError, match="there are no derivatives of trimming yet"):
+        build_model(StampingCase.model_validate({**data, "gradients": {"by": ["tools.die.mu"]}}))
+
+
+@pytest.mark.parametrize("before_the_end", [3, 1])
+def test_stamping_resumed_before_and_within_springback_has_the_same_derivatives_to_the_bit(
+    before_the_end: int, tmp_path: Path
+) -> None:
+    data = bend_over_die(gradients={"by": ["tools.die.mu"], "of": ["tip.z", "external_work"]})
+    data["implicit"] = {"initial_increment": 0.1, "max_increment": 0.1, "force_tolerance": 1e-9}
+    data["stages"][0]["tools"]["punch"]["stroke"] = 1.0
+    data["output"] = {"steps": 1, "checkpoint_every": 1}
+    model = build_model(StampingCase.model_validate(data))
+    whole = run_model(model, tmp_path / "whole").result
+    assert whole.history["stage"][-2] == "springback"
+    assert np.isfinite(whole.history["d(tip.z)/d(tools.die.mu)"]).all()
+    run_in_two_parts(model, tmp_path / "cut", len(whole.history["time"]) - before_the_end)
+    assert_same_bits(tmp_path / "cut", whole.folder)

@@ -9,6 +9,7 @@ from pydantic import Discriminator, Field, Tag, model_validator
 from pydantic.config import JsonDict
 
 from presswork.case.case_file import CaseFile
+from presswork.case.gradients import Gradients
 from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
@@ -209,6 +210,10 @@ class StampingCase(CaseFile):
     output: StampingOutput = Field(default=StampingOutput(), description="what is saved, and when")
     heat: StampingHeat | None = Field(
         default=None, description="heat of the blank, its tools and surroundings; without it: no heat is conducted"
+    )
+    gradients: Gradients | None = Field(
+        default=None,
+        description="derivatives of the history by numbers of the case, found in the run itself (implicit)",
     )
     points: dict[Name, Point3] = Field(default={}, description=POINTS)
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from presswork.model import BoolArray, FloatArray, IndexArray
-from presswork.remesh.space.tetrahedra import area_vectors, find_skin, measure_volumes
+from presswork.remesh.space.tetrahedra import area_vectors, find_skin, list_edges, measure_volumes
 from presswork.remesh.space.tools import PlacedTool
 
 FLAT = 1e-9
@@ -79,6 +79,27 @@ class OldBody:
         for _, _, own in self.planes:
             marked |= own
         return marked
+
+    @cached_property
+    def edges(self) -> IndexArray:
+        """Edges of its skin (e, 2)."""
+        return list_edges(self.faces)
+
+    @cached_property
+    def edge_gaps(self) -> FloatArray:
+        """Gap of the middle of each edge from each tool (n_tools, e) [mm]; infinite beyond the longest edge."""
+        ends = self.points[self.edges]
+        return self._find_gaps(ends.mean(axis=1), np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+
+    @cached_property
+    def face_gaps(self) -> FloatArray:
+        """The same of the middle of each face (n_tools, k) [mm]; infinite beyond the longest side."""
+        corners = self.points[self.faces]
+        return self._find_gaps(corners.mean(axis=1), np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2))
+
+    def _find_gaps(self, places: FloatArray, length: FloatArray) -> FloatArray:
+        gaps = [tool.touch(places, float(length.max()))[0] for tool in self.tools]
+        return np.array(gaps).reshape(len(self.tools), len(places))
 
     @cached_property
     def references(self) -> tuple[IndexArray, BoolArray]:

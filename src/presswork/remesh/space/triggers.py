@@ -10,7 +10,7 @@ from presswork.model import FloatArray
 from presswork.remesh.space.body import OldBody
 from presswork.remesh.space.size_field import EdgeSizes, measure_sizes
 from presswork.remesh.space.surface import nearest_on_segments
-from presswork.remesh.space.tetrahedra import list_edges, measure_quality
+from presswork.remesh.space.tetrahedra import measure_quality
 
 TOO_LONG = 2.2
 """Edge of the skin over the size wanted there."""
@@ -46,10 +46,9 @@ def measure_edge(body: OldBody, sizes: EdgeSizes) -> float:
 
 def _find_longest(body: OldBody, sizes: EdgeSizes) -> tuple[float, FloatArray]:
     """Return the length over the wanted one of the edge where that is largest, and its middle (3,)."""
-    edges = list_edges(body.faces)
-    ends = body.points[edges]
+    ends = body.points[body.edges]
     try:
-        wanted = measure_sizes(body, sizes)[edges].mean(axis=1)
+        wanted = measure_sizes(body, sizes)[body.edges].mean(axis=1)
     except MeshError:  # the budget has no shorter ones
         return 0.0, ends[0].mean(axis=0)
     ratio = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / wanted
@@ -97,12 +96,10 @@ def measure_cut(body: OldBody, smallest: float = 0.0, *, sharp_counts: bool = Fa
 
 def _find_deepest(body: OldBody, smallest: float, sharp_counts: bool) -> tuple[float, FloatArray, float]:
     """Return the depth of a tool in an edge [mm], the edge's middle (3,), and the depth over its length, at worst."""
-    edges = list_edges(body.faces)
-    ends = body.points[edges]
+    ends = body.points[body.edges]
     middle, length = ends.mean(axis=1), np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     worst = 0.0, middle[0], 0.0
-    for tool in body.tools:
-        gap, _ = tool.touch(middle, float(length.max()))
+    for tool, gap in zip(body.tools, body.edge_gaps, strict=True):
         part = np.where(np.isfinite(gap), -gap / length, 0.0)
         cut = np.flatnonzero(part > worst[2])
         tight = tool.tight_edges(smallest / (8.0 * TOO_DEEP))  # a chord c of a radius r is c^2 / 8 r deep
@@ -121,8 +118,7 @@ def _find_deepest_in_faces(body: OldBody) -> tuple[float, FloatArray, float]:
     middle = corners.mean(axis=1)
     length = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max(axis=1)
     depth = np.zeros(len(middle))
-    for tool in body.tools:
-        gap, _ = tool.touch(middle, float(length.max()))
+    for gap in body.face_gaps:
         depth = np.maximum(depth, np.where(np.isfinite(gap), -gap, 0.0))
     deepest = int(np.argmax(depth / length))
     return float(depth[deepest]), middle[deepest], float(depth[deepest] / length[deepest])
