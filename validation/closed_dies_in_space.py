@@ -35,7 +35,7 @@ from presswork.results import Result
 from validation.closed_dies import FILLED, STEEL
 
 OPEN = 0.1
-"""Gap that counts as filled, as in post.measure_die_fill [mm]."""
+"""Gap between wall and metal that counts as filled, as in post.measure_die_fill [mm]."""
 SPACING = 0.25
 """Of the points of a die [mm]."""
 SMALLEST = 0.6
@@ -226,7 +226,7 @@ def measure_fill(die: SpaceDie, result: Result) -> tuple[float, float]:
         middle = corners.mean(axis=1)
         area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
         inside = (measure_box(*middle[:, :2].T, die.outline, die.corner) < -0.5) & (middle[:, :2] > 0.0).all(axis=1)
-        gap, own = np.abs(skin.nearest(middle[inside])[0]), area[inside]
+        gap, own = skin.nearest(middle[inside])[0], area[inside]  # negative where an edge of cells cuts the die
         found.append(float(own[gap < OPEN].sum() / own.sum()))
     return found[0], found[1]
 

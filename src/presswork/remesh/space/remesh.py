@@ -13,7 +13,8 @@ from presswork.remesh.space.body import NewBody, OldBody
 from presswork.remesh.space.fill import FilledBody, mesh_to_size
 from presswork.remesh.space.inside import improve_cells, spread_moves
 from presswork.remesh.space.size_field import EdgeSizes, measure_sizes
-from presswork.remesh.space.surface import locate_on_skin, place_skin
+from presswork.remesh.space.sliding import slide_on_tools
+from presswork.remesh.space.surface import give_volume_back, locate_on_skin, place_skin
 from presswork.remesh.space.tetrahedra import measure_quality, nodal_areas
 
 AWAY = 0.1
@@ -70,6 +71,11 @@ def _try_mesh(body: OldBody, sizes: EdgeSizes) -> tuple[NewBody, float]:
         points = spread_moves(made.points, made.cells, skin, placed.points)
         points = improve_cells(points, made.cells, skin, WANTED)
         worst = float(measure_quality(points, made.cells).min())
+        if worst < LEAST_QUALITY:
+            points = slide_on_tools(points, made.cells, skin, placed.on_tool, in_plane, body.obstacles, LEAST_QUALITY)
+            placed = give_volume_back(body, points, made.faces, placed.on_tool, in_plane)
+            points = improve_cells(placed.points, made.cells, skin, WANTED)
+            worst = float(measure_quality(points, made.cells).min())
         first_set = len(body.planes)
         sets = {name: made.faces[table[made.number, first_set + column]] for column, name in enumerate(body.sets)}
         corners = body.faces[places.face]

@@ -133,8 +133,7 @@ def place_skin(
     points = _put_on_tools(body, points, faces, on_tool, in_plane, inside, longest)
     points = _keep_sharp_edges(body.obstacles, points, edges, around, on_tool, in_plane)
     points = put_on_tools(points, body.obstacles, on_tool, in_plane, longest)  # sharp edges may be rounded a little
-    target = body.volume * (1.0 + body.lost)
-    return _give_volume_back(body, points, faces, on_tool, in_plane, target, float(length.mean()))
+    return give_volume_back(body, points, faces, on_tool, in_plane)
 
 
 def _put_on_tools(
@@ -222,17 +221,16 @@ def nearest_on_segments(segments: FloatArray, points: FloatArray, reach: float) 
     return foot, away
 
 
-def _give_volume_back(
-    body: OldBody,
-    points: FloatArray,
-    faces: IndexArray,
-    on_tool: BoolArray,
-    in_plane: BoolArray,
-    target: float,
-    edge: float,
+def give_volume_back(
+    body: OldBody, points: FloatArray, faces: IndexArray, on_tool: BoolArray, in_plane: BoolArray
 ) -> NewSkin:
-    """Return the skin with its free nodes offset along their normals, so that it holds a volume."""
+    """Return the skin with its free nodes offset along their normals, so that it holds the volume of the old one.
+
+    Raises MeshError where no offset does that.
+    """
     points, on_tool, total = points.copy(), on_tool.copy(), 0.0
+    target, edges = body.volume * (1.0 + body.lost), list_edges(faces)
+    edge = float(np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1).mean())
     skin = np.unique(faces)
     for _ in range(_ROUNDS):
         entered = _enter_tools(body, points, on_tool, in_plane, skin, edge)

@@ -18,6 +18,7 @@ from presswork.remesh.space.fill import FilledBody, expect_cells, mesh_to_size
 from presswork.remesh.space.inside import improve_cells, spread_moves
 from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.size_field import EdgeSizes, measure_sizes, measure_thickness
+from presswork.remesh.space.sliding import slide_on_tools
 from presswork.remesh.space.surface import locate_on_skin, place_skin
 from presswork.remesh.space.tetrahedra import area_vectors, find_skin, list_edges, measure_quality, measure_volumes
 from presswork.remesh.space.triggers import (
@@ -283,4 +284,25 @@ def test_an_inner_node_that_a_tool_has_passed_comes_back_into_the_body():
     assert measure_quality(better, cells).min() > 0.1
     np.testing.assert_array_equal(better[skin], placed[skin])
     good = improve_cells(points, cells, skin, 0.25)
+    assert good.tobytes() == points.tobytes()
+
+
+def test_nodes_of_a_flat_lap_slide_apart_along_the_tool():
+    """A node has slid past its neighbour along the tool on which both lie; no inner node can open the cells there."""
+    points, cells = mesh_box((4, 4, 4), (4.0, 4.0, 4.0))
+    faces, _ = find_skin(cells)
+    skin, place = np.unique(faces), [2.0, 2.0, 4.0]
+    lapped = points.copy()
+    lapped[(points == place).all(axis=1), 0] = 3.2
+    on_tool = (points[:, 2] == 4.0)[None]
+    held = (points == 0.0) | (points == 4.0)
+    held[:, 2] = False
+    tool = place_plane((0, 0, -1), (0, 0, 4.0))
+    better = slide_on_tools(lapped, cells, skin, on_tool, held, [tool], 0.05)
+    assert measure_quality(improve_cells(lapped, cells, skin, 0.25), cells).min() < 0.0
+    assert measure_quality(better, cells).min() > 0.05
+    others = np.setdiff1d(skin, np.flatnonzero(on_tool[0] & ~held.any(axis=1)))
+    np.testing.assert_array_equal(better[others], lapped[others])
+    np.testing.assert_allclose(better[on_tool[0], 2], 4.0, atol=1e-12)
+    good = slide_on_tools(points, cells, skin, on_tool, held, [tool], 0.05)
     assert good.tobytes() == points.tobytes()
