@@ -6,8 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswork import build_model, run_model
+from presswork import build_model, read_case, run_model
 from presswork.case.space.schema import SpaceCase
+from presswork.examples import copy_example
+from presswork.outcome import GaveUpError
+from presswork.process.begin import begin
+from presswork.process.die_fill.space import DieFillInSpace
 from tests.unit.mesh.test_die_cavity import make_die
 
 HARDENING = {"law": "swift", "K": 500, "e0": 0.01, "n": 0.2}
@@ -39,10 +43,29 @@ def test_a_die_in_space_tells_its_fill_and_its_flash(tmp_path):
         stages=[{"name": "press", "tools": {"die": {"stroke": 0.1, "direction": [0, 0, -1]}}}],
         output={"steps": 1},
     )  # fmt: skip
-    result = run_model(build_model(case), tmp_path / "out", threads=1).result
+    model = build_model(case)
+    result = run_model(model, tmp_path / "out", threads=1).result
     floor, whole = 2.0**2, 0.25 * (5.0**2 + (12.0**2 - 5.0**2) * np.sqrt(2.0))
     assert result.history["die.fill"][-1] == pytest.approx(floor / whole, abs=0.01)
     assert result.history["die.flash_thickness"][-1] == pytest.approx(2 * (2.0 - 0.1 + 0.5), abs=1e-6)
     told = result.summary["die_fill"]["die"]
     assert told["wall_filled"] == result.history["die.fill"][-1]
     assert told["largest_gap_mm"] > 2.0
+    # where the metal is drawn beyond the wall, as beside an edge of a die that cuts its cells, it has reached it
+    lifted = result.points(-1) + np.array([0.0, 0.0, 0.3])
+    beyond = DieFillInSpace(model).measure(model.mesh, lifted, {"die": np.array([0.0, 0.0, -0.1])})
+    assert beyond["die.fill"] == pytest.approx(floor / whole, abs=0.01)
+
+
+def test_a_run_that_gives_up_on_a_full_die_says_so(monkeypatch, tmp_path):
+    case = read_case(copy_example("forging_hub", tmp_path))
+    recording = begin(build_model(case), 1)
+
+    def give_up():
+        raise GaveUpError("no equilibrium")
+
+    monkeypatch.setattr(recording.procedure, "advance", give_up)
+    monkeypatch.setattr(recording, "_may_change_mesh", lambda failure="": False)
+    monkeypatch.setattr(recording.fill, "measure", lambda *_: {"upper.fill": 0.99, "upper.flash_thickness": 1.0})
+    with pytest.raises(GaveUpError, match=r"no equilibrium; upper is full \(99 % of its wall\)"):
+        next(recording.advance())

@@ -42,7 +42,13 @@ from presswork.process.die_fill import make_die_fill
 from presswork.process.heat_quantities import heat_columns, measure_heat, show_dies, summarise_heat, warn_of_tables
 from presswork.process.held_surface import measure_held_part
 from presswork.process.increments import IncrementRecording, find_position
-from presswork.process.limits import Watched, measure_hydrostatic_stress, measure_mean_pressure, watch_sheet
+from presswork.process.limits import (
+    Watched,
+    measure_hydrostatic_stress,
+    measure_mean_pressure,
+    tell_full_dies,
+    watch_sheet,
+)
 from presswork.process.peaks import peak_columns, peak_row
 from presswork.process.penetration import Penetration, measure_bodies
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, measure_ram, summarise_ram, warn_of_ram
@@ -223,8 +229,9 @@ class ImplicitRecording(IncrementRecording):
         }
 
     def _find_hints(self) -> list[str]:
-        """Name tools whose profiles end on the metal, and say that new meshes would help where the first one stays."""
-        return [*self._find_passed_ends(), *([NEW_MESHES] if self._keeps_its_mesh() else [])]
+        """Name tools whose profiles end on the metal and dies that are full, and say where new meshes would help."""
+        full = tell_full_dies(self.fill.measure(*self._find_dies()))
+        return [*self._find_passed_ends(), *full, *([NEW_MESHES] if self._keeps_its_mesh() else [])]
 
     def _keeps_its_mesh(self) -> bool:
         """Whether the case could have new meshes, and does not ask for them."""

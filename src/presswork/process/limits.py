@@ -29,6 +29,10 @@ NEVER_PASSED: tuple[LimitName, ...] = ("mean_pressure",)
 """Limits that stop a run even where the case lets it go on: what follows is a force without bounds."""
 
 
+FULL = 0.98
+"""Part of its wall from which on a die is said to be full."""
+
+
 @dataclass(frozen=True)
 class Measure:
     """How far a state is towards a limit."""
@@ -91,6 +95,17 @@ def describe_press(row: Mapping[str, Any]) -> str:
     strongest = max(moved or forces, key=lambda name: forces[name], default=None)
     pressed = "" if strongest is None else f"; {strongest} presses with {forces[strongest]:.4g} N"
     return "".join(filled) + pressed
+
+
+def tell_full_dies(row: Mapping[str, Any]) -> list[str]:
+    """Say which dies are full where a run gives up; row: of the history.
+
+    >>> tell_full_dies({"upper.fill": 0.995, "lower.fill": 0.7})
+    ['upper is full (99.5 % of its wall): what is left of the stroke would squeeze out flash']
+    """
+    full = {name.removesuffix(".fill"): part for name, part in row.items() if name.endswith(".fill") and part >= FULL}
+    end = "what is left of the stroke would squeeze out flash"
+    return [f"{name} is full ({100.0 * part:.3g} % of its wall): {end}" for name, part in full.items()]
 
 
 def watch_sheet(verdict: FormingVerdict) -> Watched:

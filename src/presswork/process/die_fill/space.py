@@ -32,8 +32,8 @@ class DieFillInSpace(DieFill):
         surface = _core.ToolSurface.triangles(
             np.ascontiguousarray(position[used]), number.reshape(skin.shape).astype(np.int32)
         )
-        gap: FloatArray = np.abs(surface.nearest(places)[0])
-        return gap
+        gap: FloatArray = surface.nearest(places)[0]
+        return np.maximum(gap, 0.0)  # a die that cuts an edge of cells is reached there
 
     def _reach(self, tool: str, land: FloatArray, displacement: FloatArray) -> float:
         seen = find_space_pose(self._tools[tool], np.asarray(displacement)).to_frame(land)
