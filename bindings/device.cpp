@@ -7,28 +7,58 @@ namespace presswork::bindings {
 
 namespace {
 
+using device::Part;
 using explicit_dynamics::SpaceLoop;
 
 template <class Real>
-void advance_on(SpaceLoop<Real>& loop, device::Target target, double dt, double dt_before, Doubles force_scale,
-                Doubles velocity_scale, double damping) {
+void advance(device::Session<Real>& self, double dt, double dt_before, Doubles force_scale, Doubles velocity_scale,
+             double damping) {
   require(force_scale.size() == velocity_scale.size(), "force_scale and velocity_scale must have the same length");
-  require(device::find_lack(loop).empty(), "no device computes this loop");
   nb::gil_scoped_release release;
-  device::advance(
-      loop, target,
+  self.advance(
       {static_cast<int>(force_scale.size()), dt, dt_before, damping, force_scale.data(), velocity_scale.data()});
 }
 
 template <class Real>
-void bind_for(nb::module_& m) {
+auto traffic(const device::Session<Real>& self) {
+  const device::Traffic& of = self.traffic();
+  return std::make_tuple(of.sends, of.sent, of.fetches, of.fetched);
+}
+
+template <class Real>
+void bind_for(nb::module_& m, const char* name) {
+  using Session = device::Session<Real>;
   m.def("find_device_lack", &device::find_lack<Real>, nb::arg("loop"),
         "What a loop has that no device computes yet, in words; empty where there is nothing.");
-  m.def(
-      "advance_on", &advance_on<Real>, nb::arg("loop"), nb::arg("target"), nb::arg("dt"), nb::arg("dt_before"),
-      nb::arg("force_scale"), nb::arg("velocity_scale"), nb::kw_only(), nb::arg("damping") = 0.0,
-      "Advance a loop, of which nothing lacks, on a device: as many cycles of dt [s] as the scales have values. Raises "
-      "RuntimeError where the device does not.");
+  nb::class_<Session>(m, name, "State of a loop, of which nothing lacks, on a device, until the loop is changed.")
+      .def(
+          "__init__",
+          [](Session* self, SpaceLoop<Real>& loop, device::Target target, double memory) {
+            require(device::find_lack(loop).empty(), "no device computes this loop");
+            new (self) Session(loop, target, memory);
+          },
+          nb::arg("loop"), nb::arg("target"), nb::arg("memory") = 1e15, nb::keep_alive<1, 2>(),
+          "Take it there; memory: that of the host build [bytes]. Raises RuntimeError where it does not fit.")
+      .def("advance", &advance<Real>, nb::arg("dt"), nb::arg("dt_before"), nb::arg("force_scale"),
+           nb::arg("velocity_scale"), nb::kw_only(), nb::arg("damping") = 0.0,
+           "Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. "
+           "Raises RuntimeError where the device does not, or a force is no number any more.")
+      .def_prop_ro("is_finite", &Session::is_finite, "Whether all places were finite after the last call.")
+      .def("fetch", &Session::fetch, nb::arg("part"), "Take a part of the state into the loop.")
+      .def("fetch_thickness", &Session::fetch_thickness, "Of the elements the thickness of shells alone.")
+      .def("send_reaction", &Session::send_reaction, "Take the reactions of the loop there.")
+      .def(
+          "energies",
+          [](Session& self, double dt, double dt_before, double damping, double force_scale, double velocity_scale) {
+            return self.energies({dt, 0.5 * (dt_before + dt), damping, force_scale, velocity_scale});
+          },
+          nb::arg("dt"), nb::arg("dt_before"), nb::kw_only(), nb::arg("damping") = 0.0, nb::arg("force_scale") = 1.0,
+          nb::arg("velocity_scale"), "Energies at the present time, as the loop's.")
+      .def("bound_frequency", &Session::bound_frequency, "The largest bound of an element's squared frequency [1/s2].")
+      .def("keep", &Session::keep, "Keep the present state on the device.")
+      .def("put_back", &Session::put_back, "Go back to the state that was kept.")
+      .def_prop_ro("needed", &Session::needed, "Memory that it takes [bytes], what is kept counted.")
+      .def_prop_ro("traffic", &traffic<Real>, "Copies to the device, bytes of them, copies from it, bytes of them.");
 }
 
 }  // namespace
@@ -37,8 +67,13 @@ void bind_device(nb::module_& m) {
   nb::enum_<device::Target>(m, "Device", "What takes the place of the CPU's loop.")
       .value("host", device::Target::host, "the device code on the CPU, a lane after the other")
       .value("cuda", device::Target::cuda, "the first NVIDIA card");
-  bind_for<double>(m);
-  bind_for<float>(m);
+  nb::enum_<Part>(m, "DevicePart", "Parts of the state that are taken from a device where they are asked for.")
+      .value("nodes", Part::nodes)
+      .value("reaction", Part::reaction)
+      .value("elements", Part::elements)
+      .value("contact", Part::contact);
+  bind_for<double>(m, "DeviceSession");
+  bind_for<float>(m, "DeviceSessionSingle");
   m.def(
       "list_cuda_cards",
       [] {

@@ -19,21 +19,22 @@ using explicit_dynamics::BeadPoint;
 // All points of all beads.
 struct Beads {
   int n = 0, n_beads = 0;  // points; no points: nothing else is set
-  int cycle = 0;           // of those that the beads have seen before the call
   contact::SheetSearch sheet;
   const double* cell_mass;  // (sheet.n) [t]
   const int *bead, *tool;   // of a point, and of a bead the tool that it moves with, or -1
   const double* limit;      // (n): full force of a point [N]
   const double* share;      // (cycles, n_beads): of the full force
   BeadPoint* point;         // (n)
-  double* work;             // (n): put into the sheet, summed up over the cycles [N mm]
+  double* work;             // (n): put into the sheet, summed up over the cycles of a call [N mm]
 };
 
+// cycle: of the call; since: of those since the beads began.
 template <class Real>
 PRESSWORK_INLINE void hold_bead(const Beads& beads, const Tools& tools, const double* position, const Real* motion,
-                                double dt, int cycle, int i) {
+                                double dt, int cycle, int since, int i) {
   BeadPoint& p = beads.point[i];
-  const bool look = (beads.cycle + cycle) % explicit_dynamics::Drawbeads::refresh == 0;
+  if (cycle == 0) beads.work[i] = 0.0;
+  const bool look = since % explicit_dynamics::Drawbeads::refresh == 0;
   if (look || p.beneath.cell < 0)
     p.look_beneath(beads.sheet, beads.cell_mass, dt, position, 4);
   else

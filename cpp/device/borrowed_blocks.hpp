@@ -33,8 +33,11 @@ class BorrowedBlock {
  public:
   BorrowedBlock(SpaceLoop<Real>& loop, int number, int first_slot) : own_(*loop.blocks[number]) {
     const std::size_t n = own_.n(), corners = own_.nodes_each(), rows = own_.n_rows();
-    node.resize(corners * n), state_.resize(rows * n);
+    node.resize(corners * n), state_.resize(rows * n), mass_.resize(n), inertia_ratio_.resize(n);
+    const auto& sheet = loop.sheet(number);
     for (std::size_t e = 0; e < n; ++e) {
+      mass_[e] = static_cast<Real>(sheet.mass(int(e)));
+      inertia_ratio_[e] = static_cast<Real>(sheet.inertia_ratio(int(e)));
       for (std::size_t a = 0; a < corners; ++a) node[a * n + e] = own_.connectivity()[corners * e + a];
       for (std::size_t r = 0; r < rows; ++r) state_[r * n + e] = static_cast<Real>(own_.value(int(e), int(r)));
     }
@@ -43,24 +46,36 @@ class BorrowedBlock {
     for (std::size_t e = 0; e < n; ++e)
       for (std::size_t k = 0; k < points; ++k)
         temperature_[k * n + e] = static_cast<Real>(own_.temperature(int(e), int(k)));
-    const Elements<Real> elements{own_.n(),
-                                  own_.n_rows(),
-                                  first_slot,
-                                  node.data(),
-                                  state_.data(),
-                                  static_cast<int>(points),
-                                  points > 0 ? temperature_.data() : nullptr,
-                                  own_.slower};
-    see_shells(elements, loop.sheet(number).section());
+    Elements<Real> elements{own_.n(),
+                            own_.n_rows(),
+                            first_slot,
+                            node.data(),
+                            state_.data(),
+                            static_cast<int>(points),
+                            points > 0 ? temperature_.data() : nullptr,
+                            own_.slower,
+                            own_.work_row(),
+                            own_.hourglass_row(),
+                            mass_.data(),
+                            inertia_ratio_.data()};
+    elements.damage = see_damage();
+    see_shells(elements, sheet.section());
   }
   BorrowedBlock(const BorrowedBlock&) = delete;
   BorrowedBlock& operator=(const BorrowedBlock&) = delete;
 
+  // The state, or a row of it, and damage.
   void give_back() const {
-    const std::size_t n = own_.n(), rows = own_.n_rows();
-    for (std::size_t e = 0; e < n; ++e)
-      for (std::size_t r = 0; r < rows; ++r) own_.set_value(int(e), int(r), double(state_[r * n + e]));
+    for (int r = 0; r < own_.n_rows(); ++r) give_back_row(r);
+    for (std::size_t c = 0; c < damage_.size(); ++c)
+      for (int e = 0; e < n(); ++e)
+        for (int k = 0; k < own_.damage.points(); ++k)
+          own_.damage.value(c, e, k) = damage_[c][std::size_t(k) * n() + e];
   }
+  void give_back_row(int r) const {
+    for (int e = 0; e < n(); ++e) own_.set_value(e, r, double(state_[std::size_t(r) * n() + e]));
+  }
+  Real* row(int r) { return &state_[std::size_t(r) * n()]; }
   const Block<Real>& view() const { return *view_; }
   int n() const { return own_.n(); }
   int first_slot() const {
@@ -70,6 +85,31 @@ class BorrowedBlock {
   std::vector<int> node;  // (corners, n)
 
  private:
+  DamageOfBlock see_damage() {
+    auto& from = own_.damage;
+    if (from.empty()) return {};
+    const auto& layout = from.layout();
+    const std::size_t n = own_.n();
+    flowed_.resize(layout.count * n);
+    for (int e = 0; e < own_.n(); ++e)
+      for (int k = 0; k < layout.count; ++k)
+        flowed_[k * n + e] = own_.value(e, layout.first + k * layout.rows + layout.eqps);
+    for (std::size_t c = 0; c < from.count(); ++c) {
+      const auto& each = from.criteria()[c];
+      auto& values = damage_.emplace_back(layout.count * n);
+      for (int e = 0; e < own_.n(); ++e)
+        for (int k = 0; k < layout.count; ++k) values[k * n + e] = from.value(c, e, k);
+      criteria_.push_back({each.law, each.temperature, each.rise, values.data()});
+    }
+    return {static_cast<int>(from.count()),
+            layout.first,
+            layout.rows,
+            layout.count,
+            layout.components,
+            layout.eqps,
+            criteria_.data(),
+            flowed_.data()};
+  }
   void see_shells(const Elements<Real>& elements, const ShellSection& section) {
     const auto see = [&]<class Law>(const Law& law) {
       if (own_.nodes_each() == 4 && section.treatment == ShellTreatment::mitc)
@@ -86,7 +126,10 @@ class BorrowedBlock {
   }
 
   ElementBlock<SpaceNodes<Real>>& own_;
-  std::vector<Real> state_, temperature_;
+  std::vector<Real> state_, temperature_, mass_, inertia_ratio_;
+  std::vector<double> flowed_;
+  std::vector<std::vector<double>> damage_;  // by criterion (points, n)
+  std::vector<Criterion> criteria_;
   std::optional<Block<Real>> view_;
 };
 

@@ -2,7 +2,7 @@
 // Rigid tools and drawbeads of a loop as a device takes them, and what goes back into the loop.
 #pragma once
 
-#include "device/beads.hpp"
+#include "device/cycle.hpp"
 #include "explicit/contact/tool_contact.hpp"
 
 namespace presswork::device {
@@ -15,35 +15,28 @@ struct BorrowedTools {
   ToolContact* contact = nullptr;  // none: no tools
   std::vector<RigidTool> tool;
   std::vector<Surface> surface;
-  std::vector<double> drive, pairs, fastest;
+  std::vector<double> drive, pairs;
   std::vector<int> hint;
-  std::vector<ContactSums> sums, edge_sums;
   Totals totals;
   std::vector<SharpTool> sharp;
   std::vector<explicit_dynamics::EdgeTouching> at_edges;
-  std::vector<double> wake_edges, edge_force;
+  std::vector<double> wake_edges;
   std::vector<std::uint8_t> bears;
   Tools view{};
 
-  void take(ToolContact& from, int n_nodes, int n_cycles) {
+  void take(ToolContact& from, int n_nodes) {
     contact = &from;
     const auto lent = from.lend();
     const std::size_t n = from.tools.size(), nodes = n_nodes, rows = pair_rows;
-    drive.assign(3 * n * n_cycles, 0.0), pairs.resize(n * rows * nodes), hint.resize(n * nodes);
+    drive.assign(3 * n * most_cycles, 0.0), pairs.resize(n * rows * nodes), hint.resize(n * nodes);
     for (std::size_t t = 0; t < n; ++t) {
       const Tool& own = from.tools[t];
       tool.push_back(own);
       surface.push_back(see(*own.surface));
-      const std::size_t each = own.pushed ? 1 : 3;
-      for (std::size_t i = 0; i < each * n_cycles && !own.removed; ++i)
-        drive[3 * (n * (i / each) + t) + i % each] = own.drive[i];
       from.copy_pairs(static_cast<int>(t), &pairs[t * rows * nodes], &hint[t * nodes]);
     }
-    const int chunks = (n_nodes + chunk - 1) / chunk;
-    fastest.resize(chunks), sums.resize(chunks * n);
     totals = {lent.sums, lent.work};
     view = {static_cast<int>(n),
-            lent.cycle,
             lent.ironing,
             lent.memory,
             lent.near,
@@ -60,8 +53,8 @@ struct BorrowedTools {
             lent.held.data(),
             lent.node_start.data(),
             lent.node_cell.data(),
-            fastest.data(),
-            sums.data(),
+            nullptr,
+            nullptr,
             &totals,
             see_edges(lent.edges, n)};
   }
@@ -76,34 +69,44 @@ struct BorrowedTools {
     if (sharp.empty()) return {};
     const auto lent = from.lend();
     const std::size_t edges = from.n_edges();
-    edge_force.resize(6 * edges), bears.assign(2 * edges, 0);
-    Edges seen{from.n_edges(),
-               static_cast<int>(sharp.size()),
-               lent.memory,
-               lent.reach,
-               lent.step,
-               lent.edges.data(),
-               lent.end_slot.data(),
-               lent.node_start.data(),
-               lent.base.data(),
-               sharp.data(),
-               at_edges.data(),
-               wake_edges.data(),
-               edge_force.data(),
-               bears.data(),
-               nullptr};
-    edge_sums.resize(std::size_t(seen.chunks()) * sharp.size());
-    seen.sums = edge_sums.data();
-    return seen;
+    bears.assign(2 * edges, 0);
+    return {from.n_edges(),
+            static_cast<int>(sharp.size()),
+            lent.memory,
+            lent.reach,
+            lent.step,
+            lent.edges.data(),
+            lent.end_slot.data(),
+            lent.node_start.data(),
+            lent.base.data(),
+            sharp.data(),
+            at_edges.data(),
+            wake_edges.data(),
+            nullptr,
+            bears.data(),
+            nullptr};
   }
-  void give_back(int n_nodes, int n_cycles) const {
-    if (!contact) return;
-    const auto lent = contact->lend();
-    lent.sums = totals.sums, lent.work = totals.work, lent.cycle += n_cycles;
-    for (std::size_t t = 0; t < tool.size(); ++t) {
-      static_cast<RigidTool&>(contact->tools[t]) = tool[t];
-      contact->take_pairs(static_cast<int>(t), &pairs[t * pair_rows * n_nodes], &hint[t * n_nodes]);
+  // What drives them in cycles [first, first + n) of a call.
+  void drive_in(int first, int n) {
+    const std::size_t n_tools = tool.size();
+    for (std::size_t t = 0; t < n_tools; ++t) {
+      const Tool& own = contact->tools[t];
+      const std::size_t each = own.pushed ? 1 : 3;
+      for (std::size_t i = 0; i < each * n && !own.removed; ++i)
+        drive[3 * (n_tools * (i / each) + t) + i % each] = own.drive[each * first + i];
     }
+  }
+  // Of each tool and in all.
+  void give_back() const {
+    const auto lent = contact->lend();
+    lent.sums = totals.sums, lent.work = totals.work;
+    for (std::size_t t = 0; t < tool.size(); ++t) static_cast<RigidTool&>(contact->tools[t]) = tool[t];
+  }
+  // What nodes and edges remember.
+  void give_back_pairs(int n_nodes) const {
+    const auto lent = contact->lend();
+    for (std::size_t t = 0; t < tool.size(); ++t)
+      contact->take_pairs(static_cast<int>(t), &pairs[t * pair_rows * n_nodes], &hint[t * n_nodes]);
     for (std::size_t j = 0; j < sharp.size(); ++j) {
       const std::size_t first = j * lent.edges.n_edges();
       lent.edges.take(sharp[j].number, &at_edges[first], &wake_edges[first]);
@@ -130,21 +133,19 @@ struct BorrowedBeads {
   std::vector<BeadPoint> point;
   Beads view{};
 
-  void take(explicit_dynamics::Drawbeads& from, int n_cycles) {
+  void take(explicit_dynamics::Drawbeads& from) {
     own = &from;
     const auto lent = from.lend();
     const std::size_t n_beads = from.beads.size();
-    point = lent.points, work.assign(point.size(), 0.0), share.resize(n_beads * n_cycles);
+    point = lent.points, work.assign(point.size(), 0.0), share.resize(n_beads * most_cycles);
     for (std::size_t b = 0; b < n_beads; ++b) {
       const explicit_dynamics::Drawbead& each = from.beads[b];
       tool.push_back(each.tool);
       for (int i = each.first; i < each.last; ++i)
         bead.push_back(static_cast<int>(b)), limit.push_back(each.force * point[i].length);
-      for (int cycle = 0; cycle < n_cycles; ++cycle) share[n_beads * cycle + b] = each.share.at(cycle);
     }
     view = {static_cast<int>(point.size()),
             static_cast<int>(n_beads),
-            lent.cycle,
             lent.sheet,
             lent.cell_mass.data(),
             bead.data(),
@@ -154,11 +155,16 @@ struct BorrowedBeads {
             point.data(),
             work.data()};
   }
-  void give_back(int n_cycles) const {
-    if (!own) return;
+  // Their shares in cycles [first, first + n) of a call.
+  void share_in(int first, int n) {
+    const std::size_t n_beads = own->beads.size();
+    for (std::size_t b = 0; b < n_beads; ++b)
+      for (int cycle = 0; cycle < n; ++cycle) share[n_beads * cycle + b] = own->beads[b].share.at(first + cycle);
+  }
+  void give_back() const {
     double sum = 0.0;
     for (const double each : work) sum -= each;
-    own->take(point, sum, n_cycles);
+    own->take(point), own->lend().work += sum;
   }
 };
 

@@ -12,8 +12,8 @@ namespace {
 struct Library {
   decltype(&presswork_cuda_count) count = nullptr;
   decltype(&presswork_cuda_describe) describe = nullptr;
-  decltype(&presswork_cuda_advance_double) advance_double = nullptr;
-  decltype(&presswork_cuda_advance_single) advance_single = nullptr;
+  decltype(&presswork_cuda_make_double) make_double = nullptr;
+  decltype(&presswork_cuda_make_single) make_single = nullptr;
   std::string why;  // where there is none
 };
 
@@ -37,8 +37,8 @@ Library open() {
   };
   find(made.count, "presswork_cuda_count");
   find(made.describe, "presswork_cuda_describe");
-  find(made.advance_double, "presswork_cuda_advance_double");
-  find(made.advance_single, "presswork_cuda_advance_single");
+  find(made.make_double, "presswork_cuda_make_double");
+  find(made.make_single, "presswork_cuda_make_single");
   return made;
 }
 
@@ -65,18 +65,20 @@ std::vector<CudaCard> list_cards(std::string& why) {
 }
 
 template <class Real>
-void advance_on_cuda(const Problem<Real>& problem, const Cycles& cycles) {
+std::unique_ptr<Resident<Real>> make_on_card(const Problem<Real>& problem) {
   if (!library().why.empty()) throw std::runtime_error(library().why);
   char message[message_size] = {};
+  Resident<Real>* made = nullptr;
   int failed;
   if constexpr (std::is_same_v<Real, double>)
-    failed = library().advance_double(&problem, &cycles, message);
+    failed = library().make_double(&problem, &made, message);
   else
-    failed = library().advance_single(&problem, &cycles, message);
+    failed = library().make_single(&problem, &made, message);
   if (failed) throw std::runtime_error(message);
+  return std::unique_ptr<Resident<Real>>(made);
 }
 
-template void advance_on_cuda(const Problem<double>&, const Cycles&);
-template void advance_on_cuda(const Problem<float>&, const Cycles&);
+template std::unique_ptr<Resident<double>> make_on_card(const Problem<double>&);
+template std::unique_ptr<Resident<float>> make_on_card(const Problem<float>&);
 
 }  // namespace presswork::device

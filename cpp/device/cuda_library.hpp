@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "device/cycle.hpp"
+#include "device/resident.hpp"
 
 namespace presswork::device {
 
@@ -23,14 +23,14 @@ struct CudaCard {
 extern "C" {
 int presswork_cuda_count(int* cards, char* message);
 int presswork_cuda_describe(int card, CudaCard* found, char* message);
-int presswork_cuda_advance_double(const Problem<double>* problem, const Cycles* cycles, char* message);
-int presswork_cuda_advance_single(const Problem<float>* problem, const Cycles* cycles, char* message);
+int presswork_cuda_make_double(const Problem<double>* problem, Resident<double>** made, char* message);
+int presswork_cuda_make_single(const Problem<float>* problem, Resident<float>** made, char* message);
 }
 
 // The cards that there are; none and why, where there is no library, no driver or no card.
 std::vector<CudaCard> list_cards(std::string& why);
-// Advance on the first card. Throws std::runtime_error.
+// On the first card. Throws std::runtime_error.
 template <class Real>
-void advance_on_cuda(const Problem<Real>& problem, const Cycles& cycles);
+std::unique_ptr<Resident<Real>> make_on_card(const Problem<Real>& problem);
 
 }  // namespace presswork::device

@@ -3,7 +3,7 @@
 // warps in turn. The first thread gets the sum.
 #pragma once
 
-#include "device/tools.hpp"
+#include "device/passes.hpp"
 
 namespace presswork::device {
 
@@ -33,6 +33,14 @@ inline __device__ ContactSums reduce_sums(const ContactSums& own) {
   for (int i = 0; i < 3; ++i) sum.force[i] = reduce(own.force[i], add);
   sum.lost = reduce(own.lost, [](int a, int b) { return a < b ? a : b; });
   return sum;
+}
+
+inline __device__ Found reduce_found(const Found& own) {
+  Found all;
+  for (int i = 0; i < 3; ++i) all.sum[i] = reduce(own.sum[i], [](double a, double b) { return a + b; });
+  all.most = reduce(own.most, [](double a, double b) { return a > b ? a : b; });
+  all.first = reduce(own.first, [](int a, int b) { return a < b ? a : b; });
+  return all;
 }
 
 }  // namespace presswork::device

@@ -37,15 +37,36 @@ struct Sheet {
 };
 inline constexpr int most_sheets = 2;
 
-// A loop's nodes and elements for a call, in the memory of the host or of the device.
+inline constexpr int most_cycles = 256;  // of a call
+
+// The cycle of a call that is being computed, and those that contact and beads have seen before the call.
+struct Clock {
+  int cycle = 0, contact = 0, beads = 0;
+};
+// A cycle as its passes see it.
+struct Moment {
+  double dt;
+  int cycle;           // of the call
+  int contact, beads;  // since they began
+};
+
+// A loop's nodes and elements, in the memory of the host or of the device. Nothing in it but what the pointers mean
+// changes from cycle to cycle, so cycles can be launched at once.
 template <class Real>
 struct Problem {
   Nodes<Real> nodes;
   const Block<Real>* block;  // (n_blocks), in the memory of the host
   int n_blocks;
   Sheet<Real> sheet[most_sheets];
+  const Step* step;  // (most_cycles)
+  Clock* clock;      // one
   Tools tools;
   Beads beads{};
+
+  PRESSWORK_DEVICE Moment now() const {
+    const Clock at = *clock;
+    return {step[at.cycle].dt, at.cycle, at.contact + at.cycle, at.beads + at.cycle};
+  }
 
   int chunks() const { return (nodes.n + chunk - 1) / chunk; }
   // Thickness [mm], and spring of a node [N/mm], of a cell as the loop numbers it.
@@ -77,28 +98,19 @@ struct Problem {
   }
 };
 
-// Cycles of dt, the step before was dt_before [s]; the scales (n) multiply forces and prescribed velocities.
-struct Cycles {
-  int n;
-  double dt, dt_before, damping;
-  const double *force_scale, *velocity_scale;
-
-  Step step(int cycle) const {
-    return {dt, cycle == 0 ? 0.5 * (dt_before + dt) : dt, damping, force_scale[cycle], velocity_scale[cycle]};
-  }
-};
-
 // As tools.hpp has it.
 template <class Real, class Take>
-PRESSWORK_INLINE void touch_tools(const Problem<Real>& p, double dt, int cycle, int node, const Take& take) {
+PRESSWORK_INLINE void touch_tools(const Problem<Real>& p, int node, const Take& take) {
   const bool there = node < p.nodes.n;
-  touch_tools(p.tools, p.nodes.n, p.nodes.position, p.nodes.motion, p.nodes.internal_force, p, dt, cycle, node, there,
-              take);
+  const Moment now = p.now();
+  touch_tools(p.tools, p.nodes.n, p.nodes.position, p.nodes.motion, p.nodes.internal_force, p, now.dt, now.contact,
+              node, there, take);
 }
 
 template <class Real, class Take>
-PRESSWORK_INLINE void touch_edges(const Problem<Real>& p, double dt, int edge, const Take& take) {
-  touch_edges(p.tools, p.nodes.n, p.nodes.position, p.nodes.motion, dt, edge, edge < p.tools.edges.n, take);
+PRESSWORK_INLINE void touch_edges(const Problem<Real>& p, int edge, const Take& take) {
+  touch_edges(p.tools, p.nodes.n, p.nodes.position, p.nodes.motion, p.step[p.clock->cycle].dt, edge,
+              edge < p.tools.edges.n, take);
 }
 
 }  // namespace presswork::device

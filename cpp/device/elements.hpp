@@ -4,9 +4,11 @@
 //   advance(nodes, room, dt, i)       one element over the move of its nodes: its state, its forces at its corners;
 //                                     room: between tools, of the nodes; null where no tool squeezes a sheet
 //   for_each_table(f)                 calls f(pointer, n) for the tables of its law, which lie in memory of their own
+//   bound(nodes, i)                   bound of an element's squared frequency [1/s2]
 // A kind of shells besides has thickness_row and spring_row, as the tools ask. Its Law names the kernel.
 #pragma once
 
+#include "device/damage.hpp"
 #include "device/nodes.hpp"
 
 namespace presswork::device {
@@ -16,11 +18,14 @@ namespace presswork::device {
 template <class Real>
 struct Elements {
   int n, rows, first_slot;
-  const int* node;          // (corners, n)
-  Real* state;              // (rows, n)
-  int points;               // that have a temperature
-  const Real* temperature;  // (points, n) [degrees C]; null: none is given
-  double slower;            // by which the process takes longer than it is computed
+  const int* node;                   // (corners, n)
+  Real* state;                       // (rows, n)
+  int points;                        // that have a temperature
+  const Real* temperature;           // (points, n) [degrees C]; null: none is given
+  double slower;                     // by which the process takes longer than it is computed
+  int work_row, hourglass_row;       // of the state; -1: there are none
+  const Real *mass, *inertia_ratio;  // (n) [t], [mm2]; null: of no stable step
+  DamageOfBlock damage{};
 };
 
 // Positions of the corners less that of the first, since elements use differences alone, and velocities.

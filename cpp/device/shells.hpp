@@ -37,6 +37,22 @@ struct OnePointShells : Elements<Real> {
     for (int r = 0; r < shell4::head_rows; ++r) rows[r * n] = state[r];
     leave_forces<corners>(nodes, *this, shell, force);
   }
+  PRESSWORK_INLINE double bound(const Nodes<Real>& nodes, int shell) const {
+    Real x[corners][3], v[corners][3], w[corners][3], inverse[4];
+    gather_corners<corners>(nodes, *this, shell, x, v, w);
+    const auto row = [&](int r) { return this->state[std::size_t(r) * this->n + shell]; };
+    for (int i = 0; i < 4; ++i) inverse[i] = row(shell4::reference + i);
+    const Real thickness = row(shell4::thickness), mass = this->mass[shell], ratio = this->inertia_ratio[shell];
+    if constexpr (corners == 4) {
+      shell4::Geometry<Real> g;
+      shell4::measure(x, inverse, g);
+      return shell4::bound_frequency(law.young, law.poisson, g, thickness, mass, ratio) * shell4::stabilized_excess(g);
+    } else {
+      shell3::Sides<Real> sides;
+      shell3::measure_sides(x, inverse, sides);
+      return shell3::bound_frequency(law.young, law.poisson, sides, thickness, mass, ratio);
+    }
+  }
   template <class F>
   void for_each_table(const F& f) {
     device::for_each_table(law, f);
@@ -63,6 +79,12 @@ struct MitcShells : Elements<Real> {
       room[a] = static_cast<Real>(room_at[this->node[a * std::size_t(this->n) + shell]]);
     shell4_mitc::advance(law, rule, now, x, v, w, room_at ? room : nullptr, rows, layers, force);
     leave_forces<4>(nodes, *this, shell, force);
+  }
+  PRESSWORK_INLINE double bound(const Nodes<Real>& nodes, int shell) const {
+    Real x[4][3], v[4][3], w[4][3];
+    gather_corners<4>(nodes, *this, shell, x, v, w);
+    const shell4_mitc::RowsApart<Real> rows{this->state + shell, static_cast<std::ptrdiff_t>(this->n)};
+    return shell4_mitc::bound_frequency(law.young, law.poisson, x, rows, this->mass[shell], this->inertia_ratio[shell]);
   }
   template <class F>
   void for_each_table(const F& f) {

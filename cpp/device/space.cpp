@@ -3,6 +3,7 @@
 
 #include <omp.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -27,7 +28,6 @@ std::string find_lack(const SpaceLoop<Real>& loop) {
     const auto& block = loop.sheet(static_cast<int>(b));
     const std::string lack = find_lack_of_shells(block.section(), block.nodes_each());
     if (!lack.empty()) return lack;
-    if (!block.damage.empty()) return "damage";
     if (++sheets > most_sheets) return "more than two blocks of shells";
   }
   if (loop.blocks.empty()) return "nodes without shells";
@@ -38,58 +38,194 @@ std::string find_lack(const SpaceLoop<Real>& loop) {
 }
 
 template <class Real>
-void advance(SpaceLoop<Real>& loop, Target target, const Cycles& cycles) {
-  const double start = omp_get_wtime();
-  auto& nodes = loop.nodes;
-  const std::size_t n_nodes = nodes.n;
-  // 1. what is kept otherwise in the loop
+struct Session<Real>::Own {
+  explicit Own(SpaceLoop<Real>& loop) : loop(loop), n(loop.nodes.n), step(most_cycles), work(2 * std::size_t(n), 0.0) {
+    int n_slots = 0;
+    for (std::size_t b = 0; b < loop.blocks.size(); ++b) {
+      blocks.push_back(std::make_unique<BorrowedBlock<Real>>(loop, static_cast<int>(b), n_slots));
+      seen.push_back(blocks.back()->view());
+      n_slots += static_cast<int>(blocks.back()->node.size());
+    }
+    list_corners(blocks, n, first, corner);
+    if (loop.contact) tools.take(*loop.contact, n);
+    if (loop.beads) beads.take(*loop.beads);
+  }
+  Problem<Real> see() {
+    auto& nodes = loop.nodes;
+    return {{n, nodes.position.data(), nodes.motion.data(), nodes.internal_force.data(), nodes.force.data(),
+             nodes.held().data(), nodes.prescribed().data(), nodes.reaction_impulse.data(), work.data(), first.data(),
+             corner.data(), static_cast<int>(corner.size()), nullptr},
+            seen.data(),
+            static_cast<int>(seen.size()),
+            {},
+            step.data(),
+            &clock,
+            tools.view,
+            beads.view};
+  }
+  // What is taken back after every call.
+  void give_back_little() {
+    if (loop.contact) tools.give_back();
+    if (loop.beads) beads.give_back();
+  }
+
+  SpaceLoop<Real>& loop;
+  int n;
   std::vector<std::unique_ptr<BorrowedBlock<Real>>> blocks;
   std::vector<Block<Real>> seen;
-  int n_slots = 0;
-  for (std::size_t b = 0; b < loop.blocks.size(); ++b) {
-    blocks.push_back(std::make_unique<BorrowedBlock<Real>>(loop, static_cast<int>(b), n_slots));
-    seen.push_back(blocks.back()->view());
-    n_slots += static_cast<int>(blocks.back()->node.size());
-  }
   BorrowedTools tools;
-  if (loop.contact) tools.take(*loop.contact, nodes.n, cycles.n);
   BorrowedBeads beads;
-  if (loop.beads) beads.take(*loop.beads, cycles.n);
   std::vector<int> first, corner;
-  list_corners(blocks, nodes.n, first, corner);
-  std::vector<Real> corner_force(std::size_t(freedoms) * n_slots);
-  std::vector<double> work(2 * n_nodes, 0.0);
-  Problem<Real> problem{
-      {nodes.n, nodes.position.data(), nodes.motion.data(), nodes.internal_force.data(), nodes.force.data(),
-       nodes.held().data(), nodes.prescribed().data(), nodes.reaction_impulse.data(), work.data(), first.data(),
-       corner.data(), n_slots, corner_force.data()},
-      seen.data(),
-      static_cast<int>(seen.size()),
-      {},
-      tools.view,
-      beads.view};
-  problem.find_sheets();
-  // 2. the cycles
-  if (target == Target::host)
-    advance_on_host(problem, cycles);
-  else
-    advance_on_cuda(problem, cycles);
-  for (std::size_t i = 0; i < freedoms * n_nodes; ++i)
-    if (std::isnan(nodes.internal_force.data()[i]))
+  std::vector<Step> step;
+  std::vector<double> work;
+  Clock clock;
+  std::unique_ptr<Resident<Real>> there;
+  struct {
+    explicit_dynamics::Work work;
+    double beads = 0.0;
+    Clock clock;
+  } kept;
+};
+
+template <class Real>
+Session<Real>::Session(SpaceLoop<Real>& loop, Target target, double memory) : own_(std::make_unique<Own>(loop)) {
+  const Problem<Real> problem = own_->see();
+  own_->there = target == Target::host ? make_on_host(problem, memory) : make_on_card(problem);
+  own_->there->make();
+}
+
+template <class Real>
+Session<Real>::~Session() = default;
+
+template <class Real>
+void Session<Real>::advance(const Cycles& cycles) {
+  const double start = omp_get_wtime();
+  SpaceLoop<Real>& loop = own_->loop;
+  for (int first = 0; first < cycles.n; first += most_cycles) {
+    const int n = std::min(most_cycles, cycles.n - first);
+    for (int i = 0; i < n; ++i) own_->step[i] = cycles.step(first + i);
+    own_->clock = {0, loop.contact ? loop.contact->lend().cycle : 0, loop.beads ? loop.beads->lend().cycle : 0};
+    if (loop.contact) own_->tools.drive_in(first, n);
+    if (loop.beads) own_->beads.share_in(first, n);
+    const Found found = own_->there->advance(n);
+    own_->give_back_little();
+    if (loop.contact) loop.contact->lend().cycle += n;
+    if (loop.beads) loop.beads->lend().cycle += n;
+    loop.work.external += found.sum[0], loop.work.damping += found.sum[1];
+    finite_ = found.first == std::numeric_limits<int>::max();
+    if (finite_) continue;
+    fetch(Part::nodes);
+    const Real* force = loop.nodes.internal_force.data() + std::size_t(freedoms) * found.first;
+    if (std::any_of(force, force + freedoms, [](Real f) { return std::isnan(f); }))
       throw std::runtime_error(
           "a force is no number any more: a material law has found no stress for the strain of a step, the step is too "
-          "long, or a shell has collapsed");
-  // 3. back into the loop
-  for (const auto& block : blocks) block->give_back();
-  tools.give_back(nodes.n, cycles.n);
-  beads.give_back(cycles.n);
-  for (std::size_t i = 0; i < n_nodes; ++i) loop.work.external += work[2 * i], loop.work.damping += work[2 * i + 1];
+          "long, or an element has collapsed");
+    break;
+  }
   loop.seconds[static_cast<int>(explicit_dynamics::Phase::elements)] += omp_get_wtime() - start;
+}
+
+template <class Real>
+void Session<Real>::fetch(Part part) {
+  own_->there->arrays.fetch(part);
+  if (part == Part::elements)
+    for (const auto& block : own_->blocks) block->give_back();
+  if (part == Part::contact && own_->loop.contact) own_->tools.give_back_pairs(own_->n);
+}
+
+template <class Real>
+void Session<Real>::fetch_thickness() {
+  Resident<Real>& there = *own_->there;
+  for (std::size_t b = 0; b < own_->blocks.size(); ++b) {
+    BorrowedBlock<Real>& block = *own_->blocks[b];
+    std::visit(
+        [&]<class Kind>(const Kind& of) {
+          if constexpr (requires { Kind::thickness_row; }) {
+            constexpr int row = Kind::thickness_row;
+            there.arrays.fetch(block.row(row), of.state + std::size_t(row) * of.n, sizeof(Real) * of.n);
+            block.give_back_row(row);
+          }
+        },
+        there.problem.block[b]);
+  }
+}
+
+template <class Real>
+void Session<Real>::send_reaction() {
+  own_->there->arrays.send(Part::reaction);
+}
+
+template <class Real>
+Energies Session<Real>::energies(const Step& step) {
+  const SpaceLoop<Real>& loop = own_->loop;
+  Resident<Real>& there = *own_->there;
+  const auto& problem = there.problem;
+  Energies e;
+  e.external = loop.work.external, e.damping = loop.work.damping;
+  const Found half = there.sum_up(HalfStep<Real>{problem.nodes.n, problem.nodes, step});
+  e.kinetic = half.sum[0], e.external += half.sum[1], e.damping += half.sum[2];
+  for (int b = 0; b < problem.n_blocks; ++b) {
+    const auto row = [](const auto& of, int r) { return r < 0 ? nullptr : of.state + std::size_t(r) * of.n; };
+    const Found work = std::visit(
+        [&](const auto& of) {
+          return there.sum_up(WorkOfElements<Real>{of.n, row(of, of.work_row), row(of, of.hourglass_row)});
+        },
+        problem.block[b]);
+    e.internal += work.sum[0], e.hourglass += work.sum[1];
+  }
+  if (loop.contact) {
+    Found stored = there.sum_up(Stored{problem.nodes.n, problem.tools});
+    if (problem.tools.edges.n_sharp > 0) stored += there.sum_up(StoredAtEdges{problem.tools.edges.n, problem.tools});
+    loop.contact->energies(step.dt, stored.sum[0], stored.sum[1]).add_to(e);
+  }
+  if (loop.beads) e.contact += loop.beads->stored(), e.friction += loop.beads->lost();
+  return e;
+}
+
+template <class Real>
+double Session<Real>::bound_frequency() {
+  Resident<Real>& there = *own_->there;
+  Found found;
+  for (int b = 0; b < there.problem.n_blocks; ++b)
+    std::visit(
+        [&]<class Kind>(const Kind& of) { found += there.sum_up(Bound<Real, Kind>{of.n, there.problem.nodes, of}); },
+        there.problem.block[b]);
+  return found.most;
+}
+
+template <class Real>
+void Session<Real>::keep() {
+  SpaceLoop<Real>& loop = own_->loop;
+  own_->there->arrays.keep();
+  own_->kept.work = loop.work;
+  own_->kept.clock = {0, loop.contact ? loop.contact->lend().cycle : 0, loop.beads ? loop.beads->lend().cycle : 0};
+  own_->kept.beads = loop.beads ? loop.beads->lend().work : 0.0;
+}
+
+template <class Real>
+void Session<Real>::put_back() {
+  SpaceLoop<Real>& loop = own_->loop;
+  own_->there->arrays.put_back();
+  own_->there->arrays.fetch(Part::little);
+  own_->give_back_little();
+  loop.work = own_->kept.work;
+  if (loop.contact) loop.contact->lend().cycle = own_->kept.clock.contact;
+  if (loop.beads) loop.beads->lend().cycle = own_->kept.clock.beads, loop.beads->lend().work = own_->kept.beads;
+  finite_ = true;
+}
+
+template <class Real>
+double Session<Real>::needed() const {
+  return own_->there->arrays.needed();
+}
+template <class Real>
+const Traffic& Session<Real>::traffic() const {
+  return own_->there->arrays.traffic;
 }
 
 template std::string find_lack(const SpaceLoop<double>&);
 template std::string find_lack(const SpaceLoop<float>&);
-template void advance(SpaceLoop<double>&, Target, const Cycles&);
-template void advance(SpaceLoop<float>&, Target, const Cycles&);
+template class Session<double>;
+template class Session<float>;
 
 }  // namespace presswork::device

@@ -1,22 +1,71 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cycles of a loop in space on a device: the loop keeps the state, and a call borrows it.
+// Cycles of a loop in space on a device: which loops, and a session, which is a loop's state there.
 #pragma once
 
+#include <memory>
 #include <string>
 
-#include "device/cycle.hpp"
+#include "device/arrays.hpp"
 #include "explicit/space/loop.hpp"
 
 namespace presswork::device {
 
+using explicit_dynamics::Energies;
+using explicit_dynamics::SpaceLoop;
+using explicit_dynamics::Step;
+
 enum class Target { host, cuda };
+
+// Cycles of dt, the step before was dt_before [s]; the scales (n) multiply forces and prescribed velocities.
+struct Cycles {
+  int n;
+  double dt, dt_before, damping;
+  const double *force_scale, *velocity_scale;
+
+  Step step(int cycle) const {
+    return {dt, cycle == 0 ? 0.5 * (dt_before + dt) : dt, damping, force_scale[cycle], velocity_scale[cycle]};
+  }
+};
 
 // What a loop has that no device computes yet; empty where there is nothing.
 template <class Real>
-std::string find_lack(const explicit_dynamics::SpaceLoop<Real>& loop);
+std::string find_lack(const SpaceLoop<Real>& loop);
 
-// Advance cycles of a loop of which nothing lacks. Throws std::runtime_error where the device does not.
+// The state of a loop, of which nothing lacks, on a device. From when it is made until the loop is changed otherwise
+// the device has the present state, and the loop what was fetched last; tools, beads and work in the loop are present.
+// Throws std::runtime_error where the device does not, or has too little memory.
 template <class Real>
-void advance(explicit_dynamics::SpaceLoop<Real>& loop, Target target, const Cycles& cycles);
+class Session {
+ public:
+  // memory: of the host build [bytes]
+  Session(SpaceLoop<Real>& loop, Target target, double memory);
+  ~Session();
+
+  // Throws std::runtime_error where a force is no number any more.
+  void advance(const Cycles& cycles);
+  // Whether all nodes had finite places after the last call.
+  bool is_finite() const { return finite_; }
+  // Take into the loop: places, velocities and forces of nodes; reactions; elements; what nodes remember of tools.
+  void fetch(Part part);
+  // Of elements the thickness of shells alone.
+  void fetch_thickness();
+  // Take there what the loop has.
+  void send_reaction();
+  // Energies at the present time; step: the next.
+  Energies energies(const Step& step);
+  // The largest bound of a squared frequency [1/s2].
+  double bound_frequency();
+  // Keep the present state, there; and go back to it.
+  void keep();
+  void put_back();
+
+  double needed() const;  // [bytes]
+  const Traffic& traffic() const;
+
+ private:
+  struct Own;
+  std::unique_ptr<Own> own_;
+  bool finite_ = true;
+};
 
 }  // namespace presswork::device

@@ -72,7 +72,6 @@ inline constexpr int pair_rows = sizeof(Pair) / sizeof(double);
 // All tools and what the nodes remember of them.
 struct Tools {
   int n = 0;             // no tools: nothing else is set
-  int cycle = 0;         // of those since contact began, before the call
   bool ironing = false;  // tools squeeze the sheet
   double memory, near, reach, step;
   RigidTool* tool;               // (n)
@@ -89,7 +88,7 @@ struct Tools {
   Edges edges;
 };
 
-// One lane, when the nodes have moved.
+// One lane, when the nodes have moved; cycle: of the call.
 PRESSWORK_DEVICE inline void start_tools(const Tools& tools, double dt, int cycle, double fastest) {
   explicit_dynamics::move_tools(
       tools.n, [&](int t) -> RigidTool& { return tools.tool[t]; },
@@ -175,14 +174,14 @@ PRESSWORK_INLINE void touch_edges(const Tools& tools, int n_nodes, const double*
   }
 }
 
-// One node; sheet: as SheetView. take(t, sums) is called once for every tool, whatever the node does, and with `there`
-// false, of lanes beyond the last node.
+// One node; sheet: as SheetView; cycle: of those since contact began. take(t, sums) is called once for every tool,
+// whatever the node does, and with `there` false, of lanes beyond the last node.
 template <class Real, class Sheet, class Take>
 PRESSWORK_INLINE void touch_tools(const Tools& tools, std::size_t n_nodes, const double* position, const Real* motion,
                                   Real* net, const Sheet& sheet, double dt, int cycle, int node, bool there,
                                   const Take& take) {
   constexpr int rows = pair_rows;
-  const bool renewed = there && (tools.cycle + cycle) % refresh_cycles == 0;
+  const bool renewed = there && cycle % refresh_cycles == 0;
   const auto load = [&](int t) {
     Pair pair;
     auto* to = reinterpret_cast<double*>(&pair);

@@ -70,7 +70,7 @@ PRESSWORK_INLINE T curl_metric(const Sides<T>& s) {
 // Bound of the highest frequency squared of an element of this mass, its rotary inertia alpha times that: membrane, or
 // the sum of bending and shear.
 template <class T>
-T bound_frequency(double young, double poisson, const Sides<T>& s, T thickness, T mass, T alpha) {
+PRESSWORK_DEVICE T bound_frequency(double young, double poisson, const Sides<T>& s, T thickness, T mass, T alpha) {
   const T *a = s.contra[0], *b = s.contra[1];
   T gxx = T(2.0) * (a[0] * a[0] + b[0] * b[0] + a[0] * b[0]), gyy = T(2.0) * (a[1] * a[1] + b[1] * b[1] + a[1] * b[1]);
   T gxy = T(2.0) * (a[0] * a[1] + b[0] * b[1]) + a[0] * b[1] + a[1] * b[0], gap = gxx - gyy;

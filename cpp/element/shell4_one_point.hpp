@@ -248,7 +248,7 @@ void hourglass_viscosities(const ShellControl& control, double dt, double young,
 // with G the matrix b b^T and g1 > g2 its eigenvalues, 4 c^2 (g1 + nu g2), exact for a rectangle; bending and shear as
 // a sum, in which the projection of shear on the edges weighs rotations more the more the element is out of line.
 template <class T>
-T bound_frequency(double young, double poisson, const Geometry<T>& g, T thickness, T mass, T alpha) {
+PRESSWORK_DEVICE T bound_frequency(double young, double poisson, const Geometry<T>& g, T thickness, T mass, T alpha) {
   T gxx = T(2.0) * (g.bx[0] * g.bx[0] + g.bx[1] * g.bx[1]), gyy = T(2.0) * (g.by[0] * g.by[0] + g.by[1] * g.by[1]);
   T gxy = T(2.0) * (g.bx[0] * g.by[0] + g.bx[1] * g.by[1]), gap = gxx - gyy;
   T root = square_root(gap * gap + T(4.0) * gxy * gxy), mean = T(0.5) * (gxx + gyy);

@@ -62,7 +62,7 @@ PRESSWORK_INLINE void measure_centre(const T x[4][3], const T inverse[4], Centre
 
 // Factor of bound_frequency: hourglass stresses couple to constant strains by h^1 and h^2. Found by eigenvalues.
 template <class T>
-T stabilized_excess(const Geometry<T>& g) {
+PRESSWORK_DEVICE T stabilized_excess(const Geometry<T>& g) {
   T first = T(0.5) * (g.H[0] * (g.bx[1] - g.bx[0]) + g.H[1] * (g.by[1] - g.by[0]));
   T second = T(0.5) * (g.H[0] * (g.bx[0] + g.bx[1]) + g.H[1] * (g.by[0] + g.by[1]));
   return T(1.0) + T(0.2) * (larger(first, -first) + larger(second, -second));

@@ -53,6 +53,9 @@ class ElementBlock {
   double work(int element) const { return value(element, work_row_); }
   double hourglass_work(int element) const { return hourglass_row_ < 0 ? 0.0 : value(element, hourglass_row_); }
 
+  int work_row() const { return work_row_; }
+  int hourglass_row() const { return hourglass_row_; }  // -1: there are none
+
   // Rows of an element's state.
   int n_rows() const { return n_rows_; }
   double value(int element, int row) const { return state_.data()[index(element, row)]; }

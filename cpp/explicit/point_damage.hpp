@@ -80,6 +80,10 @@ class PointDamage {
             }};
   }
   std::size_t count() const { return criteria_.size(); }
+  const std::vector<Criterion>& criteria() const { return criteria_; }
+  const PointLayout& layout() const { return layout_; }
+  // Damage by a criterion at a point of an element.
+  double& value(std::size_t c, int e, int k) { return values_[c].data()[index(e, k)]; }
   int points() const { return layout_.count; }
   // The criterion of a name, or as many as there are.
   std::size_t find(const std::string& name) const {

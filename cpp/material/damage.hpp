@@ -22,7 +22,7 @@ struct Point {
   T largest, mean, effective;  // stresses [MPa]
   T rate, temperature;         // equivalent plastic strain rate [1/s], [degrees C]
 
-  T triaxiality() const { return mean / larger(effective, T(1e-30)); }
+  PRESSWORK_DEVICE T triaxiality() const { return mean / larger(effective, T(1e-30)); }
 };
 
 struct CockcroftLatham {
@@ -31,7 +31,7 @@ struct CockcroftLatham {
   template <class F>
   void fields(F&&) {}
   template <class T>
-  T per_strain(const Point<T>& at) const {
+  PRESSWORK_DEVICE T per_strain(const Point<T>& at) const {
     return larger(at.largest, T(0.0)) / larger(at.effective, T(1e-30));
   }
 };
@@ -45,7 +45,7 @@ struct RiceTracey {
     f("factor", factor), f("exponent", exponent);
   }
   template <class T>
-  T per_strain(const Point<T>& at) const {
+  PRESSWORK_DEVICE T per_strain(const Point<T>& at) const {
     return T(factor) * exponential(T(exponent) * at.triaxiality());
   }
 };
@@ -59,7 +59,7 @@ struct Oyane {
     f("A", A);
   }
   template <class T>
-  T per_strain(const Point<T>& at) const {
+  PRESSWORK_DEVICE T per_strain(const Point<T>& at) const {
     return larger(T(1.0) + at.triaxiality() * T(1.0 / A), T(0.0));
   }
 };
@@ -70,7 +70,7 @@ struct Freudenthal {
   template <class F>
   void fields(F&&) {}
   template <class T>
-  T per_strain(const Point<T>& at) const {
+  PRESSWORK_DEVICE T per_strain(const Point<T>& at) const {
     return at.effective;
   }
 };
@@ -86,7 +86,7 @@ struct JohnsonCook {
     f("reference_rate", reference_rate), f("reference", reference), f("melting", melting);
   }
   template <class T>
-  T per_strain(const Point<T>& at) const {
+  PRESSWORK_DEVICE T per_strain(const Point<T>& at) const {
     T strain = T(d1) + T(d2) * exponential(T(d3) * smaller(at.triaxiality(), T(highest)));
     strain = strain * (T(1.0) + T(d4) * logarithm(larger(at.rate * T(1.0 / reference_rate), T(1.0))));
     T share = (at.temperature - T(reference)) * T(1.0 / (melting - reference));
@@ -98,7 +98,7 @@ struct JohnsonCook {
 // Cosine of a third of the angle whose cosine is c, for -1 <= c <= 1: analytic in the cosine of half of that angle, of
 // which it is a polynomial to 5e-14.
 template <class T>
-T cosine_of_third(T c) {
+PRESSWORK_DEVICE T cosine_of_third(T c) {
   constexpr double coefficients[] = {-2.7342637379964194e-05, 0.00023705090085665394, -0.0009702042986949285,
                                      0.0025313574820756907,   -0.004842062905421093,  0.0074920862289824695,
                                      -0.010206770641373928,   0.013174903098903694,   -0.017026846440214172,
@@ -112,7 +112,7 @@ T cosine_of_third(T c) {
 
 // Stresses of a tensor: 3 components xx, yy, xy of plane stress, 4 xx, yy, zz, xy, 6 also yz, zx.
 template <int N, class T>
-Point<T> measure_stress(const T* s) {
+PRESSWORK_DEVICE Point<T> measure_stress(const T* s) {
   Point<T> at;
   at.rate = at.temperature = T(0.0);
   const T xy = N == 3 ? s[2] : s[3], zz = N == 3 ? T(0.0) : s[2];
@@ -141,7 +141,7 @@ struct Damage {
   Law law;
 
   template <class T>
-  T per_strain(const damage::Point<T>& at) const {
+  PRESSWORK_DEVICE T per_strain(const damage::Point<T>& at) const {
     return choose(law, [&](const auto& chosen) { return chosen.per_strain(at); });
   }
 };

@@ -2013,6 +2013,19 @@ class Device(enum.Enum):
     cuda = 1
     """the first NVIDIA card"""
 
+class DevicePart(enum.Enum):
+    """
+    Parts of the state that are taken from a device where they are asked for.
+    """
+
+    nodes = 4
+
+    reaction = 5
+
+    elements = 6
+
+    contact = 7
+
 @overload
 def find_device_lack(loop: SpaceLoop) -> str: ...
 
@@ -2022,14 +2035,101 @@ def find_device_lack(loop: SpaceLoopSingle) -> str:
     What a loop has that no device computes yet, in words; empty where there is nothing.
     """
 
-@overload
-def advance_on(loop: SpaceLoop, target: Device, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None: ...
+class DeviceSession:
+    """
+    State of a loop, of which nothing lacks, on a device, until the loop is changed.
+    """
 
-@overload
-def advance_on(loop: SpaceLoopSingle, target: Device, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
+    def __init__(self, loop: SpaceLoop, target: Device, memory: float = 1000000000000000.0) -> None:
+        """
+        Take it there; memory: that of the host build [bytes]. Raises RuntimeError where it does not fit.
+        """
+
+    def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
+        """
+        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Raises RuntimeError where the device does not, or a force is no number any more.
+        """
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether all places were finite after the last call."""
+
+    def fetch(self, part: DevicePart) -> None:
+        """Take a part of the state into the loop."""
+
+    def fetch_thickness(self) -> None:
+        """Of the elements the thickness of shells alone."""
+
+    def send_reaction(self) -> None:
+        """Take the reactions of the loop there."""
+
+    def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float) -> Energies:
+        """Energies at the present time, as the loop's."""
+
+    def bound_frequency(self) -> float:
+        """The largest bound of an element's squared frequency [1/s2]."""
+
+    def keep(self) -> None:
+        """Keep the present state on the device."""
+
+    def put_back(self) -> None:
+        """Go back to the state that was kept."""
+
+    @property
+    def needed(self) -> float:
+        """Memory that it takes [bytes], what is kept counted."""
+
+    @property
+    def traffic(self) -> tuple[int, float, int, float]:
+        """Copies to the device, bytes of them, copies from it, bytes of them."""
+
+class DeviceSessionSingle:
     """
-    Advance a loop, of which nothing lacks, on a device: as many cycles of dt [s] as the scales have values. Raises RuntimeError where the device does not.
+    State of a loop, of which nothing lacks, on a device, until the loop is changed.
     """
+
+    def __init__(self, loop: SpaceLoopSingle, target: Device, memory: float = 1000000000000000.0) -> None:
+        """
+        Take it there; memory: that of the host build [bytes]. Raises RuntimeError where it does not fit.
+        """
+
+    def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
+        """
+        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Raises RuntimeError where the device does not, or a force is no number any more.
+        """
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether all places were finite after the last call."""
+
+    def fetch(self, part: DevicePart) -> None:
+        """Take a part of the state into the loop."""
+
+    def fetch_thickness(self) -> None:
+        """Of the elements the thickness of shells alone."""
+
+    def send_reaction(self) -> None:
+        """Take the reactions of the loop there."""
+
+    def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float) -> Energies:
+        """Energies at the present time, as the loop's."""
+
+    def bound_frequency(self) -> float:
+        """The largest bound of an element's squared frequency [1/s2]."""
+
+    def keep(self) -> None:
+        """Keep the present state on the device."""
+
+    def put_back(self) -> None:
+        """Go back to the state that was kept."""
+
+    @property
+    def needed(self) -> float:
+        """Memory that it takes [bytes], what is kept counted."""
+
+    @property
+    def traffic(self) -> tuple[int, float, int, float]:
+        """Copies to the device, bytes of them, copies from it, bytes of them."""
 
 def list_cuda_cards() -> tuple[list[tuple[str, int, float, float]], str]:
     """

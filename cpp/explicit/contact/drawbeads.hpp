@@ -90,13 +90,13 @@ class Drawbeads {
     contact::SheetSearch sheet;
     const std::vector<BeadPoint>& points;
     const std::vector<double>& cell_mass;
-    int cycle;
+    double& work;
+    int& cycle;
   };
-  Lent lend() const { return {sheet_.search(), points_, cell_mass_, cycle_}; }
-  void take(const std::vector<BeadPoint>& points, double work, int cycles) {
+  Lent lend() { return {sheet_.search(), points_, cell_mass_, work_, cycle_}; }
+  void take(const std::vector<BeadPoint>& points) {
     points_ = points;
     for (Point& p : points_) sheet_.stand_on(p.beneath.cell, p.beneath);
-    work_ += work, cycle_ += cycles;
   }
 
  private:

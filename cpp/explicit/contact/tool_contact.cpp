@@ -265,10 +265,14 @@ void ToolContact::close_cycle(int first_tool) {
 }
 
 ContactEnergies ToolContact::energies(double dt) const {
+  double normal = 0.0, stuck = 0.0;
+  add_stored(normal, stuck);
+  return energies(dt, normal, stuck);
+}
+
+ContactEnergies ToolContact::energies(double dt, double normal, double stuck) const {
   ContactEnergies e;
-  double stuck = 0.0;
-  add_stored(e.penalty, stuck);
-  e.penalty += stuck - total_.squeeze;
+  e.penalty = normal + (stuck - total_.squeeze);
   e.friction = total_.friction - stuck;
   e.damping = total_.damping + work_.drag;
   e.external = work_.external;

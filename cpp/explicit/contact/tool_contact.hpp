@@ -95,6 +95,8 @@ class ToolContact {
   int edge_chunks() const { return edges_.chunks(); }
 
   ContactEnergies energies(double dt) const;
+  // Where the energies in the springs of contact and of stick are known.
+  ContactEnergies energies(double dt, double normal, double stuck) const;
   // Forces of the tools on the nodes (n_nodes, 3) [N], added.
   void add_forces(double* force) const;
   // Those of one tool.

@@ -46,6 +46,11 @@ struct ContactEnergies {
   double damping = 0.0;   // lost in the dampers of contact and of pushed tools
   double kinetic = 0.0;   // of pushed tools
   double external = 0.0;  // work of what moves the tools
+
+  template <class Energies>
+  void add_to(Energies& e) const {
+    e.kinetic += kinetic, e.external += external, e.damping += damping, e.contact += penalty, e.friction += friction;
+  }
 };
 
 // Work done by what moves the tools, and lost in their drag [N mm].

@@ -68,10 +68,7 @@ class SpaceLoop<Real>::SheetTools final : public Interaction<SpaceNodes<Real>> {
   }
   void close() override { loop_.contact->close_cycle(); }
   void add_energies(double dt, Energies& e) const override {
-    if (!loop_.contact) return;
-    const ContactEnergies c = loop_.contact->energies(dt);
-    e.kinetic += c.kinetic, e.external += c.external, e.damping += c.damping;
-    e.contact += c.penalty, e.friction += c.friction;
+    if (loop_.contact) loop_.contact->energies(dt).add_to(e);
   }
   void list_state(std::vector<StateField>& fields) override {
     if (loop_.contact) loop_.contact->list_state(fields);

@@ -41,6 +41,7 @@ class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
     }
   }
   double mass(int element) const override { return mass_[element]; }
+  double inertia_ratio(int element) const { return inertia_ratio_[element]; }  // rotary inertia over mass [mm2]
   double true_mass(int element) const override { return true_mass_[element]; }
   double added_mass(int element) const override { return mass_[element] - true_mass_[element]; }
   void scale_mass(int element, double factor) override { mass_[element] *= factor; }

@@ -33,6 +33,14 @@ def run(
     threads: Annotated[
         int, typer.Option(min=0, help="Threads; 0 uses every core. The results do not depend on it.")
     ] = 0,
+    device: Annotated[
+        str | None,
+        typer.Option(
+            metavar="cpu|cuda|host",
+            help="What computes the cycles of an explicit run: the CPU, an NVIDIA card, or the card's code on the CPU; "
+            "as --set explicit.device=.",
+        ),
+    ] = None,
     plot: Annotated[bool, typer.Option(help="Draw the pictures at the end.")] = True,
     report: Annotated[bool, typer.Option(help="Write the page for the browser at the end.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, errors only.")] = False,
@@ -43,7 +51,7 @@ def run(
         world = find_world()
     if world is not None and world.rank > 0:
         console().quiet = quiet = True
-    model = load_model(case, set_, folder)
+    model = load_model(case, [*(set_ or []), *([f"explicit.device={device}"] if device else [])], folder)
     if isinstance(model, OneStepModel):
         if world is not None:
             raise refuse("a one-step run takes seconds and is not divided over ranks: run it without mpiexec")

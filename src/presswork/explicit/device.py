@@ -5,13 +5,9 @@ from __future__ import annotations
 
 from typing import Literal, get_args
 
-import numpy as np
-import numpy.typing as npt
-
 from presswork import _core
 from presswork.explicit.input_checks import ExplicitError
 
-Array = npt.NDArray[np.float64]
 Device = Literal["cpu", "host", "cuda"]
 DEVICES: tuple[Device, ...] = get_args(Device)
 OLDEST = 80
@@ -37,26 +33,6 @@ def check_device(device: Device, loop: _core.SpaceLoop | _core.SpaceLoopSingle) 
             why = f"{cards[0][0]} is too old, it must have compute capability 8.0 or more"
         if why:
             raise ExplicitError(f'device = "cuda": {why}; or take device = "cpu"')
-
-
-def advance_on(
-    device: Device,
-    loop: _core.SpaceLoop | _core.SpaceLoopSingle,
-    steps: tuple[float, float],
-    force_scale: Array,
-    velocity_scale: Array,
-    *,
-    damping: float,
-) -> tuple[int, _core.LawStatus, int]:
-    """Advance a cycle for each scale; steps: the present one and that before [s]. Raises ExplicitError.
-
-    Returns that no element has failed: laws of a device find a stress for any strain.
-    """
-    try:
-        _core.advance_on(loop, _core.Device[device], *steps, force_scale, velocity_scale, damping=damping)
-    except RuntimeError as error:
-        raise ExplicitError(f"device = {device!r}: {error}") from None
-    return -1, _core.LawStatus.done, -1
 
 
 def describe_devices() -> list[tuple[str, str]]:

@@ -35,6 +35,11 @@ RUN = "run"
 """Owner, in a dump, of what the loop does not keep."""
 
 
+def name_arrays(state: Mapping[str, Mapping[str, Array]]) -> dict[str, Array]:
+    """Return arrays of owners as `owner.name`."""
+    return {f"{owner}.{name}": values for owner, of in state.items() for name, values in of.items()}
+
+
 class Dynamics:
     """Blocks of elements in explicit dynamics.
 
@@ -262,15 +267,20 @@ class Dynamics:
         self._dt_before = self.dt
         self.cycle += n
         self.time += n * self.dt
-        finite = np.ones(1) if self._parts and self._parts.is_finite else np.isfinite(self.position).all(axis=1)
-        if not finite.all():
+        gone = self._find_gone()
+        if gone >= 0:
             allowed = SAFETY * self.stable_step()
             now = f" (the elements allow {allowed:g} s now)" if np.isfinite(allowed) else ""
             raise ExplicitError(
-                f"node {np.argmin(finite)} has left for infinity by cycle {self.cycle} (t = {self.time:g} s): the step "
+                f"node {gone} has left for infinity by cycle {self.cycle} (t = {self.time:g} s): the step "
                 f"{self.dt:g} s is too long{now}, its elements have collapsed, or their material law has failed"
             )
         self._check()
+
+    def _find_gone(self) -> int:
+        """Return a node whose place is not finite; -1 where there is none."""
+        finite = np.ones(1) if self._parts and self._parts.is_finite else np.isfinite(self.position).all(axis=1)
+        return -1 if finite.all() else int(np.argmin(finite))
 
     def _begin_balance(self, *scales: float) -> None:
         """Count the energies of the run from now on."""
@@ -351,9 +361,7 @@ class Dynamics:
 
         Left out is what the constructor, fix, force, and those who add tools, beads and walls are given again.
         """
-        state = self._loop.state()
-        arrays = {f"{owner}.{name}": values for owner, of in state.items() for name, values in of.items()}
-        return arrays | {f"{RUN}.{name}": values for name, values in self._dump_run().items()}
+        return name_arrays({**self._loop.state(), RUN: self._dump_run()})
 
     def _dump_run(self) -> dict[str, Array]:
         """Return what the loop does not keep."""

@@ -11,21 +11,22 @@ A node has six freedoms: displacements u, v, w and rotations p, q, r about x, y,
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
 from presswork.explicit.blocks import Shells, Solids
-from presswork.explicit.device import DEVICES, Device, advance_on, check_device
+from presswork.explicit.device import DEVICES, Device, check_device
 from presswork.explicit.divided import DividedLoop
 from presswork.explicit.drawbeads import BeadsOfRun
-from presswork.explicit.dynamics import Dynamics, Failed
+from presswork.explicit.dynamics import RUN, Dynamics, name_arrays
 from presswork.explicit.input_checks import ExplicitError, check_points
 from presswork.explicit.layers import LayersOfRun
+from presswork.explicit.resident import ResidentLoop, Traffic
 from presswork.explicit.shell_contact import ShellContactOfRun
 from presswork.explicit.tools import ToolsOfRun
 from presswork.law.umat import TOLD, SheetUmat
@@ -131,9 +132,11 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         self._start_beads()
         self._start_shell_contact()
         check_device(device, loop)
-        super().__init__(
-            _divide(loop, precision, pieces, x, nodes, place, world) if world else loop, nodes, np.concatenate(elements)
-        )
+        self._resident = None if device == "cpu" else ResidentLoop(loop, device)
+        whole: Any = self._resident or loop
+        if world:
+            whole = _divide(loop, precision, pieces, x, nodes, place, world)
+        super().__init__(whole, nodes, np.concatenate(elements))
 
     @property
     def mass(self) -> Array:
@@ -162,13 +165,17 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
     def find_contact(self) -> None:
         """Find the contact of tools that are new.
 
-        Raises ExplicitError where the sheet starts in a tool, or the device does not compute what the run has.
+        Raises ExplicitError where the sheet starts in a tool, or the device does not compute what the run has or has
+        too little memory for it.
         """
-        check_device(self.device, self._loop)
+        if self._resident:
+            check_device(self.device, self._resident.loop)
         self._prepare_tools(np.empty(0))
         if self._reference is None:
             self._begin_balance(0.0, 1.0, 1.0)
         self._check_tools()
+        if self._resident:
+            self._resident.enter()
 
     def _last_step(self) -> float:
         # a step differs little from the one before: velocities are taken to stand half of the present one back
@@ -187,13 +194,35 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         self._prepare_tools(velocity_scale)
         self._prepare_beads(len(velocity_scale))
 
-    def _advance_loop(self, force_scale: Array, velocity_scale: Array, damping: float) -> Failed:
-        if self.device == "cpu":
-            return super()._advance_loop(force_scale, velocity_scale, damping)
-        check_device(self.device, self._loop)
-        return advance_on(
-            self.device, self._loop, (self.dt, self._last_step()), force_scale, velocity_scale, damping=damping
-        )
+    # What a device measures it measures in every run, so that a run that goes on from a dump has the same bits; before
+    # the first cycle the loop does, which a run begins with.
+
+    def _find_gone(self) -> int:
+        return -1 if self._resident and self._resident.is_finite else super()._find_gone()
+
+    def stable_step(self) -> float:
+        """Give the bound of the stable time step [s] of the elements as they are now."""
+        if self._resident and self.cycle > 0:
+            return float(2.0 / np.sqrt(self._resident.measure_frequency()))
+        return super().stable_step()
+
+    def _energies(self, damping: float, force_scale: float, velocity_scale: float) -> _core.Energies:
+        if self._resident and self.cycle > 0:
+            scales = {"damping": damping, "force_scale": force_scale, "velocity_scale": velocity_scale}
+            return self._resident.measure_energies(self._last_step(), self._last_step(), **scales)
+        return super()._energies(damping, force_scale, velocity_scale)
+
+    @property
+    def traffic(self) -> Traffic:
+        """Copies of arrays to the device and back so far."""
+        return self._resident.traffic if self._resident else Traffic()
+
+    def keep(self) -> Callable[[], dict[str, Array]] | None:
+        """Keep the present state on the device, if there is one; return what gives it as dump does, until kept anew."""
+        if not self._resident:
+            return None
+        run, give = self._dump_run(), self._resident.keep()
+        return lambda: name_arrays({**give(), RUN: run})
 
     def _check(self) -> None:
         self._check_tools()

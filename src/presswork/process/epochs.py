@@ -58,12 +58,16 @@ class EpochRecording(ModelRecording, ABC):
 
     def to_arrays(self) -> NamedArrays:
         """Return all that the next report depends on: the state, and its mesh unless that is the first one."""
+        return self._describe_epoch() | self._state_arrays()
+
+    def _describe_epoch(self) -> NamedArrays:
+        """Return the epoch, and its mesh unless that is the first one."""
         epoch: dict[str, NDArray[Any]] = {NUMBER: np.array(self.epoch), **self._epoch_arrays()}
         if self.epoch:
             epoch |= dump_mesh(self.model.mesh)
         if self._origin is not None:
             epoch[ORIGIN] = self._origin
-        return {f"{EPOCH}{name}": values for name, values in epoch.items()} | self._state_arrays()
+        return {f"{EPOCH}{name}": values for name, values in epoch.items()}
 
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Go back to the epoch and the state of these arrays. Raises ValueError if they belong to another model."""

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -20,7 +20,7 @@ from presswork.explicit.motion import DrivenStroke
 from presswork.implicit.ram import SPENT
 from presswork.model import Blow, Drive, FloatArray, Model, Stage, Support
 from presswork.outcome import GaveUpError
-from presswork.process.epochs import EpochRecording
+from presswork.process.epochs import EpochRecording, NamedArrays
 from presswork.process.press_quantities import RAM_COLUMNS, force_on_ram, has_ram, ram_at_rest
 from presswork.process.recording import Row
 from presswork.threads import available_threads
@@ -100,15 +100,20 @@ class RowRecording(EpochRecording, ABC):
     def advance(self) -> Iterator[RowReport]:
         """Compute row after row. Raises GaveUpError, with the state of the last row, where the motion breaks down."""
         while int(self._progress[STAGE]) < len(self.model.stages):
-            before = self.to_arrays()
+            before = self._keep()
             try:
                 report = self._next_row()
             except (ExplicitError, KeyboardInterrupt) as error:
-                self.load_arrays(before)
+                self.load_arrays(before())
                 if isinstance(error, KeyboardInterrupt):
                     raise
                 raise GaveUpError(str(error)) from error
             yield report
+
+    def _keep(self) -> Callable[[], NamedArrays]:
+        """Keep the present state; return what gives it."""
+        arrays = self.to_arrays()
+        return lambda: arrays
 
     def _next_row(self) -> RowReport:
         started = perf_counter()

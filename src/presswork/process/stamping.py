@@ -6,7 +6,7 @@ It knows nothing of files: recorder.py records what it yields.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
@@ -38,7 +38,7 @@ from presswork.process.stamping_tools import StampingTools, mean_speeds
 from presswork.process.transfer import SheetState, ShellStart, fill_layers, keep_heated, sheet_of_explicit
 from presswork.ranks.world import World
 
-ELEMENT_CYCLES_A_CALL = 2_000_000
+ELEMENT_CYCLES_A_CALL = {"cpu": 2_000_000, "host": 2_000_000, "cuda": 200_000_000}
 """Between two looks at the keyboard: about a second."""
 SAMPLES = 10
 """Of the tools' forces in a row, at least: single cycles are noisy."""
@@ -148,7 +148,7 @@ class ExplicitStamping(StampingRecording):
             return self._compute_dwell(stage, end - begin)
         n = int(np.ceil((end - begin) / self._longest_step() * (1 - 1e-12)))
         self.shells.dt = (end - begin) / n
-        every, most = max(1, n // SAMPLES), max(1, ELEMENT_CYCLES_A_CALL // n_shells)
+        every, most = max(1, n // SAMPLES), max(1, ELEMENT_CYCLES_A_CALL[self.settings.device] // n_shells)
         self.tools.begin_row()
         self.shells.reset_reaction()
         self._seconds_n = self.shells.seconds
@@ -286,9 +286,19 @@ class ExplicitStamping(StampingRecording):
         self._make_again()
         self.layers.start(self.shells)
 
+    def _keep(self) -> Callable[[], NamedArrays]:
+        shells = self.shells.keep()
+        if shells is None:
+            return super()._keep()
+        others = self._describe_epoch() | self._arrays_beside_shells()
+        return lambda: others | shells()
+
     def _state_arrays(self) -> NamedArrays:
+        return self._arrays_beside_shells() | self.shells.dump()
+
+    def _arrays_beside_shells(self) -> NamedArrays:
         heat = self.heat.dump() if self.heat else {}
-        return {"progress": self._progress.copy(), **self.shells.dump(), **self.layers.dump(), **heat}
+        return {"progress": self._progress.copy(), **self.layers.dump(), **heat}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
