@@ -21,7 +21,7 @@ import numpy as np
 from benchmarks import explicit_shells
 from benchmarks.explicit_shells import SWIFT, stretched_sheet
 from presswork import _core
-from presswork.explicit.shells import ExplicitShells, ShellOptions
+from presswork.explicit.shells import Device, ExplicitShells, Precision, ShellOptions
 
 MU, THICKNESS, PRESSURE, RATE = 0.1, 0.8, 2.0, 20.0
 COLUMNS = {"planes": (False, False), "20,000 triangles": (True, False), "triangles, grooves": (True, True)}
@@ -41,9 +41,11 @@ def draw_plate(size: float, up: bool, triangles: bool, grooves: bool) -> _core.T
     return _core.ToolSurface.triangles(points, np.ascontiguousarray(cells if up else cells[:, ::-1], dtype=np.int32))
 
 
-def pressed_sheet(n: int, triangles: bool, grooves: bool) -> ExplicitShells:
+def pressed_sheet(
+    n: int, triangles: bool, grooves: bool, precision: Precision = "double", device: Device = "cpu"
+) -> ExplicitShells:
     """Return n x n shells between die and holder."""
-    sheet = stretched_sheet(n, SWIFT, ShellOptions())
+    sheet = stretched_sheet(n, SWIFT, ShellOptions(), precision, device)
     for name, up in (("die", True), ("holder", False)):
         tool = sheet.add_tool(name, draw_plate(n, up, triangles, grooves), mu=MU)
         tool.position = [0.0, 0.0, (-0.5 if up else 0.5) * THICKNESS]

@@ -20,7 +20,7 @@ import time
 import numpy as np
 
 from presswork import _core
-from presswork.explicit.shells import ExplicitShells, Precision, ShellOptions
+from presswork.explicit.shells import Device, ExplicitShells, Precision, ShellOptions
 
 MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
 SWIFT = _core.SheetLaw(207e3, 0.3, MISES, _core.HardeningLaw.swift, [565.0, 0.007, 0.26])
@@ -30,14 +30,14 @@ RATE = 200.0
 
 
 def stretched_sheet(
-    n: int, law: _core.SheetLaw, options: ShellOptions, precision: Precision = "double"
+    n: int, law: _core.SheetLaw, options: ShellOptions, precision: Precision = "double", device: Device = "cpu"
 ) -> ExplicitShells:
     """Return n x n shells of 1 mm, 0.8 mm thick, in uniform stretching, edges driven."""
     x, y = np.meshgrid(np.arange(n + 1.0), np.arange(n + 1.0))
     points = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
     first = (np.arange(n)[None, :] + (n + 1) * np.arange(n)[:, None]).ravel()
     cells = np.stack([first, first + 1, first + n + 2, first + n + 1], axis=1).astype(np.int32)
-    shells = ExplicitShells(points, cells, 0.8, law, 7.85e-9, options=options, precision=precision)
+    shells = ExplicitShells(points, cells, 0.8, law, 7.85e-9, options=options, precision=precision, device=device)
     velocity = np.zeros((len(points), 6))
     velocity[:, :2] = RATE * (points[:, :2] - n / 2)
     shells.velocity = velocity

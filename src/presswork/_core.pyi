@@ -2018,13 +2018,13 @@ class DevicePart(enum.Enum):
     Parts of the state that are taken from a device where they are asked for.
     """
 
-    nodes = 4
+    nodes = 5
 
-    reaction = 5
+    reaction = 6
 
-    elements = 6
+    elements = 7
 
-    contact = 7
+    contact = 8
 
 @overload
 def find_device_lack(loop: SpaceLoop) -> str: ...

@@ -26,3 +26,17 @@ def test_a_benchmark_of_kernels_compiles(path: Path) -> None:
     command = [find_compiler() or "", "-std=c++20", "-march=native", "-Wno-psabi", f"-I{path.parents[1] / 'cpp'}"]
     checked = subprocess.run([*command, "-fopenmp", "-fsyntax-only", str(path)], capture_output=True, text=True)
     assert checked.returncode == 0, checked.stderr
+
+
+@pytest.mark.parametrize("element", ["shell4_1pt", "shell4_mitc_plus"])
+def test_the_benchmark_of_devices_runs_with_the_host_build(
+    element: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Every row has a speed, and what crosses the bus does not grow with the sheet."""
+    command = ["explicit_device", "--device", "host", "--sizes", "4", "8", "--repeats", "1", "--element", element]
+    monkeypatch.setattr("sys.argv", command)
+    runpy.run_module("benchmarks.explicit_device", run_name="__main__")
+    rows = [line.split() for line in capsys.readouterr().out.splitlines()[2:]]
+    assert len(rows) == (8 if element == "shell4_1pt" else 4)
+    assert all(float(row[3]) > 0 for row in rows)
+    assert all(int(row[-1]) < 300 for row in rows)

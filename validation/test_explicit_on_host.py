@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tests of explicit shells pass where the code for cards computes their cycles, by its host build.
+
+`python -m pytest -n 0 -s -m validation validation/test_explicit_on_host.py` says how many cycles that are.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.validation
+
+ROOT = Path(__file__).parents[1]
+TESTS = {
+    "consistency": ("explicit_shells", "explicit_cup", "explicit_edges", "given_temperature", "mixed_dynamics"),
+    "verification": (
+        *("explicit_patch", "explicit_stretching", "explicit_contact", "explicit_dynamics", "explicit_precision"),
+        *("drawbeads", "squeezed_sheet", "damage", "reactions", "transfer", "presses"),
+    ),
+    "regression": ("stamping_runs", "drawbead_runs", "forming_path_runs", "hot_stamping", "interruptions"),
+}
+"""Of files `tests/KIND/test_NAME.py`."""
+BY_THE_LOOP = {
+    "test_the_clock_of_phases_adds_up": "a device tells the time of a call, not of its phases",
+}
+"""Tests whose claim is one of the CPU's loop, and why."""
+
+
+@pytest.mark.parametrize("kind", TESTS)
+def test_explicit_tests_pass_on_the_host_build(kind: str) -> None:
+    files = [f"tests/{kind}/test_{name}.py" for name in TESTS[kind]]
+    skipped = " and ".join(f"not {name}" for name in BY_THE_LOOP)
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "validation.on_host", "-k", skipped, *files]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=3000)
+    told = re.search(r"cycles: (\d+) on the host build.*", done.stdout)
+    print(done.stdout[-1500:])
+    assert done.returncode == 0, done.stdout[-8000:]
+    assert told is not None
+    assert int(told[1]) > 10_000
