@@ -134,6 +134,17 @@ def bend_over_die(**changes: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def draw_under_holder() -> dict[str, Any]:
+    """Return the data of the same strip, longer, drawn from under a holder that a force pushes."""
+    data = bend_over_die(points={"tip": [30, 2, 0], "wall": [9, 1, 0]})
+    holder = {"kind": "holder", "shape": "strip", "width": 20, "edge_radius": 6, "mu": 0.1}
+    return data | {
+        "blank": data["blank"] | {"size": [60, 4]},
+        "tools": data["tools"] | {"die": data["tools"]["die"] | {"width": 20}, "holder": holder},
+        "stages": [{"name": "draw", "tools": {"punch": {"stroke": 3.0}, "holder": {"force": 800.0}}}],
+    }
+
+
 def run_case(kind: type[CaseFile], data: Mapping[str, Any], folder: Path) -> Result:
     """Run a case to its end."""
     outcome = run_model(build_model(kind.model_validate(data)), folder)

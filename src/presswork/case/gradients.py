@@ -95,6 +95,7 @@ def find_number(case: CaseFile, key: str) -> float:
 def _refuse(built: model.Model) -> list[Problem]:
     """Return the problems of what a run does that has no derivatives yet."""
     motions = [motion for stage in built.stages for motion in stage.tool_motion.values()]
+    pushes = built.analysis != "stamping" and any(motion.push is not None for motion in motions)
     asked = built.remeshing is not None and not built.remeshing.keeps_first
     refused = (
         (built.explicit is not None, "procedure", "dynamics", "implicit runs alone have"),
@@ -109,7 +110,7 @@ def _refuse(built: model.Model) -> list[Problem]:
         (bool(built.contacts), "contacts", "contact of bodies", "one body between tools has"),
         (built.cyclic is not None, "boundary", "cyclic sectors", "a sector between symmetry planes has"),
         (any(t.spring is not None for t in built.tools), "tools", "tools on springs", "tools with strokes have"),
-        (any(m.push is not None for m in motions), "stages", "tools that forces push", "tools with strokes have"),
+        (pushes, "stages", "tools that forces push", "tools with strokes have"),
         (any(s.drive is not None for s in built.stages), "stages", "presses", "stages by duration have"),
     )
     return [

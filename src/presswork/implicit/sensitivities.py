@@ -24,18 +24,15 @@ an error of h^2, on one side of h, and of round-off over h.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
 
-from presswork.implicit.linear.system import Lacking
-from presswork.implicit.linear.whole_tangent import WholeTangent
+from presswork.implicit.neighbours import Neighbour, Neighbours, SensitivityArrays, join, shift
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.contract import Point, turn_back
 from presswork.model import FloatArray
-from presswork.outcome import BadGuess, GaveUpError, Step
-from presswork.state import Arrays, State
+from presswork.outcome import GaveUpError, Step
+from presswork.state import State
 
 BALANCED, DIGITS = 1e-10, 1e-1
 """Out of balance over the largest change of a nodal force, below which a derivative is found; and that of a run whose
@@ -45,136 +42,6 @@ ENOUGH = 1e-4
 INNER = 0.3
 """Part of what is enough to which K is solved."""
 MOST_ROUNDS = 30
-
-
-@dataclass
-class SensitivityArrays(Arrays):
-    """Derivatives of the converged state by the parameters of a run."""
-
-    owner = "sensitivities"
-    slope: dict[str, list[FloatArray]]
-    """Of each array of the State, by its name in a checkpoint: by one parameter after the other, in its form and unit
-    over that of the parameter."""
-
-
-class Neighbour:
-    """A run of nearly the same model. counts_work: whether it adds up the work done in increments."""
-
-    def __init__(self, procedure: ImplicitProcedure, change: float, *, counts_work: bool = False) -> None:
-        self.procedure = procedure
-        self.change = change
-        """Of the parameter, from that of the run."""
-        self._counts_work = counts_work
-        self._begun: _Begun | None = None
-
-    @property
-    def now(self) -> _Begun:
-        """Return where it is in the present increment."""
-        assert self._begun is not None, "an increment has begun"
-        return self._begun
-
-    def begin(self, state_n: State, number: int, step: Step) -> None:
-        """Put it beside the state before an increment, and let the increment begin."""
-        procedure = self.procedure
-        beside = _shift(state_n, procedure.state, number, self.change)
-        step = procedure.step_like(beside, step)
-        if step.fraction_n == 0.0 and step.stage > 0:
-            for interaction in procedure.interactions.all:
-                interaction.begin_stage(beside, step.stage)
-        trial = beside.duplicate()
-        for interaction in procedure.interactions.all:
-            interaction.place(beside, trial, step, 1.0)
-        procedure.equilibrium.begin(beside, step)
-        self._begun = _Begun(beside, trial, step)
-
-    def evaluate(
-        self, main: ImplicitProcedure, held: State, increment: FloatArray, *, with_stiffness: bool = False
-    ) -> None:
-        """Find what is out of balance after an increment of its own (n_points, freedoms) [mm, rad].
-
-        main, held: the run, and its state in equilibrium. Raises GaveUpError.
-        """
-        now, own = self.now, self.procedure.equilibrium
-        point = own.evaluate_like(
-            main.equilibrium, now.state_n, now.trial, held, now.step, increment, with_stiffness=with_stiffness
-        )
-        if isinstance(point, BadGuess):
-            raise GaveUpError(f"no derivatives here: {point}")
-        now.point, now.lacking = point, own.find_lacking(now.state_n, now.trial, point)
-        constraints = now.lacking.constraints
-        now.force = turn_back(constraints, now.lacking.force.copy())
-        now.missing = turn_back(constraints, np.where(constraints.mask == 1, constraints.value, 0.0))
-
-    def find_tangent(self, main: ImplicitProcedure) -> WholeTangent:
-        """Return the tangent at the point that was evaluated with stiffness."""
-        now, system = self.now, self.procedure.equilibrium.system
-        held = now.lacking.constraints
-        matrix = system.find_whole(held, now.point, now.lacking.resistances)
-        return WholeTangent(main.equilibrium.system, matrix, held, main.mechanics.length)
-
-    def augment(self) -> None:
-        """Take multipliers over where the run has."""
-        self.procedure.equilibrium.augment_like(self.now.trial, self.now.point)
-
-    def settle(self, progress: Progress, next_stage: int | None) -> None:
-        """Complete its state at the end of an increment; the run's progress goes with it."""
-        now, procedure = self.now, self.procedure
-        procedure.equilibrium.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
-        procedure.settle(now.state_n, now.trial, now.step)
-        if self._counts_work:
-            procedure.count_work(now.state_n, now.trial, now.step)
-        procedure.evolve(now.state_n, now.trial, now.step)
-        if next_stage is not None:
-            procedure.end_stage(now.trial, next_stage)
-        now.trial.replace(progress.duplicate())
-        procedure.state = now.trial
-
-
-@dataclass
-class _Begun:
-    """A neighbour in an increment."""
-
-    state_n: State
-    trial: State
-    step: Step
-    """Of the run's part of the stage, in its own time."""
-    point: Point = field(init=False)
-    lacking: Lacking = field(init=False)
-    force: FloatArray = field(init=False)
-    """Out of balance where nothing is prescribed (n_points, freedoms) [N], in the global frame."""
-    missing: FloatArray = field(init=False)
-    """What nodes still have to move where something is, in the same form [mm, rad]."""
-
-
-@dataclass(frozen=True)
-class Neighbours:
-    """Two runs by which a derivative is found: with more of a parameter, and with less or as much."""
-
-    key: str
-    """Name of the parameter."""
-    more: Neighbour
-    less: Neighbour
-
-    @property
-    def own(self) -> list[Neighbour]:
-        """Those that belong to this parameter alone."""
-        return [side for side in (self.more, self.less) if side.change]
-
-    @property
-    def apart(self) -> float:
-        """How far the parameters of both are apart."""
-        return self.more.change - self.less.change
-
-    def differ(self) -> dict[str, FloatArray]:
-        """Return the derivative of the state, array by array."""
-        more, less = self.more.procedure.state.to_arrays(), self.less.procedure.state.to_arrays()
-        found = {}
-        for name, values in more.items():
-            if values.dtype == np.float64:
-                with np.errstate(invalid="ignore"):  # infinite in both: what is not there
-                    change = np.subtract(values, less[name], dtype=np.float64) / self.apart
-                found[name] = np.nan_to_num(change, nan=0.0)
-        return found
 
 
 class Sensitivities:
@@ -229,10 +96,10 @@ class Sensitivities:
     def spread(self) -> None:
         """Put the neighbours where the derivatives of the run's state have them."""
         state, same = self._procedure.state, self._same.procedure
-        same.state = _shift(state, same.state, 0, 0.0)
+        same.state = shift(state, same.state, 0, 0.0)
         for number, each in enumerate(self.neighbours):
             for side in each.own if not self.is_lost(state, number) else []:
-                side.procedure.state = _shift(state, side.procedure.state, number, side.change)
+                side.procedure.state = shift(state, side.procedure.state, number, side.change)
 
     def is_lost_now(self, number: int) -> bool:
         """Say the same of the run's state."""
@@ -255,12 +122,14 @@ class Sensitivities:
                 side.augment()
         for course in courses:
             course.predict(state_n, step)
-        self._solve(courses, self._held.nodes.increment)
+        travel = self._same.find_travel(self._held)
+        self._solve(courses, join(self._held.nodes.increment, travel))
 
     def _solve(self, courses: Sequence[_Course], increment: FloatArray) -> None:
         """Find the derivatives of the increment; leaves the neighbours there, or their courses lost.
 
-        increment: of the run, in equilibrium (n_points, freedoms) [mm, rad]. Raises GaveUpError.
+        increment: of the run, in equilibrium (n_points, freedoms) [mm, rad], joined with the travel of freedoms that
+        interactions own. Raises GaveUpError.
         """
         main, length = self._procedure, self._procedure.mechanics.length
         self._same.evaluate(main, self._held, increment, with_stiffness=True)
@@ -304,7 +173,8 @@ class _Course:
         last = state_n[Progress].last_size
         if step.fraction_n > 0.0 and last > 0.0:
             slope = state_n[SensitivityArrays].slope["nodes.increment"][self.number]
-            self._start = slope * (step.fraction - step.fraction_n) / last
+            travel = self.each.more.find_last_travel() - self.each.less.find_last_travel()
+            self._start = join(slope, travel / self.each.apart) * (step.fraction - step.fraction_n) / last
 
     def begin(self, increment: FloatArray, length: FloatArray, evaluate: Evaluate) -> bool:
         """Begin with what was predicted, or nodes that do not move by the parameter; return whether to go on."""
@@ -378,16 +248,3 @@ class _Lack:
 
 def _lose(slope: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
     return {name: np.full_like(values, np.nan) for name, values in slope.items()}
-
-
-def _shift(state: State, own: State, number: int, change: float) -> State:
-    """Return a state with the derivative by a parameter times its change added, in the form of a neighbour's own."""
-    shifted, arrays = own.duplicate(), state.to_arrays()
-    slope = state[SensitivityArrays].slope if change else {}
-    shifted.load_arrays(
-        {
-            name: np.add(arrays[name], change * slope[name][number]) if name in slope else arrays[name]
-            for name in shifted.to_arrays()
-        }
-    )
-    return shifted

@@ -14,6 +14,7 @@ Newton's method asks every interaction of a run the same questions, in this orde
     border            freedoms of its own, one equation each, such as a tool that a force pushes
     hold_like         of a neighbour of a run, by which its derivatives are found: hold the nodes that the run holds
     augment_like      the same: take multipliers over where the run has
+    find_travel, ...  the same: where its own freedoms are, what their equations lack and how they depend on the nodes
     augment           in equilibrium: whether multipliers are taken over and the iteration goes on
     settle            the increment has converged; what the next one needs goes into the trial state
     commit, work      the trial state becomes the converged one; work done in the increment [N mm]
@@ -220,6 +221,25 @@ class Interaction:
         other: the interaction of that run; held: its state in equilibrium. displacement: of the guess (n_points,
         freedoms) [mm, rad].
         """
+
+    def find_travel(self, state_n: State, trial: State, step: Step) -> FloatArray:
+        """Return how far its own freedoms have gone in an increment (n,)."""
+        return np.zeros(0)
+
+    def find_last_travel(self, state: State, step: Step) -> FloatArray:
+        """Return how far they went in the increment that has led to a state (n,)."""
+        return np.zeros(0)
+
+    def travel_like(self, state_n: State, trial: State, step: Step, travel: FloatArray) -> None:
+        """Put its own freedoms where they have gone so far in the increment (n,)."""
+
+    def find_missing(self, trial: State, point: Point, own: Any) -> FloatArray:
+        """Return what the equations of its own freedoms lack (n,) [N], held as hold_like() has them."""
+        return np.zeros(0)
+
+    def find_border(self, point: Point, own: Any, respond: Callable[[FloatArray], FloatArray]) -> Any:
+        """Return these equations (placing.Border). respond: what nodes do under forces (n_points, freedoms)."""
+        return None
 
     def augment_like(self, trial: State, own: Forces | None) -> None:
         """Take multipliers over as another run of nearly the same model has done where it was."""

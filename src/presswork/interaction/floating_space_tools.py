@@ -31,10 +31,13 @@ from presswork.interaction.placing import (
 from presswork.interaction.space_contact import SpaceForces
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import BoolArray, FloatArray, Model, Push
+from presswork.outcome import GaveUpError
 from presswork.state import State
 
 STANDING = 1e-9
 """Way to its stop at which a tool stands on it [mm]."""
+STANDS = 1e-6
+"""The same of a neighbour of a run, by which its derivatives are found [mm]."""
 
 
 @dataclass(frozen=True)
@@ -81,14 +84,13 @@ class FloatingSpaceTools:
             share, push = float(self._share[t]), pushes.get(t)
             if push is not None:
                 direction, k = np.asarray(push.direction), 0.0
-                start = -float(placed.force_start[t] @ direction)
-                demand = -force_at(push.force * (1.0, share), start, fraction)
+                demand = self._demand(placed, t, push, fraction)
             elif tool.spring is not None:
                 direction, k = np.asarray(tool.spring.direction), tool.spring.stiffness * share
                 demand = tool.spring.preload * share + k * float(placed.travel[t] @ direction)
             else:
                 continue
-            lacks = -float(contact.by_tool[t].sum(axis=0) @ direction) - demand
+            lacks = _bear(contact, t, direction) - demand
             if push is None:
                 changes += self._springs.leave_or_reach_stop(placed, t, lacks, near=near)
                 if not placed.gives[t]:
@@ -103,6 +105,11 @@ class FloatingSpaceTools:
         shape = np.array(directions).reshape(-1, 3)
         lacking = np.where(stands, 0.0, lacking)
         return FloatingInSpace(tools, shape, lacking, np.array(stiffness), left, stands), changes
+
+    def _demand(self, placed: SpaceToolArrays, t: int, push: Push, fraction: float) -> float:
+        """Return the force along its push that the workpiece must bear on a tool at a part of a stage [N]."""
+        start = -float(placed.force_start[t] @ np.asarray(push.direction))
+        return -force_at(push.force * (1.0, float(self._share[t])), start, fraction)
 
     def _room(self, trial: State, tool: int, push: Push) -> float:
         if not push.stop:
@@ -127,21 +134,58 @@ class FloatingSpaceTools:
         rows, responses = [], []
         own_slope, missing = floating.stiffness.copy(), floating.missing.copy()
         for i, (t, w) in enumerate(zip(floating.tools, floating.directions, strict=True)):
-            own = contact.tool == t
-            nodes, k = contact.pairs[own, 0], contact.blocks[own, :3, :3]
-            column, row = np.zeros_like(correction), np.zeros_like(correction)
-            column[nodes, :3] = k @ w
+            column, row = _couple(contact, t, w, correction)
             falls = not column.any() and floating.stiffness[i] == 0.0
             if falls and math.isinf(floating.room[i]):
                 name = self._model.space_tools[t].name
                 raise LostWorkpieceError(f"the tool {name!r} is pushed by a force, but touches nothing that holds it")
             if falls or floating.stands[i]:
+                row[:] = 0.0
                 own_slope[i], missing[i] = 1.0, floating.room[i]
             else:
-                row[nodes, :3] = -(w @ k)
                 own_slope[i] += float((column[:, :3] @ w).sum())
             responses.append(respond(column))
             rows.append(row)
         border = Border(rows, own_slope, responses)
         travel = np.minimum(border.find_travel(missing, correction), floating.room)
         return border.carry(correction, travel), travel
+
+    # --- of a neighbour of a run, by which its derivatives are found -----------------------------------------------
+
+    def find_missing(self, trial: State, contact: SpaceForces, stage: int, fraction: float) -> FloatArray:
+        """Return what each pushed tool lacks (n,) [N]. Raises GaveUpError where one has come to stand on its stop."""
+        placed, found = trial[SpaceToolArrays], []
+        for t, push in self.pushes(stage).items():
+            if self._room(trial, t, push) <= STANDS:
+                raise GaveUpError(f"{self._model.space_tools[t].name!r} stands on {push.stop!r}")
+            found.append(_bear(contact, t, np.asarray(push.direction)) - self._demand(placed, t, push, fraction))
+        return np.array(found)
+
+    def find_border(
+        self, contact: SpaceForces, stage: int, nodes: FloatArray, respond: Callable[[FloatArray], FloatArray]
+    ) -> Border:
+        """Return the equations of find_missing; nodes: a vector of the system's form (n_points, freedoms)."""
+        rows, responses, own = [], [], []
+        for t, push in self.pushes(stage).items():
+            w = np.asarray(push.direction)
+            column, row = _couple(contact, t, w, nodes)
+            own.append(float((column[:, :3] @ w).sum()))
+            rows.append(row)
+            responses.append(respond(column))
+        return Border(rows, np.array(own), responses)
+
+
+def _bear(contact: SpaceForces, t: int, direction: FloatArray) -> float:
+    """Return the workpiece's force on a tool along a direction [N]."""
+    return -float(contact.by_tool[t].sum(axis=0) @ direction)
+
+
+def _couple(contact: SpaceForces, t: int, w: FloatArray, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the forces on the nodes for each mm of a tool's travel along w (3,), and the derivative of its equation by
+    the nodes, both (n_points, freedoms) [N/mm]; nodes: a vector of this form.
+    """
+    own = contact.tool == t
+    at, k = contact.pairs[own, 0], contact.blocks[own, :3, :3]
+    column, row = np.zeros_like(nodes), np.zeros_like(nodes)
+    column[at, :3], row[at, :3] = k @ w, -(w @ k)
+    return column, row

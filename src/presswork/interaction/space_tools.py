@@ -14,7 +14,7 @@ from presswork.body.solids import Mechanics
 from presswork.geometry.touch_in_space import Nearest, find_touch_in_space
 from presswork.interaction.contract import Factors, Guess, Interaction, Point, turn, turn_back
 from presswork.interaction.floating_space_tools import FloatingInSpace, FloatingSpaceTools
-from presswork.interaction.placing import move_tools
+from presswork.interaction.placing import Border, Placed, move_tools
 from presswork.interaction.sheet_contact import SheetContact
 from presswork.interaction.solid_contact import SolidContact
 from presswork.interaction.space_contact import SpaceForces
@@ -128,6 +128,36 @@ class SpaceTools(Interaction):
     def hold_like(self, other: Self, trial: State, held: State, displacement: FloatArray) -> None:
         """Let the faces shear that shear in another run."""
         self.contact.touch_like(other.contact)
+
+    def find_travel(self, state_n: State, trial: State, step: Step) -> FloatArray:
+        """Return how far the pushed tools have gone along their push in an increment (n,) [mm]."""
+        return self._along(trial[SpaceToolArrays].travel - state_n[SpaceToolArrays].travel, step.stage)
+
+    def find_last_travel(self, state: State, step: Step) -> FloatArray:
+        """Return how far they went in the increment that has led to a state (n,) [mm]."""
+        return self._along(state[SpaceToolArrays].travel_increment, step.stage)
+
+    def _along(self, ways: FloatArray, stage: int) -> FloatArray:
+        return np.array([float(ways[t] @ push.direction) for t, push in self.floating.pushes(stage).items()])
+
+    def travel_like(self, state_n: State, trial: State, step: Step, travel: FloatArray) -> None:
+        """Put the pushed tools where they have gone so far along their push in the increment (n,) [mm]."""
+        pushes = self.floating.pushes(step.stage)
+        ways = np.array([push.direction for push in pushes.values()]).reshape(-1, 3)
+        further = travel - self.find_travel(state_n, trial, step)
+        move_tools(trial[SpaceToolArrays], Placed(list(pushes), ways, further), further)
+
+    def find_missing(self, trial: State, point: Point, own: Any) -> FloatArray:
+        """Return what the pushed tools lack (n,) [N]. Raises GaveUpError where one stands on its stop."""
+        step = point.guess.step
+        return self.floating.find_missing(trial, own, step.stage, step.fraction)
+
+    def find_border(self, point: Point, own: Any, respond: Callable[[FloatArray], FloatArray]) -> Border | None:
+        """Return the equations of the pushed tools."""
+        stage = point.guess.step.stage
+        if not self.floating.pushes(stage):
+            return None
+        return self.floating.find_border(own, stage, point.reaction, respond)
 
     def augment_like(self, trial: State, own: Any) -> None:
         """Take multipliers over as another run has done."""

@@ -10,7 +10,8 @@ from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
-from presswork.implicit.sensitivities import Neighbour, Neighbours, Sensitivities
+from presswork.implicit.neighbours import Neighbour, Neighbours
+from presswork.implicit.sensitivities import Sensitivities
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Model
 from presswork.outcome import StartError

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The whole tangent with the freedoms of interactions, such as the travel of tools that forces push (placing.py).
+
+Vectors have a row for each such freedom after those of the nodes, with its value in the first column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from presswork.implicit.linear.whole_tangent import WholeTangent
+from presswork.interaction.contract import Interaction, Point
+from presswork.interaction.placing import Border
+from presswork.model import FloatArray
+
+DIGITS = 1e-6
+"""Of a tool's column of the matrix: to which part of it the answer of the nodes is found."""
+
+
+class BorderedTangent:
+    """The tangent at one point of a run, with the equations of interactions, of which at most one has any."""
+
+    def __init__(self, whole: WholeTangent, interactions: Sequence[Interaction], point: Point) -> None:
+        self._whole = whole
+        found = (
+            interaction.find_border(point, forces, self._answer)
+            for interaction, forces in zip(interactions, point.forces, strict=True)
+        )
+        self._border: Border | None = next((border for border in found if border is not None), None)
+
+    @property
+    def rounds(self) -> int:
+        """Back-substitutions so far, one for each right-hand side."""
+        return self._whole.rounds
+
+    def _answer(self, force: FloatArray) -> FloatArray:
+        return self._whole.respond([force], [np.zeros_like(force)], [DIGITS * float(np.abs(force).max())])[0]
+
+    def respond(
+        self, forces: Sequence[FloatArray], moves: Sequence[FloatArray], goals: Sequence[float]
+    ) -> list[FloatArray]:
+        """Return what nodes and own freedoms do, as WholeTangent.respond."""
+        if self._border is None:
+            return self._whole.respond(forces, moves, goals)
+        n = len(forces[0]) - len(self._border.own)
+        found = self._whole.respond([f[:n] for f in forces], [m[:n] for m in moves], goals)
+        ways = []
+        for force, way in zip(forces, found, strict=True):
+            travel = self._border.find_travel(force[n:, 0], way)
+            rows = np.zeros_like(force[n:])
+            rows[:, 0] = travel
+            ways.append(np.vstack([self._border.carry(way, travel), rows]))
+        return ways

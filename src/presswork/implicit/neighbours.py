@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Neighbours of a run: the same model with a number a little less or more, taken through the run's increments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from presswork.implicit.linear.bordered_tangent import BorderedTangent
+from presswork.implicit.linear.system import Lacking
+from presswork.implicit.linear.whole_tangent import WholeTangent
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.contract import Point, turn_back
+from presswork.model import FloatArray
+from presswork.outcome import BadGuess, GaveUpError, Step
+from presswork.state import Arrays, State
+
+
+@dataclass
+class SensitivityArrays(Arrays):
+    """Derivatives of the converged state by the parameters of a run."""
+
+    owner = "sensitivities"
+    slope: dict[str, list[FloatArray]]
+    """Of each array of the State, by its name in a checkpoint: by one parameter after the other, in its form and unit
+    over that of the parameter."""
+
+
+class Neighbour:
+    """A run of nearly the same model. counts_work: whether it adds up the work done in increments."""
+
+    def __init__(self, procedure: ImplicitProcedure, change: float, *, counts_work: bool = False) -> None:
+        self.procedure = procedure
+        self.change = change
+        """Of the parameter, from that of the run."""
+        self._counts_work = counts_work
+        self._begun: _Begun | None = None
+
+    @property
+    def now(self) -> _Begun:
+        """Return where it is in the present increment."""
+        assert self._begun is not None, "an increment has begun"
+        return self._begun
+
+    def begin(self, state_n: State, number: int, step: Step) -> None:
+        """Put it beside the state before an increment, and let the increment begin."""
+        procedure = self.procedure
+        beside = shift(state_n, procedure.state, number, self.change)
+        step = procedure.step_like(beside, step)
+        if step.fraction_n == 0.0 and step.stage > 0:
+            for interaction in procedure.interactions.all:
+                interaction.begin_stage(beside, step.stage)
+        trial = beside.duplicate()
+        for interaction in procedure.interactions.all:
+            interaction.place(beside, trial, step, 1.0)
+        procedure.equilibrium.begin(beside, step)
+        self._begun = _Begun(beside, trial, step)
+
+    def evaluate(
+        self, main: ImplicitProcedure, held: State, increment: FloatArray, *, with_stiffness: bool = False
+    ) -> None:
+        """Find what is out of balance after an increment of its own (n_points, freedoms) [mm, rad].
+
+        main, held: the run, and its state in equilibrium. Raises GaveUpError.
+        """
+        now, own = self.now, self.procedure.equilibrium
+        nodes, travel = split(increment, now.trial)
+        for interaction in self.procedure.interactions.all:
+            if len(travel):
+                interaction.travel_like(now.state_n, now.trial, now.step, travel)
+        point = own.evaluate_like(
+            main.equilibrium, now.state_n, now.trial, held, now.step, nodes, with_stiffness=with_stiffness
+        )
+        if isinstance(point, BadGuess):
+            raise GaveUpError(f"no derivatives here: {point}")
+        now.point, now.lacking = point, own.find_lacking(now.state_n, now.trial, point)
+        constraints = now.lacking.constraints
+        found = zip(self.procedure.interactions.all, point.forces, strict=True)
+        missing = np.concatenate([i.find_missing(now.trial, point, forces) for i, forces in found])
+        now.force = join(turn_back(constraints, now.lacking.force.copy()), missing)
+        now.missing = turn_back(constraints, np.where(constraints.mask == 1, constraints.value, 0.0))
+        now.missing = join(now.missing, np.zeros_like(missing))
+
+    def find_tangent(self, main: ImplicitProcedure) -> BorderedTangent:
+        """Return the tangent at the point that was evaluated with stiffness."""
+        now, system = self.now, self.procedure.equilibrium.system
+        held = now.lacking.constraints
+        matrix = system.find_whole(held, now.point, now.lacking.resistances)
+        whole = WholeTangent(main.equilibrium.system, matrix, held, main.mechanics.length)
+        return BorderedTangent(whole, self.procedure.interactions.all, now.point)
+
+    def find_travel(self, trial: State) -> FloatArray:
+        """Return how far the own freedoms of interactions have gone in a trial state from where it has begun (n,)."""
+        now = self.now
+        return np.concatenate([i.find_travel(now.state_n, trial, now.step) for i in self.procedure.interactions.all])
+
+    def find_last_travel(self) -> FloatArray:
+        """Return the same of the increment before (n,)."""
+        now = self.now
+        return np.concatenate([i.find_last_travel(now.state_n, now.step) for i in self.procedure.interactions.all])
+
+    def augment(self) -> None:
+        """Take multipliers over where the run has."""
+        self.procedure.equilibrium.augment_like(self.now.trial, self.now.point)
+
+    def settle(self, progress: Progress, next_stage: int | None) -> None:
+        """Complete its state at the end of an increment; the run's progress goes with it."""
+        now, procedure = self.now, self.procedure
+        procedure.equilibrium.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
+        procedure.settle(now.state_n, now.trial, now.step)
+        if self._counts_work:
+            procedure.count_work(now.state_n, now.trial, now.step)
+        procedure.evolve(now.state_n, now.trial, now.step)
+        if next_stage is not None:
+            procedure.end_stage(now.trial, next_stage)
+        now.trial.replace(progress.duplicate())
+        procedure.state = now.trial
+
+
+@dataclass
+class _Begun:
+    """A neighbour in an increment."""
+
+    state_n: State
+    trial: State
+    step: Step
+    """Of the run's part of the stage, in its own time."""
+    point: Point = field(init=False)
+    lacking: Lacking = field(init=False)
+    force: FloatArray = field(init=False)
+    """Out of balance where nothing is prescribed (n_points, freedoms) [N], in the global frame."""
+    missing: FloatArray = field(init=False)
+    """What nodes still have to move where something is, in the same form [mm, rad]."""
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Two runs by which a derivative is found: with more of a parameter, and with less or as much."""
+
+    key: str
+    """Name of the parameter."""
+    more: Neighbour
+    less: Neighbour
+
+    @property
+    def own(self) -> list[Neighbour]:
+        """Those that belong to this parameter alone."""
+        return [side for side in (self.more, self.less) if side.change]
+
+    @property
+    def apart(self) -> float:
+        """How far the parameters of both are apart."""
+        return self.more.change - self.less.change
+
+    def differ(self) -> dict[str, FloatArray]:
+        """Return the derivative of the state, array by array."""
+        more, less = self.more.procedure.state.to_arrays(), self.less.procedure.state.to_arrays()
+        found = {}
+        for name, values in more.items():
+            if values.dtype == np.float64:
+                with np.errstate(invalid="ignore"):  # infinite in both: what is not there
+                    change = np.subtract(values, less[name], dtype=np.float64) / self.apart
+                found[name] = np.nan_to_num(change, nan=0.0)
+        return found
+
+
+def join(nodes: FloatArray, own: FloatArray) -> FloatArray:
+    """Return a nodal vector (n_points, freedoms) with a row for each freedom of interactions (n,), in column one."""
+    rows = np.zeros((len(own), nodes.shape[1]))
+    rows[:, 0] = own
+    return np.vstack([nodes, rows]) if len(own) else nodes
+
+
+def split(joined: FloatArray, state: State) -> tuple[FloatArray, FloatArray]:
+    """Return what join() has joined."""
+    n = len(state.nodes.increment)
+    return joined[:n], joined[n:, 0]
+
+
+def shift(state: State, own: State, number: int, change: float) -> State:
+    """Return a state with the derivative by a parameter times its change added, in the form of a neighbour's own."""
+    shifted, arrays = own.duplicate(), state.to_arrays()
+    slope = state[SensitivityArrays].slope if change else {}
+    shifted.load_arrays(
+        {
+            name: np.add(arrays[name], change * slope[name][number]) if name in slope else arrays[name]
+            for name in shifted.to_arrays()
+        }
+    )
+    return shifted
