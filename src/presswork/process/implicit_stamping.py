@@ -16,10 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.body.law_window import LawWindow
+from presswork.body.shell_arrays import ShellArrays
 from presswork.evolution.points import find_evolved
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
+from presswork.formability import find_thinning
 from presswork.implicit.held import check_held
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
@@ -64,6 +66,8 @@ CLOCK_TIMES = 1000
 """Of each stage, at which the smooth motion is tabulated."""
 WORTH_A_WARNING = 5.0
 """Per cent of the external work by which the energies may miss it, and of the internal that inertia may take."""
+THINNING = "max_thinning_percent"
+"""Column of the history: that of the thinnest cell."""
 ENERGIES = ("external_work", "elastic_energy", "plastic_work", "friction_work", "inertia_work")
 
 
@@ -146,7 +150,7 @@ class ImplicitStamping(IncrementRecording):
             first += columns_of_sheet(heat.sheet, self.procedure.state[SheetHeatArrays])
         ram = RAM_COLUMNS if has_ram(self.model) else ()
         points = self.marked.columns(self.show())
-        return [*first, *ram, *self.reactions.columns, *points, *ENERGIES, "energy_error_percent"]
+        return [*first, *ram, *self.reactions.columns, *points, THINNING, *ENERGIES, "energy_error_percent"]
 
     def begin_log(self) -> str:
         """Name the procedure and the linear solver."""
@@ -195,9 +199,16 @@ class ImplicitStamping(IncrementRecording):
             **self._measure_heat(),
             **self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, state.nodes.displacement),
             **(self.marked.measure(self.show()) if self.model.points else {}),
+            THINNING: self._measure_thinning(),
             **{name: balance[name] for name in ENERGIES},
             "energy_error_percent": balance["error_percent"],
         }
+
+    def _measure_thinning(self) -> float:
+        """Return by how many per cent the thinnest cell is thinner than it was."""
+        first = self.model.sheet[0].thickness
+        blocks = self.procedure.state[ShellArrays].thickness
+        return max(float(find_thinning(np.log(block / first).mean(axis=1)).max()) for block in blocks)
 
     def _measure_heat(self) -> Row:
         heat = self.procedure.sheet_heat
@@ -280,6 +291,7 @@ class ImplicitStamping(IncrementRecording):
             **peak_row(find_evolved(self.procedure.state)),
             **self._measure_heat(),
             **self.reactions.nothing(),
+            THINNING: self._measure_thinning(),
             **energies,
             "energy_error_percent": balance["error_percent"],
         }

@@ -211,7 +211,7 @@ def test_study_is_accepted_with_fields_and_columns_of_history(tmp_path: Path) ->
     limits = "".join(f'[[limits]]\nmeasure = "max:{name}"\nat_most = 1e6\n' for name in ("punch.force", "eqps"))
     path.write_text(STUDY.format(low=0.5, high=5.0).replace("[search]", limits))
     study, _ = read_study(path)
-    assert [column.title for column in check_study(study, path)] == ["max:punch.force", "max:eqps"]
+    assert [column.title for column in check_study(study, path)[0]] == ["max:punch.force", "max:eqps"]
 
 
 def test_folder_that_holds_a_study_is_not_replaced_unasked(tmp_path: Path) -> None:

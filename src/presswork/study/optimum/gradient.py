@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Optimum by gradients, for smooth measures: SLSQP (Kraft 1988, scipy) with finite differences in parallel runs.
+"""Optimum by gradients, for smooth measures: SLSQP (Kraft 1988, scipy) with the derivatives that a run has found, or
+finite differences in parallel runs.
 
-The runs of a gradient differ from its point by a step along each variable, towards the side with more room. A run
+The runs of a difference differ from its point by a step along each variable, towards the side with more room. A run
 without results counts as worse than all others, so that the line search shortens its step; a difference to it is taken
 on the other side, or else as zero.
 """
@@ -89,10 +90,13 @@ class _Smooth:
         return [self._at[point.tobytes()] for point in points]
 
     def _differences(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the slopes of the goal (n,) and of the excesses (n_sides, n)."""
+        """Return the slopes of the goal (n,) and of the excesses (n_sides, n): the run's own, or by differences."""
         x = np.clip(x, 0.0, 1.0)
         if x.tobytes() not in self._gradients:
             here = self._run([x])[0]
+            if here.slope is not None and here.slopes is not None:
+                self._gradients[x.tobytes()] = here.slope, here.slopes
+                return here.slope, here.slopes
             towards = np.where(x <= 0.5, self.step, -self.step)
             there = self._run([_moved(x, i, by) for i, by in enumerate(towards)])
             failed = [i for i, outcome in enumerate(there) if not outcome.is_known]

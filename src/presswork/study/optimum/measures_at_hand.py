@@ -24,8 +24,11 @@ _ALWAYS = (
 _ONE_STEP = ("punch.force", "blank_area", "strip_utilisation_percent")
 
 
-def check_measures(measures: Mapping[str, str], model: Model | OneStepModel, study_file: Path) -> tuple[Column, ...]:
-    """Return the columns among measures; measures: each with the key of the study file that names it.
+def check_measures(
+    measures: Mapping[str, str], model: Model | OneStepModel, study_file: Path
+) -> tuple[tuple[Column, ...], tuple[str, ...]]:
+    """Return the columns among measures, and those of the history; measures: each with the key of the study file that
+    names it.
 
     Raises CaseError, with every one that the runs of the model will not have.
     """
@@ -41,7 +44,7 @@ def check_measures(measures: Mapping[str, str], model: Model | OneStepModel, stu
             columns += [column] if column else []
     if problems:
         raise CaseError(problems, study_file)
-    return tuple(columns)
+    return tuple(columns), tuple(start.history)
 
 
 class _Start:

@@ -27,6 +27,7 @@ from presswork.study.optimum.gradient import search_by_gradient
 from presswork.study.optimum.measures_at_hand import check_measures
 from presswork.study.optimum.runs import Run, StudyRuns, open_study_folder
 from presswork.study.optimum.search import SpentError, find_best
+from presswork.study.optimum.slopes import Slopes, find_slopes
 from presswork.study.optimum.study_file import Study, read_study
 from presswork.study.optimum.surrogate import search_by_surrogate
 from presswork.study.runner import Runner
@@ -71,15 +72,18 @@ def optimise(
     OutputError for a folder that cannot, ClusterError for a cluster that cannot.
     """
     study, text = read_study(study_file)
-    columns = check_study(study, Path(study_file))
+    columns, slopes = check_study(study, Path(study_file))
     with open_runner(jobs, cluster, member_timeout) as runner:
         place = open_study_folder(Path(folder), resume, overwrite)
         _write(place / STUDY, text)
-        return search(study, Path(study_file), place, columns, runner, on_progress)
+        return search(study, Path(study_file), place, columns, runner, on_progress, slopes)
 
 
-def check_study(study: Study, study_file: Path) -> tuple[Column, ...]:
-    """Return the columns that the study's measures need. Raises CaseError for what its case does not have."""
+def check_study(study: Study, study_file: Path) -> tuple[tuple[Column, ...], Slopes | None]:
+    """Return the columns that the study's measures need, and their derivatives, if the runs are to find them.
+
+    Raises CaseError for what its case does not have.
+    """
     problems = []
     case_file = study_file.parent / study.case
     read_case(case_file, list(study.set))  # says what is wrong with the case itself, by its own name
@@ -103,7 +107,15 @@ def check_study(study: Study, study_file: Path) -> tuple[Column, ...]:
         remedy = "give every variable a start from which the case can be computed"
         text = f"the first run cannot be computed: {said}"
         raise CaseError([Problem("variables", text, remedy)], study_file) from None
-    return check_measures(study.measures, model, study_file)
+    columns, history = check_measures(study.measures, model, study_file)
+    slopes = None
+    if study.search.method == "gradient" and study.search.slopes != "differences":
+        try:
+            slopes = find_slopes(study, case_file, history)
+        except CaseError as error:
+            if study.search.slopes == "exact":
+                raise CaseError(error.problems, study_file) from None
+    return columns, slopes
 
 
 def search(
@@ -113,6 +125,7 @@ def search(
     columns: Sequence[Column],
     runner: Runner,
     on_progress: Callable[[SweepProgress], None] | None = None,
+    slopes: Slopes | None = None,
 ) -> Optimum:
     """Look for the optimum by the study's method; `optimise` without its checks, for a runner that is open."""
     from presswork.study.optimum.progress_plot import draw_progress
@@ -125,7 +138,7 @@ def search(
             draw_progress(study, found, folder)
             drawn = monotonic()
 
-    runs = StudyRuns(study, study_file, folder, columns, runner, on_progress=on_progress, on_round=draw)
+    runs = StudyRuns(study, study_file, folder, columns, runner, slopes=slopes, on_progress=on_progress, on_round=draw)
     wanted = study.search
     start = study.place_of([variable.first for variable in study.variables])
     status: Literal["completed", "gave_up", "interrupted"] = "completed"

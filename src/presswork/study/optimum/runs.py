@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import shutil
 from collections import Counter
@@ -13,14 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from presswork.api import identify
+from presswork.api import build, identify
 from presswork.case import CaseError, read_case
 from presswork.model import FloatArray
-from presswork.results import OutputError, load_checkpoint, open_output_folder
+from presswork.results import OutputError, Result, load_checkpoint, open_output_folder
 from presswork.results.folder import CASE, CHECKPOINT, RESULTS
 from presswork.study.measures import Column, measure_run
 from presswork.study.member_process import Mode
 from presswork.study.optimum.search import Outcome, SpentError
+from presswork.study.optimum.slopes import Slopes
 from presswork.study.optimum.study_file import Study
 from presswork.study.runner import Ended, Moved, Runner, Started, Task
 from presswork.study.sweep import MemberStatus, SweepProgress
@@ -69,11 +71,12 @@ class StudyRuns:
         columns: Sequence[Column],
         runner: Runner,
         *,
+        slopes: Slopes | None = None,
         on_progress: Callable[[SweepProgress], None] | None = None,
         on_round: Callable[[Sequence[Run]], object] | None = None,
     ) -> None:
         self.study, self.study_file, self.folder, self.columns, self.runner = study, study_file, folder, columns, runner
-        self.on_progress, self.on_round = on_progress, on_round
+        self.on_progress, self.on_round, self.slopes = on_progress, on_round, slopes
         self.runs: list[Run] = []
         self._by_values: dict[tuple[float, ...], Run] = {}
         self._kept = find_kept_runs(folder)
@@ -103,8 +106,11 @@ class StudyRuns:
         run = Run(0, self.folder, named, self.study.place_of(values))
         model_id = ""
         try:
-            case = read_case(self.study_file.parent / self.study.case, self.study.write_overrides(values))
+            case = self._read(values)
             run.case_text = case.text
+            if self.slopes is not None:
+                with contextlib.suppress(CaseError):  # a number at an end of its range: this run finds none
+                    case = self._read(values, self.slopes.override)
             model_id = identify(case)
         except CaseError as error:
             run.status, run.reason = "bad_input", "; ".join(str(problem) for problem in error.problems)
@@ -117,6 +123,13 @@ class StudyRuns:
         if run.status != "bad_input":
             self._cases[run.number] = case
         return run
+
+    def _read(self, values: tuple[float, ...], *more: str) -> AnyCase:
+        """Return the case with some values. Raises CaseError where it cannot be computed."""
+        case = read_case(self.study_file.parent / self.study.case, [*self.study.write_overrides(values), *more])
+        if more:
+            build(case)
+        return case
 
     def _complete(self, runs: Sequence[Run]) -> None:
         """Run what has not been run, and take the outcomes."""
@@ -165,12 +178,30 @@ class StudyRuns:
         values = {name: float(run.measures[name]) for name in study.measures}
         goal = sum(goal.factor * values[goal.measure] for goal in study.goals)
         excess = np.array([sign * (values[name] - value) for name, sign, value in sides])
-        run.outcome = Outcome(run.x, goal, excess)
+        run.outcome = Outcome(
+            run.x, goal, excess, *self._measure_slopes(run, [(name, sign) for name, sign, _ in sides])
+        )
         run.reason = "; ".join(
             f"{name} = {values[name]:.6g} is {'above' if sign > 0 else 'below'} {value:g}"
             for (name, sign, value), by in zip(sides, excess, strict=True)
             if by > 0.0
         )
+
+    def _measure_slopes(
+        self, run: Run, sides: Sequence[tuple[str, float]]
+    ) -> tuple[FloatArray | None, FloatArray | None]:
+        """Return the slopes of goal and sides that a run has found, if it has."""
+        if self.slopes is None:
+            return None, None
+        try:
+            by_measure = self.slopes.measure(Result(run.folder).history)
+        except KeyError:
+            return None, None
+        if not all(np.isfinite(slope).all() for slope in by_measure.values()):
+            return None, None
+        slope = sum((goal.factor * by_measure[goal.measure] for goal in self.study.goals), np.zeros(len(run.x)))
+        rows = [sign * by_measure[name] for name, sign in sides]
+        return slope, np.array(rows).reshape(-1, len(run.x))
 
     def write(self) -> None:
         """Bring the table on disk up to date."""

@@ -25,6 +25,10 @@ class Outcome:
     """The sum of the goals, to be small; NaN of a run without results."""
     excess: FloatArray
     """By how much each side of each limit is passed (n_sides,): at most 0 where it holds; NaN without results."""
+    slope: FloatArray | None = None
+    """Of the goal over the variables' ranges (n_variables,), where the run has found it."""
+    slopes: FloatArray | None = None
+    """Of the excess, in the same way (n_sides, n_variables)."""
 
     @property
     def is_known(self) -> bool:

@@ -130,7 +130,12 @@ class Search(Part):
 
     method: Literal["surrogate", "gradient"] = Field(
         default="surrogate",
-        description="surrogate: radial basis functions through all runs; gradient: SLSQP by finite differences",
+        description="surrogate: radial basis functions through all runs; gradient: SLSQP by derivatives",
+    )
+    slopes: Literal["auto", "exact", "differences"] = Field(
+        default="auto",
+        description="of gradient: by derivatives that the runs find themselves, by differences of runs; auto: exact "
+        "where the case and the measures have them",
     )
     runs: int = Field(default=40, ge=1, le=1000, strict=True, description="runs at most")
     together: int = Field(
