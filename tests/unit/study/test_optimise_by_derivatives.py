@@ -24,10 +24,6 @@ goals = [{{minimise = "punch.max_force"}}]
 limits = [{{measure = "{limited}", at_least = {least}}}]
 search = {{method = "gradient", slopes = "{slopes}", runs = 30}}
 [[variables]]
-key = "tools.punch.m"
-lower = 0.1
-upper = 0.4
-[[variables]]
 key = "stages.0.tools.punch.stroke"
 lower = "0.04 cm"
 upper = "0.2 cm"
@@ -66,7 +62,7 @@ def look(folder: Path, slopes: str) -> Optimum:
     return search(study, path, open_study_folder(folder / "out", False, False), columns, InThisProcess(), slopes=found)
 
 
-def test_derivatives_of_runs_find_the_optimum_of_differences_in_a_third_of_the_runs(tmp_path: Path) -> None:
+def test_derivatives_of_runs_find_the_optimum_of_differences_in_half_the_runs(tmp_path: Path) -> None:
     exact, differences = look(tmp_path / "exact", "auto"), look(tmp_path / "differences", "differences")
     assert exact.best is not None
     assert differences.best is not None
@@ -75,7 +71,7 @@ def test_derivatives_of_runs_find_the_optimum_of_differences_in_a_third_of_the_r
     assert differences.best.outcome is not None
     assert exact.best.outcome.goal == pytest.approx(differences.best.outcome.goal, rel=2e-3)
     assert exact.best.x == pytest.approx(differences.best.x, abs=0.02)
-    assert len(exact.runs) <= len(differences.runs) / 3
+    assert len(exact.runs) <= len(differences.runs) / 2
     assert "gradients" not in (tmp_path / "exact" / "out" / "best.toml").read_text()
 
 
