@@ -55,7 +55,7 @@ def write_study(folder: Path, slopes: str, limited: str = "last:rim.x", least: f
 
 def look(folder: Path, slopes: str) -> Optimum:
     folder.mkdir()
-    path = write_study(folder, slopes, least=8.2)
+    path = write_study(folder, slopes, least=8.0)
     study, _ = read_study(path)
     columns, found = check_study(study, path)
     assert (found is None) == (slopes == "differences")

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,8 +17,7 @@ from presswork.case import CaseError, read_case
 from presswork.case.errors import Problem
 from presswork.case.gradients import find_number
 from presswork.model import FloatArray
-from presswork.outcome import StartError
-from presswork.process.begin import check_start
+from presswork.recorder import StartError, write_start
 from presswork.results.history import name_derivative
 from presswork.study.measures import parse_column
 from presswork.study.optimum.study_file import Study
@@ -99,7 +99,8 @@ def find_slopes(study: Study, case_file: Path, columns: Sequence[str]) -> Slopes
     slopes = Slopes(sources, tuple(variable.names for variable in study.variables), np.array(ranges))
     case = read_case(case_file, [*study.write_overrides(first), slopes.override])
     try:
-        check_start(build(case))  # type: ignore[arg-type]
+        with tempfile.TemporaryDirectory() as folder:
+            write_start(build(case), Path(folder))  # type: ignore[arg-type]
     except StartError as error:
         raise CaseError([Problem("", str(error), 'set search.slopes = "differences"')], case_file) from error
     return slopes
