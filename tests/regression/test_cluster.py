@@ -183,23 +183,3 @@ def test_folder_that_is_used_already_is_refused_before_anything_is_sent(cluster:
     (tmp_path / "out").write_text("")
     with pytest.raises(OutputError, match="is a file"):
         run_sweep(case_file, {"tools.punch.m": [0.1, 0.2]}, tmp_path / "out", settings=SMALL, cluster=cluster.address)
-
-
-class Murderer:
-    """What kills the worker that has it computed."""
-
-    def __reduce__(self):
-        return eval, ("__import__('os').kill(__import__('os').getppid(), 9)",)
-
-
-def test_member_whose_workers_die_again_and_again_fails_and_names_them(cluster: DaskCluster, tmp_path):
-    """The last test of this file: it leaves no worker."""
-    for _ in range(3):
-        cluster.add_worker()
-    with open_cluster_pool(Cluster(cluster.address), 0) as pool:
-        pool._client.wait_for_workers(4, timeout=60)
-        *_, end = pool.run({0: Task(Murderer(), tmp_path / "member_000", "new")})  # type: ignore[arg-type]
-    assert isinstance(end, Ended)
-    assert end.status == "failed"
-    assert "3 workers died or were cut off while they computed it: tcp://127.0.0.1:" in end.reason
-    assert not (tmp_path / "member_000").exists()

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 
 from presswork import Case, CaseError, build_model
-from presswork.examples import copy_example
 from presswork.model import BodyContact, EdgeForce
 from presswork.process.begin import begin
 from presswork.recorder import run_model
@@ -86,35 +85,6 @@ def test_first_meshes_of_other_cells_become_quadrilaterals(element):
     assert np.ptp(strain) < 1e-6 * strain.mean()
     assert often["foot.force_y"][-1] == pytest.approx(once["foot.force_y"][-1], rel=2e-4)
     assert strain.mean() == pytest.approx(plain.procedure.state.cells.eqps[0].mean(), rel=2e-4)
-
-
-@pytest.fixture(scope="module")
-def two_bodies(tmp_path_factory):
-    """The packaged core and ring on one mesh with cells of half the size."""
-    path = copy_example("two_bodies", tmp_path_factory.mktemp("bodies"))
-    keys = ["remesh.enabled=false", "workpiece.mesh.cells=[24,40]", "bodies.ring.mesh.cells=[14,32]"]
-    return path, run(Case.from_toml(path, keys))[0]
-
-
-@pytest.mark.parametrize("keys", [["remesh.every=0.1"], []])
-def test_contact_of_bodies_survives_new_meshes(two_bodies, keys):
-    """Force of the punch within 1.5 % of the run on one fine mesh, of the ring on the core within 2 % in the mean.
-
-    Nodes that come to touch or part make single values of the latter jump by some per cent on any mesh.
-    """
-    keys = ["remesh.size=0.4", "remesh.bodies.ring.size=0.3", *keys]
-    path, once = two_bodies
-    often, recording = run(Case.from_toml(path, keys))
-    assert often["remeshes"][-1] >= 4
-    for key in ("punch.force", "bore.force_x"):
-        stroke = np.linspace(1.0, 5.0, 9)
-        wanted, found = (np.interp(stroke, rows["punch.stroke"], rows[key]) for rows in (once, often))
-        assert abs((found / wanted).mean() - 1) < 0.02
-        assert np.abs(found / wanted - 1).max() < (0.015 if key == "punch.force" else 0.06)
-    procedure = recording.procedure
-    plastic = procedure.volume() - procedure.mechanics.elastic_dilatation(procedure.state) - procedure.initial_volume
-    assert abs(plastic / procedure.initial_volume) < 1e-4
-    assert abs(procedure.energy_balance()["error_percent"]) < 0.5
 
 
 def test_a_gap_to_another_body_gets_small_cells_before_they_touch():
