@@ -22,6 +22,8 @@ class MmgProcess:
         self._process: subprocess.Popen[bytes] | None = None
         self._owner = 0
         """The process that has started it: one that was forked off starts another."""
+        self.seconds = 0.0
+        """Processor time that answers have taken so far; clocks of this process do not count it."""
 
     def ask(self, body: dict[str, Any], options: dict[str, Any], *, memory: int, seconds: float) -> dict[str, Any]:
         """Return what make_mesh of mmg_worker.py returns; seconds: of processor time. Raises MeshError."""
@@ -40,6 +42,7 @@ class MmgProcess:
         except BaseException:  # its answer would be taken for that to the next request
             self.stop()
             raise
+        self.seconds += answer["seconds"]
         if "fault" in answer:
             raise MeshError(f"MMG cannot mesh the body anew ({answer['fault']})", "smaller cells")
         return answer

@@ -2,7 +2,7 @@
 """Program that makes meshes by MMG for the process that has started it (mmg_process.py), without the rest of presswork.
 
 It reads requests from its standard input and writes an answer to each, both pickled, until its input ends. A request
-names arguments of `make_mesh`, and the processor time that it may take.
+names arguments of `make_mesh`, and the processor time that it may take; an answer also tells what it took.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import pickle
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -63,10 +64,12 @@ def main() -> None:
         except EOFError:
             return
         limit_time(request.pop("seconds"))
+        started = process_time()
         try:
             answer = make_mesh(**request)
         except (RuntimeError, ValueError) as error:
             answer = {"fault": str(error)}
+        answer["seconds"] = process_time() - started
         pickle.dump(answer, answers)
         answers.flush()
 
