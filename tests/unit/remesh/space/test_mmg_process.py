@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 
 import numpy as np
@@ -36,6 +37,18 @@ def test_a_mesh_that_takes_too_long_is_given_up(monkeypatch):
     after = mesh(0.9)
     assert after.points.tobytes() == before.points.tobytes()
     assert measure_volumes(after.points, after.cells).sum() == pytest.approx(64.0)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limit of processor time")
+def test_a_limit_that_the_system_sets_is_kept():
+    """As on a cluster: no process may ask for more."""
+    program = (
+        "import resource\nfrom presswork.remesh.space.mmg_worker import limit_time\n"
+        "resource.setrlimit(resource.RLIMIT_CPU, (500, 500))\nlimit_time(1e6)\n"
+        "print(*resource.getrlimit(resource.RLIMIT_CPU))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["500", "500"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no such signal")
