@@ -10,11 +10,13 @@ import pytest
 
 from presswork import _core
 from presswork.case import ShellCase, build_model
+from presswork.evolution.damage import DamageLaw
 from presswork.explicit.device import Device
 from presswork.explicit.shells import ExplicitError, ExplicitShells, ShellOptions
 from presswork.explicit.space import Precision
 from presswork.law.elastic_plastic import make_sheet_law
-from presswork.model import ExplicitElement
+from presswork.law.umat import SheetLaw
+from presswork.model import Damage, ExplicitElement
 from tests.consistency.test_explicit_shells import halve, mesh, results
 from tests.consistency.test_matrix import BASE, FEATURES, USER, shell_case
 
@@ -28,11 +30,29 @@ def law_of(feature: str) -> _core.SheetLaw:
     return make_sheet_law(build_model(ShellCase.model_validate(shell_case({**BASE, **FEATURES[feature]}))).materials[0])
 
 
-def pull(device: Device, law: _core.SheetLaw, precision: Precision = "double", **how: Any) -> ExplicitShells:
+def pull(
+    device: Device,
+    law: SheetLaw,
+    precision: Precision = "double",
+    *,
+    damage: tuple[DamageLaw, ...] = (),
+    **how: Any,
+) -> ExplicitShells:
     """Pull a wavy sheet of quadrilaterals and triangles by 10 %, and bend it; the process is 3 times as slow."""
     points, cells = mesh(SHELLS_ALONG)
     options = ShellOptions(n_points=3, **how)
-    shells = ExplicitShells(points, halve(cells), 0.8, law, 2.7e-9, options=options, precision=precision, device=device)
+    shells = ExplicitShells(
+        points,
+        halve(cells),
+        0.8,
+        law,
+        2.7e-9,
+        damage=damage,
+        heating=(20.0, bool(damage)),
+        options=options,
+        precision=precision,
+        device=device,
+    )
     shells.fix(np.flatnonzero(points[:, 0] == 0), "uvwpqr")
     shells.fix(np.flatnonzero(points[:, 0] == 48), "u", 20000.0)
     shells.force = np.tile([0.0, 0.0, 2.0, 0.0, 0.0, 0.0], (len(points), 1))
@@ -81,6 +101,27 @@ def test_layers_are_computed_at_their_own_temperatures(precision: Precision, ele
         run.advance(CYCLES)
     assert np.ptp(runs[0].stress[:, :, 0], axis=1).max() > 30.0
     compare(runs, AGREEMENT[precision])
+
+
+@pytest.mark.parametrize("element", ["shell4_1pt", "shell4_mitc_plus"])
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_damage_grows_as_by_the_loop_of_the_cpu(precision: Precision, element: ExplicitElement) -> None:
+    """Criteria by the largest stress, by triaxiality, rate and temperature; two calls, and a dump between."""
+    parameters = dict(zip(("d1", "d2", "d3", "d4", "d5"), (0.05, 3.44, -2.12, 0.002, 0.61), strict=True))
+    parameters |= {"reference_rate": 1.0, "reference": 20.0, "melting": 1460.0}
+    criteria = {"cockcroft_latham": {}, "rice_tracey": {"factor": 0.283, "exponent": 1.5}, "johnson_cook": parameters}
+    damage = tuple(DamageLaw(Damage(name, own)) for name, own in criteria.items())  # type: ignore[arg-type]
+    law = law_of("adiabatic heating")
+    runs = [pull(d, law, precision, element=element, damage=damage) for d in ("cpu", "host")]
+    for run in runs:
+        run.advance(CYCLES // 2)
+        run.restore(run.dump())
+        run.advance(CYCLES // 2)
+    expected, found = (run.damage for run in runs)
+    assert len(expected) == len(criteria)
+    for name, values in expected.items():
+        assert values.max() > 1e-3
+        np.testing.assert_allclose(found[name], values, rtol=0, atol=AGREEMENT[precision] * values.max(), err_msg=name)
 
 
 def test_a_law_that_finds_no_stress_stops_the_run() -> None:

@@ -8,13 +8,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
-from presswork import Result
+from presswork import Result, _core
 from presswork.case import StampingCase, build_model
+from presswork.cli.commands import app
+from presswork.examples import copy_example
+from presswork.explicit.input_checks import ExplicitError
+from presswork.outcome import GaveUpError
 from presswork.post.section import measure_draw_in
 from presswork.process.begin import begin
 from presswork.recorder import StartError, fingerprint, run_model
-from tests.regression.whole_runs import run_to_end, stop_after
+from tests.regression.whole_runs import run_in_two_parts, run_to_end, stop_after
 from tests.unit.case.round_cup import CUP, changed
 
 AGREEMENT = 1e-8
@@ -68,6 +73,57 @@ def test_a_cup_begun_on_the_cpu_is_resumed_on_a_device(on_cpu: Result, tmp_path:
     outcome = run_model(model_of(make("host")), folder, threads=1, resume=True)
     assert outcome.status == "completed", outcome.reason
     compare(outcome.result, on_cpu)
+
+
+def test_a_run_stopped_and_resumed_on_a_device_has_the_same_bits(tmp_path: Path) -> None:
+    """Rows, too, whose energies and steps a device finds."""
+    data = changed(
+        make("host"), ("blank.element_size", 12), ("materials.steel.damage", {"criterion": "cockcroft_latham"})
+    )
+    whole = run_to_end(model_of(data), tmp_path / "whole")
+    parts = run_in_two_parts(model_of(data), tmp_path / "parts", 2)
+    for name, values in whole.history.items():
+        if "second" not in name:
+            np.testing.assert_array_equal(parts.history[name], values, err_msg=name)
+    assert whole.history["damage_cockcroft_latham_max"].max() > 0
+    for field in ("displacement", "stress_top", "damage_cockcroft_latham"):
+        np.testing.assert_array_equal(parts.field(field), whole.field(field))
+
+
+def test_a_row_that_fails_on_a_device_leaves_the_state_before_it(tmp_path: Path) -> None:
+    """As on the CPU: kept there, changed meanwhile by added mass, and taken back."""
+    found = {}
+    for device in ("cpu", "host"):
+        data = changed(make(device, target_step="1 us"), ("blank.element_size", 12))
+        run = begin(model_of(data), threads=1)
+        rows = run.advance()
+        next(rows)
+        before = run.to_arrays()
+        advance = run.shells.advance
+
+        def fail(*given: Any, advance: Any = advance, **how: Any) -> None:
+            advance(*given, **how)
+            raise ExplicitError("made to fail")
+
+        run.shells.advance = fail
+        with pytest.raises(GaveUpError, match="made to fail"):
+            next(rows)
+        found[device] = before, run.to_arrays()
+    for before, after in found.values():
+        assert set(before) == set(after)
+        for name, values in before.items():
+            np.testing.assert_array_equal(after[name], values, err_msg=name)
+
+
+def test_the_command_line_chooses_a_device(tmp_path: Path) -> None:
+    """And says what a device that is not there lacks, and what else there is."""
+    case = copy_example("square_cup", tmp_path)
+    told = {d: CliRunner().invoke(app, ["run", str(case), "--device", d, "--no-plot"]) for d in ("gpu", "cuda")}
+    assert all(result.exit_code == 2 for result in told.values())
+    assert "explicit.device" in told["gpu"].output
+    assert "choices: cpu, cuda, host" in told["gpu"].output
+    if not _core.list_cuda_cards()[0]:
+        assert 'take device = "cpu"' in " ".join(told["cuda"].output.split())
 
 
 def test_what_no_device_computes_is_refused_before_it_starts() -> None:

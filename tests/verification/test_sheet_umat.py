@@ -166,6 +166,14 @@ def test_explicit_shells_of_single_precision_refuse_a_umat(umat_sheet: Path) -> 
         ExplicitShells(points, [[0, 1, 2, 3]], 1.0, law, DENSITY, precision="single")
 
 
+def test_a_device_refuses_a_umat_and_names_the_way_out(umat_sheet: Path) -> None:
+    law = open_sheet_law(strip(user_table(umat_sheet), "shell4_mitc").materials[0])
+    points = np.array([[0, 0, 0], [5, 0, 0], [5, 5, 0], [0, 5, 0]], dtype=float)
+    told = r'device = "?.?host.* does not compute laws of shared libraries \(UMAT\): take device = "cpu"'
+    with pytest.raises(ExplicitError, match=told):
+        ExplicitShells(points, [[0, 1, 2, 3]], 1.0, law, DENSITY, device="host")
+
+
 # --- what is refused ---
 
 
