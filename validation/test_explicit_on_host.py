@@ -28,7 +28,7 @@ TESTS = {
 BY_THE_LOOP = {
     "test_the_clock_of_phases_adds_up": "a device tells the time of a call, not of its phases",
     "test_a_law_that_finds_no_stress_stops_the_run_with_its_shell": "a device stops, too, and names no shell",
-    "test_blocks_that_do_not_touch_move_as_each_does_alone": "the bits of shells beside solids, which the loop computes",
+    "test_blocks_that_do_not_touch_move_as_each_does_alone": "bits of shells beside solids, of the loop",
 }
 """Tests whose claim is one of the CPU's loop, and why."""
 
