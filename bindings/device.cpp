@@ -11,12 +11,13 @@ using device::Part;
 using explicit_dynamics::SpaceLoop;
 
 template <class Real>
-void advance(device::Session<Real>& self, double dt, double dt_before, Doubles force_scale, Doubles velocity_scale,
-             double damping) {
+std::tuple<int, LawStatus, int> advance(device::Session<Real>& self, double dt, double dt_before, Doubles force_scale,
+                                        Doubles velocity_scale, double damping) {
   require(force_scale.size() == velocity_scale.size(), "force_scale and velocity_scale must have the same length");
   nb::gil_scoped_release release;
-  self.advance(
+  const device::Failure failure = self.advance(
       {static_cast<int>(force_scale.size()), dt, dt_before, damping, force_scale.data(), velocity_scale.data()});
+  return {failure.element, static_cast<LawStatus>(failure.status), failure.cycle};
 }
 
 template <class Real>
@@ -42,7 +43,8 @@ void bind_for(nb::module_& m, const char* name) {
       .def("advance", &advance<Real>, nb::arg("dt"), nb::arg("dt_before"), nb::arg("force_scale"),
            nb::arg("velocity_scale"), nb::kw_only(), nb::arg("damping") = 0.0,
            "Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. "
-           "Raises RuntimeError where the device does not, or a force is no number any more.")
+           "Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Raises RuntimeError "
+           "where the device does not, or a force is no number any more.")
       .def_prop_ro("is_finite", &Session::is_finite, "Whether all places were finite after the last call.")
       .def("fetch", &Session::fetch, nb::arg("part"), "Take a part of the state into the loop.")
       .def("fetch_thickness", &Session::fetch_thickness, "Of the elements the thickness of shells alone.")

@@ -67,7 +67,7 @@ void bind_umat(nb::module_& m) {
             const int normal = n == 3 ? 2 : 3;
             for (int i = 0; i < normal; ++i) p.F[4 * i] += strain.data()[i];
             for (int k = normal; k < n; ++k) {
-              const int i = voigt_row[k - normal + 3], j = voigt_column[k - normal + 3];
+              const int i = voigt_row(k - normal + 3), j = voigt_column(k - normal + 3);
               p.F[i + 3 * j] = p.F[j + 3 * i] = 0.5 * strain.data()[k];
             }
             UmatPlace place;

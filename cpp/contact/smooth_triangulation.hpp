@@ -14,7 +14,7 @@
 
 #include <vector>
 
-#include "contact/touch.hpp"
+#include "contact/smooth_search.hpp"
 #include "contact/triangulation.hpp"
 
 namespace presswork::contact {
@@ -25,30 +25,24 @@ class SmoothTriangulation {
 
   // As ToolSurface::nearest; hint becomes the triangle.
   bool nearest(const double x[3], double reach, int& hint, Touch& touch) const {
-    Slopes slopes;
-    return nearest(x, reach, hint, touch, slopes);
+    return search().nearest(flat_, x, reach, hint, touch, nullptr);
   }
-  bool nearest(const double x[3], double reach, int& hint, Touch& touch, Slopes& slopes) const;
+  bool nearest(const double x[3], double reach, int& hint, Touch& touch, Slopes& slopes) const {
+    return search().nearest(flat_, x, reach, hint, touch, &slopes);
+  }
+  // The search, on patches of this surface: good for as long as it lives.
+  SmoothSearch search() const { return {patches_.data(), flat_.size(), bulge_, flat_.depth()}; }
 
   double depth() const { return flat_.depth(); }
 
   const Triangulation& flat() const { return flat_; }  // as it was before
 
  private:
-  static constexpr int open = -1, crease = -2;  // instead of a neighbour
-  struct Patch {
-    double control[10][3];  // of the cubic; numbered as in smooth_triangulation.cpp
-    double normal[3][3];    // unit, at the corners
-    int neighbour[3];       // behind the edge from corner k
-  };
-  struct Place {
-    double u, v, gap;  // weights of the second and third corner
-  };
+  using Patch = SmoothPatch;
 
   void find_neighbours();
   void set_normals();
   void set_controls();
-  bool project(const Patch& patch, const double x[3], Place& place, Touch& touch, Slopes& slopes) const;
 
   Triangulation flat_;
   std::vector<Patch> patches_;

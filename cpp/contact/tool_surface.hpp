@@ -46,7 +46,7 @@ class ToolSurface {
     return std::visit([](const auto& surface) { return surface.depth(); }, surface_);
   }
 
-  bool is_smooth() const { return std::holds_alternative<SmoothTriangulation>(surface_); }
+  const SmoothTriangulation* smooth() const { return std::get_if<SmoothTriangulation>(&surface_); }
   const SweptSurface* swept() const { return std::get_if<SweptSurface>(&surface_); }
   const Triangulation* triangles() const {
     if (const auto* smooth = std::get_if<SmoothTriangulation>(&surface_)) return &smooth->flat();

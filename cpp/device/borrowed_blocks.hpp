@@ -2,6 +2,7 @@
 // Blocks of elements of a loop as a device takes them, and what goes back into the loop.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "device/cycle.hpp"
 #include "explicit/space/loop.hpp"
 #include "explicit/space/shell_section.hpp"
+#include "explicit/space/solids.hpp"
 
 namespace presswork::device {
 
@@ -18,6 +20,8 @@ using explicit_dynamics::ShellSection;
 using explicit_dynamics::ShellTreatment;
 using explicit_dynamics::SpaceLoop;
 using explicit_dynamics::SpaceNodes;
+using explicit_dynamics::SpaceSection;
+using explicit_dynamics::SpaceSolids;
 
 // What a block of shells has that no device computes; empty where there is nothing.
 inline std::string find_lack_of_shells(const ShellSection& section, int corners) {
@@ -27,17 +31,25 @@ inline std::string find_lack_of_shells(const ShellSection& section, int corners)
   return "";
 }
 
+inline std::string find_lack_of_solids(const SpaceSolids* solids) {
+  if (solids && solids->section().kind != SpaceSection::Kind::integrated) return "";
+  return "solids other than hex8_1pt and tet4_nodal";
+}
+
 // A block, of which nothing lacks.
 template <class Real>
 class BorrowedBlock {
  public:
   BorrowedBlock(SpaceLoop<Real>& loop, int number, int first_slot) : own_(*loop.blocks[number]) {
     const std::size_t n = own_.n(), corners = own_.nodes_each(), rows = own_.n_rows();
-    node.resize(corners * n), state_.resize(rows * n), mass_.resize(n), inertia_ratio_.resize(n);
-    const auto& sheet = loop.sheet(number);
+    const bool is_sheet = loop.is_sheet(number);
+    node.resize(corners * n), state_.resize(rows * n);
+    if (is_sheet) mass_.resize(n), inertia_ratio_.resize(n);
     for (std::size_t e = 0; e < n; ++e) {
-      mass_[e] = static_cast<Real>(sheet.mass(int(e)));
-      inertia_ratio_[e] = static_cast<Real>(sheet.inertia_ratio(int(e)));
+      if (is_sheet) {
+        mass_[e] = static_cast<Real>(loop.sheet(number).mass(int(e)));
+        inertia_ratio_[e] = static_cast<Real>(loop.sheet(number).inertia_ratio(int(e)));
+      }
       for (std::size_t a = 0; a < corners; ++a) node[a * n + e] = own_.connectivity()[corners * e + a];
       for (std::size_t r = 0; r < rows; ++r) state_[r * n + e] = static_cast<Real>(own_.value(int(e), int(r)));
     }
@@ -56,10 +68,13 @@ class BorrowedBlock {
                             own_.slower,
                             own_.work_row(),
                             own_.hourglass_row(),
-                            mass_.data(),
-                            inertia_ratio_.data()};
+                            is_sheet ? mass_.data() : nullptr,
+                            is_sheet ? inertia_ratio_.data() : nullptr};
     elements.damage = see_damage();
-    see_shells(elements, sheet.section());
+    if (is_sheet)
+      see_shells(elements, loop.sheet(number).section());
+    else if constexpr (std::is_same_v<Real, double>)
+      see_solids(elements, dynamic_cast<const SpaceSolids&>(own_), loop.nodes);
   }
   BorrowedBlock(const BorrowedBlock&) = delete;
   BorrowedBlock& operator=(const BorrowedBlock&) = delete;
@@ -82,9 +97,52 @@ class BorrowedBlock {
     return std::visit([](const auto& of) { return of.first_slot; }, *view_);
   }
 
+  // Of solids: the first cell that has failed, and why, by the cycles from then on, as solids.hpp has it; 0 where none
+  // has.
+  std::pair<int, int> find_failed() const {
+    const auto first =
+        std::max_element(failed_.begin(), failed_.end(), [](int a, int b) { return a / reasons < b / reasons; });
+    if (first == failed_.end()) return {0, 0};
+    return {static_cast<int>(first - failed_.begin()), *first};
+  }
+
   std::vector<int> node;  // (corners, n)
 
  private:
+  void see_solids(const Elements<Real>& elements, const SpaceSolids& solids, const SpaceNodes<Real>& nodes) {
+    const SpaceSection section = solids.section();
+    failed_.resize(elements.n);
+    for (int a = 0; a < own_.nodes_each(); ++a)
+      for (int e = 0; e < own_.n(); ++e) nodal_mass_.push_back(solids.nodal_mass(e, a));
+    std::visit(
+        [&]<class Law>(const Law& law) {
+          const SolidElements<Law> of{elements, law, section.fraction, failed_.data(), nodal_mass_.data()};
+          if (section.kind == SpaceSection::Kind::one_point)
+            view_ = OnePointHexahedra<Law>{of};
+          else
+            view_ = NodalTetrahedra<Law>{of, see_volumes(nodes)};
+        },
+        section.law);
+  }
+  // Volumes of nodes where these are.
+  NodalVolumes see_volumes(const SpaceNodes<Real>& nodes) {
+    const std::size_t n = own_.n();
+    first_cell_.assign(nodes.n + 1, 0), cell_.resize(node.size()), nodal_.assign(nodes.n, 0.0);
+    for (int i : node) ++first_cell_[i + 1];
+    for (int i = 0; i < nodes.n; ++i) first_cell_[i + 1] += first_cell_[i];
+    std::vector<int> next(first_cell_.begin(), first_cell_.end() - 1);
+    for (std::size_t e = 0; e < n; ++e) {
+      double x[4][3];
+      for (int a = 0; a < 4; ++a)
+        for (int i = 0; i < 3; ++i) x[a][i] = nodes.position.data()[4 * std::size_t(node[a * n + e]) + i];
+      const double volume = six_volumes(x);
+      for (int a = 0; a < 4; ++a) {
+        cell_[next[node[a * n + e]]++] = static_cast<int>(e);
+        nodal_[node[a * n + e]] += volume;
+      }
+    }
+    return {first_cell_.data(), cell_.data(), nullptr, nodal_.data(), nullptr};
+  }
   DamageOfBlock see_damage() {
     auto& from = own_.damage;
     if (from.empty()) return {};
@@ -130,6 +188,9 @@ class BorrowedBlock {
   std::vector<double> flowed_;
   std::vector<std::vector<double>> damage_;  // by criterion (points, n)
   std::vector<Criterion> criteria_;
+  std::vector<int> failed_;                 // of solids (n)
+  std::vector<double> nodal_mass_, nodal_;  // of solids (corners, n); of NodalVolumes
+  std::vector<int> first_cell_, cell_;      // of NodalVolumes
   std::optional<Block<Real>> view_;
 };
 

@@ -113,7 +113,6 @@ struct BorrowedTools {
     }
   }
 
- private:
   static Surface see(const contact::ToolSurface& surface) {
     Surface seen{};
     seen.is_swept = surface.swept() != nullptr;
@@ -121,6 +120,7 @@ struct BorrowedTools {
       seen.swept = surface.swept()->search();
     else
       static_cast<contact::TriangleTree&>(seen.triangles) = surface.triangles()->tree();
+    if (surface.smooth()) seen.smooth = surface.smooth()->search();
     return seen;
   }
 };

@@ -12,8 +12,64 @@ __global__ void __launch_bounds__(chunk) move_nodes(const __grid_constant__ Prob
   const int node = blockIdx.x * chunk + threadIdx.x;
   const double speed2 = node < p.nodes.n ? move_node(p.nodes, p.step[p.clock->cycle], node) : 0.0;
   if (p.tools.n == 0) return;
-  const double most = reduce(speed2, [](double a, double b) { return a > b ? a : b; });
+  const double most = reduce_largest(speed2);
   if (threadIdx.x == 0) p.tools.fastest[blockIdx.x] = most;
+}
+
+static __global__ void __launch_bounds__(chunk) move_nodes_between_walls(const __grid_constant__ Problem<double> p) {
+  const double speed2 =
+      move_node_between_walls(p, int(blockIdx.x * chunk + threadIdx.x), [&](int i, const WallSums& sums) {
+        const WallSums sum = reduce_wall_sums(sums);
+        if (threadIdx.x == 0) p.walls.sums[std::size_t(blockIdx.x) * p.walls.n + i] = sum;
+      });
+  const double most = reduce_largest(speed2);
+  if (threadIdx.x == 0) p.fastest()[blockIdx.x] = most;
+}
+
+static __global__ void __launch_bounds__(chunk)
+    lead_nodes(const __grid_constant__ Ties ties, const __grid_constant__ Nodes<double> nodes) {
+  const int i = blockIdx.x * chunk + threadIdx.x;
+  const double most = reduce_largest(i < ties.n ? lead_node(ties, nodes, i) : 0.0);
+  if (threadIdx.x == 0) ties.fastest[blockIdx.x] = most;
+}
+
+static __global__ void __launch_bounds__(chunk)
+    give_back_forces(const __grid_constant__ Ties ties, const __grid_constant__ Nodes<double> nodes) {
+  const int i = blockIdx.x * chunk + threadIdx.x;
+  if (i < ties.n) give_back(ties, nodes, i);
+}
+
+// One block; the largest speed squared of nodes in a cycle, for its first thread.
+inline __device__ double find_fastest(const double* fastest, int chunks, const Ties& ties) {
+  double most = 0.0;
+  for (int c = threadIdx.x; c < chunks; c += chunk) most = fastest[c] > most ? fastest[c] : most;
+  for (int c = threadIdx.x; c < ties.chunks(); c += chunk) most = ties.fastest[c] > most ? ties.fastest[c] : most;
+  return reduce_largest(most);
+}
+
+// One block.
+static __global__ void __launch_bounds__(chunk) move_walls(const __grid_constant__ Problem<double> p, int chunks) {
+  const Walls& walls = p.walls;
+  const double most = find_fastest(p.fastest(), chunks, p.ties);
+  for (int i = 0; i < walls.n; ++i) {
+    WallSums own;
+    for (int c = threadIdx.x; c < chunks; c += chunk) own += walls.sums[std::size_t(c) * walls.n + i];
+    const WallSums sum = reduce_wall_sums(own);
+    if (threadIdx.x == 0) move_wall(walls, p.step[p.clock->cycle], most, i, sum);
+  }
+}
+
+template <class Kind>
+__global__ void __launch_bounds__(chunk)
+    measure_cells(const __grid_constant__ Nodes<double> nodes, const __grid_constant__ Kind block) {
+  const int i = blockIdx.x * chunk + threadIdx.x;
+  if (i < block.n) block.measure_cell(nodes, i);
+}
+
+template <class Kind>
+__global__ void __launch_bounds__(chunk) measure_nodes(const __grid_constant__ Kind block, int n) {
+  const int node = blockIdx.x * chunk + threadIdx.x;
+  if (node < n) block.measure_node(node);
 }
 
 inline constexpr int threads_of_elements = 128;
@@ -42,9 +98,7 @@ __global__ void __launch_bounds__(chunk) gather_nodes(const __grid_constant__ No
 // One block.
 template <class Real>
 __global__ void __launch_bounds__(chunk) start_tools_of(const __grid_constant__ Problem<Real> p, int chunks) {
-  double most = 0.0;
-  for (int c = threadIdx.x; c < chunks; c += chunk) most = p.tools.fastest[c] > most ? p.tools.fastest[c] : most;
-  most = reduce(most, [](double a, double b) { return a > b ? a : b; });
+  const double most = find_fastest(p.tools.fastest, chunks, p.ties);
   const Moment now = p.now();
   if (threadIdx.x == 0) start_tools(p.tools, now.dt, now.cycle, most);
 }
@@ -114,6 +168,31 @@ static __global__ void __launch_bounds__(chunk) join_chunks(Found* of_chunk, int
 
 inline int count_blocks(int n, int threads) { return (n + threads - 1) / threads; }
 
+// The pass that moves nodes, and what follows them, into a stream.
+template <class Real>
+void launch_move(const Problem<Real>& p, cudaStream_t stream) {
+  const int chunks = p.chunks();
+  if constexpr (std::is_same_v<Real, double>) {
+    if (p.walls.n > 0)
+      move_nodes_between_walls<<<chunks, chunk, 0, stream>>>(p);
+    else
+      move_nodes<<<chunks, chunk, 0, stream>>>(p);
+    if (p.ties.n > 0) lead_nodes<<<p.ties.chunks(), chunk, 0, stream>>>(p.ties, p.nodes);
+    if (p.walls.n > 0) move_walls<<<1, chunk, 0, stream>>>(p, chunks);
+  } else {
+    move_nodes<<<chunks, chunk, 0, stream>>>(p);
+  }
+}
+
+// Volumes of cells and nodes, where a kind of elements asks for them.
+template <class Real, class Kind>
+void launch_volumes(const Nodes<Real>& nodes, const Kind& block, cudaStream_t stream) {
+  if constexpr (requires { block.volumes; }) {
+    measure_cells<<<count_blocks(block.n, chunk), chunk, 0, stream>>>(nodes, block);
+    measure_nodes<<<count_blocks(nodes.n, chunk), chunk, 0, stream>>>(block, nodes.n);
+  }
+}
+
 // One cycle into a stream.
 template <class Real>
 void launch_cycle(const Problem<Real>& p, cudaStream_t stream) {
@@ -121,18 +200,21 @@ void launch_cycle(const Problem<Real>& p, cudaStream_t stream) {
   const Tools& tools = p.tools;
   const double* room = tools.n > 0 && tools.ironing ? tools.room : nullptr;
   const int chunks = p.chunks();
-  move_nodes<<<chunks, chunk, 0, stream>>>(p);
+  launch_move(p, stream);
   if (tools.n > 0) start_tools_of<<<1, chunk, 0, stream>>>(p, chunks);
   for (int b = 0; b < p.n_blocks; ++b)
     std::visit(
         [&](const auto& of) {
           const int blocks = count_blocks(of.n, threads_of_elements);
+          launch_volumes(nodes, of, stream);
           advance_elements<<<blocks, threads_of_elements, 0, stream>>>(nodes, of, room, p.step, p.clock);
           if (of.damage.n_criteria > 0)
             damage_elements<Real><<<blocks, threads_of_elements, 0, stream>>>(of, p.step, p.clock);
         },
         p.block[b]);
   gather_nodes<<<chunks, chunk, 0, stream>>>(nodes);
+  if constexpr (std::is_same_v<Real, double>)
+    if (p.ties.n > 0) give_back_forces<<<p.ties.chunks(), chunk, 0, stream>>>(p.ties, nodes);
   if (p.beads.n > 0) {
     hold_beads<<<count_blocks(p.beads.n, chunk), chunk, 0, stream>>>(p);
     push_sheet_of<<<1, chunk, 0, stream>>>(p.beads, nodes.internal_force);

@@ -35,9 +35,21 @@ inline __device__ ContactSums reduce_sums(const ContactSums& own) {
   return sum;
 }
 
+// All threads of the block must call it. A block that no wall touches ends at once.
+inline __device__ WallSums reduce_wall_sums(const WallSums& own) {
+  if (!__syncthreads_or(own.of[0] != 0.0 || own.of[1] != 0.0 || own.of[2] != 0.0 || own.of[3] != 0.0)) return {};
+  WallSums sum;
+  for (int i = 0; i < 4; ++i) sum.of[i] = reduce(own.of[i], [](double a, double b) { return a + b; });
+  return sum;
+}
+
+inline __device__ double reduce_largest(double own) {
+  return reduce(own, [](double a, double b) { return a > b ? a : b; });
+}
+
 inline __device__ Found reduce_found(const Found& own) {
   Found all;
-  for (int i = 0; i < 3; ++i) all.sum[i] = reduce(own.sum[i], [](double a, double b) { return a + b; });
+  for (int i = 0; i < 5; ++i) all.sum[i] = reduce(own.sum[i], [](double a, double b) { return a + b; });
   all.most = reduce(own.most, [](double a, double b) { return a > b ? a : b; });
   all.first = reduce(own.first, [](int a, int b) { return a < b ? a : b; });
   return all;

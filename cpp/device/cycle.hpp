@@ -3,8 +3,8 @@
 // rigid tools. The same functions are compiled for the CPU (host.cpp) and for a GPU (cuda.cu), and take the same
 // Problem.
 //
-// A cycle is passes over lanes that know nothing of each other; tools make three more (tools.hpp), beads two
-// (beads.hpp):
+// A cycle is passes over lanes that know nothing of each other; tools make three more (tools.hpp), walls one
+// (walls.hpp), sectors two (ties.hpp), beads two (beads.hpp):
 //   move_node      a = (f_ext - f_int)/m, v += a h, x += v dt of one node (nodes.hpp)
 //   advance        of a block: one element over the move, its state, and its forces at its corners (shells.hpp and
 //                  others)
@@ -19,15 +19,30 @@
 
 #include "device/beads.hpp"
 #include "device/shells.hpp"
+#include "device/solids.hpp"
+#include "device/ties.hpp"
 #include "device/tools.hpp"
+#include "device/walls.hpp"
 
 namespace presswork::device {
 
-// A block of elements of one kind and law; a kind is added here and by a pass of space.cpp.
+// A block of elements of one kind and law; a kind is added here and by a pass of space.cpp. Solids are in double
+// precision alone.
+template <class Real, class... Solids>
+using BlockWith = std::variant<OnePointShells<Real, 4, FastMises>, OnePointShells<Real, 4, GeneralSheet>,
+                               OnePointShells<Real, 3, FastMises>, OnePointShells<Real, 3, GeneralSheet>,
+                               MitcShells<Real, FastMises>, MitcShells<Real, GeneralSheet>, Solids...>;
 template <class Real>
-using Block = std::variant<OnePointShells<Real, 4, FastMises>, OnePointShells<Real, 4, GeneralSheet>,
-                           OnePointShells<Real, 3, FastMises>, OnePointShells<Real, 3, GeneralSheet>,
-                           MitcShells<Real, FastMises>, MitcShells<Real, GeneralSheet>>;
+struct BlockOf {
+  using Type = BlockWith<Real>;
+};
+template <>
+struct BlockOf<double> {
+  using Type = BlockWith<double, OnePointHexahedra<VonMises>, OnePointHexahedra<SolidLaw>, NodalTetrahedra<VonMises>,
+                         NodalTetrahedra<SolidLaw>>;
+};
+template <class Real>
+using Block = typename BlockOf<Real>::Type;
 
 // Cells of a block of shells, as the loop numbers them, and what tools ask of them.
 template <class Real>
@@ -62,6 +77,8 @@ struct Problem {
   Clock* clock;      // one
   Tools tools;
   Beads beads{};
+  Walls walls{};
+  Ties ties{};
 
   PRESSWORK_DEVICE Moment now() const {
     const Clock at = *clock;
@@ -69,6 +86,10 @@ struct Problem {
   }
 
   int chunks() const { return (nodes.n + chunk - 1) / chunk; }
+  // Where the largest speeds of chunks are kept, their squares; null where nobody asks.
+  PRESSWORK_DEVICE double* fastest() const {
+    return tools.n > 0 ? tools.fastest : walls.n > 0 ? walls.fastest : nullptr;
+  }
   // Thickness [mm], and spring of a node [N/mm], of a cell as the loop numbers it.
   PRESSWORK_DEVICE double thickness(int cell) const {
     const Sheet<Real>& of = sheet_of(cell);
@@ -97,6 +118,23 @@ struct Problem {
     return sheet[sheet[1].n > 0 && cell >= sheet[1].first ? 1 : 0];
   }
 };
+
+// Moves a node between walls, and gives the square of its speed; take: as push_walls has it. Lanes beyond the last node
+// take part.
+template <class Take>
+PRESSWORK_INLINE double move_node_between_walls(const Problem<double>& p, int node, const Take& take) {
+  const bool there = node < p.nodes.n;
+  const Step& step = p.step[p.clock->cycle];
+  double x[3] = {}, speed2 = 0.0;
+  if (there) {
+    for (int i = 0; i < 3; ++i) x[i] = p.nodes.position[4 * std::size_t(node) + i];
+    speed2 = move_node(p.nodes, step, node, [&](const double* before, double inverse, double* after) {
+      return meet_walls(p.walls, step, node, x, before, inverse, find_free_motion(p.nodes, node), after);
+    });
+  }
+  push_walls(p.walls, node, there, x, take);
+  return speed2;
+}
 
 // As tools.hpp has it.
 template <class Real, class Take>

@@ -53,4 +53,14 @@ PRESSWORK_INLINE void leave_forces(const Nodes<Real>& nodes, const Elements<Real
           force[freedoms * a + k];
 }
 
+// Of solids, which have no moments.
+template <int corners>
+PRESSWORK_INLINE void leave_solid_forces(const Nodes<double>& nodes, const Elements<double>& of, int i,
+                                         const double* force) {
+  for (int a = 0; a < corners; ++a)
+    for (int k = 0; k < freedoms; ++k)
+      nodes.corner_force[std::size_t(k) * nodes.n_slots + of.first_slot + std::size_t(a) * of.n + i] =
+          k < 3 ? force[3 * a + k] : 0.0;
+}
+
 }  // namespace presswork::device

@@ -40,26 +40,70 @@ void touch(const Problem<Real>& p) {
   }
 }
 
+// Nodes, those that follow them, tools and walls, by all threads.
+template <class Real>
+void move(const Problem<Real>& p) {
+  const int chunks = p.chunks();
+  double* fastest_of = p.fastest();
+  const Walls& walls = p.walls;
+  const Step& step = p.step[p.clock->cycle];
+#pragma omp for schedule(static)
+  for (int c = 0; c < chunks; ++c) {
+    double fastest = 0.0;
+    WallSums* of_chunk = walls.sums + std::size_t(c) * walls.n;
+    std::fill_n(of_chunk, walls.n, WallSums{});
+    for (int node = c * chunk; node < std::min(p.nodes.n, (c + 1) * chunk); ++node)
+      if constexpr (std::is_same_v<Real, double>)
+        fastest = std::max(fastest,
+                           move_node_between_walls(p, node, [&](int i, const WallSums& sums) { of_chunk[i] += sums; }));
+      else
+        fastest = std::max(fastest, move_node(p.nodes, step, node));
+    if (fastest_of) fastest_of[c] = fastest;
+  }
+  const Ties& ties = p.ties;
+  if constexpr (std::is_same_v<Real, double>)
+#pragma omp for schedule(static)
+    for (int c = 0; c < ties.chunks(); ++c) {
+      ties.fastest[c] = 0.0;
+      for (int i = c * chunk; i < std::min(ties.n, (c + 1) * chunk); ++i)
+        ties.fastest[c] = std::max(ties.fastest[c], lead_node(ties, p.nodes, i));
+    }
+#pragma omp single
+  if (fastest_of) {
+    double fastest = *std::max_element(fastest_of, fastest_of + chunks);
+    for (int c = 0; c < ties.chunks(); ++c) fastest = std::max(fastest, ties.fastest[c]);
+    if (p.tools.n > 0) start_tools(p.tools, step.dt, p.clock->cycle, fastest);
+    for (int i = 0; i < walls.n; ++i) {
+      WallSums sum;
+      for (int c = 0; c < chunks; ++c) sum += walls.sums[std::size_t(c) * walls.n + i];
+      move_wall(walls, step, fastest, i, sum);
+    }
+  }
+}
+
+// Of cells and nodes, where a kind of elements asks for them; by all threads.
+template <class Real, class Kind>
+void measure_volumes([[maybe_unused]] const Problem<Real>& p, [[maybe_unused]] const Kind& block) {
+  if constexpr (requires { block.volumes; }) {
+#pragma omp for schedule(static)
+    for (int i = 0; i < block.n; ++i) block.measure_cell(p.nodes, i);
+#pragma omp for schedule(static)
+    for (int node = 0; node < p.nodes.n; ++node) block.measure_node(node);
+  }
+}
+
 // One cycle, by all threads.
 template <class Real>
 void compute_cycle(const Problem<Real>& p) {
   const Tools& tools = p.tools;
   const Beads& beads = p.beads;
   const double* room = tools.n > 0 && tools.ironing ? tools.room : nullptr;
-  const int chunks = p.chunks();
   const Moment now = p.now();
-#pragma omp for schedule(static)
-  for (int c = 0; c < chunks; ++c) {
-    double fastest = 0.0;
-    for (int node = c * chunk; node < std::min(p.nodes.n, (c + 1) * chunk); ++node)
-      fastest = std::max(fastest, move_node(p.nodes, p.step[now.cycle], node));
-    if (tools.n > 0) tools.fastest[c] = fastest;
-  }
-#pragma omp single
-  if (tools.n > 0) start_tools(tools, now.dt, now.cycle, *std::max_element(tools.fastest, tools.fastest + chunks));
+  move(p);
   for (int b = 0; b < p.n_blocks; ++b)
     std::visit(
         [&](const auto& block) {
+          measure_volumes(p, block);
 #pragma omp for schedule(static)
           for (int i = 0; i < block.n; ++i) {
             block.advance(p.nodes, room, now.dt, i);
@@ -69,6 +113,9 @@ void compute_cycle(const Problem<Real>& p) {
         p.block[b]);
 #pragma omp for schedule(static)
   for (int node = 0; node < p.nodes.n; ++node) gather_forces(p.nodes, node);
+  if constexpr (std::is_same_v<Real, double>)
+#pragma omp for schedule(static)
+    for (int i = 0; i < p.ties.n; ++i) give_back(p.ties, p.nodes, i);
 #pragma omp for schedule(static)
   for (int i = 0; i < beads.n; ++i)
     hold_bead(beads, tools, p.nodes.position, p.nodes.motion, now.dt, now.cycle, now.beads, i);

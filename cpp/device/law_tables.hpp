@@ -3,6 +3,7 @@
 #pragma once
 
 #include "element/layered_section.hpp"
+#include "material/von_mises.hpp"
 
 namespace presswork::device {
 
@@ -16,13 +17,18 @@ void for_each_table(TabulatedHardening& table, const F& f) {
 }
 
 template <class F>
-void for_each_table(Flow& flow, const F& f) {
+void for_each_table(Hardening& hardening, const F& f) {
   std::visit(
       [&](auto& law) {
         if constexpr (requires { law.n_rows; })
           if (law.rows) f(law.rows, static_cast<std::size_t>(law.n_rows) * law.columns);
       },
-      flow.hardening.law);
+      hardening.law);
+}
+
+template <class F>
+void for_each_table(Flow& flow, const F& f) {
+  for_each_table(flow.hardening, f);
   if (auto* hot = std::get_if<hot_hardening::Table>(&flow.hot.law); hot && hot->rows) {
     const std::size_t e = hot->n[0], r = hot->n[1], t = hot->n[2];
     f(hot->rows, e + r + t + e * r * t);
@@ -36,11 +42,21 @@ void for_each_table(FastMises& law, const F& f) {
 }
 
 template <class F>
-void for_each_table(GeneralSheet& sheet, const F& f) {
-  for_each_table(sheet.law.flow, f);
-  for (TemperatureCurve* curve :
-       {&sheet.law.thermoelastic.expansion, &sheet.law.thermoelastic.young_factor, &sheet.law.thermoelastic.poisson})
+void for_each_table(VonMises& law, const F& f) {
+  for_each_table(law.hardening, f);
+}
+
+template <int N, class F>
+void for_each_table(ElasticPlastic<N>& law, const F& f) {
+  for_each_table(law.flow, f);
+  Thermoelastic& heat = law.thermoelastic;
+  for (TemperatureCurve* curve : {&heat.expansion, &heat.young_factor, &heat.poisson})
     if (curve->given()) f(curve->rows, static_cast<std::size_t>(curve->n_rows) * TemperatureCurve::columns);
+}
+
+template <class F>
+void for_each_table(GeneralSheet& sheet, const F& f) {
+  for_each_table(sheet.law, f);
 }
 
 }  // namespace presswork::device

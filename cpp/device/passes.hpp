@@ -10,29 +10,33 @@
 namespace presswork::device {
 
 struct Found {
-  double sum[3] = {0.0, 0.0, 0.0}, most = 0.0;
+  double sum[5] = {0.0, 0.0, 0.0, 0.0, 0.0}, most = 0.0;
   int first = std::numeric_limits<int>::max();
 
   PRESSWORK_DEVICE Found& operator+=(const Found& other) {
-    for (int i = 0; i < 3; ++i) sum[i] += other.sum[i];
+    for (int i = 0; i < 5; ++i) sum[i] += other.sum[i];
     most = most > other.most ? most : other.most;
     first = first < other.first ? first : other.first;
     return *this;
   }
 };
 
-// After the cycles of a call: work of forces from outside and lost by mass damping, which begins anew; the first node
-// that has a force or a place that is no number.
+// After the cycles of a call: work of forces from outside, lost by mass damping, of contact and friction with walls,
+// which begins anew; the first node that has a force or a place that is no number.
 template <class Real>
 struct Settle {
   int n;
   Nodes<Real> nodes;
+  double* at_walls;  // (n, 2); null: there are none
 
   PRESSWORK_INLINE Found operator()(int node) const {
     Found found;
     for (int i = 0; i < 2; ++i) {
       double& work = nodes.work[2 * std::size_t(node) + i];
       found.sum[i] = work, work = 0.0;
+      if (!at_walls) continue;
+      double& there = at_walls[2 * std::size_t(node) + i];
+      found.sum[3 + i] = there, there = 0.0;
     }
     bool finite = true;
     for (int i = 0; i < freedoms; ++i) {
@@ -48,28 +52,30 @@ struct Settle {
   }
 };
 
-// Kinetic energy, and the work from outside and of mass damping in the first half of the next step.
+// Kinetic energy, and the work from outside, of mass damping, of contact and friction with walls in the first half of
+// the next step.
 template <class Real>
 struct HalfStep {
   int n;
   Nodes<Real> nodes;
+  Walls walls;
   Step step;
 
   PRESSWORK_INLINE Found operator()(int node) const {
     Found found;
-    const std::size_t row = std::size_t(freedoms) * node;
     const Real* own = nodes.motion + 8 * std::size_t(node);
+    double outer[freedoms], before[freedoms], all_after[freedoms];
+    next_velocity(nodes, step, node, outer, before, all_after);
+    if (walls.n > 0 && walls.touches[node]) {
+      const auto done =
+          explicit_dynamics::meet_walls(walls.n, see_walls(walls), node, nodes.position + 4 * std::size_t(node), before,
+                                        double(own[6]), find_free_motion(nodes, node), step, false, all_after);
+      found.sum[1] = done.external, found.sum[3] = done.contact, found.sum[4] = done.friction;
+    }
     for (int i = 0; i < freedoms; ++i) {
-      const double v = own[i], inverse = own[i < 3 ? 6 : 7];
-      double outer = step.force_scale * nodes.force[row + i];
-      double after = step.kept * v + step.push * inverse * (outer - double(nodes.internal_force[row + i]));
-      if (nodes.held[node] >> i & 1) {
-        const double free = after;
-        after = step.velocity_scale * nodes.prescribed[row + i];
-        if (inverse > 0.0) outer += (after - free) / (step.push * inverse);
-      }
+      const double v = own[i], inverse = own[i < 3 ? 6 : 7], after = all_after[i];
       if (inverse > 0.0) found.sum[0] += 0.5 * v * after / inverse;
-      found.sum[1] += 0.5 * step.mean_dt * outer * v;
+      found.sum[1] += 0.5 * step.mean_dt * outer[i] * v;
       if (step.damping > 0.0 && inverse > 0.0)
         found.sum[2] += 0.25 * step.mean_dt * step.damping * v * (v + after) / inverse;
     }

@@ -33,7 +33,7 @@ class Resident {
     arrays.send(Part::clock), arrays.send_rows(n_cycles, most_cycles);
     compute(n_cycles);
     arrays.fetch(Part::little);
-    return sum_up(Settle<Real>{problem.nodes.n, problem.nodes});
+    return sum_up(Settle<Real>{problem.nodes.n, problem.nodes, problem.walls.n > 0 ? problem.walls.work : nullptr});
   }
   virtual Found sum_up(const Pass<Real>& pass) = 0;
 
@@ -53,13 +53,16 @@ class Resident {
   void list();
   template <class Kind>
   void list_elements(Kind& of);
+  void list_surfaces(std::vector<Surface>& surfaces);
   void list_tools();
+  void list_walls();
   void list_edges();
   void list_beads();
 
   std::vector<Block<Real>> blocks_;
   std::list<std::vector<Criterion>> criteria_;  // of each block
-  std::vector<Surface> surfaces_;
+  std::vector<Surface> surfaces_, wall_surfaces_;
+  std::vector<WallNodes> wall_nodes_;
   std::vector<SharpTool> sharp_;
 };
 
@@ -74,11 +77,21 @@ void Resident<Real>::list() {
   arrays.add(nodes.reaction_impulse, freedoms * n, Part::reaction), arrays.add(nodes.work, 2 * n, Part::fixed);
   arrays.add(nodes.first_corner, n + 1, Part::fixed), arrays.add(nodes.corner, slots, Part::fixed);
   arrays.add(nodes.corner_force, freedoms * slots, Part::scratch);
+  if (nodes.first_along) {
+    arrays.add(nodes.along, nodes.first_along[n], Part::fixed), arrays.add(nodes.first_along, n + 1, Part::fixed);
+  }
+  if (nodes.follows) arrays.add(nodes.follows, n, Part::fixed);
+  arrays.add(nodes.stop, 2, Part::little);
   int longest = nodes.n;
   for (auto& block : blocks_)
     std::visit([&](auto& of) { list_elements(of), longest = std::max(longest, of.n); }, block);
   arrays.add(p.step, most_cycles, Part::table), arrays.add(p.clock, 1, Part::clock);
   if (p.tools.n > 0) list_tools();
+  if (p.walls.n > 0) list_walls();
+  if (Ties& ties = p.ties; ties.n > 0) {
+    arrays.add(ties.pair, 2 * std::size_t(ties.n), Part::fixed);
+    arrays.add(ties.fastest, ties.chunks(), Part::scratch);
+  }
   if (p.tools.edges.n_sharp > 0) list_edges(), longest = std::max(longest, p.tools.edges.n);
   if (p.beads.n > 0) list_beads();
   arrays.add(found_, std::size_t(longest + chunk - 1) / chunk + 1, Part::scratch);
@@ -99,20 +112,28 @@ void Resident<Real>::list_elements(Kind& of) {
     arrays.add(damage.criterion, criteria.size(), Part::fixed),
         arrays.add(damage.flowed, damage.points * n, Part::elements);
   }
+  if constexpr (requires { of.failed; }) {
+    arrays.add(of.failed, n, Part::elements), arrays.add(of.nodal_mass, Kind::n_corners * n, Part::fixed);
+  }
+  if constexpr (requires { of.volumes; }) {
+    NodalVolumes& volumes = of.volumes;
+    const std::size_t nodes = problem.nodes.n;
+    arrays.add(volumes.cell, Kind::n_corners * n, Part::fixed), arrays.add(volumes.first, nodes + 1, Part::fixed);
+    arrays.add(volumes.volume, n, Part::scratch), arrays.add(volumes.nodal, nodes, Part::elements);
+    arrays.add(volumes.change, nodes, Part::scratch);
+  }
   of.for_each_table([&](auto& table, std::size_t size) { arrays.add(table, size, Part::fixed); });
 }
 
 template <class Real>
-void Resident<Real>::list_tools() {
-  Tools& tools = problem.tools;
-  const std::size_t n = tools.n, nodes = problem.nodes.n, chunks = problem.chunks();
-  surfaces_.assign(tools.surface, tools.surface + n);
-  for (Surface& surface : surfaces_) {
+void Resident<Real>::list_surfaces(std::vector<Surface>& surfaces) {
+  for (Surface& surface : surfaces) {
     if (surface.is_swept) {
       contact::SweptSearch& swept = surface.swept;
       arrays.add(swept.pieces, swept.n, Part::fixed), arrays.add(swept.corners, swept.n_corners, Part::fixed);
       continue;
     }
+    if (surface.smooth.patches) arrays.add(surface.smooth.patches, surface.smooth.n, Part::fixed);
     contact::TriangleTree& tree = surface.triangles;
     const std::size_t triangles = tree.n;
     arrays.add(tree.triangles, triangles, Part::fixed), arrays.add(tree.edge_normals, 9 * triangles, Part::fixed);
@@ -121,6 +142,33 @@ void Resident<Real>::list_tools() {
     arrays.add(tree.nodes, tree.n_nodes, Part::fixed), arrays.add(tree.leaves, tree.n_leaves, Part::fixed);
     arrays.add(tree.around, tree.n_leaves, Part::fixed);
   }
+}
+
+template <class Real>
+void Resident<Real>::list_walls() {
+  Walls& walls = problem.walls;
+  const std::size_t n = walls.n, nodes = problem.nodes.n, chunks = problem.chunks();
+  wall_surfaces_.assign(walls.surface, walls.surface + n), wall_nodes_.assign(walls.node, walls.node + n);
+  list_surfaces(wall_surfaces_);
+  for (WallNodes& of : wall_nodes_) {
+    arrays.add(of.force, 3 * nodes, Part::contact), arrays.add(of.pressed, nodes, Part::contact);
+    arrays.add(of.rubbed, nodes, Part::contact), arrays.add(of.wake, nodes, Part::contact);
+    arrays.add(of.hint, nodes, Part::contact);
+    if (of.friction_limit) arrays.add(of.friction_limit, nodes, Part::fixed);
+  }
+  walls.surface = wall_surfaces_.data(), walls.node = wall_nodes_.data();
+  arrays.add(walls.surface, n, Part::fixed), arrays.add(walls.node, n, Part::fixed);
+  arrays.add(walls.wall, n, Part::little), arrays.add(walls.touches, nodes, Part::fixed);
+  arrays.add(walls.work, 2 * nodes, Part::fixed);
+  arrays.add(walls.fastest, chunks, Part::scratch), arrays.add(walls.sums, chunks * n, Part::scratch);
+}
+
+template <class Real>
+void Resident<Real>::list_tools() {
+  Tools& tools = problem.tools;
+  const std::size_t n = tools.n, nodes = problem.nodes.n, chunks = problem.chunks();
+  surfaces_.assign(tools.surface, tools.surface + n);
+  list_surfaces(surfaces_);
   tools.surface = surfaces_.data();
   arrays.add(tools.surface, n, Part::fixed), arrays.add(tools.tool, n, Part::little);
   arrays.add(tools.drive, 3 * n * most_cycles, Part::table), arrays.add(tools.totals, 1, Part::little);

@@ -9,6 +9,7 @@
 
 #include "device/borrowed_blocks.hpp"
 #include "device/borrowed_tools.hpp"
+#include "device/borrowed_walls.hpp"
 #include "device/cuda_library.hpp"
 #include "device/host.hpp"
 
@@ -16,24 +17,22 @@ namespace presswork::device {
 
 template <class Real>
 std::string find_lack(const SpaceLoop<Real>& loop) {
-  const auto& nodes = loop.nodes;
-  if (loop.contact)
-    for (const Tool& tool : loop.contact->tools)
-      if (tool.surface->is_smooth()) return "tools of triangles that are rounded off";
   if (loop.shell_contact) return "shells that touch each other";
   if (!loop.hanging.all().empty()) return "refined sheets";
+  if (!loop.contacts.empty()) return "contact of bodies";
   int sheets = 0;
   for (std::size_t b = 0; b < loop.blocks.size(); ++b) {
-    if (!loop.is_sheet(static_cast<int>(b))) return "solids";
+    if (!loop.is_sheet(static_cast<int>(b))) {
+      const std::string lack = find_lack_of_solids(dynamic_cast<const SpaceSolids*>(&*loop.blocks[b]));
+      if (!lack.empty()) return lack;
+      continue;
+    }
     const auto& block = loop.sheet(static_cast<int>(b));
     const std::string lack = find_lack_of_shells(block.section(), block.nodes_each());
     if (!lack.empty()) return lack;
     if (++sheets > most_sheets) return "more than two blocks of shells";
   }
-  if (loop.blocks.empty()) return "nodes without shells";
-  if (!nodes.walls.empty() || !nodes.follows.empty()) return "walls and sectors";
-  for (auto held : nodes.held())
-    if (held >> nodes.askew & 1) return "nodes held along a direction";
+  if (loop.blocks.empty()) return "nodes without elements";
   return "";
 }
 
@@ -49,24 +48,47 @@ struct Session<Real>::Own {
     list_corners(blocks, n, first, corner);
     if (loop.contact) tools.take(*loop.contact, n);
     if (loop.beads) beads.take(*loop.beads);
+    if constexpr (std::is_same_v<Real, double>) {
+      if (!loop.walls.empty()) walls.take(loop.walls, loop.nodes);
+      if (loop.ties()) ties.take(*loop.ties());
+    }
   }
   Problem<Real> see() {
     auto& nodes = loop.nodes;
     return {{n, nodes.position.data(), nodes.motion.data(), nodes.internal_force.data(), nodes.force.data(),
              nodes.held().data(), nodes.prescribed().data(), nodes.reaction_impulse.data(), work.data(), first.data(),
-             corner.data(), static_cast<int>(corner.size()), nullptr},
+             corner.data(), static_cast<int>(corner.size()), nullptr,
+             nodes.first_directions().empty() ? nullptr : nodes.first_directions().data(), nodes.directions().data(),
+             stop, nodes.follows.empty() ? nullptr : nodes.follows.data()},
             seen.data(),
             static_cast<int>(seen.size()),
             {},
             step.data(),
             &clock,
             tools.view,
-            beads.view};
+            beads.view,
+            walls.view,
+            ties.view};
   }
   // What is taken back after every call.
   void give_back_little() {
     if (loop.contact) tools.give_back();
     if (loop.beads) beads.give_back();
+    walls.give_back();
+  }
+  // The first solid that has failed, n cycles after a call has begun; of several in a cycle the first in number.
+  Failure find_failure(int n_cycles) const {
+    Failure failure;
+    int longest = 0, number = 0;
+    for (const auto& block : blocks) {
+      const auto [cell, told] = block->find_failed();
+      if (told / reasons > longest) {
+        longest = told / reasons;
+        failure = {number + cell, told % reasons, n_cycles - longest};
+      }
+      number += block->n();
+    }
+    return failure;
   }
 
   SpaceLoop<Real>& loop;
@@ -75,6 +97,9 @@ struct Session<Real>::Own {
   std::vector<Block<Real>> seen;
   BorrowedTools tools;
   BorrowedBeads beads;
+  BorrowedWalls walls;
+  BorrowedTies ties;
+  int stop[2] = {0, 0};
   std::vector<int> first, corner;
   std::vector<Step> step;
   std::vector<double> work;
@@ -98,9 +123,15 @@ template <class Real>
 Session<Real>::~Session() = default;
 
 template <class Real>
-void Session<Real>::advance(const Cycles& cycles) {
+Failure Session<Real>::advance(const Cycles& cycles) {
   const double start = omp_get_wtime();
   SpaceLoop<Real>& loop = own_->loop;
+  if constexpr (std::is_same_v<Real, double>)
+    if (own_->walls.spins()) {
+      fetch(Part::nodes);
+      own_->walls.begin(loop.nodes);
+      own_->there->arrays.send(Part::little);
+    }
   for (int first = 0; first < cycles.n; first += most_cycles) {
     const int n = std::min(most_cycles, cycles.n - first);
     for (int i = 0; i < n; ++i) own_->step[i] = cycles.step(first + i);
@@ -112,6 +143,11 @@ void Session<Real>::advance(const Cycles& cycles) {
     if (loop.contact) loop.contact->lend().cycle += n;
     if (loop.beads) loop.beads->lend().cycle += n;
     loop.work.external += found.sum[0], loop.work.damping += found.sum[1];
+    loop.work.contact += found.sum[3], loop.work.friction += found.sum[4];
+    if (own_->stop[1]) {
+      fetch(Part::elements);
+      return own_->find_failure(first + n);
+    }
     finite_ = found.first == std::numeric_limits<int>::max();
     if (finite_) continue;
     fetch(Part::nodes);
@@ -123,6 +159,7 @@ void Session<Real>::advance(const Cycles& cycles) {
     break;
   }
   loop.seconds[static_cast<int>(explicit_dynamics::Phase::elements)] += omp_get_wtime() - start;
+  return {};
 }
 
 template <class Real>
@@ -162,8 +199,10 @@ Energies Session<Real>::energies(const Step& step) {
   const auto& problem = there.problem;
   Energies e;
   e.external = loop.work.external, e.damping = loop.work.damping;
-  const Found half = there.sum_up(HalfStep<Real>{problem.nodes.n, problem.nodes, step});
+  e.contact = loop.work.contact, e.friction = loop.work.friction;
+  const Found half = there.sum_up(HalfStep<Real>{problem.nodes.n, problem.nodes, problem.walls, step});
   e.kinetic = half.sum[0], e.external += half.sum[1], e.damping += half.sum[2];
+  e.contact += half.sum[3], e.friction += half.sum[4];
   for (int b = 0; b < problem.n_blocks; ++b) {
     const auto row = [](const auto& of, int r) { return r < 0 ? nullptr : of.state + std::size_t(r) * of.n; };
     const Found work = std::visit(

@@ -27,6 +27,11 @@ struct Cycles {
   }
 };
 
+// A solid has failed in a cycle of a call, as Loop's: of several the first in number. The state is of no use then.
+struct Failure {
+  int element = -1, status = 0, cycle = -1;
+};
+
 // What a loop has that no device computes yet; empty where there is nothing.
 template <class Real>
 std::string find_lack(const SpaceLoop<Real>& loop);
@@ -42,7 +47,7 @@ class Session {
   ~Session();
 
   // Throws std::runtime_error where a force is no number any more.
-  void advance(const Cycles& cycles);
+  Failure advance(const Cycles& cycles);
   // Whether all nodes had finite places after the last call.
   bool is_finite() const { return finite_; }
   // Take into the loop: places, velocities and forces of nodes; reactions; elements; what nodes remember of tools.

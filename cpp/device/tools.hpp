@@ -14,6 +14,7 @@
 #pragma once
 
 #include "contact/sharp_search.hpp"
+#include "contact/smooth_search.hpp"
 #include "explicit/contact/edge_touch.hpp"
 #include "explicit/lane_sums.hpp"
 
@@ -29,12 +30,15 @@ inline constexpr int refresh_cycles = 8;  // as ToolContact's
 // Where a tool's surface lies in the memory of the device.
 struct Surface {
   bool is_swept;
+  contact::SmoothSearch smooth;  // of triangles that are rounded off; without patches they are not
   contact::SweptSearch swept;
   contact::TriangleSearch<contact::eights::OneByOne> triangles;
 
   [[gnu::noinline]] PRESSWORK_DEVICE bool nearest(const double x[3], double reach, int& hint,
                                                   contact::Touch& touch) const {
-    return is_swept ? swept.nearest(x, reach, hint, touch) : triangles.nearest(x, reach, hint, touch);
+    if (is_swept) return swept.nearest(x, reach, hint, touch);
+    if (smooth.patches) return smooth.nearest(triangles, x, reach, hint, touch, nullptr);
+    return triangles.nearest(x, reach, hint, touch);
   }
 };
 

@@ -22,12 +22,10 @@ namespace presswork {
 // Signs of the modes at the nodes of Hex8: 1, xi, eta, zeta, eta zeta, zeta xi, xi eta, xi eta zeta.
 struct HexModes {
   static constexpr int count = 8, hourglass = 4;  // the number of the first hourglass mode
-  template <class T>
-  using Rows = T[count][3];
 
   // Sums over the nodes with the signs of each mode.
   template <class T>
-  [[gnu::always_inline]] static inline void sum(const T x[8][3], T (&out)[count][3]) {
+  PRESSWORK_INLINE static void sum(const T x[8][3], T (&out)[count][3]) {
     for (int i = 0; i < 3; ++i) {
       // 1. along xi: nodes 0 1, 3 2, 4 5, 7 6
       const T s0 = x[0][i] + x[1][i], d0 = x[1][i] - x[0][i], s1 = x[3][i] + x[2][i], d1 = x[2][i] - x[3][i];
@@ -43,7 +41,7 @@ struct HexModes {
   }
   // The other way: at each node the sum of the modes with their signs; mode 0 is nought.
   template <class T>
-  [[gnu::always_inline]] static inline void spread(const T (&m)[count][3], T* out, int stride) {
+  PRESSWORK_INLINE static void spread(const T (&m)[count][3], T* out, int stride) {
     for (int i = 0; i < 3; ++i) {
       const T low[4] = {-m[3][i], m[1][i] - m[5][i], m[2][i] - m[4][i], m[6][i] - m[7][i]};
       const T high[4] = {m[3][i], m[1][i] + m[5][i], m[2][i] + m[4][i], m[6][i] + m[7][i]};
@@ -58,8 +56,9 @@ struct HexModes {
   }
 };
 
+// On one cell or a pack of them.
+template <class T>
 struct HexOnePoint {
-  using T = Pack;
   static constexpr int nodes = 8, modes = HexModes::hourglass;
   // Rows of a cell's state before the point's: work of the stress, of the hourglass forces, these forces.
   enum : int { work = 0, hourglass_work = 1, hourglass = 2, point = 14 };
@@ -70,7 +69,7 @@ struct HexOnePoint {
   };
 
   // From sums of positions; true in lanes where the volume is not positive.
-  static Mask<T> measure(const HexModes::Rows<T>& sums, Geometry& g) {
+  PRESSWORK_DEVICE static Mask<T> measure(const T (&sums)[HexModes::count][3], Geometry& g) {
     T m[HexModes::count][3];
     for (int k = 1; k < HexModes::count; ++k)
       for (int i = 0; i < 3; ++i) m[k][i] = T(0.125) * sums[k][i];
@@ -92,7 +91,7 @@ struct HexOnePoint {
   }
 
   // V^2 sum_a |grad N_a|^2
-  static T square_gradients(const Geometry& g) {
+  PRESSWORK_DEVICE static T square_gradients(const Geometry& g) {
     T sum(0.0);
     for (int k = 1; k < 7; ++k)
       for (int i = 0; i < 3; ++i) sum += g.B[k][i] * g.B[k][i];
@@ -107,7 +106,7 @@ struct HexOnePoint {
   };
 
   // True in lanes where the cell is turned inside out.
-  static Mask<T> deform(const Geometry& g, const HexModes::Rows<T>& moves, Motion& motion) {
+  PRESSWORK_DEVICE static Mask<T> deform(const Geometry& g, const T (&moves)[HexModes::count][3], Motion& motion) {
     auto& H = motion.H;
     const T inverse = T(1.0) / g.volume;
     for (int i = 0; i < 3; ++i)
@@ -125,7 +124,7 @@ struct HexOnePoint {
     return invert(motion.jacobian > T(1e-6));
   }
 
-  static void find_strain(const T (&H)[3][3], T strain[6]) {
+  PRESSWORK_DEVICE static void find_strain(const T (&H)[3][3], T strain[6]) {
     T E[3][3], square[3][3];
     for (int i = 0; i < 3; ++i)
       for (int j = i; j < 3; ++j)
@@ -134,14 +133,14 @@ struct HexOnePoint {
       for (int j = i; j < 3; ++j)
         square[i][j] = square[j][i] = E[i][0] * E[0][j] + E[i][1] * E[1][j] + E[i][2] * E[2][j];
     for (int k = 0; k < 6; ++k) {
-      const int i = voigt_row[k], j = voigt_column[k];
+      const int i = voigt_row(k), j = voigt_column(k);
       const T cube = square[i][0] * E[0][j] + square[i][1] * E[1][j] + square[i][2] * E[2][j];
       strain[k] = T(k < 3 ? 1.0 : 2.0) * (E[i][j] - square[i][j] + T(4.0 / 3) * cube);
     }
   }
 
   // (1 - W/2)^-1 (1 + W/2), W the skew part of 2 H (2 + H)^-1, the gradient of the velocity times dt at half the cycle.
-  static void find_rotation(const T (&H)[3][3], T (&R)[3][3]) {
+  PRESSWORK_DEVICE static void find_rotation(const T (&H)[3][3], T (&R)[3][3]) {
     T A[9], cofactor[9];
     for (int i = 0; i < 9; ++i) A[i] = T(0.5) * H[i / 3][i % 3] + T(i % 4 == 0 ? 1.0 : 0.0);
     SolidSpace<Hex8, 1, T>::find_cofactors(A, cofactor);
@@ -164,8 +163,9 @@ struct HexOnePoint {
   // node. Gives lanes where the cell is turned inside out, when the pack's state stays, and in `failed` those where the
   // law finds no stress.
   template <class Law>
-  [[gnu::flatten]] static Mask<T> advance(const Law& law, double fraction, double dt, T given, const T x[8][3],
-                                          const T du[8][3], T* state, T* force, int stride, Mask<T>& failed) {
+  [[gnu::flatten]] PRESSWORK_DEVICE static Mask<T> advance(const Law& law, double fraction, double dt, T given,
+                                                           const T x[8][3], const T du[8][3], T* state, T* force,
+                                                           int stride, Mask<T>& failed) {
     // 1. modes at the end and of the cycle's move, gradients at its start
     T at_end[HexModes::count][3], moves[HexModes::count][3], at_start[HexModes::count][3];
     HexModes::sum(x, at_end);
@@ -221,7 +221,7 @@ struct HexOnePoint {
     const T volume = g.volume * motion.jacobian, inverse = T(1.0) / volume;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
-        pull[i][j] = volume * s1[voigt_of[i][j]];
+        pull[i][j] = volume * s1[voigt_of(i, j)];
         for (int mode = 0; mode < modes; ++mode)
           pull[i][j] -= T(0.125) * Q[mode][i] * at_end[HexModes::hourglass + mode][j];
       }
@@ -244,7 +244,8 @@ struct HexOnePoint {
   // eigenvalue of M = sum grad N_a grad N_a / m_a. The energy K tr^2 + 2 G |dev|^2 is at most 2 G l + (K - 2 G / 3)
   // tr^2, so at most 2 G l + max(K - 2 G / 3, 0) S. l by trace and norm (Wolkowicz & Styan 1980). The hourglass control
   // adds at most its own.
-  static T bound_frequency(double bulk, double shear, double fraction, const T x[8][3], const T mass[8]) {
+  PRESSWORK_DEVICE static T bound_frequency(double bulk, double shear, double fraction, const T x[8][3],
+                                            const T mass[8]) {
     T sums[HexModes::count][3], M[3][3] = {}, inertia(0.0), B[nodes][3];
     Geometry g;
     HexModes::sum(x, sums);
@@ -272,7 +273,7 @@ struct HexOnePoint {
     }
     const T third(1.0 / 3);
     const T largest = third * trace + square_root(larger(T(2.0 / 3) * (squares - third * trace * trace), T(0.0)));
-    const T bound = T(2.0 * shear) * largest + T(std::max(bulk - 2.0 / 3.0 * shear, 0.0)) * trace;
+    const T bound = T(2.0 * shear) * largest + T(larger(bulk - 2.0 / 3.0 * shear, 0.0)) * trace;
     return (bound + T(2.0 * fraction * shear) * square_gradients(g) * inertia) / g.volume;
   }
 };

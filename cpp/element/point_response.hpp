@@ -146,26 +146,26 @@ template <int N>
 inline constexpr int most_point_values = N + most_kept<N> + axes_values<N>;
 
 // How many a law keeps behind the equivalent plastic strain.
-inline int kept_values(const VonMises&) { return 0; }
+PRESSWORK_DEVICE inline int kept_values(const VonMises&) { return 0; }
 template <int N>
-int kept_values(const ElasticPlastic<N>& law) {
+PRESSWORK_DEVICE int kept_values(const ElasticPlastic<N>& law) {
   return law.history_size() - 1 + axes_values<N>;
 }
 
 // Temperature of a point that nobody gives one, and the whole of it at the start of an increment: what is given, and
 // the rise that the law makes itself.
-inline double start_temperature(const VonMises&) { return 0.0; }
+PRESSWORK_DEVICE inline double start_temperature(const VonMises&) { return 0.0; }
 inline double start_temperature(const Umat&) { return 0.0; }
 template <int N>
-double start_temperature(const ElasticPlastic<N>& law) {
+PRESSWORK_DEVICE double start_temperature(const ElasticPlastic<N>& law) {
   return law.flow.thermal.start;
 }
 template <class T>
-T point_temperature(const VonMises&, T given, const T*) {
+PRESSWORK_DEVICE T point_temperature(const VonMises&, T given, const T*) {
   return given;
 }
 template <class T, int N>
-T point_temperature(const ElasticPlastic<N>& law, T given, const T* s0) {
+PRESSWORK_DEVICE T point_temperature(const ElasticPlastic<N>& law, T given, const T* s0) {
   return law.flow.thermal.heats() ? given + s0[N + 1] : given;
 }
 

@@ -89,7 +89,7 @@ struct SolidForces {
   }
 
   // The shear modulus before first yield, then flow + slope/3 of the hardening at t, at most the shear modulus.
-  static T hourglass_modulus(T elastic, T eqps_n, T flow, T slope) {
+  PRESSWORK_DEVICE static T hourglass_modulus(T elastic, T eqps_n, T flow, T slope) {
     return select(eqps_n > T(0.0), smaller(flow + slope * T(1.0 / 3), elastic), elastic);
   }
 

@@ -51,7 +51,7 @@ struct SolidSpace {
   }
 
   // A^-T det A
-  static void find_cofactors(const T A[9], T cofactor[9]) {
+  PRESSWORK_DEVICE static void find_cofactors(const T A[9], T cofactor[9]) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         const int r = (i + 1) % 3, s = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
@@ -60,7 +60,7 @@ struct SolidSpace {
   }
 
   // F of the increment; true in lanes where the point is turned inside out, which small displacements cannot do.
-  static Mask<T> deform(const T du[][3], bool small, Point& g) {
+  PRESSWORK_DEVICE static Mask<T> deform(const T du[][3], bool small, Point& g) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         T sum(i == j ? 1.0 : 0.0);
@@ -76,7 +76,7 @@ struct SolidSpace {
   }
 
   // Gradients on the configuration at t+dt; small: as at t.
-  static void push_forward(const Point& g, bool small, Gradients& now) {
+  PRESSWORK_DEVICE static void push_forward(const Point& g, bool small, Gradients& now) {
     if (small) {
       for (int a = 0; a < nodes; ++a)
         for (int i = 0; i < 3; ++i) now[a][i] = g.grad[a][i];
@@ -113,7 +113,7 @@ struct SolidSpace {
     return v / V;
   }
 
-  static void use_mean_dilatation(const SolidSection&, T mean, const Point& g, bool small, T F[9]) {
+  PRESSWORK_DEVICE static void use_mean_dilatation(const SolidSection&, T mean, const Point& g, bool small, T F[9]) {
     if (small) {
       T more = (mean - (F[0] + F[4] + F[8] - T(3.0))) * T(1.0 / 3);
       for (int i = 0; i < 9; i += 4) F[i] += more;
@@ -123,7 +123,7 @@ struct SolidSpace {
     for (int i = 0; i < 9; ++i) F[i] *= factor;
   }
 
-  static void add_force(const Gradients& now, const T s[6], T dv, T* force) {
+  PRESSWORK_DEVICE static void add_force(const Gradients& now, const T s[6], T dv, T* force) {
     T p[6];
     for (int i = 0; i < 6; ++i) p[i] = s[i] * dv;
     for (int a = 0; a < nodes; ++a) {

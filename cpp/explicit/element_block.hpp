@@ -16,9 +16,6 @@
 
 namespace presswork::explicit_dynamics {
 
-// Why a cell has failed: `reasons` times its number plus this, a LawStatus; `done` where it is turned inside out.
-inline constexpr int reasons = 8;
-
 // State is kept as [pack][row][lane]. The last pack is filled up with copies of the last element that take part in no
 // assembly.
 template <class Nodes>

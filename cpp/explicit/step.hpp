@@ -4,6 +4,9 @@
 
 namespace presswork::explicit_dynamics {
 
+// Why a cell has failed: `reasons` times its number plus this, a LawStatus; `done` where it is turned inside out.
+inline constexpr int reasons = 8;
+
 // A cycle of dt; velocities are advanced over mean_dt, the mean of this step and the one before.
 struct Step {
   double dt, mean_dt, damping, force_scale, velocity_scale;  // [s], [s], [1/s]; factors on forces and prescribed motion

@@ -27,7 +27,7 @@ struct Increment {
 // 1/m + s/3m^3 + ... = atanh(rho/m)/rho with s = rho^2, and its slope in s; the series joins where the closed form
 // cancels.
 template <class T>
-void divided_atanh(T m, T s, T& g, T& g_s) {
+PRESSWORK_DEVICE void divided_atanh(T m, T s, T& g, T& g_s) {
   T z2 = s / (m * m);
   T inv_m = T(1.0) / m;
   T series = inv_m * (T(1.0) + z2 * (T(1.0 / 3) + z2 * (T(1.0 / 5) + z2 * (T(1.0 / 7) + z2 * T(1.0 / 9)))));

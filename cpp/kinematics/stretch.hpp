@@ -19,8 +19,18 @@
 namespace presswork {
 
 // Row and column of component k of a symmetric tensor, and the component of (row, column).
-inline constexpr int voigt_row[6] = {0, 1, 2, 0, 1, 2}, voigt_column[6] = {0, 1, 2, 1, 2, 0};
-inline constexpr int voigt_of[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+PRESSWORK_DEVICE constexpr int voigt_row(int k) {
+  constexpr int row[6] = {0, 1, 2, 0, 1, 2};
+  return row[k];
+}
+PRESSWORK_DEVICE constexpr int voigt_column(int k) {
+  constexpr int column[6] = {0, 1, 2, 1, 2, 0};
+  return column[k];
+}
+PRESSWORK_DEVICE constexpr int voigt_of(int i, int j) {
+  constexpr int of[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+  return of[i][j];
+}
 
 template <class T>
 struct Stretch {
@@ -36,7 +46,7 @@ namespace stretch {
 
 // Eigenvectors (columns of V) of a symmetric matrix, which becomes diagonal.
 template <class T>
-void diagonalise(T A[3][3], T V[3][3]) {
+PRESSWORK_DEVICE void diagonalise(T A[3][3], T V[3][3]) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) V[i][j] = T(i == j ? 1.0 : 0.0);
   for (int sweep = 0; sweep < 12; ++sweep) {
@@ -44,7 +54,7 @@ void diagonalise(T A[3][3], T V[3][3]) {
     T size = A[0][0] * A[0][0] + A[1][1] * A[1][1] + A[2][2] * A[2][2];
     if (!any(off > T(1e-34) * size)) break;
     for (int k = 3; k < 6; ++k) {
-      const int p = voigt_row[k], q = voigt_column[k], r = 3 - p - q;
+      const int p = voigt_row(k), q = voigt_column(k), r = 3 - p - q;
       // the rotation by at most 45 degrees that makes A_pq zero; its tangent is t
       T apart = A[q][q] - A[p][p], twice = T(2.0) * A[p][q];
       T signed_twice = select(apart < T(0.0), -twice, twice), wide = larger(apart, -apart);
@@ -64,20 +74,20 @@ void diagonalise(T A[3][3], T V[3][3]) {
 
 // Q A Q^T of a symmetric tensor.
 template <class T>
-void turn_tensor(const T Q[3][3], const T in[6], T out[6]) {
+PRESSWORK_DEVICE void turn_tensor(const T Q[3][3], const T in[6], T out[6]) {
   T half[3][3];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      half[i][j] = Q[i][0] * in[voigt_of[0][j]] + Q[i][1] * in[voigt_of[1][j]] + Q[i][2] * in[voigt_of[2][j]];
+      half[i][j] = Q[i][0] * in[voigt_of(0, j)] + Q[i][1] * in[voigt_of(1, j)] + Q[i][2] * in[voigt_of(2, j)];
   for (int k = 0; k < 6; ++k) {
-    const int i = voigt_row[k], j = voigt_column[k];
+    const int i = voigt_row(k), j = voigt_column(k);
     out[k] = half[i][0] * Q[j][0] + half[i][1] * Q[j][1] + half[i][2] * Q[j][2];
   }
 }
 
 // d stress / d strain in turned axes: rows and columns turn as stresses.
 template <class T>
-void turn_modulus(const T Q[3][3], T (&D)[6][6]) {
+PRESSWORK_DEVICE void turn_modulus(const T Q[3][3], T (&D)[6][6]) {
   for (int j = 0; j < 6; ++j) {
     T column[6], turned[6];
     for (int i = 0; i < 6; ++i) column[i] = D[i][j];
@@ -92,13 +102,13 @@ void turn_modulus(const T Q[3][3], T (&D)[6][6]) {
 }
 
 template <class T>
-T determinant(const T F[9]) {
+PRESSWORK_DEVICE T determinant(const T F[9]) {
   return F[0] * (F[4] * F[8] - F[5] * F[7]) + F[1] * (F[5] * F[6] - F[3] * F[8]) + F[2] * (F[3] * F[7] - F[4] * F[6]);
 }
 
 // f(s_i) of the strain measures; s^2 = 1 + 2 e.
 template <class T>
-T strain_of(StrainMeasure measure, T e, T s) {
+PRESSWORK_DEVICE T strain_of(StrainMeasure measure, T e, T s) {
   if (measure == StrainMeasure::log) return T(0.5) * logarithm_one_plus(T(2.0) * e);
   if (measure == StrainMeasure::stretch) return T(2.0) * e / (s + T(1.0));
   return e;
@@ -106,7 +116,7 @@ T strain_of(StrainMeasure measure, T e, T s) {
 
 // (f(s_i) - f(s_j)) / (s_i - s_j)
 template <class T>
-T divided(StrainMeasure measure, T si, T sj) {
+PRESSWORK_DEVICE T divided(StrainMeasure measure, T si, T sj) {
   if (measure == StrainMeasure::stretch) return T(1.0);
   if (measure == StrainMeasure::green_lagrange) return T(0.5) * (si + sj);
   T half = T(0.5) * (si - sj), g, slope;
@@ -119,7 +129,7 @@ T divided(StrainMeasure measure, T si, T sj) {
 // Polar decomposition and strain of one increment, rate and turn only if with_rates. F must have a positive
 // determinant; measure is log, stretch or green_lagrange.
 template <class T>
-void split_increment(const T F[9], StrainMeasure measure, bool with_rates, Stretch<T>& out) {
+PRESSWORK_DEVICE void split_increment(const T F[9], StrainMeasure measure, bool with_rates, Stretch<T>& out) {
   // 1. eigenvectors of E
   T E[3][3], s[3], f[3];
   for (int i = 0; i < 3; ++i)
@@ -136,7 +146,7 @@ void split_increment(const T F[9], StrainMeasure measure, bool with_rates, Stret
   }
   const auto& N = out.axis;
   for (int k = 0; k < 6; ++k) {
-    const int i = voigt_row[k], j = voigt_column[k];
+    const int i = voigt_row(k), j = voigt_column(k);
     T sum = f[0] * N[i][0] * N[j][0] + f[1] * N[i][1] * N[j][1] + f[2] * N[i][2] * N[j][2];
     out.strain[k] = k < 3 ? sum : T(2.0) * sum;
   }
@@ -148,7 +158,7 @@ void split_increment(const T F[9], StrainMeasure measure, bool with_rates, Stret
   if (!with_rates) return;
   // 3. rates
   for (int k = 0; k < 6; ++k) {
-    T si = s[voigt_row[k]], sj = s[voigt_column[k]], inv = T(1.0) / (si + sj);
+    T si = s[voigt_row(k)], sj = s[voigt_column(k)], inv = T(1.0) / (si + sj);
     out.rate[k] = T(2.0) * si * sj * inv * stretch::divided(measure, si, sj);
     out.turn[k] = (sj - si) * inv;
   }

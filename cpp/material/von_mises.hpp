@@ -41,42 +41,42 @@ struct VonMises {
   int substeps = 10;
   Modulus modulus = Modulus::consistent;
 
-  static constexpr int state_size(int n) { return n + 1; }
+  PRESSWORK_DEVICE static constexpr int state_size(int n) { return n + 1; }
   // Flow stress and its slope at equivalent plastic strain p, at rest.
   template <class T>
-  void flow_at_rest(T p, T, T& flow, T& slope) const {
+  PRESSWORK_DEVICE void flow_at_rest(T p, T, T& flow, T& slope) const {
     hardening.evaluate(p, flow, slope);
   }
-  double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
-  double bulk_modulus() const { return young / (3.0 * (1.0 - 2.0 * poisson)); }
+  PRESSWORK_DEVICE double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
+  PRESSWORK_DEVICE double bulk_modulus() const { return young / (3.0 * (1.0 - 2.0 * poisson)); }
 };
 
 namespace von_mises {
 
 template <class T>
-T mean_of(const T* s) {
+PRESSWORK_DEVICE T mean_of(const T* s) {
   return (s[0] + s[1] + s[2]) * T(1.0 / 3);
 }
 // double contraction of two symmetric tensors given as tensor components
 template <int N, class T>
-T contract(const T a[N], const T b[N]) {
+PRESSWORK_DEVICE T contract(const T a[N], const T b[N]) {
   T sum = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   for (int i = 3; i < N; ++i) sum = sum + T(2.0) * a[i] * b[i];
   return sum;
 }
 template <int N, class T>
-T effective_of(const T s[N]) {
+PRESSWORK_DEVICE T effective_of(const T s[N]) {
   return square_root(T(1.5) * contract<N>(s, s));
 }
 template <int N, class T>
-void deviator_of(const T a[N], T s[N]) {
+PRESSWORK_DEVICE void deviator_of(const T a[N], T s[N]) {
   T m = mean_of(a);
   for (int i = 0; i < N; ++i) s[i] = i < 3 ? a[i] - m : a[i];
 }
 
 // dp of q_trial - 3G dp = flow(p + dp), by Newton inside a bracket; zero where mask is off.
 template <class T, class M>
-T solve_plastic_increment(const VonMises& law, T eqps, T q_trial, T over, M plastic, T& slope) {
+PRESSWORK_DEVICE T solve_plastic_increment(const VonMises& law, T eqps, T q_trial, T over, M plastic, T& slope) {
   const double g3 = 3.0 * law.shear_modulus();
   T flow;
   law.hardening.evaluate(eqps, flow, slope);
@@ -100,7 +100,7 @@ T solve_plastic_increment(const VonMises& law, T eqps, T q_trial, T over, M plas
 }
 
 template <int N, class T>
-void elastic_plastic_matrix(const VonMises& law, const T n[N], T theta, T theta_bar, T (*matrix)[N]) {
+PRESSWORK_DEVICE void elastic_plastic_matrix(const VonMises& law, const T n[N], T theta, T theta_bar, T (*matrix)[N]) {
   // K 1 x 1 + 2G theta I_dev - 2G theta_bar N x N, N of unit length
   const double G = law.shear_modulus(), K = law.bulk_modulus();
   T g2 = T(2.0 * G) * theta;
@@ -115,7 +115,8 @@ void elastic_plastic_matrix(const VonMises& law, const T n[N], T theta, T theta_
 
 // The default: backward Euler and, if tangent is given, its consistent matrix (or the continuum one).
 template <int N, class T>
-void update_backward_euler(const VonMises& law, const T strain[N], const T* s0, T* s1, T (*tangent)[N]) {
+PRESSWORK_DEVICE void update_backward_euler(const VonMises& law, const T strain[N], const T* s0, T* s1,
+                                            T (*tangent)[N]) {
   const double G = law.shear_modulus(), K = law.bulk_modulus();
   const T eqps = s0[N];
   // 1. elastic predictor
@@ -152,7 +153,7 @@ void update_backward_euler(const VonMises& law, const T strain[N], const T* s0, 
 
 // The rate equation over the strain deviator de (tensor components), its direction taken at S_dir; adds to s and eqps.
 template <int N, class T>
-void step_rate_equation(const VonMises& law, const T direction[N], const T de[N], T s[N], T& eqps) {
+PRESSWORK_DEVICE void step_rate_equation(const VonMises& law, const T direction[N], const T de[N], T s[N], T& eqps) {
   const double G = law.shear_modulus();
   T flow, slope;
   law.hardening.evaluate(eqps, flow, slope);
@@ -165,7 +166,7 @@ void step_rate_equation(const VonMises& law, const T direction[N], const T de[N]
 }
 
 template <int N, class T>
-void scale_to_surface(const VonMises& law, T eqps, T s[N]) {
+PRESSWORK_DEVICE void scale_to_surface(const VonMises& law, T eqps, T s[N]) {
   T flow, slope;
   law.hardening.evaluate(eqps, flow, slope);
   T ratio = flow / effective_of<N>(s);
@@ -174,7 +175,7 @@ void scale_to_surface(const VonMises& law, T eqps, T s[N]) {
 
 // The five integrators that are there to be compared.
 template <int N, class T>
-void update_by_rate(const VonMises& law, const T strain[N], const T* s0, T* s1) {
+PRESSWORK_CALLED void update_by_rate(const VonMises& law, const T strain[N], const T* s0, T* s1) {
   const double G = law.shear_modulus(), K = law.bulk_modulus();
   T volume = strain[0] + strain[1] + strain[2];
   T mean = mean_of(s0) + T(K) * volume;
@@ -244,6 +245,15 @@ void update_by_rate(const VonMises& law, const T strain[N], const T* s0, T* s1) 
 
 }  // namespace von_mises
 
+// The update without a tangent, which a card computes, too.
+template <int N, class T>
+PRESSWORK_DEVICE void advance_stress(const VonMises& law, const T strain[N], const T* s0, T* s1) {
+  if (law.integrator == Integrator::backward_euler)
+    von_mises::update_backward_euler<N>(law, strain, s0, s1, static_cast<T(*)[N]>(nullptr));
+  else
+    von_mises::update_by_rate<N>(law, strain, s0, s1);
+}
+
 template <int N, class T>
 Mask<T> update(const VonMises& law, const LawInput<N, T>& in, const T* s0, T* s1, T (*tangent)[N]) {
   const auto none = T(1.0) < T(0.0);
@@ -252,7 +262,7 @@ Mask<T> update(const VonMises& law, const LawInput<N, T>& in, const T* s0, T* s1
     return none;
   }
   if (!tangent) {
-    von_mises::update_by_rate<N>(law, in.strain, s0, s1);
+    advance_stress<N>(law, in.strain, s0, s1);
     return none;
   }
   if (law.modulus == Modulus::continuum) {

@@ -9,6 +9,7 @@
 
 #include "explicit/interaction.hpp"
 #include "explicit/space/nodes.hpp"
+#include "explicit/space/turn_about_z.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -51,13 +52,13 @@ class CyclicTies final : public Interaction<SpaceNodes<double>> {
     }
   }
 
+  const std::vector<std::pair<int, int>>& pairs() const { return pairs_; }
+  double cosine() const { return cosine_; }
+  double sine() const { return sine_; }
+
  private:
   int n() const { return static_cast<int>(pairs_.size()); }
-  void turn(const double from[3], double sine, double to[3]) const {
-    to[0] = cosine_ * from[0] - sine * from[1];
-    to[1] = sine * from[0] + cosine_ * from[1];
-    to[2] = from[2];
-  }
+  void turn(const double from[3], double sine, double to[3]) const { turn_about_z(from, cosine_, sine, to); }
 
   std::vector<std::pair<int, int>> pairs_;
   double cosine_, sine_;

@@ -195,8 +195,10 @@ template <class Real>
 void SpaceLoop<Real>::add_wall(std::shared_ptr<const contact::ToolSurface> surface, const std::uint8_t* touching,
                                double mu, double reach, const WallMotion& motion) {
   if constexpr (std::is_same_v<Real, double>) {
-    walls.push_back(std::make_unique<SpaceWall>("wall_" + std::to_string(walls.size()), this->nodes.n,
-                                                std::move(surface), mu, reach, motion));
+    WallBody body;
+    body.mu = mu, body.reach = reach, body.motion = motion;
+    walls.push_back(
+        std::make_unique<SpaceWall>("wall_" + std::to_string(walls.size()), this->nodes.n, std::move(surface), body));
     this->nodes.walls.push_back(walls.back().get());
     this->nodes.touches_walls.assign(touching, touching + this->nodes.n);
     this->interactions.push_back(walls.back().get());

@@ -42,6 +42,8 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   std::vector<std::unique_ptr<BodyContact<SpaceNodes<double>>>> contacts;
   // Let the second node of each pair follow the first, turned about z by an angle [rad].
   void tie(std::vector<std::pair<int, int>> pairs, double angle);
+  const CyclicTies* ties() const { return ties_.get(); }  // null: there are none
+  bool has_nodal_volumes() const { return !nodal_volumes_.empty(); }
 
   bool is_sheet(int block) const { return sheets_[block] != nullptr; }
   const SheetBlock<Real>& sheet(int block) const { return *sheets_[block]; }

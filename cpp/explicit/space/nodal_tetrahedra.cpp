@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "element/solid.hpp"
+#include "element/tet_nodal.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -30,18 +30,14 @@ void NodalVolumes::begin(const Nodes& nodes, int n_cycles) {
 
 void NodalVolumes::measure_cells(const Nodes& nodes, double ago, int first, int last) {
   for (int e = first; e < last; ++e) {
-    double at[4][3], edge[3][3];
+    double at[4][3];
     for (int a = 0; a < 4; ++a) {
       const std::size_t node = cells_[4 * std::size_t(e) + a];
       for (int i = 0; i < 3; ++i)
         at[a][i] = nodes.position.data()[Nodes::position_stride * node + i] -
                    ago * nodes.motion.data()[Nodes::motion_stride * node + i];
     }
-    for (int a = 0; a < 3; ++a)
-      for (int i = 0; i < 3; ++i) edge[a][i] = at[a + 1][i] - at[0][i];
-    volume_[e] = edge[0][0] * (edge[1][1] * edge[2][2] - edge[1][2] * edge[2][1]) +
-                 edge[0][1] * (edge[1][2] * edge[2][0] - edge[1][0] * edge[2][2]) +
-                 edge[0][2] * (edge[1][0] * edge[2][1] - edge[1][1] * edge[2][0]);
+    volume_[e] = six_volumes(at);
   }
 }
 
@@ -59,13 +55,12 @@ namespace {
 template <class Law>
 class NodalBlock final : public SpaceSolids {
   static constexpr int count = Tet4::nodes, record = Nodes::record(count);
-  using Body = SolidSpace<Tet4, 1, Pack>;
-  enum Row : int { work, held_work, pressure, force_row, point = force_row + 3 * count };
+  using Kernel = NodalTetrahedron<Pack>;
 
  public:
   NodalBlock(std::vector<int> cells, const Nodes& nodes, Owned<Law> law, double density, double fraction,
              const NodalVolumes& volumes)
-      : SpaceSolids(count, std::move(cells), point, 1, kept_values(law.view), work, held_work),
+      : SpaceSolids(count, std::move(cells), Kernel::point, 1, kept_values(law.view), Kernel::work, Kernel::held_work),
         law_(std::move(law)),
         fraction_(fraction),
         volumes_(volumes) {
@@ -81,15 +76,21 @@ class NodalBlock final : public SpaceSolids {
       gather_motion<count>(nodes, pack_nodes(pack), du, spin);
       for (int a = 0; a < count; ++a)
         for (int i = 0; i < 3; ++i) du[a][i] *= Pack(dt), x[a][i] -= du[a][i];
-      typename Body::Point g;
-      Pack::Mask bad = Body::measure_reference({}, x, 0, g);
-      bad = either(bad, Body::deform(du, false, g));
+      const Pack* degrees = pack_temperature(pack);
+      const Pack given = degrees ? *degrees : Pack(start_temperature(law_.view));
+      Pack* state = pack_state(pack);
       Pack::Mask no_stress = Pack(1.0) < Pack(0.0);
-      if (!any(bad)) no_stress = respond_and_push(pack, dt, g, du, nodal);
+      const Pack::Mask bad =
+          Kernel::advance(law_.view, fraction_, dt, given, x, du, mean_change(pack), state, no_stress);
       if (any(bad) || any(no_stress)) {
         if (failed < 0) failed = name_failed(pack, any(bad) ? bad : no_stress, any(bad));
         continue;
       }
+      for (int a = 0; a < count; ++a)
+        for (int i = 0; i < 3; ++i) {
+          nodal[freedoms * a + i] = state[Kernel::force_row + 3 * a + i];
+          nodal[freedoms * a + 3 + i] = Pack(0.0);
+        }
       double* to[lanes];
       for (int lane = 0; lane < lanes; ++lane) to[lane] = force + record * lane;
       store_records<record>(nodal, to);
@@ -97,78 +98,35 @@ class NodalBlock final : public SpaceSolids {
     return failed;
   }
 
-  // As of fully integrated cells: the nodal mean of the dilatation has less energy than the cells' own.
+  SpaceSection section() const override { return {SpaceSection::Kind::nodal, law_.view, fraction_}; }
+
   void bound_frequencies(const Nodes& nodes, double* squared) const override {
-    const double modulus = law_.view.bulk_modulus() + 2.0 * law_.view.shear_modulus();
+    const double bulk = law_.view.bulk_modulus(), shear = law_.view.shear_modulus();
 #pragma omp parallel for schedule(static) if (n_ >= Nodes::serial_elements)
     for (int pack = 0; pack < n_packs(); ++pack) {
-      Pack x[count][3], mass[count], bound(0.0);
+      Pack x[count][3], mass[count];
       load_masses(pack, mass);
       gather_positions<count>(nodes, pack_nodes(pack), x);
-      typename Body::Point g;
-      Body::measure_reference({}, x, 0, g);
-      for (int a = 0; a < count; ++a)
-        for (int i = 0; i < 3; ++i) bound += g.volume_t * g.grad[a][i] * g.grad[a][i] / mass[a];
-      for (int lane = 0; lane < std::min(lanes, n_ - pack * lanes); ++lane)
-        squared[pack * lanes + lane] = modulus * bound[lane];
+      const Pack bound = Kernel::bound_frequency(bulk, shear, x, mass);
+      for (int lane = 0; lane < std::min(lanes, n_ - pack * lanes); ++lane) squared[pack * lanes + lane] = bound[lane];
     }
   }
 
   void list_state(const std::string& owner, std::vector<StateField>& fields) override {
     SpaceSolids::list_state(owner, fields);
-    fields.push_back(rows_field(owner, "work", work, 2));
-    fields.push_back(rows_field(owner, "pressure", pressure, 1));
-    fields.push_back(rows_field(owner, "force", force_row, 3 * count));
+    fields.push_back(rows_field(owner, "work", Kernel::work, 2));
+    fields.push_back(rows_field(owner, "pressure", Kernel::pressure, 1));
+    fields.push_back(rows_field(owner, "force", Kernel::force_row, 3 * count));
   }
 
  private:
-  // Gives the lanes where the law finds no stress; then nothing is written.
-  Pack::Mask respond_and_push(int pack, double dt, const typename Body::Point& g, const Pack du[count][3],
-                              Pack nodal[record]) {
-    // 1. stress with the nodes' dilatation
-    Pack own = logarithm(g.jacobian), mean(0.0), F[9];
+  // Mean of the logarithms by which the volumes of the nodes of a pack's cells have changed.
+  Pack mean_change(int pack) const {
+    Pack mean(0.0);
     const int* node = pack_nodes(pack);
     for (int a = 0; a < count; ++a, node += lanes)
       for (int lane = 0; lane < lanes; ++lane) mean.set(lane, mean[lane] + 0.25 * volumes_.change(node[lane]));
-    std::copy_n(g.F, 9, F);
-    Body::use_mean_dilatation({}, exponential(mean), g, false, F);
-    Pack* state = pack_state(pack);
-    Pack *s0 = state + point, s1[most_point_values<6>], flow, slope;
-    const Pack* degrees = pack_temperature(pack);
-    const Pack given = degrees ? *degrees : Pack(start_temperature(law_.view));
-    const Pack eqps_n = s0[6];
-    law_.view.flow_at_rest(eqps_n, point_temperature(law_.view, given, s0), flow, slope);
-    PointSettings settings;
-    settings.tangent = TangentKind::none;
-    SpaceResponse<Pack> response;
-    const Pack::Mask failed = respond(settings, law_.view, F, dt, given, s0, s1, response);
-    if (any(failed)) return failed;
-
-    // 2. what holds the cell's own dilatation
-    const Pack elastic(law_.view.shear_modulus());
-    const Pack modulus = SolidForces<4, Pack>::hourglass_modulus(elastic, eqps_n, flow, slope);
-    const Pack held = state[pressure] + Pack(2.0 * fraction_) * modulus * (own - mean);
-
-    // 3. forces, and their work over the cycle
-    const Pack volume = g.volume_t * g.jacobian;
-    Pack stress[6], now[3 * count], done(0.0);
-    for (int i = 0; i < 6; ++i) stress[i] = i < 3 ? s1[i] + held : s1[i];
-    typename Body::Gradients gradients;
-    Body::push_forward(g, false, gradients);
-    std::fill_n(now, 3 * count, Pack(0.0));
-    Body::add_force(gradients, stress, volume, now);
-    for (int a = 0; a < count; ++a)
-      for (int i = 0; i < 3; ++i) {
-        done += Pack(0.5) * (state[force_row + 3 * a + i] + now[3 * a + i]) * du[a][i];
-        state[force_row + 3 * a + i] = nodal[freedoms * a + i] = now[3 * a + i];
-        nodal[freedoms * a + 3 + i] = Pack(0.0);
-      }
-    const Pack lost = Pack(0.5) * (state[pressure] * g.volume_t + held * volume) * own;
-    state[work] += done - lost;
-    state[held_work] += lost;
-    state[pressure] = held;
-    std::copy_n(s1, point_rows_, s0);
-    return failed;
+    return mean;
   }
 
   Owned<Law> law_;

@@ -85,17 +85,7 @@ void SpaceNodes<Real>::hold(int node, const Step& step, Record& after, Record& o
       after[i] = step.velocity_scale * prescribed_[row_at(node) + i];
       if (inverse > 0.0) outer[i] += (after[i] - free) / (step.push * inverse);
     }
-  if (!(held_[node] >> askew & 1)) return;
-  const double inverse = own[6];
-  for (int h = first_along_[node]; h < first_along_[node + 1]; ++h) {
-    const double* along = held_along_[h].along;
-    double change = step.velocity_scale * held_along_[h].velocity;
-    for (int i = 0; i < 3; ++i) change -= along[i] * after[i];
-    for (int i = 0; i < 3; ++i) {
-      after[i] += change * along[i];
-      if (inverse > 0.0) outer[i] += change * along[i] / (step.push * inverse);
-    }
-  }
+  if (held_[node] >> askew & 1) explicit_dynamics::hold_along(free_motion(node), step, own[6], after, outer);
 }
 
 template <class Real>
@@ -109,42 +99,18 @@ void SpaceNodes<Real>::add_reaction(int node, const Step& step, const Record& ou
 
 template <class Real>
 [[gnu::noinline]] Work SpaceNodes<Real>::meet_walls(int node, const Step& step, bool whole, Record& after) const {
-  const double* own = position.data() + std::size_t(position_stride) * node;
-  const double inverse = motion.data()[std::size_t(motion_stride) * node + 6];
-  const Record before = load_record(motion.data() + std::size_t(motion_stride) * node);
-  const FreeMotion free = free_motion(node);
-  double v[3], x[3], by_walls = 0.0;
-  for (int i = 0; i < 3; ++i) v[i] = after[i], x[i] = own[i];
-  double pressure[3] = {0.0, 0.0, 0.0}, friction[3] = {0.0, 0.0, 0.0}, by_pressure = 0.0, by_friction = 0.0;
-  bool any = false;
-  for (SpaceWall* wall : walls) {
-    double* kept = &wall->force[3 * std::size_t(node)];
-    if (whole) kept[0] = kept[1] = kept[2] = 0.0;
-    if (!(inverse > 0.0) || !wall->is_awake(node)) continue;
-    WallTouch touch;
-    if (!wall->constrain(node, x, step, free, step.push * inverse, whole, v, touch)) continue;
-    any = true;
-    const double mass = 1.0 / (step.push * inverse);
-    for (int i = 0; i < 3; ++i) {
-      pressure[i] += touch.normal[i] * mass, by_pressure += touch.w[i] * touch.normal[i] * mass;
-      friction[i] += touch.slide[i] * mass, by_friction += touch.w[i] * touch.slide[i] * mass;
-      if (whole) kept[i] = (touch.normal[i] + touch.slide[i]) * mass;
-    }
-    if (whole) wall->add_to_sums(node, step.mean_dt, mass, v, touch);
-  }
+  const double* x = position.data() + std::size_t(position_stride) * node;
+  const Real* own = motion.data() + std::size_t(motion_stride) * node;
+  double before[3], v[3];
+  for (int i = 0; i < 3; ++i) before[i] = own[i], v[i] = after[i];
+  const auto wall = [&](int i) {
+    return WallView<contact::ToolSurface>{*walls[i], walls[i]->lend(), walls[i]->surface()};
+  };
+  const Work done = explicit_dynamics::meet_walls(static_cast<int>(walls.size()), wall, node, x, before, own[6],
+                                                  free_motion(node), step, whole, v);
   if (whole)
-    for (SpaceWall* wall : walls) wall->add_to_chunk(node, x);
-  Work done;
-  if (!any) return done;
-  const double time = whole ? step.mean_dt : 0.5 * step.mean_dt;
-  by_walls = by_pressure + by_friction;
-  done.external = time * by_walls, done.contact = time * by_pressure, done.friction = time * by_friction;
-  for (int i = 0; i < 3; ++i) {
-    after[i] = v[i];
-    const double by = whole ? 0.5 * (before[i] + v[i]) : before[i];
-    done.contact -= time * pressure[i] * by;
-    done.friction -= time * friction[i] * by;
-  }
+    for (SpaceWall* each : walls) each->add_to_chunk(node, x);
+  for (int i = 0; i < 3; ++i) after[i] = v[i];
   return done;
 }
 
@@ -210,11 +176,11 @@ void SpaceNodes<Real>::list_state(std::vector<StateField>& fields) {
 }
 
 void SpaceWall::begin(SpaceNodes<double>& nodes, int) {
-  radius_ = 0.0;
+  radius = 0.0;
   if (motion.spin == 0.0) return;
   for (int node = 0; node < nodes.n; ++node)
-    radius_ = std::max(radius_, motion.distance(nodes.position.data() + 4 * std::size_t(node)));
-  radius_ *= 1.1;  // nodes go on in the cycles to come
+    radius = std::max(radius, motion.distance(nodes.position.data() + 4 * std::size_t(node)));
+  radius *= 1.1;  // nodes go on in the cycles to come
 }
 
 template class SpaceNodes<double>;

@@ -52,6 +52,9 @@ class SpaceNodes {
   const std::vector<std::uint8_t>& held() const { return held_; }
   const std::vector<Real>& prescribed() const { return prescribed_; }
   static constexpr int askew = freedoms;
+  // Those directions, and where those of each node begin (n + 1); none where no node is held so.
+  const std::vector<HeldAlong>& directions() const { return held_along_; }
+  const std::vector<int>& first_directions() const { return first_along_; }
 
   int n;
   AlignedArray<double> position;  // (n, 4): x, y, z [mm], unused

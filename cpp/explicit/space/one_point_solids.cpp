@@ -9,11 +9,12 @@ namespace {
 template <class Law>
 class OnePointBlock final : public SpaceSolids {
   static constexpr int count = Hex8::nodes, record = Nodes::record(count);
+  using Kernel = HexOnePoint<Pack>;
 
  public:
   OnePointBlock(std::vector<int> cells, const Nodes& nodes, Owned<Law> law, double density, double fraction)
-      : SpaceSolids(count, std::move(cells), HexOnePoint::point, 1, kept_values(law.view), HexOnePoint::work,
-                    HexOnePoint::hourglass_work),
+      : SpaceSolids(count, std::move(cells), Kernel::point, 1, kept_values(law.view), Kernel::work,
+                    Kernel::hourglass_work),
         law_(std::move(law)),
         fraction_(fraction) {
     if constexpr (std::is_same_v<Law, SolidLaw>) set_axes();
@@ -32,7 +33,7 @@ class OnePointBlock final : public SpaceSolids {
       const Pack given = degrees ? *degrees : Pack(start_temperature(law_.view));
       Pack::Mask no_stress = Pack(1.0) < Pack(0.0);
       const Pack::Mask bad =
-          HexOnePoint::advance(law_.view, fraction_, dt, given, x, du, pack_state(pack), nodal, freedoms, no_stress);
+          Kernel::advance(law_.view, fraction_, dt, given, x, du, pack_state(pack), nodal, freedoms, no_stress);
       if (any(bad) || any(no_stress)) {
         if (failed < 0) failed = name_failed(pack, any(bad) ? bad : no_stress, any(bad));
         continue;
@@ -44,6 +45,8 @@ class OnePointBlock final : public SpaceSolids {
     return failed;
   }
 
+  SpaceSection section() const override { return {SpaceSection::Kind::one_point, law_.view, fraction_}; }
+
   void bound_frequencies(const Nodes& nodes, double* squared) const override {
     const double bulk = law_.view.bulk_modulus(), shear = law_.view.shear_modulus();
 #pragma omp parallel for schedule(static) if (n_ >= Nodes::serial_elements)
@@ -51,15 +54,15 @@ class OnePointBlock final : public SpaceSolids {
       Pack x[count][3], mass[count];
       gather_positions<count>(nodes, pack_nodes(pack), x);
       load_masses(pack, mass);
-      const Pack bound = HexOnePoint::bound_frequency(bulk, shear, fraction_, x, mass);
+      const Pack bound = Kernel::bound_frequency(bulk, shear, fraction_, x, mass);
       for (int lane = 0; lane < std::min(lanes, n_ - pack * lanes); ++lane) squared[pack * lanes + lane] = bound[lane];
     }
   }
 
   void list_state(const std::string& owner, std::vector<StateField>& fields) override {
     SpaceSolids::list_state(owner, fields);
-    fields.push_back(rows_field(owner, "work", HexOnePoint::work, 2));
-    fields.push_back(rows_field(owner, "hourglass", HexOnePoint::hourglass, 3 * HexOnePoint::modes));
+    fields.push_back(rows_field(owner, "work", Kernel::work, 2));
+    fields.push_back(rows_field(owner, "hourglass", Kernel::hourglass, 3 * Kernel::modes));
   }
 
  private:

@@ -22,6 +22,13 @@
 
 namespace presswork::explicit_dynamics {
 
+// How a block of solids is computed, as a device takes it.
+struct SpaceSection {
+  enum class Kind { integrated, one_point, nodal } kind = Kind::integrated;
+  std::variant<VonMises, SolidLaw> law;
+  double fraction = 0.0;  // of the shear modulus, of what holds motions that the points do not see
+};
+
 using SpaceSolidLaw = std::variant<Owned<VonMises>, Owned<SolidLaw>>;
 
 class SpaceSolids : public ElementBlock<SpaceNodes<double>> {
@@ -39,7 +46,12 @@ class SpaceSolids : public ElementBlock<SpaceNodes<double>> {
     return sum;
   }
   double added_mass(int cell) const override { return (mass_factor_[cell] - 1.0) * true_mass(cell); }
+  // Of node a of a cell, with what scaling has added [t].
+  double nodal_mass(int cell, int a) const {
+    return mass_factor_[cell] * nodal_mass_[std::size_t(cell) * nodes_each_ + a];
+  }
   void scale_mass(int cell, double factor) override { mass_factor_[cell] *= factor; }
+  virtual SpaceSection section() const { return {}; }
   PointLayout layout() const override { return {first_point_, point_rows_, n_points_, 6, 6}; }
   void list_state(const std::string& owner, std::vector<StateField>& fields) override;
 

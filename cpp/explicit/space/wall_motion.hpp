@@ -8,13 +8,13 @@
 // has their inertia in it; so the scheme is stable where the tool is heavier than they are together.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
 #include "explicit/state_field.hpp"
 #include "explicit/step.hpp"
+#include "tensor/pack.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -38,11 +38,11 @@ struct WallMotion {
   double travel = 0.0, rate = 0.0;                  // of the floating tool, q [mm] and q' [mm/s]
 
   // Of its centre in a step [mm/s].
-  void find_velocity(const Step& step, double w[3]) const {
+  PRESSWORK_DEVICE void find_velocity(const Step& step, double w[3]) const {
     for (int i = 0; i < 3; ++i) w[i] = step.velocity_scale * velocity[i] + rate * floating.direction[i];
   }
   // A step is taken; force: of the body on the tool in it (3) [N].
-  void advance(const Step& step, const double force[3]) {
+  PRESSWORK_DEVICE void advance(const Step& step, const double force[3]) {
     double w[3];
     find_velocity(step, w);
     for (int i = 0; i < 3; ++i) offset[i] += step.dt * w[i];
@@ -53,22 +53,22 @@ struct WallMotion {
     for (int i = 0; i < 3; ++i) total += force[i] * floating.direction[i];
     const double half = 0.5 * floating.drag * step.dt;
     rate = ((1.0 - half) * rate + step.dt / floating.mass * total) / (1.0 + half);
-    if (floating.rests) rate = std::max(rate, -travel / step.dt);
+    if (floating.rests) rate = larger(rate, -travel / step.dt);
   }
   // How fast a place that is so far from the axis at most moves with it [mm/s].
-  double fastest(const Step& step, double radius) const {
+  PRESSWORK_DEVICE double fastest(const Step& step, double radius) const {
     double w[3], square = 0.0;
     find_velocity(step, w);
     for (double each : w) square += each * each;
     return std::sqrt(square) + std::abs(step.velocity_scale * spin) * radius;
   }
-  double distance(const double x[3]) const {
+  PRESSWORK_DEVICE double distance(const double x[3]) const {
     double square = 0.0;
     for (int i = 0; i < 3; ++i) square += (x[i] - centre[i] - offset[i]) * (x[i] - centre[i] - offset[i]);
     return std::sqrt(square);
   }
   // Moment of a force at x about the axis [N mm].
-  double moment(const double x[3], const double force[3]) const {
+  PRESSWORK_DEVICE double moment(const double x[3], const double force[3]) const {
     double arm[3], sum = 0.0;
     for (int i = 0; i < 3; ++i) arm[i] = x[i] - centre[i] - offset[i];
     for (int i = 0; i < 3; ++i) {
@@ -87,13 +87,13 @@ struct WallMotion {
 // Where a tool stands at the end of a step.
 class WallPose {
  public:
-  WallPose(const WallMotion& of, const Step& step) : of_(of), dt_(step.dt) {
+  PRESSWORK_DEVICE WallPose(const WallMotion& of, const Step& step) : of_(of), dt_(step.dt) {
     of.find_velocity(step, w_);
     spin_ = step.velocity_scale * of.spin;
     if (of.turns) turn(of.angle + step.dt * spin_);
   }
   // The place in the tool's frame of a node that moves from x at v.
-  void find_place(const double x[3], const double v[3], double place[3]) const {
+  PRESSWORK_DEVICE void find_place(const double x[3], const double v[3], double place[3]) const {
     if (!of_.turns) {
       for (int i = 0; i < 3; ++i) place[i] = x[i] + dt_ * (v[i] - w_[i]) - of_.origin[i] - of_.offset[i];
       return;
@@ -107,13 +107,13 @@ class WallPose {
     }
   }
   // A vector of the tool's frame as it points in space.
-  void carry(double vector[3]) const {
+  PRESSWORK_DEVICE void carry(double vector[3]) const {
     if (!of_.turns) return;
     const double own[3] = {vector[0], vector[1], vector[2]};
     for (int i = 0; i < 3; ++i) vector[i] = turned_[i][0] * own[0] + turned_[i][1] * own[1] + turned_[i][2] * own[2];
   }
   // Velocity of the tool at a place x in space [mm/s].
-  void find_velocity(const double x[3], double w[3]) const {
+  PRESSWORK_DEVICE void find_velocity(const double x[3], double w[3]) const {
     for (int i = 0; i < 3; ++i) w[i] = w_[i];
     if (spin_ == 0.0) return;
     for (int i = 0; i < 3; ++i) {
@@ -124,7 +124,7 @@ class WallPose {
   }
 
  private:
-  void turn(double angle) {
+  PRESSWORK_DEVICE void turn(double angle) {
     const double c = std::cos(angle), s = std::sin(angle), *a = of_.axis;
     const double about[3][3] = {
         {c + (1 - c) * a[0] * a[0], (1 - c) * a[0] * a[1] - s * a[2], (1 - c) * a[0] * a[2] + s * a[1]},

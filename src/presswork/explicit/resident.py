@@ -21,6 +21,7 @@ ALL = (Part.nodes, Part.reaction, Part.elements, Part.contact)
 PRESENT = {
     *("tool_state", "lost_point", "drive_tool", "drive_bead", "bead_restraint", "element_mass", "inverse_mass"),
     *("true_mass", "added_mass", "seconds", "edge_nodes", "ironing"),
+    *("wall_offset", "wall_angle", "wall_travel", "wall_impulse"),
 }
 """Attributes of a loop that are present in it after every call, or that a call takes along."""
 LOOKS_AT: dict[str, tuple[_core.DevicePart, ...]] = {
@@ -30,6 +31,9 @@ LOOKS_AT: dict[str, tuple[_core.DevicePart, ...]] = {
     "reaction_impulse": (Part.reaction,),
     "contact_force": (Part.contact,),
     "force_of_tool": (Part.contact,),
+    "wall_force": (Part.contact,),
+    "wall_pressed": (Part.contact,),
+    "wall_rubbed": (Part.contact,),
     "stress": (Part.elements,),
     "history": (Part.elements,),
     "pressure": (Part.elements,),
@@ -152,14 +156,19 @@ class ResidentLoop:
         *,
         damping: float = 0.0,
     ) -> tuple[int, _core.LawStatus, int]:
-        """Advance a cycle for each scale; return that no element has failed: what fails leaves no number."""
+        """Advance a cycle for each scale; return the solid that has failed, why, and in which cycle.
+
+        It is -1 where none has; a shell that fails leaves no number.
+        """
         session = self.enter()
         self._fresh.clear()
         try:
-            session.advance(dt, dt_before, force_scale, velocity_scale, damping=damping)
+            found: tuple[int, _core.LawStatus, int] = session.advance(
+                dt, dt_before, force_scale, velocity_scale, damping=damping
+            )
         except RuntimeError as error:
             raise ExplicitError(f"device = {self.device!r}: {error}") from None
-        return -1, _core.LawStatus.done, -1
+        return found
 
     @property
     def is_finite(self) -> bool:

@@ -162,6 +162,12 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         """Give the internal force (n_nodes, 6) after an increment of displacement and rotation; nothing is changed."""
         return self._by_node(self._loop.trial_force(self._shaped(increment, "increment")[self._nodes]))
 
+    def check_device(self) -> None:
+        """Raise ExplicitError where the device does not compute what the run has, or has too little memory for it."""
+        if self._resident:
+            check_device(self.device, self._resident.loop)
+            self._resident.enter()
+
     def find_contact(self) -> None:
         """Find the contact of tools that are new.
 

@@ -22,6 +22,7 @@ from presswork import _core
 from presswork.evolution.damage import DamageLaw
 from presswork.explicit.blocks import Solids
 from presswork.explicit.body_contacts import TouchingBodies
+from presswork.explicit.device import Device
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space import SpaceDynamics
 from presswork.explicit.space_walls import NOT_TURNED, SpaceWall, WallStart
@@ -55,10 +56,18 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
     """Bodies of hex8_1pt, hex8_fbar, hex8 or tet4_nodal in explicit dynamics.
 
     mesh: points (n_nodes, 3) [mm], blocks of cells; materials: one for each block. hourglass_fraction: of the shear
-    modulus, that resists hourglass modes of hex8_1pt and what the nodal mean of tet4_nodal does not see.
+    modulus, that resists hourglass modes of hex8_1pt and what the nodal mean of tet4_nodal does not see. device: as of
+    SpaceDynamics.
     """
 
-    def __init__(self, mesh: Mesh, materials: Sequence[SpaceMaterial], *, hourglass_fraction: float = 0.05) -> None:
+    def __init__(
+        self,
+        mesh: Mesh,
+        materials: Sequence[SpaceMaterial],
+        *,
+        hourglass_fraction: float = 0.05,
+        device: Device = "cpu",
+    ) -> None:
         if len(mesh.blocks) != len(materials):
             raise ExplicitError(f"materials: give one for each of the {len(mesh.blocks)} blocks of the mesh")
         self.mesh, self._materials = mesh, tuple(materials)
@@ -72,7 +81,7 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
             )
             for block, material in zip(mesh.blocks, materials, strict=True)
         ]
-        super().__init__(mesh.points, blocks)
+        super().__init__(mesh.points, blocks, device=device)
         self._node_sets = dict(mesh.node_sets)
         for number, material in enumerate(materials):
             for of in material.damage:
@@ -226,13 +235,11 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
         place = np.empty(len(self._nodes), dtype=np.int32)
         place[self._nodes] = np.arange(len(self._nodes))
         pairs = place[np.column_stack([first, last])]
-        assert isinstance(self._loop, _core.SpaceLoop)
         self._loop.tie(np.ascontiguousarray(pairs[pairs[:, 0] != pairs[:, 1]]), angle)
 
     def _prepare(self, velocity_scale: Array) -> None:
         super()._prepare(velocity_scale)
         if not self._holds_normals:
-            assert isinstance(self._loop, _core.SpaceLoop)
             self._loop.hold_along(*self._find_directions())
             self._holds_normals = True
         middle = self.time + 0.5 * len(velocity_scale) * self.dt
@@ -309,7 +316,6 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
             )
         touching = np.zeros(len(self.start), dtype=np.uint8)
         touching[outer] = 1
-        assert isinstance(self._loop, _core.SpaceLoop)
         self._loop.add_wall(
             surface,
             np.ascontiguousarray(touching[self._nodes]),

@@ -117,6 +117,8 @@ class ExplicitSolid:
     """quad4_1pt and hex8_1pt: fraction of the shear modulus."""
     velocity_of_others: tuple[tuple[float, ...], ...] = ()
     """velocity of each body after the workpiece."""
+    device: Literal["cpu", "host", "cuda"] = field(default="cpu", repr=False)
+    """What computes the cycles of solids in space, as of ExplicitSheet."""
 
 
 @dataclass(frozen=True)

@@ -71,6 +71,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
             model.mesh,
             [self._make_material(block.material, density) for block in model.mesh.blocks],
             hourglass_fraction=self.settings.hourglass_stiffness,
+            device=self.settings.device,
         )
         turning = find_turning(model.space_tools, model.stages)
         self.walls = [
@@ -90,6 +91,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
             self._axis = first[first == last]
             self.solids.tie_sector(first, last, 2.0 * np.pi / model.cyclic.sectors)
         self.contacts = ContactsOfRows(model, self.solids)
+        self.solids.check_device()
         self._reaction = np.zeros(model.mesh.points.shape)
         self._shear = ShearFriction(model.space_tools, model.mesh)
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from presswork import model
@@ -27,4 +29,9 @@ class ExplicitSolver(Part):
         ge=0,
         le=1,
         description="quad4_1pt and hex8_1pt: fraction of the shear modulus",
+    )
+    device: Literal["cpu", "host", "cuda"] = Field(
+        default=_EXPLICIT.device,
+        description="solids in space: what computes the cycles, the CPU, an NVIDIA card, or the card's code on the CPU "
+        "(host, slow, to check it); `presswork devices` lists what is there",
     )

@@ -70,6 +70,10 @@ def _check_explicit(case: schema.Case) -> list[Problem]:
                 f"stages.{index}", case.presses[stage.press.name], stage.press, blows=not stage.displacement
             )
     problems += check_target_step(case)
+    if case.explicit.device != "cpu":
+        small = "a mesh in the plane has too few cells to fill a card, the CPU computes it"
+        remedy = 'remove it; cards compute solids in space (analysis = "solid")'
+        problems.append(Problem("explicit.device", small, remedy, case.explicit.device))
     if case.solver.displacements == "small":
         small = "the explicit procedure follows the body as it moves, its displacements are large"
         problems.append(Problem("solver.displacements", small, 'remove it, or set procedure = "implicit"', "small"))
