@@ -2045,9 +2045,9 @@ class DeviceSession:
         Take it there; memory: that of the host build [bytes]. Raises RuntimeError where it does not fit.
         """
 
-    def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
+    def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
         """
-        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Raises RuntimeError where the device does not, or a force is no number any more.
+        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Raises RuntimeError where the device does not, or a force is no number any more.
         """
 
     @property
@@ -2093,9 +2093,9 @@ class DeviceSessionSingle:
         Take it there; memory: that of the host build [bytes]. Raises RuntimeError where it does not fit.
         """
 
-    def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> None:
+    def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
         """
-        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Raises RuntimeError where the device does not, or a force is no number any more.
+        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Raises RuntimeError where the device does not, or a force is no number any more.
         """
 
     @property
