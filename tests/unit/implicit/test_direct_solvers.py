@@ -11,6 +11,7 @@ from presswork.implicit.linear import direct
 from presswork.implicit.linear.choose import make_solver
 from presswork.implicit.linear.contract import SolverError
 from presswork.implicit.linear.direct import Pardiso, SuperLU
+from presswork.implicit.linear.refined import ENOUGH, RefinedPardiso
 
 
 def system(symmetric: bool, n: int = 60) -> tuple[sp.csr_matrix, np.ndarray]:
@@ -72,6 +73,50 @@ def test_the_bits_do_not_depend_on_the_number_of_threads() -> None:
         solver.factorise(matrix.data)
         solutions.append(solver.solve(rhs))
     np.testing.assert_array_equal(*solutions)
+
+
+def refined(matrix: sp.csr_matrix, threads: int = 1) -> RefinedPardiso:
+    solver = RefinedPardiso(matrix.indptr, matrix.indices, threads=threads)
+    solver.factorise(matrix.data)
+    return solver
+
+
+def test_single_factors_are_refined_to_the_residual_that_is_asked_for() -> None:
+    """A condition of 1e6, of which single precision alone leaves more; several right-hand sides of any size."""
+    pytest.importorskip("pypardiso")
+    matrix, rhs = system(symmetric=False)
+    scaled = (sp.diags(np.geomspace(1.0, 1e6, 60)) @ matrix).tocsr()
+    scaled.sort_indices()
+    several = np.array([rhs, 1e-30 * rhs, 0.0 * rhs])
+    alone = Pardiso(scaled.indptr, scaled.indices, symmetric=False, threads=1, single=True)
+    alone.factorise(scaled.data)
+    solver = refined(scaled)
+    for given, found in zip(several, solver.solve_all(several), strict=True):
+        assert np.abs(scaled @ found - given).max() <= ENOUGH * np.abs(given).max()
+    assert np.abs(scaled @ solver.solve(rhs) - rhs).max() < np.abs(scaled @ alone.solve(rhs).astype(float) - rhs).max()
+    assert not solver._is_double
+
+
+def test_what_single_factors_cannot_solve_is_factorised_in_double() -> None:
+    """Two equations that differ by 1e-10 of themselves: in single precision they are the same."""
+    pytest.importorskip("pypardiso")
+    matrix, rhs = system(symmetric=False)
+    whole = matrix.toarray()
+    whole[1] = whole[0] * (1.0 + 1e-10)
+    whole[1, 1] += 1e-9
+    dense = sp.csr_matrix(whole)
+    solver = refined(dense)
+    found = solver.solve(rhs)
+    np.testing.assert_allclose(whole @ found, rhs, atol=1e-4)
+    assert solver._is_double
+    solver.factorise(dense.data + 0.0)
+    assert not solver._is_double
+
+
+def test_the_bits_of_refined_solutions_do_not_depend_on_the_number_of_threads() -> None:
+    pytest.importorskip("pypardiso")
+    matrix, rhs = system(symmetric=False, n=2000)
+    np.testing.assert_array_equal(*(refined(matrix, threads).solve(rhs) for threads in (1, 2)))
 
 
 def test_the_library_is_looked_for_once_a_process(monkeypatch) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from presswork import _core
 from presswork.implicit.linear.contract import LinearSolver
 from presswork.implicit.linear.direct import Pardiso, SuperLU
+from presswork.implicit.linear.refined import RefinedPardiso
 from presswork.model import FloatArray, IntArray
 
 
@@ -21,13 +22,17 @@ def make_solver(
     threads: int,
     freedoms: int = 0,
     points: FloatArray | None = None,
+    may_refine: bool = False,
 ) -> LinearSolver:
     """Return a solver for this pattern (upper triangle only if symmetric).
 
     By factors, from the best library installed; freedoms: of a node, by iteration. points: of the nodes, all of which
     have as many rows, of a mesh in the plane (n_points, 2), whose coordinates give the order of elimination.
+    may_refine: solutions may be so far off as linear.refined says; unsymmetric matrices get single factors then.
     """
-    direct = partial(_make_direct, indptr, indices, symmetric=symmetric, threads=threads, points=points)
+    direct = partial(
+        _make_direct, indptr, indices, symmetric=symmetric, threads=threads, points=points, may_refine=may_refine
+    )
     if not freedoms:
         return direct()
     from presswork.implicit.linear.multigrid import Multigrid
@@ -36,10 +41,12 @@ def make_solver(
 
 
 def _make_direct(
-    indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int, points: FloatArray | None
+    indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int, points: FloatArray | None, may_refine: bool
 ) -> LinearSolver:
     try:
         order = None if points is None else find_order(points, indptr, indices)
+        if may_refine and not symmetric:
+            return RefinedPardiso(indptr, indices, threads=threads, order=order)
         return Pardiso(indptr, indices, symmetric=symmetric, threads=threads, order=order)
     except ImportError:
         return SuperLU(indptr, indices, symmetric=symmetric)

@@ -144,9 +144,16 @@ class Pardiso:
     iterations = None
 
     def __init__(
-        self, indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int, order: IntArray | None = None
+        self,
+        indptr: IntArray,
+        indices: IntArray,
+        *,
+        symmetric: bool,
+        threads: int,
+        order: IntArray | None = None,
+        single: bool = False,
     ) -> None:
-        """order: of elimination (n,); None: METIS finds one."""
+        """order: of elimination (n,); None: METIS finds one. single: factors, right-hand sides and solutions are."""
         loaded = _load_mkl()
         if loaded is None:
             raise ImportError("MKL PARDISO is not installed")
@@ -154,21 +161,22 @@ class Pardiso:
         library.MKL_Set_Num_Threads(ctypes.c_int(threads))
         self._handle = np.zeros(64, dtype=np.int64)
         self._indptr, self._indices = np.ascontiguousarray(indptr), np.ascontiguousarray(indices)
-        self._data = np.zeros(len(indices))
+        self._precision: type[np.floating[Any]] = np.float32 if single else np.float64
+        self._data = np.zeros(len(indices), dtype=self._precision)
         self._type = -2 if symmetric else 11
         self._n = len(indptr) - 1
         self._finalizer = weakref.finalize(self, _release, self._pardiso, self._handle, self._type, self._n)
         self._iparm = np.zeros(64, dtype=np.int32)
-        settings = {0: 1, 1: 2, 7: 0, 9: 8 if symmetric else 13, 10: 0, 17: -1, 20: 1, 34: 1}
+        settings = {0: 1, 1: 2, 7: 0, 9: 8 if symmetric else 13, 10: 0, 17: -1, 20: 1, 27: int(single), 34: 1}
         if order is not None:
             settings[4] = 1
         for position, value in settings.items():
             self._iparm[position] = value
         self._order = np.ascontiguousarray(order if order is not None else [], dtype=np.int32)
-        empty = np.zeros(self._n)
+        empty = np.zeros(self._n, dtype=self._precision)
         self._call(11, empty, empty)  # the analysis; without scaling and matching it asks for no values
 
-    def _call(self, phase: int, rhs: FloatArray, solution: FloatArray) -> None:
+    def _call(self, phase: int, rhs: NDArray[Any], solution: NDArray[Any]) -> None:
         error = _integer(0)
         self._pardiso(
             self._handle.ctypes.data,
@@ -193,16 +201,15 @@ class Pardiso:
         return int(self._iparm[22]) if self._type == -2 else 0
 
     def factorise(self, data: FloatArray, modes: Modes | None = None) -> None:
-        self._data = np.ascontiguousarray(data)
-        empty = np.zeros(self._n)
+        self._data = np.ascontiguousarray(data, dtype=self._precision)
+        empty = np.zeros(self._n, dtype=self._precision)
         self._call(22, empty, empty)
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        solution = np.zeros(self._n)
-        self._call(33, np.ascontiguousarray(rhs), solution)
-        return solution
+        return self.solve_all(rhs)
 
     def solve_all(self, rhs: FloatArray) -> FloatArray:
-        solution = np.zeros(rhs.shape)
-        self._call(33, np.ascontiguousarray(rhs), solution)  # by columns, as PARDISO reads them
+        solution = np.zeros(rhs.shape, dtype=self._precision)
+        # by columns, as PARDISO reads them
+        self._call(33, np.ascontiguousarray(rhs, dtype=self._precision), solution)
         return solution

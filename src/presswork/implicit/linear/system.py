@@ -114,7 +114,8 @@ class LinearSystem:
             if self._model.takes_multigrid:
                 self._solver = make(freedoms=self._model.freedoms)
             else:
-                self._solver = make(points=flatten(self._model.mesh.points))
+                is_drawn = self._model.analysis == "shell" and bool(self._model.space_tools)
+                self._solver = make(points=flatten(self._model.mesh.points), may_refine=is_drawn)
             self._timing.add("analysis", started)
         return self._solver
 
