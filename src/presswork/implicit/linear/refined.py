@@ -16,7 +16,7 @@ from presswork.implicit.linear.direct import Pardiso
 from presswork.model import FloatArray, IntArray
 
 ENOUGH = 1e-5
-"""Largest entry of the residual over that of the right-hand side: what a correction leaves of what was out of balance."""
+"""Largest entry of the residual over that of the right-hand side: what a correction leaves out of balance."""
 MOST_STEPS = 4
 
 
@@ -54,7 +54,8 @@ class RefinedPardiso:
         return self._double
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        return self.solve_all(rhs[None])[0]
+        solution: FloatArray = self.solve_all(rhs[None])[0]
+        return solution
 
     def solve_all(self, rhs: FloatArray) -> FloatArray:
         if self._is_double:
