@@ -13,6 +13,8 @@ from presswork import build_model, read_case, run_model
 from presswork.cli import app
 from tests.problems.dyna_deck import NOSE, OPENING, PUNCH, SHOULDER, write_deck
 
+pytestmark = pytest.mark.validation
+
 DRAWN = {
     "punch": {"kind": "punch", "diameter": 2 * PUNCH, "edge_radius": NOSE},
     "holder": {"kind": "holder", "diameter": 2 * OPENING, "edge_radius": 0.5},
