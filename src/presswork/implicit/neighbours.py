@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -162,7 +163,7 @@ class Neighbours:
             if values.dtype == np.float64:
                 with np.errstate(invalid="ignore"):  # infinite in both: what is not there
                     change = np.subtract(values, less[name], dtype=np.float64) / self.apart
-                found[name] = np.nan_to_num(change, nan=0.0)
+                found[name] = change if np.isfinite(change).all() else np.nan_to_num(change, nan=0.0)
         return found
 
 
@@ -181,7 +182,7 @@ def split(joined: FloatArray, state: State) -> tuple[FloatArray, FloatArray]:
 
 def shift(state: State, own: State, number: int, change: float) -> State:
     """Return a state with the derivative by a parameter times its change added, in the form of a neighbour's own."""
-    shifted, arrays = own.duplicate(), state.to_arrays()
+    shifted, arrays = State(*(copy(owned) for owned in own)), state.to_arrays()
     slope = state[SensitivityArrays].slope if change else {}
     shifted.load_arrays(
         {

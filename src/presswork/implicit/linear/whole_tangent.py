@@ -22,6 +22,8 @@ from presswork.model import FloatArray
 MOST_ROUNDS = 12
 LINEARLY_NEW = 1e-12
 """Part of a way's product that must be new beside those of others."""
+ENOUGH = 0.7
+"""Part of a force that is left by taking the others out of it, above which once is enough."""
 STAGNANT = 0.7
 """Part of what was lacking that may be left by a round; where more is, no further one follows."""
 
@@ -69,8 +71,7 @@ class WholeTangent:
 
     def _solve(self, rest: FloatArray, goal: FloatArray) -> FloatArray:
         """Return the ways of free nodes (k, n) under forces (k, n)."""
-        found = np.zeros_like(rest)
-        ways, forces = np.zeros((0, rest.shape[1])), np.zeros((0, rest.shape[1]))
+        found, basis = np.zeros_like(rest), _Basis(rest.shape)
         rest = rest * self._weight
         left = np.abs(rest).max(axis=1)
         open_ = np.nonzero(left > goal)[0]
@@ -81,18 +82,46 @@ class WholeTangent:
             new = self._precondition(rest[open_] / self._weight)
             taken = self._multiply(new) * self._weight
             for way, force in zip(new, taken, strict=True):
-                before = float(np.linalg.norm(force))
-                for _ in range(2):
-                    share = np.einsum("mn,n->m", forces, force)
-                    force = force - np.einsum("m,mn->n", share, forces)
-                    way = way - np.einsum("m,mn->n", share, ways)
-                size = float(np.linalg.norm(force))
-                if size > LINEARLY_NEW * before:
-                    forces, ways = np.vstack([forces, force / size]), np.vstack([ways, way / size])
+                basis.add(way, force)
             # 2. of each right-hand side what they can take
-            shares = np.einsum("kn,mn->km", rest, forces)
-            rest = rest - np.einsum("km,mn->kn", shares, forces)
-            found = found + np.einsum("km,mn->kn", shares, ways)
+            shares = np.einsum("kn,mn->km", rest, basis.forces)
+            rest -= np.einsum("km,mn->kn", shares, basis.forces)
+            found += np.einsum("km,mn->kn", shares, basis.ways)
             before_all, left = left, np.abs(rest).max(axis=1)
             open_ = np.nonzero((left > goal) & (left < STAGNANT * before_all))[0]
         return found
+
+
+class _Basis:
+    """Ways, and the orthonormal forces that they take. shape: right-hand sides and freedoms (k, n)."""
+
+    def __init__(self, shape: tuple[int, ...]) -> None:
+        self._count = 0
+        self._ways, self._forces = np.empty((4 * shape[0], shape[1])), np.empty((4 * shape[0], shape[1]))
+
+    @property
+    def ways(self) -> FloatArray:
+        """So far (m, n)."""
+        return self._ways[: self._count]
+
+    @property
+    def forces(self) -> FloatArray:
+        """So far (m, n)."""
+        return self._forces[: self._count]
+
+    def add(self, way: FloatArray, force: FloatArray) -> None:
+        """Add a way and its force (n,), made orthonormal to the others, if it is new beside them."""
+        before = size = float(np.linalg.norm(force))
+        for _ in range(2):
+            share = np.einsum("mn,n->m", self.forces, force)
+            force = force - np.einsum("m,mn->n", share, self.forces)
+            way = way - np.einsum("m,mn->n", share, self.ways)
+            last, size = size, float(np.linalg.norm(force))
+            if size > ENOUGH * last:  # orthogonal to round-off
+                break
+        if size <= LINEARLY_NEW * before:
+            return
+        if self._count == len(self._ways):
+            self._ways, self._forces = (np.concatenate([of, np.empty_like(of)]) for of in (self._ways, self._forces))
+        self._ways[self._count], self._forces[self._count] = way / size, force / size
+        self._count += 1

@@ -108,12 +108,13 @@ def check_study(study: Study, study_file: Path) -> tuple[tuple[Column, ...], Slo
         text = f"the first run cannot be computed: {said}"
         raise CaseError([Problem("variables", text, remedy)], study_file) from None
     columns, history = check_measures(study.measures, model, study_file)
-    slopes = None
-    if study.search.method == "gradient" and study.search.slopes != "differences":
+    slopes, asked = None, study.search.slopes
+    jumps = isinstance(model, Model) and model.analysis == "stamping"  # nodes come to tools one by one
+    if study.search.method == "gradient" and (asked == "exact" or (asked == "auto" and not jumps)):
         try:
             slopes = find_slopes(study, case_file, history)
         except CaseError as error:
-            if study.search.slopes == "exact":
+            if asked == "exact":
                 raise CaseError(error.problems, study_file) from None
     return columns, slopes
 

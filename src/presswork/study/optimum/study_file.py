@@ -135,7 +135,7 @@ class Search(Part):
     slopes: Literal["auto", "exact", "differences"] = Field(
         default="auto",
         description="of gradient: by derivatives that the runs find themselves, by differences of runs; auto: exact "
-        "where the case and the measures have them",
+        "where the case and the measures have them, but for stampings",
     )
     runs: int = Field(default=40, ge=1, le=1000, strict=True, description="runs at most")
     together: int = Field(
