@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+import numpy as np
 import pytest
 import tomli_w
 
@@ -16,7 +17,7 @@ from presswork.study.optimum.optimise import Optimum, check_study, search
 from presswork.study.optimum.runs import open_study_folder
 from presswork.study.optimum.study_file import read_study
 from presswork.study.runner import Ended, Event, Task
-from tests.problems.differentiated import upset_cylinder
+from tests.problems.differentiated import draw_under_holder, upset_cylinder
 
 STUDY = """
 case = "cylinder.toml"
@@ -31,6 +32,15 @@ upper = "0.2 cm"
 key = "workpiece.mesh.size.0"
 lower = 8
 upper = 11
+"""
+
+
+STAMPING = """
+case = "cylinder.toml"
+goals = [{{minimise = "max_thinning_percent"}}]
+limits = [{{measure = "max:tip.z", at_most = 1}}]
+search = {{method = "gradient", slopes = "{slopes}"}}
+variables = [{{key = "stages.0.tools.holder.force", lower = "0.4 kN", upper = "4 kN"}}]
 """
 
 
@@ -81,3 +91,21 @@ def test_measure_that_the_history_does_not_have_is_refused_or_left_to_difference
         check_study(read_study(path)[0], path)
     path = write_study(tmp_path, "auto", "max:eqps", 0.1)
     assert check_study(read_study(path)[0], path)[1] is None
+
+
+@pytest.mark.parametrize(("slopes", "are_exact"), [("auto", False), ("exact", True)])
+def test_stampings_take_derivatives_of_runs_where_told_to(slopes: str, are_exact: bool, tmp_path: Path) -> None:
+    """Of thinning over the range of the holder's force, as the history has it."""
+    (tmp_path / "cylinder.toml").write_text(tomli_w.dumps(draw_under_holder()))
+    path = tmp_path / "study.toml"
+    path.write_text(STAMPING.format(slopes=slopes))
+    found = check_study(read_study(path)[0], path)[1]
+    assert (found is not None) == are_exact
+    if found is not None:
+        key = "stages.0.tools.holder.force"
+        history = {"max_thinning_percent": np.array([1.0, 2.0]), "tip.z": np.array([3.0, 1.0])}
+        history |= {f"d(max_thinning_percent)/d({key})": np.array([0.0, 0.002])}
+        history |= {f"d(tip.z)/d({key})": np.array([0.005, 0.0])}
+        slope = found.measure(history)
+        assert slope["max_thinning_percent"] == pytest.approx([0.002 * 3600.0])
+        assert slope["max:tip.z"] == pytest.approx([0.005 * 3600.0])
