@@ -18,19 +18,27 @@ pytestmark = pytest.mark.validation
 
 ROOT = Path(__file__).parents[1]
 WHEELS = ("nvidia-cuda-nvcc", "nvidia-nvvm", "nvidia-cuda-crt", "nvidia-cuda-runtime")
-ELEMENTS = "16advance_elementsINS0_{kind}I([df]){then}E"
-SHELLS = {"quadrilaterals": ("14OnePointShells", "Li4E"), "triangles": ("14OnePointShells", "Li3E")}
+SHELLS = {
+    "quadrilaterals": ("14OnePointShells", "Li4E"),
+    "triangles": ("14OnePointShells", "Li3E"),
+    "mitc": ("10MitcShells", ""),
+}
+LAWS = {"": "9FastMises", "_of_any_law": "12GeneralSheet"}
+MEASURES = {"settle": "6Settle", "half_step": "8HalfStep", "work": "14WorkOfElements"}
 KERNELS = {
     "move_nodes": "10move_nodesI([df])",
     **{
-        f"advance_{name}{of_any_law}": ELEMENTS.format(kind=kind, then=f"{corners}NS_{law}")
+        f"{verb}_{name}{of_any_law}": f"{start}NS0_{kind}I([df]){corners}NS_{law}E"
         for name, (kind, corners) in SHELLS.items()
-        for of_any_law, law in (("", "9FastMises"), ("_of_any_law", "12GeneralSheet"))
+        for of_any_law, law in LAWS.items()
+        for verb, start in (("advance", "16advance_elementsI"), ("bound", "14measure_chunksINS0_5BoundI[df]"))
     },
+    **{f"measure_{name}": f"14measure_chunksINS0_{kind}I([df])" for name, kind in MEASURES.items()},
+    "damage_elements": "15damage_elementsI([df])",
     "hold_beads": "10hold_beadsI([df])",
     "push_sheet": "13push_sheet_ofI([df])",
-    "damage_elements": "15damage_elementsI([df])",
     "gather_nodes": "12gather_nodesI([df])",
+    "start_tools": "14start_tools_ofI([df])",
     "touch_nodes": "11touch_nodesI([df])",
     "press_edges": "11press_edgesI([df])",
 }
@@ -38,12 +46,16 @@ KERNELS = {
 SOLIDS = {"hexahedra": "17OnePointHexahedra", "tetrahedra": "15NodalTetrahedra"}
 LAWS_OF_SOLIDS = {"": "8VonMises", "_of_any_law": "14ElasticPlasticILi6E"}
 IN_DOUBLE = {
-    "start_tools": "14start_tools_ofE",
     "close_tools": "11close_toolsE",
+    "end_cycle": "9end_cycleE",
+    "join_chunks": "11join_chunksE",
+    "measure_stored": "14measure_chunksINS0_6StoredE",
+    "measure_stored_at_edges": "14measure_chunksINS0_13StoredAtEdgesE",
     **{
-        f"advance_{kind}{suffix}": f"16advance_elementsINS0_{template}INS_{law}"
+        f"{verb}_{kind}{suffix}": f"{start}NS0_{template}INS_{law}"
         for kind, template in SOLIDS.items()
         for suffix, law in LAWS_OF_SOLIDS.items()
+        for verb, start in (("advance", "16advance_elementsI"), ("bound", "14measure_chunksINS0_5BoundId"))
     },
     **{
         f"{name}_of_tetrahedra{suffix}": f"{called}INS0_15NodalTetrahedraINS_{law}"
