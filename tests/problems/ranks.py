@@ -42,6 +42,13 @@ def run_on_ranks(ranks: int, case: Path, folder: Path, *options: str, status: in
     return done.stderr
 
 
+def run_module_on_ranks(ranks: int, module: str) -> str:
+    """Run a module of tests on ranks of MPI; return what it has printed."""
+    done = _run(["mpiexec", "-n", str(ranks), sys.executable, "-m", module], 200)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
 def _run(command: list[str], timeout: float) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         command, env={**os.environ, **OPEN_MPI}, capture_output=True, text=True, timeout=timeout, check=False

@@ -1,59 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Explicit runs on several ranks of MPI: the bits of one process, resume on another number, and what is refused."""
 
+import json
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from presswork import build_model, read_case
+from presswork.outcome import StartError
+from presswork.process.on_ranks import begin_on_ranks
 from presswork.results import load_checkpoint, read_history
-from tests.problems.ranks import explain_no_mpi, run_on_ranks
-
-CUP = """
-title = "A quarter of a square cup"
-analysis = "stamping"
-procedure = "explicit"
-[blank]
-shape = "rectangle"
-size = [100, 100]
-thickness = 0.8
-element_size = 5
-material = "steel"
-symmetry = ["x", "y"]
-[materials.steel]
-young = "210 GPa"
-poisson = 0.3
-hardening = {law = "swift", K = 565.32, e0 = 0.007117, n = 0.2589}
-[tools.punch]
-kind = "punch"
-shape = "rectangular"
-size = [51, 51]
-corner_radius = 10
-edge_radius = 4
-mu = 0.144
-[tools.die]
-kind = "die"
-shape = "rectangular"
-size = [54, 54]
-corner_radius = 11.5
-edge_radius = 4
-mu = 0.144
-[tools.holder]
-kind = "holder"
-shape = "rectangular"
-size = [54, 54]
-corner_radius = 11.5
-edge_radius = 1
-mu = 0.144
-[[stages]]
-name = "draw"
-velocity = "2 m/s"
-tools.punch = {stroke = 2}
-tools.holder = {force = "15 kN"}
-[output]
-steps = 1
-rows = 10
-"""
-SHARES = ("loop.work", "contact.damping", "contact.friction", "contact.squeeze", "contact.external", "contact.drag")
-"""Each rank counts its own; their sum is rounded."""
+from tests.problems.divided_loops import SHARES
+from tests.problems.ranks import explain_no_mpi, run_module_on_ranks, run_on_ranks
+from tests.problems.square_cup import describe_cup
 
 
 @pytest.fixture
@@ -62,9 +23,9 @@ def needs_mpi():
         pytest.skip(reason)
 
 
-def _write(folder, text=CUP):
+def _write(folder):
     case = folder / "cup.toml"
-    case.write_text(text)
+    case.write_text(describe_cup(8))
     return case
 
 
@@ -75,7 +36,7 @@ def _compare(first, second):
     for name in one:
         if name in SHARES:
             np.testing.assert_allclose(two[name], one[name], rtol=1e-12, atol=1e-9, err_msg=name)
-        elif not name.startswith("run."):
+        else:
             np.testing.assert_array_equal(two[name], one[name], err_msg=name)
     found, wanted = (read_history(folder / "history.csv") for folder in (second, first))
     for name in ("punch.force", "holder.force", "holder.stroke", "die.force_z"):
@@ -91,3 +52,34 @@ def test_a_cup_with_a_pushed_holder_has_the_bits_of_one_process_on_two_ranks_and
     run_on_ranks(4, case, tmp_path / "two", "--resume")
     _compare(tmp_path / "one", tmp_path / "two")
     assert "4 ranks: " in (tmp_path / "two" / "run.log").read_text()
+
+
+@pytest.mark.usefixtures("needs_mpi")
+def test_three_ranks_share_other_shells_single_precision_and_mass_scaling_and_tell_failures_as_one_process():
+    found = json.loads(run_module_on_ranks(3, "tests.problems.divided_loops"))
+    for run, apart in found["apart"].items():
+        rounded = dict.fromkeys(SHARES, 1e-11)
+        wrong = {name: by for name, by in apart.items() if by > rounded.get(name, 0.0)}
+        assert not wrong, run
+    alone, shared = found["failed"]
+    assert "has left for infinity" in alone
+    assert shared == alone
+
+
+def _begin(tmp_path, size=2, **changes):
+    model = replace(build_model(read_case(_write(tmp_path))), **changes)
+    return begin_on_ranks(model, 1, SimpleNamespace(rank=0, size=size))
+
+
+def test_what_ranks_do_not_share_is_refused(tmp_path):
+    model = build_model(read_case(_write(tmp_path)))
+    bead = SimpleNamespace(name="bead")
+    with pytest.raises(StartError, match=r"asks for drawbeads: ranks of MPI share .*; compute it without mpiexec"):
+        _begin(tmp_path, beads=(bead,))
+    with pytest.raises(StartError, match='asks for device = "host"'):
+        _begin(tmp_path, explicit=replace(model.explicit, device="host"))
+
+
+def test_more_ranks_than_shells_are_refused(tmp_path):
+    with pytest.raises(StartError, match="50 ranks, but the mesh has only 49 cells: start at most that many"):
+        _begin(tmp_path, size=50)

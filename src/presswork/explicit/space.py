@@ -293,7 +293,10 @@ def _divide(
 ) -> DividedLoop:
     """Return a loop whose cycles ranks share; the arguments are those of the whole loop."""
     cells = [place[block.cells[part]] for block, part in pieces]
-    mine = make_part(x[nodes], cells, world.size, world.rank)
+    try:
+        mine = make_part(x[nodes], cells, world.size, world.rank)
+    except ValueError as error:
+        raise ExplicitError(f"{error}: start fewer ranks") from None
     own = [(block, part[kept]) for (block, part), kept in zip(pieces, mine.elements, strict=True) if len(kept)]
     of_own = np.full(len(x), -1, dtype=np.int32)
     of_own[nodes[mine.nodes]] = np.arange(len(mine.nodes))

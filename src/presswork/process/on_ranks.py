@@ -40,10 +40,17 @@ def begin_on_ranks(model: Model, threads: int, world: World) -> Recording:
 
 
 def _begin_explicit(model: Model, threads: int, world: World) -> Recording:
+    from presswork.process.press_line import PressLine
+    from presswork.process.springback import ReleasedStamping
     from presswork.process.stamping import ExplicitStamping
 
+    kind: type[PressLine | ReleasedStamping | ExplicitStamping] = ExplicitStamping
+    if model.following:
+        kind = PressLine
+    elif model.trim or model.springback is not None or model.output.dynain:
+        kind = ReleasedStamping
     try:
-        return ExplicitStamping(model, threads=threads or 1, world=world)
+        return kind(model, threads=threads or 1, world=world)
     except ExplicitError as error:
         raise StartError(str(error)) from error
 
@@ -55,15 +62,11 @@ def _find_undivided_explicit(model: Model) -> str:
     assert isinstance(model.explicit, ExplicitSheet)
     return _list(
         {
-            "a line of operations": bool(model.following),
-            "a part that is formed already": model.formed is not None,
-            "trimming": bool(model.trim),
-            "springback": model.springback is not None,
-            "a dynain": bool(model.output.dynain),
-            "refinement of the blank": model.refinement is not None,
-            "drawbeads": bool(model.beads),
-            "contact of the sheet with itself": model.self_contact is not None,
             "heat": model.heat is not None,
+            "a part that is formed already": model.formed is not None,
+            "refinement of the blank": model.refinement is not None,
+            "drawbeads": bool(model.beads) or any(operation.beads for operation in model.following),
+            "contact of the sheet with itself": model.self_contact is not None,
             f'device = "{model.explicit.device}"': model.explicit.device != "cpu",
         }
     )

@@ -32,6 +32,7 @@ from presswork.process.space_surfaces import cut_tools
 from presswork.process.springback import LaidPart, ReleasedStamping, SpringbackReport, TrimReport
 from presswork.process.stamping_tools import bead_columns, tool_columns
 from presswork.process.transfer import TransferError
+from presswork.ranks.world import World
 
 LAID = "laid"
 """What the history calls the row of a part that lies on the tools of its next operation."""
@@ -55,9 +56,10 @@ class LineReport:
 class PressLine(ModelRecording):
     """A part at work in one operation after another."""
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
+    def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
+        """world: ranks that share the cycles of explicit operations."""
         self.model = model
-        self._threads = threads
+        self._threads, self._world = threads, world
         self._operation, self._before, self._time_before = 0, 0, 0.0
         self._part: LaidPart | None = None
         self._files: dict[str, str] = {}
@@ -82,7 +84,9 @@ class PressLine(ModelRecording):
             tools = lay_tools(operation, part.state, with_edges=with_edges)
             stages = close_tools(operation, tools, own.sheet[0].thickness)
             own = replace(own, mesh=mesh, tools=tools, stages=stages)
-        return ReleasedStamping(own, threads=self._threads, begin=part, shows_springback=self._releases)
+        return ReleasedStamping(
+            own, threads=self._threads, begin=part, shows_springback=self._releases, world=self._world
+        )
 
     def _begin_next(self) -> None:
         """Lay the part into the next operation. Raises GaveUpError."""

@@ -38,6 +38,7 @@ from presswork.process.released_model import ELEMENTS, NAME, make_springback_mod
 from presswork.process.stamping import ExplicitStamping
 from presswork.process.transfer import TEMPERATURE, SheetState, TransferError, begin_with, sheet_of_implicit
 from presswork.process.trim import Cut, TrimError, explain_beside, trim_sheet
+from presswork.ranks.world import World
 
 TRIM, DEVIATION, HEM = "trim", "deviation", "hem"
 FORMING, FORMED, ELASTIC = "forming.", "formed", "elastic"
@@ -104,11 +105,18 @@ class ReleasedStamping(EpochRecording):
     model: Model
 
     def __init__(
-        self, model: Model, *, threads: int = 0, begin: LaidPart | None = None, shows_springback: bool = False
+        self,
+        model: Model,
+        *,
+        threads: int = 0,
+        begin: LaidPart | None = None,
+        shows_springback: bool = False,
+        world: World | None = None,
     ) -> None:
         """begin: of a later operation, the part that it takes; None: the blank.
 
-        shows_springback: whether the fields of springback are saved though this operation has none.
+        shows_springback: whether the fields of springback are saved though this operation has none. world: ranks that
+        share the cycles of an explicit forming; what follows is computed by each of them.
         """
         super().__init__(model)
         state = None if begin is None else begin.state
@@ -119,7 +127,7 @@ class ReleasedStamping(EpochRecording):
             self.forming = ImplicitStamping(model, threads=threads, begin=state)
         else:
             level = 0 if begin is None else begin.level
-            self.forming = ExplicitStamping(model, threads=threads, begin=state, level=level)
+            self.forming = ExplicitStamping(model, threads=threads, begin=state, level=level, world=world)
         self.timing = self.forming.timing
         self._threads = threads
         self._shows_springback = shows_springback or model.springback is not None

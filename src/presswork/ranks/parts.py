@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 
 from presswork.model import FloatArray, IndexArray, IntArray
 from presswork.ranks.division import bisect
@@ -49,40 +50,32 @@ def own_nodes(points: FloatArray, blocks: Sequence[IntArray], size: int) -> IntA
 def make_part(points: FloatArray, blocks: Sequence[IntArray], size: int, rank: int) -> Part:
     """Return what a rank has of a mesh divided over ranks."""
     owner = own_nodes(points, blocks, size)
-    elements = tuple(np.flatnonzero((owner[block] == rank).any(axis=1)) for block in blocks)
-    has = owner == rank
-    for block, own in zip(blocks, elements, strict=True):
-        has[block[own]] = True
-    nodes = np.flatnonzero(has)
-    place = np.full(len(points), -1, dtype=np.intp)
+    n = len(points)
+    has = sparse.csr_matrix((np.ones(n, dtype=bool), (np.arange(n), owner)), shape=(n, size))
+    touches = [_touch(block, n) for block in blocks]
+    computes = [(touch @ has).astype(bool) for touch in touches]
+    has = sum((touch.T @ of for touch, of in zip(touches, computes, strict=True)), start=has)
+    nodes = np.flatnonzero(has.getcol(rank).toarray().ravel())
+    place = np.full(n, -1, dtype=np.intp)
     place[nodes] = np.arange(len(nodes))
-    sent, ghosts = _find_messages(owner, [block[own] for block, own in zip(blocks, elements, strict=True)], rank)
+    node, by = has.astype(bool).nonzero()
+    goes, comes = (owner[node] == rank) & (by != rank), (owner[node] != rank) & (by == rank)
     return Part(
         owner,
         tuple(owner[block[:, 0]] for block in blocks),
         nodes,
-        elements,
-        {to: place[numbers] for to, numbers in sent.items()},
-        {of: place[numbers] for of, numbers in ghosts.items()},
+        tuple(of.getcol(rank).nonzero()[0] for of in computes),
+        _by_rank(by[goes], place[node[goes]]),
+        _by_rank(owner[node[comes]], place[node[comes]]),
     )
 
 
-def _find_messages(
-    owner: IntArray, blocks: Sequence[IntArray], rank: int
-) -> tuple[dict[int, IndexArray], dict[int, IndexArray]]:
-    """Return the nodes that go to and come from each rank, rising; blocks: elements that touch own nodes."""
-    out: list[IntArray] = [np.zeros((0, 2), dtype=np.int64)]
-    back: list[IntArray] = [np.zeros((0, 2), dtype=np.int64)]
-    for block in blocks:
-        border = block[(owner[block] != rank).any(axis=1)]
-        k = block.shape[1]
-        first, second = (border[:, i].ravel() for i in np.divmod(np.arange(k * k), k))
-        goes = (owner[first] == rank) & (owner[second] != rank)
-        out.append(np.unique(np.column_stack([owner[second[goes]], first[goes]]), axis=0))
-        back.append(np.unique(np.column_stack([owner[second[goes]], second[goes]]), axis=0))
-    return _by_rank(np.unique(np.concatenate(out), axis=0)), _by_rank(np.unique(np.concatenate(back), axis=0))
+def _touch(block: IntArray, n: int) -> sparse.csr_matrix:
+    """Return which elements (rows) have which nodes."""
+    rows = np.repeat(np.arange(len(block)), block.shape[1])
+    return sparse.csr_matrix((np.ones(block.size, dtype=bool), (rows, block.ravel())), shape=(len(block), n))
 
 
-def _by_rank(rows: IntArray) -> dict[int, IndexArray]:
-    """Return the second of each row by the first."""
-    return {int(rank): rows[rows[:, 0] == rank, 1].astype(np.intp) for rank in np.unique(rows[:, 0])}
+def _by_rank(rank: IntArray, node: IndexArray) -> dict[int, IndexArray]:
+    """Return the nodes by rank, both rising."""
+    return {int(each): np.sort(node[rank == each]) for each in np.unique(rank)}
