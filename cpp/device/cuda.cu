@@ -70,6 +70,12 @@ class CardResident final : public Resident<Real> {
   }
 
  protected:
+  void begin() override {
+    const Problem<Real>& p = this->problem;
+    for (int b = 0; b < p.n_blocks; ++b)
+      std::visit([&](const auto& of) { launch_volumes(p.nodes, of, stream_); }, p.block[b]);
+    check(cudaStreamSynchronize(stream_), "measure volumes");
+  }
   void compute(int n_cycles) override {
     if (!one_) one_ = make_graph(1), many_ = make_graph(in_graph);
     for (; n_cycles >= in_graph; n_cycles -= in_graph) check(cudaGraphLaunch(many_, stream_), "start cycles");

@@ -148,6 +148,10 @@ class HostResident final : public Resident<Real> {
   }
 
  protected:
+  void begin() override {
+    const Problem<Real>& p = this->problem;
+    for (int b = 0; b < p.n_blocks; ++b) std::visit([&](const auto& block) { measure_volumes(p, block); }, p.block[b]);
+  }
   void compute(int n_cycles) override {
     int n_elements = 0;
     const Problem<Real>& p = this->problem;

@@ -27,6 +27,7 @@ class Resident {
     arrays.make();
     problem.block = blocks_.data();
     problem.find_sheets();
+    begin();
   }
   // Compute cycles, whose tables are those of the host; gives what Settle does.
   Found advance(int n_cycles) {
@@ -47,7 +48,8 @@ class Resident {
 
  protected:
   virtual void compute(int n_cycles) = 0;
-  Found* found_ = nullptr;  // (chunks of the longest pass, and one)
+  virtual void begin() = 0;  // volumes of cells and nodes, by the machine that follows them
+  Found* found_ = nullptr;   // (chunks of the longest pass, and one)
 
  private:
   void list();

@@ -9,8 +9,9 @@
 namespace presswork {
 
 // Six times the volume of a cell with its corners at x (4) of T[3].
+// A function of its own, so that its bits do not depend on where it is called.
 template <class T>
-PRESSWORK_DEVICE T six_volumes(const T (*x)[3]) {
+[[gnu::noinline]] PRESSWORK_DEVICE T six_volumes(const T (*x)[3]) {
   T edge[3][3];
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < 3; ++i) edge[a][i] = x[a + 1][i] - x[0][i];
