@@ -30,6 +30,7 @@ import numpy as np
 from presswork.implicit.neighbours import Neighbour, Neighbours, SensitivityArrays, join, shift
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.placing import LostWorkpieceError
 from presswork.model import FloatArray
 from presswork.outcome import GaveUpError, Step
 from presswork.state import State
@@ -80,7 +81,7 @@ class Sensitivities:
         try:
             self._go_along(courses, state_n, step)
             self._same.settle(trial[Progress], next_stage)
-        except GaveUpError:
+        except (GaveUpError, LostWorkpieceError):
             courses = []
         found = {c.number: c.each for c in courses if not c.is_lost}
         for each in found.values():
@@ -212,7 +213,7 @@ class _Course:
         try:
             for side in self.each.own:
                 evaluate(side, slope)
-        except GaveUpError:
+        except (GaveUpError, LostWorkpieceError):
             self.is_lost = True
         return not self.is_lost
 

@@ -66,9 +66,18 @@ class Border:
         return np.asarray(np.diag(self.own) + np.reshape(coupled, (len(self.rows), len(self.rows))), dtype=np.float64)
 
     def find_travel(self, missing: FloatArray, correction: FloatArray) -> FloatArray:
-        """Return the travel (n,) [mm]; correction: of the nodes with the tools held fast (n_points, freedoms)."""
+        """Return the travel (n,) [mm]; correction: of the nodes with the tools held fast (n_points, freedoms).
+
+        Raises LostWorkpieceError where the workpiece moves along with a tool without any force on it.
+        """
         rest = missing - [float((row * correction).sum()) for row in self.rows]
-        return np.asarray(np.linalg.solve(self.matrix(), rest), dtype=np.float64)
+        try:
+            return np.asarray(np.linalg.solve(self.matrix(), rest), dtype=np.float64)
+        except np.linalg.LinAlgError:
+            raise LostWorkpieceError(
+                "a force pushes a tool, but what the tool touches moves along with it and nothing holds it; let the "
+                "workpiece reach under the tool, or place the tool by a stroke"
+            ) from None
 
     def carry(self, correction: FloatArray, travel: FloatArray) -> FloatArray:
         """Return the correction of the nodes with the tools' travel in it."""
