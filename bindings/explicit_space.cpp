@@ -126,14 +126,17 @@ void set_hanging(SpaceLoop<Real>& self, Ints hanging) {
 // Positions are those of the nodes when the block is added.
 void add_solids(SpaceLoop<double>& self, const std::string& element, Ints cells,
                 std::variant<const Owned<VonMises>*, const Owned<SolidLaw>*> law, double density,
-                double hourglass_fraction) {
+                double hourglass_fraction, Ints around) {
   std::vector<int> list(cells.data(), cells.data() + cells.size());
   for (int node : list) require(node >= 0 && node < self.nodes.n, "cells name a node that is not there");
   SpaceSolidLaw own = std::visit([](const auto* given) -> SpaceSolidLaw { return *given; }, law);
   if (auto* general = std::get_if<Owned<SolidLaw>>(&own)) tabulate(*general);
   if (element == "tet4_nodal") {
     require(!list.empty() && list.size() % 4 == 0, "cells must have shape (n > 0, 4)");
-    const auto& volumes = self.add_nodal_volumes(list);
+    std::vector<int> measured(around.data(), around.data() + around.size());
+    require(measured.size() % 4 == 0, "around must have shape (n, 4)");
+    for (int node : measured) require(node >= 0 && node < self.nodes.n, "around names a node that is not there");
+    const auto& volumes = self.add_nodal_volumes(measured.empty() ? list : measured);
     self.add_solids(
         make_nodal_tetrahedra(std::move(list), self.nodes, std::move(own), density, hourglass_fraction, volumes));
     return;
@@ -216,6 +219,13 @@ void bind_wall_results(nb::class_<Loop>& loop) {
           "wall_travel", [](const Loop& self, int wall) { return wall_of(self, wall).motion.travel; }, nb::arg("wall"),
           "How far forces and springs have moved a wall since the start [mm].")
       .def(
+          "wall_radius", [](const Loop& self, int wall) { return wall_of(self, wall).measure_radius(self.nodes); },
+          nb::arg("wall"),
+          "How far the farthest node is from the centre of a wall that turns [mm]; negative: it does not turn.")
+      .def(
+          "set_wall_radius", [](Loop& self, int wall, double radius) { wall_of(self, wall).radius_of_others = radius; },
+          nb::arg("wall"), nb::arg("radius"), "Say how far nodes of other parts of the mesh are from that centre.")
+      .def(
           "wall_impulse",
           [](const Loop& self, int wall) {
             const double* sum = wall_of(self, wall).impulse;
@@ -227,6 +237,17 @@ void bind_wall_results(nb::class_<Loop>& loop) {
       .def(
           "begin_wall_sums", [](Loop& self, int wall) { wall_of(self, wall).begin_sums(); }, nb::arg("wall"),
           "Sum up anew what a wall presses and rubs.")
+      .def(
+          "set_wall_sums",
+          [](Loop& self, int wall, Doubles pressed, Doubles rubbed) {
+            SpaceWall& of = wall_of(self, wall);
+            require(pressed.size() == of.pressed.size() && rubbed.size() == of.rubbed.size(),
+                    "pressed and rubbed must have shape (n_nodes)");
+            std::copy_n(pressed.data(), pressed.size(), of.pressed.data());
+            std::copy_n(rubbed.data(), rubbed.size(), of.rubbed.data());
+          },
+          nb::arg("wall"), nb::arg("pressed"), nb::arg("rubbed"),
+          "Set those sums, as wall_pressed and wall_rubbed give them.")
       .def(
           "wall_pressed",
           [](const Loop& self, int wall) { return copy_rows(wall_of(self, wall).pressed, self.nodes.n, 1); },
@@ -360,9 +381,10 @@ void bind_explicit_space(nb::module_& m) {
   bind_walls(loop);
   bind_contacts(loop);
   loop.def("add_solids", &add_solids, nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"),
-           nb::arg("hourglass_fraction") = 0.05,
+           nb::arg("hourglass_fraction"), nb::arg("around"),
            "Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. "
-           "hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal.");
+           "hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal. around (n, 4): cells whose volumes "
+           "nodes of tet4_nodal have, these and others; empty: these.");
   bind_space<float>(m, "SpaceLoopSingle",
                     "SpaceLoop in single precision, positions and work excepted; it has shells alone.");
 }

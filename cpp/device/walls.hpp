@@ -9,6 +9,7 @@
 
 #include "device/nodes.hpp"
 #include "device/tools.hpp"
+#include "explicit/exact_sum.hpp"
 #include "explicit/space/wall_touch.hpp"
 
 namespace presswork::device {
@@ -62,8 +63,8 @@ PRESSWORK_INLINE void push_walls(const Walls& walls, int node, bool there, const
     WallSums sums;
     if (there && walls.touches[node]) {
       const double* force = walls.node[i].force + 3 * std::size_t(node);
-      for (int k = 0; k < 3; ++k) sums.of[k] = force[k];
-      sums.of[3] = walls.wall[i].motion.moment(x, force);
+      for (int k = 0; k < 3; ++k) sums.of[k] = explicit_dynamics::round_force(force[k]);
+      sums.of[3] = explicit_dynamics::round_force(walls.wall[i].motion.moment(x, force));
     }
     take(i, sums);
   }

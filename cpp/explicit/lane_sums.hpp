@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "explicit/exact_sum.hpp"
 #include "tensor/pack.hpp"
 
 namespace presswork::explicit_dynamics {
@@ -33,10 +34,9 @@ struct LaneSums {
   void add(Row r, int slot, Pack x) {
     for (int lane = 0; lane < pack_width; ++lane) row[r][slot % group + lane] += x[lane];
   }
-  // Of forces, rounded to multiples of 2^-25 N: up to 10^8 N their sums are exact, and so depend on no order.
   void add_force(const Pack force_of[3], int slot) {
-    constexpr double rounding = 1.5 * (1 << 27);
-    for (int i = 0; i < 3; ++i) add(static_cast<Row>(force + i), slot, (force_of[i] + Pack(rounding)) - Pack(rounding));
+    const Pack rounding(force_rounding);
+    for (int i = 0; i < 3; ++i) add(static_cast<Row>(force + i), slot, (force_of[i] + rounding) - rounding);
   }
   ContactSums sum_up() const {
     double sum[6] = {};

@@ -5,6 +5,7 @@
 #include <climits>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <omp.h>
 
@@ -19,11 +20,12 @@ struct Loop<Nodes>::Team {
   std::vector<std::vector<double>> led;  // of each interaction's pieces of nodes that follow: largest speed squared
   std::vector<WorkShares> shares;        // of tiles without and with ghosts, then of the rounds of each interaction
   double fastest = 0.0;                  // largest speed of a node
+  bool awaits_ghosts;
   int failed = INT_MAX;
   bool stopped = false;  // an element has failed, here or in another part
   bool alone = false;    // the other parts do not know it yet
 
-  Team(const Loop& loop, int most_threads) : moved(count_chunks(loop.nodes.n)) {
+  Team(const Loop& loop, int most_threads) : moved(count_chunks(loop.nodes.n)), awaits_ghosts(loop.awaits_ghosts()) {
     shares.emplace_back(loop.n_inner_, most_threads);
     shares.emplace_back(static_cast<int>(loop.turn_.size()) - loop.n_inner_, most_threads);
     for (const auto* each : loop.interactions) {
@@ -90,6 +92,12 @@ void Loop<Nodes>::send(double fastest) {
 }
 
 template <class Nodes>
+bool Loop<Nodes>::awaits_ghosts() const {
+  if (!neighbours_) return false;
+  return std::any_of(interactions.begin(), interactions.end(), [](auto* each) { return each->n_following() > 0; });
+}
+
+template <class Nodes>
 bool Loop<Nodes>::agree(Team& team, const Step& step, int cycle) {
   if (neighbours_) {
     neighbours_->agree();
@@ -153,6 +161,19 @@ void Loop<Nodes>::move_nodes(Team& team, Thread& own, const Step& step) {
 #pragma omp for schedule(static) nowait
   for (int c = 0; c < n_chunks; ++c) team.moved[c] = nodes.move(c * chunk, std::min(nodes.n, (c + 1) * chunk), step);
   own.finish(Phase::nodes);
+  if (neighbours_) {
+#pragma omp master
+    {
+      double fastest = 0.0;
+      for (const Moved& each : team.moved) fastest = std::max(fastest, each.fastest);
+      send(std::sqrt(fastest));
+      if (team.awaits_ghosts) {
+        neighbours_->receive();
+        move_ghosts(step.dt);
+      }
+    }
+    if (team.awaits_ghosts) own.finish(Phase::waiting);
+  }
   for (std::size_t i = 0; i < interactions.size(); ++i) {
     const int n_pieces = static_cast<int>(team.led[i].size());
     if (n_pieces == 0) continue;
@@ -170,7 +191,6 @@ void Loop<Nodes>::move_nodes(Team& team, Thread& own, const Step& step) {
     for (const auto& pieces : team.led)
       for (double speed : pieces) fastest = std::max(fastest, speed);
     team.fastest = std::sqrt(fastest);
-    if (neighbours_) send(team.fastest);
   }
   own.clock.lap(Phase::nodes);
 }
@@ -196,12 +216,14 @@ template <class Nodes>
 bool Loop<Nodes>::advance_tiles(Team& team, Thread& own, const Step& step, int cycle, double time) {
   take_tiles(team, own, 0, step.dt, time);
   if (neighbours_) {
+    if (!team.awaits_ghosts) {
 #pragma omp master
-    {
-      neighbours_->receive();
-      move_ghosts(step.dt);
+      {
+        neighbours_->receive();
+        move_ghosts(step.dt);
+      }
+      own.finish(Phase::waiting);
     }
-    own.finish(Phase::waiting);
     take_tiles(team, own, 1, step.dt, time);
   }
 #pragma omp master
@@ -235,6 +257,7 @@ void Loop<Nodes>::let_interactions_act(Team& team, Thread& own, const Step& step
 
 template <class Nodes>
 typename Loop<Nodes>::Failure Loop<Nodes>::advance(const Cycles& of) {
+  if (neighbours_ && !shares_enough()) throw std::invalid_argument("the parts share the forces on fewer tools");
   for (auto* each : interactions) each->begin(nodes, of.n);
   for (const auto& block : blocks) block->begin_damage();
   const bool shared = n_elements() >= Nodes::serial_elements;

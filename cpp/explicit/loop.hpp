@@ -78,6 +78,7 @@ class Loop {
   virtual void tell_neighbours() {}
   virtual void move_ghosts(double /*dt*/) {}
   virtual void take_shared() {}
+  virtual bool shares_enough() const { return false; }
 
  private:
   struct Team;    // what the threads of a call share
@@ -87,6 +88,8 @@ class Loop {
   bool advance_tiles(Team& team, Thread& own, const Step& step, int cycle, double time);
   void take_tiles(Team& team, Thread& own, int share, double dt, double time);
   void send(double fastest);
+  // Let ghosts move where what follows nodes asks for them; else elements without ghosts come first.
+  bool awaits_ghosts() const;
   // One thread: find the largest speed of all parts, and let interactions move; false where a part has failed.
   bool agree(Team& team, const Step& step, int cycle);
   void order_tiles();

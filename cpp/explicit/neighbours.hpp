@@ -32,7 +32,8 @@ class Neighbours {
   std::vector<int> sent, ghosts;         // nodes, those of each neighbour together
   std::vector<char> is_ghost;            // (n)
   double *out = nullptr, *in = nullptr;  // (sent, record), (ghosts, record)
-  double* shared = nullptr;              // largest of the first, sums of the others: (1 + 3 for each tool)
+  // Largest of the first, sums of the others: (1 + 3 for each tool of a sheet + 4 for each of solids).
+  double* shared = nullptr;
   int n_shared = 1;
   bool leads = false;  // counts what belongs to no node and no element
 };

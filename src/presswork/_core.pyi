@@ -1225,6 +1225,14 @@ class SpaceLoop:
     def wall_travel(self, wall: int) -> float:
         """How far forces and springs have moved a wall since the start [mm]."""
 
+    def wall_radius(self, wall: int) -> float:
+        """
+        How far the farthest node is from the centre of a wall that turns [mm]; negative: it does not turn.
+        """
+
+    def set_wall_radius(self, wall: int, radius: float) -> None:
+        """Say how far nodes of other parts of the mesh are from that centre."""
+
     def wall_impulse(self, wall: int) -> list[float]:
         """
         Impulse that a wall has given to the nodes since the start [N s], and that of its moment about the wall's axis [N mm s].
@@ -1232,6 +1240,9 @@ class SpaceLoop:
 
     def begin_wall_sums(self, wall: int) -> None:
         """Sum up anew what a wall presses and rubs."""
+
+    def set_wall_sums(self, wall: int, pressed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rubbed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Set those sums, as wall_pressed and wall_rubbed give them."""
 
     def wall_pressed(self, wall: int) -> NDArray[numpy.float64]:
         """
@@ -1290,9 +1301,9 @@ class SpaceLoop:
     def contact_slots(self, contact: int) -> NDArray[numpy.int32]:
         """Nodes of the slots of a contact (n_slots), as the loop has them."""
 
-    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: VonMises | SolidLaw, density: float, hourglass_fraction: float = 0.05) -> None:
+    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: VonMises | SolidLaw, density: float, hourglass_fraction: float, around: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
         """
-        Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal.
+        Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal. around (n, 4): cells whose volumes nodes of tet4_nodal have, these and others; empty: these.
         """
 
 class SpaceLoopSingle:

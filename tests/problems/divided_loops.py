@@ -12,16 +12,26 @@ from __future__ import annotations
 import json
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from presswork import build_model, read_case
 from presswork.explicit.input_checks import ExplicitError
 from presswork.model import Model
+from presswork.process.space_impact import ExplicitSpaceImpact
 from presswork.process.stamping import ExplicitStamping
 from presswork.ranks.world import World, find_world
 from tests.problems.square_cup import describe_cup
+from tests.problems.upset_block import describe_block
 
+HEX = 'element = "hex8_1pt"\nmesh = {size = [4, 4, 3], cells = [4, 4, 3]}'
+TET = 'element = "tet4_nodal"\nmesh = {size = [4, 4, 3], cells = [3, 3, 2]}'
+SECTOR = 'element = "hex8_fbar"\nmesh = {kind = "cylinder", radius = 4, height = 3, angle = 50, cells = [3, 2, 3]}'
+MOVED = 'velocity = "2 m/s"\ntools.die = {stroke = 0.4, direction = [0, 0, -1]}'
+TURNED = 'velocity = "2 m/s"\ntools.die = {stroke = 0.4, direction = [0, 0, -1], turn = 5}'
+PUSHED = 'duration = "2e-4 s"\ntools.die = {force = "14 kN", direction = [0, 0, -1]}'
+OUTPUT = "[output]\nsteps = 1\nrows = 10\n[remesh]\nenabled = false\n"
 SHARES = (
     "loop.work", "run.energy", "contact.damping", "contact.drag", "contact.external", "contact.friction",
     "contact.squeeze",
@@ -37,11 +47,33 @@ def read(text: str) -> Model:
         return build_model(read_case(path))
 
 
+def describe_explicit_block(workpiece: str, stage: str) -> str:
+    """Return the text of a block in space by explicit dynamics."""
+    text = describe_block(workpiece, 3, 0.3, stage, tail=OUTPUT)
+    text = text.replace("poisson = 0.3", 'poisson = 0.3\ndensity = "7850 kg/m^3"')
+    return text.replace('analysis = "solid"', 'analysis = "solid"\nprocedure = "explicit"')
+
+
+def describe_explicit_sector() -> str:
+    """Return the text of a sector between planes that stand askew, under a die that turns."""
+    text = describe_explicit_block(SECTOR, TURNED).replace(
+        "normal = [0, 0, -1]", "normal = [0, 0, -1]\naxis = [0, 0, 1]"
+    )
+    text = text.replace('set = "left"\nfix = ["x"]', 'set = "last_plane"\nfix = ["normal"]')
+    return text.replace('set = "bottom"', 'set = "first_plane"')
+
+
+def begin(model: Model, world: World | None) -> ExplicitSpaceImpact | ExplicitStamping:
+    """Return the run of a model at its start."""
+    kind = ExplicitStamping if model.analysis == "stamping" else ExplicitSpaceImpact
+    return kind(model, threads=1, world=world)
+
+
 def compare(text: str, world: World, rows: int = 2) -> dict[str, float]:
     """Compute rows of a case whole and shared; return by array how far the states are apart."""
     found = []
     for each in (None, world):
-        run = ExplicitStamping(read(text), threads=1, world=each)
+        run = begin(read(text), each)
         on = run.advance()
         for _ in range(rows):
             next(on)
@@ -60,8 +92,8 @@ def fail(text: str, world: World, speed: float, longer: float) -> list[str]:
     """Return what a run says, whole and shared, with random speeds [mm/s] and a step longer by a factor."""
     said = []
     for each in (None, world):
-        run = ExplicitStamping(read(text), threads=1, world=each)
-        loop = run.shells
+        run: Any = begin(read(text), each)
+        loop = run.shells if isinstance(run, ExplicitStamping) else run.solids
         loop.velocity = np.random.default_rng(3).normal(0.0, speed, loop.velocity.shape)
         loop.dt *= longer
         try:
@@ -77,11 +109,19 @@ def main() -> None:
     world = find_world()
     assert world is not None
     runs = {
+        "hexahedra": compare(describe_explicit_block(HEX, MOVED), world),
+        "pushed": compare(describe_explicit_block(HEX, PUSHED), world),
+        "eight_points": compare(describe_explicit_block(HEX.replace("hex8_1pt", "hex8"), MOVED), world),
+        "sector_turned": compare(describe_explicit_sector(), world),
+        "tetrahedra": compare(describe_explicit_block(TET, MOVED), world),
         "mitc": compare(describe_cup(8) + '[explicit]\nelement = "shell4_mitc_plus"\n', world),
         "single": compare(describe_cup(8) + '[explicit]\nprecision = "single"\n', world),
         "scaled": compare(describe_cup(8) + "[explicit]\ntarget_step = 2e-6\n", world),
     }
-    failed = fail(describe_cup(8), world, 5e3, 4.0)
+    failed = [
+        fail(describe_cup(8), world, 5e3, 4.0),
+        fail(describe_explicit_block(HEX, MOVED), world, 1e5, 2.0),
+    ]
     if world.rank == 0:
         print(json.dumps({"apart": runs, "failed": failed}))
 

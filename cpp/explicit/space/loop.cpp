@@ -138,12 +138,11 @@ void SpaceLoop<Real>::tell_neighbours() {
     record[Neighbours::room] = contact ? contact->room_at(node) : 0.0;
     record += Neighbours::record;
   }
-  if (!contact) return;
-  if (to.n_shared < Neighbours::first_force + 3 * static_cast<int>(contact->tools.size()))
-    throw std::invalid_argument("the parts share the forces on fewer tools");
   double* share = to.shared + Neighbours::first_force;
-  for (const Tool& tool : contact->tools)
-    for (int i = 0; i < 3; ++i) *share++ = tool.pushed ? tool.force[i] : 0.0;
+  if (contact)
+    for (const Tool& tool : contact->tools)
+      for (int i = 0; i < 3; ++i) *share++ = tool.pushed ? tool.force[i] : 0.0;
+  for (const auto& wall : walls) wall->sum_chunks(share), share += 4;
 }
 
 template <class Real>
@@ -161,12 +160,19 @@ void SpaceLoop<Real>::move_ghosts(double dt) {
 
 template <class Real>
 void SpaceLoop<Real>::take_shared() {
-  if (!contact) return;
   const double* share = this->neighbours_->shared + Neighbours::first_force;
-  for (Tool& tool : contact->tools) {
-    if (tool.pushed) std::copy_n(share, 3, tool.force);
-    share += 3;
-  }
+  if (contact)
+    for (Tool& tool : contact->tools) {
+      if (tool.pushed) std::copy_n(share, 3, tool.force);
+      share += 3;
+    }
+  for (const auto& wall : walls) wall->of_all_parts = share, share += 4;
+}
+
+template <class Real>
+bool SpaceLoop<Real>::shares_enough() const {
+  const std::size_t forces = 3 * (contact ? contact->tools.size() : 0) + 4 * walls.size();
+  return this->neighbours_->n_shared >= Neighbours::first_force + static_cast<int>(forces);
 }
 
 template <class Real>

@@ -82,6 +82,7 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   void tell_neighbours() override;
   void move_ghosts(double dt) override;
   void take_shared() override;
+  bool shares_enough() const override;
 
  private:
   class SheetBeads;

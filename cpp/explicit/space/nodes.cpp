@@ -175,12 +175,17 @@ void SpaceNodes<Real>::list_state(std::vector<StateField>& fields) {
   fields.push_back(column_field("nodes", "internal_force", internal_force.data(), count, freedoms, freedoms));
 }
 
-void SpaceWall::begin(SpaceNodes<double>& nodes, int) {
-  radius = 0.0;
-  if (motion.spin == 0.0) return;
+double SpaceWall::measure_radius(const SpaceNodes<double>& nodes) const {
+  if (motion.spin == 0.0) return -1.0;
+  double most = 0.0;
   for (int node = 0; node < nodes.n; ++node)
-    radius = std::max(radius, motion.distance(nodes.position.data() + 4 * std::size_t(node)));
-  radius *= 1.1;  // nodes go on in the cycles to come
+    most = std::max(most, motion.distance(nodes.position.data() + 4 * std::size_t(node)));
+  return most;
+}
+
+void SpaceWall::begin(SpaceNodes<double>& nodes, int) {
+  const double now = measure_radius(nodes);
+  radius = now < 0.0 ? 0.0 : 1.1 * std::max(now, radius_of_others);  // nodes go on in the cycles to come
 }
 
 template class SpaceNodes<double>;

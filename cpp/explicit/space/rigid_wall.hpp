@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contact/tool_surface.hpp"
+#include "explicit/exact_sum.hpp"
 #include "explicit/interaction.hpp"
 #include "explicit/nodes.hpp"
 #include "explicit/space/wall_touch.hpp"
@@ -33,13 +34,17 @@ class SpaceWall final : public Interaction<SpaceNodes<double>>, public WallBody 
   SpaceWall(const SpaceWall&) = delete;
   SpaceWall& operator=(const SpaceWall&) = delete;
 
-  // Nodes are moved in chunks; force and moment on those of each are summed up by themselves.
+  // Nodes are moved in chunks; force and moment on those of each are summed up by themselves, and then together.
   void open_chunk(int first_node) { std::fill_n(&chunk_force_[4 * std::size_t(first_node / chunk)], 4, 0.0); }
   void add_to_chunk(int node, const double x[3]) {
     double* sum = &chunk_force_[4 * std::size_t(node / chunk)];
     const double* own = &force[3 * std::size_t(node)];
-    for (int i = 0; i < 3; ++i) sum[i] += own[i];
-    sum[3] += motion.moment(x, own);
+    for (int i = 0; i < 3; ++i) sum[i] += round_force(own[i]);
+    sum[3] += round_force(motion.moment(x, own));
+  }
+  void sum_chunks(double sum[4]) const {
+    std::fill_n(sum, 4, 0.0);
+    for (std::size_t at = 0; at < chunk_force_.size(); ++at) sum[at % 4] += chunk_force_[at];
   }
   void begin_sums() {
     std::fill(pressed.begin(), pressed.end(), 0.0);
@@ -51,10 +56,12 @@ class SpaceWall final : public Interaction<SpaceNodes<double>>, public WallBody 
     std::fill(wake_.begin(), wake_.end(), 0.0);
   }
   void begin(SpaceNodes<double>& nodes, int) override;
+  // How far the farthest node is from the centre of a wall that turns [mm]; negative: it does not.
+  double measure_radius(const SpaceNodes<double>& nodes) const;
   void move(const Step& step, int, double fastest) override {
-    double sum[4] = {0.0, 0.0, 0.0, 0.0};
-    for (std::size_t at = 0; at < chunk_force_.size(); ++at) sum[at % 4] += chunk_force_[at];
-    advance(step, fastest, sum);
+    double own[4];
+    if (!of_all_parts) sum_chunks(own);
+    advance(step, fastest, of_all_parts ? of_all_parts : own);
   }
   void list_state(std::vector<StateField>& fields) override {
     motion.list_state(name, fields);
@@ -71,8 +78,10 @@ class SpaceWall final : public Interaction<SpaceNodes<double>>, public WallBody 
   const contact::ToolSurface& surface() const { return *surface_; }
 
   std::string name;
-  std::vector<double> friction_limit;  // (n_nodes), or none [N]
-  std::vector<double> force;           // (n_nodes, 3) on the nodes in the last cycle [N]
+  std::vector<double> friction_limit;    // (n_nodes), or none [N]
+  std::vector<double> force;             // (n_nodes, 3) on the nodes in the last cycle [N]
+  const double* of_all_parts = nullptr;  // force and moment of this cycle, where the mesh is divided
+  double radius_of_others = 0.0;         // measure_radius of the other parts of a mesh that is divided
   // (n_nodes) since begin_sums: impulse of the pressure [N s], work that friction has taken [N mm]
   std::vector<double> pressed, rubbed;
 

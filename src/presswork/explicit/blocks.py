@@ -66,7 +66,16 @@ class Shells:
         triangular = is_triangle(self.cells)[curve]
         return [part for part in (curve[~triangular], curve[triangular]) if len(part)]
 
-    def add(self, loop: _core.SpaceLoop | _core.SpaceLoopSingle, part: npt.NDArray[np.intp], place: Ints) -> None:
+    measures_nodes = False
+    """Whether cells depend on the volumes of all cells round their nodes."""
+
+    def add(
+        self,
+        loop: _core.SpaceLoop | _core.SpaceLoopSingle,
+        part: npt.NDArray[np.intp],
+        place: Ints,
+        around: npt.NDArray[np.intp] | None = None,
+    ) -> None:
         """Add a part to a loop; place: number there of each node. Raises ValueError."""
         cells, options = self.cells[part], self.options
         height, weight = layer_rule(options.n_points, options.rule)
@@ -116,9 +125,24 @@ class Solids:
         """Return the numbers of the cells in the order of a curve: they are one block of the loop."""
         return [curve]
 
-    def add(self, loop: _core.SpaceLoop | _core.SpaceLoopSingle, part: npt.NDArray[np.intp], place: Ints) -> None:
-        """Add the cells to a loop in double precision; place: number there of each node. Raises ValueError."""
+    @property
+    def measures_nodes(self) -> bool:
+        """Whether cells depend on the volumes of all cells round their nodes."""
+        return self.element == "tet4_nodal"
+
+    def add(
+        self,
+        loop: _core.SpaceLoop | _core.SpaceLoopSingle,
+        part: npt.NDArray[np.intp],
+        place: Ints,
+        around: npt.NDArray[np.intp] | None = None,
+    ) -> None:
+        """Add the cells to a loop in double precision; place: number there of each node. Raises ValueError.
+
+        around: cells round the nodes of the part, it and others, where others are computed elsewhere.
+        """
         if not isinstance(loop, _core.SpaceLoop):
             raise ValueError("solids in space are computed in double precision")
         cells = np.ascontiguousarray(place[self.cells[part]])
-        loop.add_solids(self.element, cells, self.law, self.density, hourglass_fraction=self.hourglass_fraction)
+        measured = np.ascontiguousarray(place[self.cells[part if around is None else around]])
+        loop.add_solids(self.element, cells, self.law, self.density, self.hourglass_fraction, measured)

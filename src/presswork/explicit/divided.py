@@ -27,7 +27,10 @@ Numbers = npt.NDArray[np.intp]
 MOST_TOOLS = 64
 CHANGES = {"restore", "scale_mass", "set_contact_stiffness", "set_layers", "start_contact", "place_tool"}
 """Calls that change the state of the whole loop."""
-FOR_BOTH = {"move_tool", "push_tool", "remove_tool", "set_slower", "stop_tool"}
+FOR_BOTH = {
+    "begin_wall_sums", "float_wall", "hold_wall", "move_tool", "move_wall", "place_wall", "push_tool", "push_wall",
+    "remove_tool", "set_slower", "stop_tool",
+}  # fmt: skip
 """Calls that say the same to the whole loop and to parts."""
 ARRAYS = ("velocity", "force", "internal_force")
 """Properties of the whole loop (n_nodes, freedoms) that are set, and then handed out."""
@@ -41,7 +44,7 @@ class DividedLoop:
         self._whole, self._own, self._part, self._world = whole, own, part, world
         self._state = SharedState(whole, own, part, world)
         sent, ghosts = (dict(sorted(of.items())) for of in (part.sent, part.ghosts))
-        self._channel = Channel(world, _count(sent), _count(ghosts), 3 * MOST_TOOLS)
+        self._channel = Channel(world, _count(sent), _count(ghosts), 4 * MOST_TOOLS)
         own.join(
             self._channel,
             _join(sent),
@@ -53,7 +56,7 @@ class DividedLoop:
         )
         own.ironing = whole.ironing
         self._pushed: set[int] = set()
-        self._tools = 0
+        self._tools = self._walls = 0
         self._whole_is_old, self._own_is_old = False, True
         self._told: Array = np.zeros((0, 0))
         self._forces = np.zeros((0, 3))
@@ -93,6 +96,7 @@ class DividedLoop:
         if self._own_is_old:
             self._own_is_old = False
             self._state.hand_out()
+        self._agree_on_radii()
         failed, status, cycle = self._own.advance(time, dt, dt_before, force_scale, velocity_scale, damping=damping)
         self._whole_is_old = True
         self._tell(failed, status, cycle)
@@ -100,6 +104,17 @@ class DividedLoop:
         if np.isinf(when):
             return -1, _core.LawStatus.done, -1
         return int(element), _core.LawStatus(int(told)), int(when)
+
+    def _agree_on_radii(self) -> None:
+        """Let walls that turn know how far the nodes of all ranks are from their centres."""
+        turning = [wall for wall in range(self._walls) if self._own.wall_radius(wall) >= 0.0]
+        if not turning:
+            return
+        own = np.array([self._own.wall_radius(wall) for wall in turning])
+        counts = np.full(self._world.size, len(turning), dtype=np.int32)
+        farthest = self._world.gather(own, counts).reshape(self._world.size, -1).max(axis=0)
+        for wall, radius in zip(turning, farthest.tolist(), strict=True):
+            self._own.set_wall_radius(wall, radius)
 
     def _tell(self, failed: int, status: _core.LawStatus, cycle: int) -> None:
         """Let all ranks know what came of cycles on each: a row (6 + 3 for each tool) by rank."""
@@ -163,7 +178,7 @@ class DividedLoop:
             getattr(loop, name)(*given, **named)
         if name in ("push_tool", "move_tool", "remove_tool"):
             self._pushed = (self._pushed | {given[0]}) if name == "push_tool" else self._pushed - {given[0]}
-        self._channel.sums = 3 * self._tools if self._pushed else 0
+        self._channel.sums = 3 * self._tools + 4 * self._walls if self._pushed or self._walls else 0
 
     @property
     def reaction_impulse(self) -> Array:
@@ -182,6 +197,13 @@ class DividedLoop:
         """Prescribe velocities of freedoms (n_nodes, freedoms)."""
         self._whole.prescribe(fixed, velocity)
         self._own.prescribe(fixed[self._part.nodes], velocity[self._part.nodes])
+
+    def hold_along(self, node: npt.NDArray[np.int32], along: Array, velocity: Array) -> None:
+        """Prescribe velocities (k,) of nodes (k,), rising, along unit vectors (k, 3)."""
+        self._whole.hold_along(node, along, velocity)
+        mine = np.isin(node, self._part.nodes)
+        own = np.searchsorted(self._part.nodes, node[mine]).astype(np.int32)
+        self._own.hold_along(own, np.ascontiguousarray(along[mine]), np.ascontiguousarray(velocity[mine]))
 
     def set_temperature(self, block: int, temperature: Array) -> None:
         """Give the points of a block's elements temperatures (n, ...) [degrees C]."""
@@ -207,10 +229,25 @@ class DividedLoop:
         self._own_is_old = True
         return int(self._whole.add_tool(surface, **grip))
 
+    def add_wall(self, surface: _core.ToolSurface, touching: npt.NDArray[np.uint8], **motion: Any) -> None:
+        """Let a rigid tool hold the nodes marked (n_nodes,) off."""
+        self._refuse_more()
+        self._whole.add_wall(surface, touching, **motion)
+        self._own.add_wall(surface, touching[self._part.nodes], **motion)
+        self._walls += 1
+        self._state.n_walls = self._walls
+        self._own_is_old = True
+        self._channel.sums = 3 * self._tools + 4 * self._walls
+
     def _refuse_more(self) -> None:
         self.bring_together()
-        if self._tools == MOST_TOOLS:
+        if self._tools + self._walls == MOST_TOOLS:
             raise ExplicitError(f"ranks share at most {MOST_TOOLS} tools: compute the case without mpiexec")
+
+    def limit_wall_friction(self, wall: int, limit: Array) -> None:
+        """Limit the friction of a wall on each node (n_nodes,) [N]."""
+        self._whole.limit_wall_friction(wall, limit)
+        self._own.limit_wall_friction(wall, np.ascontiguousarray(limit[self._part.nodes]))
 
     def drive_tool(self, tool: int, drive: Array) -> None:
         """Say what the next cycles do with a tool."""

@@ -24,7 +24,7 @@ Name = tuple[str, str]
 """Owner and name."""
 COUNTED = {"loop": {"work"}, "contact": {"friction", "damping", "squeeze", "external", "drag"}}
 """What each rank counts a share of, beside the forces of a sheet on its tools."""
-OF_NODES = {"contact": ("half", "held", "room"), "tool": ("hint", "pairs")}
+OF_NODES = {"contact": ("half", "held", "room"), "tool": ("hint", "pairs"), "wall": ("force", "wake")}
 """What has a row, or a slot, for each node, beside what the owner `nodes` has."""
 
 
@@ -35,14 +35,14 @@ class SharedState:
         self.whole, self.own, self._part, self._world = whole, own, part, world
         self.blocks = [block for block, elements in enumerate(part.elements) if len(elements)]
         """Of the whole loop, those that the own one has."""
+        self.n_walls = 0
         self._answers = part.owner[part.nodes] == world.rank
 
     def bring_together(self) -> None:
         """Let the whole loop have the present state of all ranks; all of them call this."""
         own, whole = self.own.state(), self.whole.state()
-        nodes = [(whole[o][n], own[o][n]) for o, n in _list_of_nodes(own)]
-        impulse = self.whole.reaction_impulse
-        self._gather([*nodes, (impulse, self.own.reaction_impulse)], self._answers, self._part.owner)
+        nodes = [(_rows(n, whole[o][n]), _rows(n, own[o][n])) for o, n in _list_of_nodes(own)]
+        self._gather([*nodes, *(sums := self._list_sums_of_nodes())], self._answers, self._part.owner)
         for block, elements in enumerate(self._part.elements):
             answers, names = self._part.element_owner[block], whole[f"block_{block}"]
             found = own[f"block_{self.blocks.index(block)}"] if block in self.blocks else {}
@@ -57,13 +57,13 @@ class SharedState:
         for o, n in _list_common(own):
             whole[o][n] = own[o][n]
         self.whole.restore(whole)
-        self.whole.reaction_impulse = impulse
+        self._keep_sums_of_nodes([of_whole for of_whole, _ in sums])
 
     def hand_out(self) -> None:
         """Let the rank's own loop have its part of the whole state."""
         own, whole, part = self.own.state(), self.whole.state(), self._part
         for o, n in _list_of_nodes(own):
-            own[o][n][: len(part.nodes)] = whole[o][n][part.nodes]
+            _rows(n, own[o][n])[: len(part.nodes)] = _rows(n, whole[o][n])[part.nodes]
         for number, block in enumerate(self.blocks):
             for n, values in whole[f"block_{block}"].items():
                 own[f"block_{number}"][n] = np.ascontiguousarray(values[part.elements[block]])
@@ -85,6 +85,19 @@ class SharedState:
         owner = self._part.owner[edges[:, 0]]
         return owner[at], at, owner
 
+    def _list_sums_of_nodes(self) -> list[tuple[Array, Array]]:
+        """Return pairs of arrays, of the whole loop and the own one, that are summed up though no cycle needs them."""
+        found: list[tuple[Array, Array]] = [(self.whole.reaction_impulse, self.own.reaction_impulse)]
+        for wall in range(self.n_walls):
+            found.append((self.whole.wall_pressed(wall), self.own.wall_pressed(wall)))
+            found.append((self.whole.wall_rubbed(wall), self.own.wall_rubbed(wall)))
+        return found
+
+    def _keep_sums_of_nodes(self, values: Sequence[Array]) -> None:
+        self.whole.reaction_impulse = values[0]
+        for wall in range(self.n_walls):
+            self.whole.set_wall_sums(wall, values[1 + 2 * wall], values[2 + 2 * wall])
+
     def _gather(self, pairs: Sequence[tuple[Array, Array]], mine: npt.NDArray[np.bool_], owner: Ranks) -> None:
         """Fill the first len(owner) rows of whole arrays by those rows of the rank's that it answers for."""
         rows = [own[: len(mine)][mine].reshape(int(mine.sum()), -1) for _, own in pairs]
@@ -103,6 +116,11 @@ class SharedState:
         total = self._world.gather(flat, counts).reshape(self._world.size, -1).sum(axis=0)
         parts = np.split(total, np.cumsum([share.size for share in shares])[:-1])
         return [part.reshape(share.shape) for part, share in zip(parts, shares, strict=True)]
+
+
+def _rows(name: str, values: Array) -> Array:
+    """Return a view with a row for each node: walls keep the vectors of forces one after the other."""
+    return values.reshape(-1, 3) if name == "force" else values
 
 
 def _kind(owner: str) -> str:

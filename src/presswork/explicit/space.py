@@ -264,13 +264,20 @@ Piece = tuple[Shells | Solids, npt.NDArray[np.intp]]
 
 
 def _make_loop(
-    precision: Precision, points: Array, pieces: Sequence[Piece], place: npt.NDArray[np.int32]
+    precision: Precision,
+    points: Array,
+    pieces: Sequence[Piece],
+    place: npt.NDArray[np.int32],
+    around: Sequence[npt.NDArray[np.intp] | None] | None = None,
 ) -> _core.SpaceLoop | _core.SpaceLoopSingle:
-    """Return a loop with its blocks; place: number in it of each node. Raises ExplicitError."""
+    """Return a loop with its blocks; place: number in it of each node. Raises ExplicitError.
+
+    around: of each piece, cells round its nodes, where others are computed elsewhere.
+    """
     loop = LOOPS[precision](points)
     for number, (block, part) in enumerate(pieces):
         try:
-            block.add(loop, part, place)
+            block.add(loop, part, place, around[number] if around else None)
         except ValueError as error:
             raise ExplicitError(str(error)) from None
         if not isinstance(block, Shells):
@@ -293,14 +300,17 @@ def _divide(
 ) -> DividedLoop:
     """Return a loop whose cycles ranks share; the arguments are those of the whole loop."""
     cells = [place[block.cells[part]] for block, part in pieces]
+    measures = [block.measures_nodes for block, _ in pieces]
     try:
-        mine = make_part(x[nodes], cells, world.size, world.rank)
+        mine = make_part(x[nodes], cells, world.size, world.rank, measures)
     except ValueError as error:
         raise ExplicitError(f"{error}: start fewer ranks") from None
-    own = [(block, part[kept]) for (block, part), kept in zip(pieces, mine.elements, strict=True) if len(kept)]
+    kept = [number for number, elements in enumerate(mine.elements) if len(elements)]
+    own = [(pieces[number][0], pieces[number][1][mine.elements[number]]) for number in kept]
+    near = [None if (of := mine.around[number]) is None else pieces[number][1][of] for number in kept]
     of_own = np.full(len(x), -1, dtype=np.int32)
     of_own[nodes[mine.nodes]] = np.arange(len(mine.nodes))
-    loop = _make_loop(precision, x[nodes[mine.nodes]], own, of_own)
+    loop = _make_loop(precision, x[nodes[mine.nodes]], own, of_own, near)
     return DividedLoop(whole, loop, mine, world)
 
 

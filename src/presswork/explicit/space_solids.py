@@ -27,6 +27,7 @@ from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space import SpaceDynamics
 from presswork.explicit.space_walls import NOT_TURNED, SpaceWall, WallStart
 from presswork.model import Mesh
+from presswork.ranks.world import World
 
 Array = npt.NDArray[np.float64]
 EQPS, HEAT_RISE = 6, 7
@@ -56,8 +57,8 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
     """Bodies of hex8_1pt, hex8_fbar, hex8 or tet4_nodal in explicit dynamics.
 
     mesh: points (n_nodes, 3) [mm], blocks of cells; materials: one for each block. hourglass_fraction: of the shear
-    modulus, that resists hourglass modes of hex8_1pt and what the nodal mean of tet4_nodal does not see. device: as of
-    SpaceDynamics.
+    modulus, that resists hourglass modes of hex8_1pt and what the nodal mean of tet4_nodal does not see. device, world:
+    as of SpaceDynamics.
     """
 
     def __init__(
@@ -67,6 +68,7 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
         *,
         hourglass_fraction: float = 0.05,
         device: Device = "cpu",
+        world: World | None = None,
     ) -> None:
         if len(mesh.blocks) != len(materials):
             raise ExplicitError(f"materials: give one for each of the {len(mesh.blocks)} blocks of the mesh")
@@ -81,7 +83,7 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
             )
             for block, material in zip(mesh.blocks, materials, strict=True)
         ]
-        super().__init__(mesh.points, blocks, device=device)
+        super().__init__(mesh.points, blocks, device=device, world=world)
         self._node_sets = dict(mesh.node_sets)
         for number, material in enumerate(materials):
             for of in material.damage:

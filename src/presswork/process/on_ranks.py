@@ -6,14 +6,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from presswork.explicit.input_checks import ExplicitError
-from presswork.model import ExplicitSheet, Model, Stage
+from presswork.model import Model, Stage
 from presswork.outcome import StartError
 from presswork.process.folding import FoldingRecording
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.recording import Recording
 from presswork.ranks.world import RanksError, World, start_petsc
 
-SHARED = "the implicit forming of solids on one mesh, and explicit stampings"
+SHARED = "the implicit forming of solids on one mesh, explicit stampings, and explicit solids in space"
 REMEDY = "compute it without mpiexec, by one process with --threads"
 
 
@@ -41,11 +41,14 @@ def begin_on_ranks(model: Model, threads: int, world: World) -> Recording:
 
 def _begin_explicit(model: Model, threads: int, world: World) -> Recording:
     from presswork.process.press_line import PressLine
+    from presswork.process.space_impact import ExplicitSpaceImpact
     from presswork.process.springback import ReleasedStamping
     from presswork.process.stamping import ExplicitStamping
 
-    kind: type[PressLine | ReleasedStamping | ExplicitStamping] = ExplicitStamping
-    if model.following:
+    kind: type[PressLine | ReleasedStamping | ExplicitStamping | ExplicitSpaceImpact] = ExplicitStamping
+    if model.analysis != "stamping":
+        kind = ExplicitSpaceImpact
+    elif model.following:
         kind = PressLine
     elif model.trim or model.springback is not None or model.output.dynain:
         kind = ReleasedStamping
@@ -57,19 +60,23 @@ def _begin_explicit(model: Model, threads: int, world: World) -> Recording:
 
 def _find_undivided_explicit(model: Model) -> str:
     """Name what of an explicit model is not divided over ranks; nothing where all is."""
-    if model.analysis != "stamping":
-        return "the case asks for explicit dynamics of solids"
-    assert isinstance(model.explicit, ExplicitSheet)
-    return _list(
-        {
-            "heat": model.heat is not None,
-            "a part that is formed already": model.formed is not None,
-            "refinement of the blank": model.refinement is not None,
-            "drawbeads": bool(model.beads) or any(operation.beads for operation in model.following),
-            "contact of the sheet with itself": model.self_contact is not None,
-            f'device = "{model.explicit.device}"': model.explicit.device != "cpu",
-        }
-    )
+    asked = {
+        "heat": model.heat is not None,
+        "new meshes (remesh)": model.remeshing is not None,
+        "contact of bodies": bool(model.contacts),
+        "a sector of cyclic symmetry": model.cyclic is not None,
+        "a part that is formed already": model.formed is not None,
+        "refinement of the blank": model.refinement is not None,
+        "drawbeads": bool(model.beads) or any(operation.beads for operation in model.following),
+        "contact of the sheet with itself": model.self_contact is not None,
+    }
+    assert model.explicit is not None
+    asked[f'device = "{model.explicit.device}"'] = model.explicit.device != "cpu"
+    if model.analysis != "stamping" and model.dimension == 2:
+        asked["explicit dynamics in the plane"] = True
+    elif model.analysis != "stamping":
+        asked["porous metals (GTN)"] = any(material.gtn for material in model.materials)
+    return _list(asked)
 
 
 def _find_undivided(model: Model) -> str:

@@ -41,6 +41,7 @@ from presswork.process.shear_friction import ShearFriction, find_coefficient
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.stage_motion import find_pushes
 from presswork.process.tool_quantities import find_way, force_on_whole
+from presswork.ranks.world import World
 
 PLACED, FORCE_START = "tools.placed", "tools.force_start"
 """Names in a checkpoint."""
@@ -53,7 +54,9 @@ class ExplicitSpaceImpact(ExplicitImpact):
     solids: ExplicitSpaceSolids
     own_arrays = (PLACED, FORCE_START)
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
+    def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
+        """world: ranks that share the cycles."""
+        self._world = world
         tools = len(model.space_tools)
         self._placed = np.zeros((tools, 3))
         """Displacement at which a stage last placed each tool, from which its stroke counts [mm]."""
@@ -72,6 +75,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
             [self._make_material(block.material, density) for block in model.mesh.blocks],
             hourglass_fraction=self.settings.hourglass_stiffness,
             device=self.settings.device,
+            world=self._world,
         )
         turning = find_turning(model.space_tools, model.stages)
         self.walls = [

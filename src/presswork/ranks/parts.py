@@ -28,6 +28,8 @@ class Part:
     """Own nodes and ghosts, rising: the nodes of the rank's own loop."""
     elements: tuple[IndexArray, ...]
     """Of each block, rising."""
+    around: tuple[IndexArray | None, ...]
+    """Elements round all nodes of these, where a block depends on them."""
     sent: dict[int, IndexArray]
     """Own nodes that are ghosts elsewhere, by rank, as the rank's own loop numbers them."""
     ghosts: dict[int, IndexArray]
@@ -47,14 +49,25 @@ def own_nodes(points: FloatArray, blocks: Sequence[IntArray], size: int) -> IntA
     return owner
 
 
-def make_part(points: FloatArray, blocks: Sequence[IntArray], size: int, rank: int) -> Part:
-    """Return what a rank has of a mesh divided over ranks."""
+def make_part(
+    points: FloatArray, blocks: Sequence[IntArray], size: int, rank: int, measures_nodes: Sequence[bool]
+) -> Part:
+    """Return what a rank has of a mesh divided over ranks.
+
+    measures_nodes: of each block, whether its cells depend on all cells round their nodes.
+    """
     owner = own_nodes(points, blocks, size)
     n = len(points)
     has = sparse.csr_matrix((np.ones(n, dtype=bool), (np.arange(n), owner)), shape=(n, size))
     touches = [_touch(block, n) for block in blocks]
     computes = [(touch @ has).astype(bool) for touch in touches]
-    has = sum((touch.T @ of for touch, of in zip(touches, computes, strict=True)), start=has)
+    has_first = sum((touch.T @ of for touch, of in zip(touches, computes, strict=True)), start=has)
+    has = has_first
+    around = []
+    for touch, measures in zip(touches, measures_nodes, strict=True):
+        of = (touch @ has_first).astype(bool)
+        around.append(of.getcol(rank).nonzero()[0] if measures else None)
+        has = has + touch.T @ of if measures else has
     nodes = np.flatnonzero(has.getcol(rank).toarray().ravel())
     place = np.full(n, -1, dtype=np.intp)
     place[nodes] = np.arange(len(nodes))
@@ -65,6 +78,7 @@ def make_part(points: FloatArray, blocks: Sequence[IntArray], size: int, rank: i
         tuple(owner[block[:, 0]] for block in blocks),
         nodes,
         tuple(of.getcol(rank).nonzero()[0] for of in computes),
+        tuple(around),
         _by_rank(by[goes], place[node[goes]]),
         _by_rank(owner[node[comes]], place[node[comes]]),
     )
