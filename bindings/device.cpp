@@ -43,8 +43,8 @@ void bind_for(nb::module_& m, const char* name) {
       .def("advance", &advance<Real>, nb::arg("dt"), nb::arg("dt_before"), nb::arg("force_scale"),
            nb::arg("velocity_scale"), nb::kw_only(), nb::arg("damping") = 0.0,
            "Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. "
-           "Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Raises RuntimeError "
-           "where the device does not, or a force is no number any more.")
+           "Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Stops where a "
+           "place is not finite any more. Raises RuntimeError where the device does not.")
       .def_prop_ro("is_finite", &Session::is_finite, "Whether all places were finite after the last call.")
       .def("fetch", &Session::fetch, nb::arg("part"), "Take a part of the state into the loop.")
       .def("fetch_thickness", &Session::fetch_thickness, "Of the elements the thickness of shells alone.")

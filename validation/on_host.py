@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A plugin of pytest by which explicit runs of shells compute on the host build of the code for cards.
+"""A plugin of pytest by which explicit runs in space compute on the host build of the code for cards.
 
 `pytest -p validation.on_host tests/...`; a run of which something lacks there is computed by the loop of the CPU. At
 the end it says how many cycles each has computed, and in how many tests.
@@ -57,8 +57,7 @@ def pytest_configure() -> None:
 
     def begin_on_host(self: Any, *args: Any, **how: Any) -> None:
         begin(self, *args, **how)
-        is_sheet = isinstance(self.blocks[0], space.Shells)
-        if self.device == "cpu" and is_sheet and how.get("world") is None:
+        if self.device == "cpu" and how.get("world") is None:
             self._resident = self._loop = WillingLoop(self._loop, "host")
 
     space.SpaceDynamics.__init__ = begin_on_host  # type: ignore[method-assign]

@@ -69,7 +69,7 @@ IN_DOUBLE = {
 }
 """In double precision alone."""
 CAPABILITIES = ("80", "90")
-FEW_SPILLS, SPILLS = 64, {"advance_mitc": 256}
+FEW_SPILLS, SPILLS = 64, {"advance_mitc": 256, "advance_hexahedra": 264, "move_nodes_between_walls": 774}
 """Bytes a thread, and of kernels with more; those of any law call functions, across which they keep what they need."""
 
 

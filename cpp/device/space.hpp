@@ -46,7 +46,7 @@ class Session {
   Session(SpaceLoop<Real>& loop, Target target, double memory);
   ~Session();
 
-  // Throws std::runtime_error where a force is no number any more.
+  // Stops where a place is not finite any more.
   Failure advance(const Cycles& cycles);
   // Whether all nodes had finite places after the last call.
   bool is_finite() const { return finite_; }

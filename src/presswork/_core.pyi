@@ -2058,7 +2058,7 @@ class DeviceSession:
 
     def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
         """
-        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Raises RuntimeError where the device does not, or a force is no number any more.
+        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Stops where a place is not finite any more. Raises RuntimeError where the device does not.
         """
 
     @property
@@ -2106,7 +2106,7 @@ class DeviceSessionSingle:
 
     def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
         """
-        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Raises RuntimeError where the device does not, or a force is no number any more.
+        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Stops where a place is not finite any more. Raises RuntimeError where the device does not.
         """
 
     @property

@@ -36,9 +36,9 @@ from tests.verification.test_explicit_tools_in_space import BLOCK, DISC, to_expl
 ELEMENTS = ("hex8_1pt", "tet4_nodal")
 CYCLES = 60
 AGREEMENT = 1e-11
-"""Of the largest value: round-off, and what Newton's method leaves of a flow stress; 3e-13 is found."""
+"""Of the largest value: round-off, and what Newton's method leaves of a flow stress."""
 WHOLE_RUN = 1e-7
-"""Of the largest value of a whole run; 3e-10 is found."""
+"""Of the largest value of a whole run."""
 LAWS = [name for name in FEATURES if name not in USER and (name, "implicit space") not in REFUSED]
 
 
