@@ -63,6 +63,7 @@ def on_cpu(tmp_path_factory: pytest.TempPathFactory) -> Result:
 def test_a_cup_is_the_same_by_the_code_for_cards(on_cpu: Result, tmp_path: Path) -> None:
     found = run_to_end(model_of(make("host")), tmp_path / "out")
     assert on_cpu.history["punch.force"].max() > 1000.0
+    assert "by the host build of the code for cards" in (tmp_path / "out" / "run.log").read_text()
     compare(found, on_cpu)
 
 

@@ -20,6 +20,11 @@ def refuse(device: Device, lack: str) -> None:
         raise ExplicitError(f'device = {device!r} does not compute {lack}: take device = "cpu"')
 
 
+def name_device(device: Device) -> str:
+    """Return what a log says of a device behind what it computes; nothing of the CPU."""
+    return {"cpu": "", "host": " by the host build of the code for cards", "cuda": " on the graphics card"}[device]
+
+
 def check_device(device: Device, loop: _core.SpaceLoop | _core.SpaceLoopSingle) -> None:
     """Raise ExplicitError where a device is not there, or the loop has what it does not compute."""
     if device == "cpu":

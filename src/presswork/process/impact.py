@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
+from presswork.explicit.device import name_device
 from presswork.explicit.energy import EnergyBalance, warn_of_energies
 from presswork.explicit.input_checks import check_damping
 from presswork.explicit.motion import EvenMotion, Motion
@@ -213,8 +214,9 @@ class ExplicitImpact(RowRecording):
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
         obstacle = self.model.remeshing.obstacle if self.model.remeshing else ""
+        device = name_device(self.settings.device)
         return (
-            f"explicit: {len(self.solids.equivalent_plastic_strain)} cells, stable step "
+            f"explicit: {len(self.solids.equivalent_plastic_strain)} cells{device}, stable step "
             f"{self.solids.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
             + (f"; no new meshes: {obstacle}" if obstacle else "")
         )

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.evolution.damage import DamageLaw
+from presswork.explicit.device import name_device
 from presswork.explicit.energy import warn_of_energies
 from presswork.explicit.shells import ExplicitShells
 from presswork.fields.evolved_layers import find_path_margins
@@ -82,7 +83,8 @@ class StampingRecording(RowRecording):
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
         return (
-            f"explicit: {len(self._cells)} shells in {self.settings.precision} precision, stable step "
+            f"explicit: {len(self._cells)} shells in {self.settings.precision} precision"
+            f"{name_device(self.settings.device)}, stable step "
             f"{self.shells.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
         )
 
