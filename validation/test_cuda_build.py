@@ -69,7 +69,14 @@ IN_DOUBLE = {
 }
 """In double precision alone."""
 CAPABILITIES = ("80", "90")
-FEW_SPILLS, SPILLS = 64, {"advance_mitc": 256, "advance_hexahedra": 264, "move_nodes_between_walls": 774}
+FEW_SPILLS = 72
+SPILLS = {
+    "advance_mitc": 256,
+    "advance_hexahedra": 264,
+    "press_edges": 400,
+    "measure_half_step": 592,
+    "move_nodes_between_walls": 780,
+}
 """Bytes a thread, and of kernels with more; those of any law call functions, across which they keep what they need."""
 
 

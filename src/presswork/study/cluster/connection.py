@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import subprocess
 import sys
@@ -55,6 +56,7 @@ def connect(cluster: Cluster, jobs: int) -> Iterator[Client]:
     if cluster.address != LOCAL and jobs:
         raise ClusterError("--jobs does not go with the address of a cluster: the threads of its workers are the jobs")
     with _find_scheduler(cluster.address, jobs) as address:
+        gc.collect()  # a client that failed is finalised here: within the start of another it would wait for its lock
         try:
             client = Client(address, timeout=PATIENCE, set_as_default=False)
         except (OSError, TimeoutError, ValueError) as error:
