@@ -6,14 +6,13 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.model import BoolArray, FloatArray, IndexArray
-from presswork.remesh.space.tetrahedra import list_edges, measure_quality, rate_tetrahedra
+from presswork.remesh.space.bad_cells import move_nodes_of_bad_cells
+from presswork.remesh.space.tetrahedra import list_edges
 
 _SWEEPS = 40
 """In which moves of the skin spread into the body."""
 _ROUNDS, _STEPS = 6, 10
 """In which nodes of bad cells are visited, and steps of the search for a better place of each."""
-_FIRST_STEP, _GAIN = 0.4, 1e-3
-"""First step of that search, over the mean edge round the node; least gain of quality that a step must bring."""
 _DIRECTIONS = np.array([d for d in np.ndindex(3, 3, 3) if d != (1, 1, 1)], dtype=float) - 1.0
 _DIRECTIONS /= np.linalg.norm(_DIRECTIONS, axis=1)[:, None]
 
@@ -50,43 +49,12 @@ def improve_cells(points: FloatArray, cells: IndexArray, skin: IndexArray, wante
     points = points.copy()
     inner: BoolArray = np.ones(len(points), dtype=bool)
     inner[skin] = False
-    order = np.argsort(cells.ravel(), kind="stable")
-    first = np.searchsorted(cells.ravel()[order], np.arange(len(points) + 1))
     for _ in range(_ROUNDS):
-        quality = measure_quality(points, cells)
-        nodes = np.unique(cells[quality < wanted])
-        moved = False
-        for node in nodes[inner[nodes]].tolist():
-            around = cells[order[first[node] : first[node + 1]] // 4]
-            better = _search(points, around, node)
-            moved |= bool((better != points[node]).any())
-            points[node] = better
-        if not moved:
+        if not move_nodes_of_bad_cells(points, cells, inner, wanted, _STEPS, lambda *_: _try_around):
             break
     return points
 
 
-def _search(points: FloatArray, around: IndexArray, node: int) -> FloatArray:
-    """Return where the worst of the cells (k, 4) round a node is best, by steps along 26 directions."""
-    own = around == node
-    corners = points[around]
-    others = corners[~own]
-    edge = float(np.linalg.norm(others - points[node], axis=1).mean())
-
-    def measure(places: FloatArray) -> FloatArray:
-        """Return the worst quality with the node at each of the places (m, 3)."""
-        tried = np.where(own[None, :, :, None], places[:, None, None], corners[None])
-        return np.asarray(rate_tetrahedra(tried.reshape(-1, 4, 3)).reshape(len(places), -1).min(axis=1))
-
-    place: FloatArray = points[node]
-    step = _FIRST_STEP * edge
-    best = float(measure(place[None])[0])
-    for _ in range(_STEPS):
-        places = place + step * _DIRECTIONS
-        found = measure(places)
-        top = int(np.argmax(found))
-        if found[top] > best + _GAIN:
-            place, best = places[top], float(found[top])
-        else:
-            step *= 0.5
-    return place
+def _try_around(place: FloatArray, step: float) -> FloatArray:
+    """Return the places a step away along 26 directions (26, 3)."""
+    return place + step * _DIRECTIONS

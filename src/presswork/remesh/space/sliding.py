@@ -12,14 +12,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from presswork.model import BoolArray, FloatArray, IndexArray
+from presswork.remesh.space.bad_cells import Tries, move_nodes_of_bad_cells
 from presswork.remesh.space.inside import improve_cells
-from presswork.remesh.space.tetrahedra import measure_quality, rate_tetrahedra
+from presswork.remesh.space.tetrahedra import measure_quality
 from presswork.remesh.space.tools import PlacedTool, put_on_tools
 
 _ROUNDS, _STEPS = 6, 6
 """In which nodes of bad cells are visited, and steps of the search for a better place of each."""
-_FIRST_STEP, _GAIN = 0.4, 1e-3
-"""First step of that search, over the mean edge round the node; least gain of quality that a step must bring."""
 _ANGLES = np.arange(12) * (2.0 * np.pi / 12)
 
 
@@ -39,52 +38,27 @@ def slide_on_tools(
     """
     points = points.copy()
     slides = (on_tool.sum(axis=0) == 1) & ~held.any(axis=1)
-    order = np.argsort(cells.ravel(), kind="stable")
-    first = np.searchsorted(cells.ravel()[order], np.arange(len(points) + 1))
+
+    def find_tries(node: int, place: FloatArray, edge: float) -> Tries | None:
+        return _find_tries_along(tools[int(np.argmax(on_tool[:, node]))], place, edge)
+
     for _ in range(_ROUNDS):
-        quality = measure_quality(points, cells)
-        nodes = np.unique(cells[quality < least])
-        moved = False
-        for node in nodes[slides[nodes]].tolist():
-            around = cells[order[first[node] : first[node + 1]] // 4]
-            tool = tools[int(np.argmax(on_tool[:, node]))]
-            place = _search(points, around, node, tool)
-            moved |= bool((place != points[node]).any())
-            points[node] = place
+        moved = move_nodes_of_bad_cells(points, cells, slides, least, _STEPS, find_tries)
         points = improve_cells(points, cells, skin, least)
         if not moved or measure_quality(points, cells).min() >= least:
             break
     return points
 
 
-def _search(points: FloatArray, around: IndexArray, node: int, tool: PlacedTool) -> FloatArray:
-    """Return where on its tool a node makes the worst of the cells (k, 4) round it best."""
-    own = around == node
-    corners = points[around]
-    place: FloatArray = points[node]
-    edge = float(np.linalg.norm(corners[~own] - place, axis=1).mean())
+def _find_tries_along(tool: PlacedTool, place: FloatArray, edge: float) -> Tries | None:
+    """Return what is tried for a node on a tool; None where the tool has no normal there."""
     _, normal = tool.touch(place[None], edge)
     if not np.isfinite(normal).all() or not normal.any():
-        return place
+        return None
     axis = np.eye(3)[np.argmin(np.abs(normal[0]))]
     u = np.cross(normal[0], axis)
     u /= np.linalg.norm(u)
     along = np.cos(_ANGLES)[:, None] * u + np.sin(_ANGLES)[:, None] * np.cross(normal[0], u)
-
-    def measure(places: FloatArray) -> FloatArray:
-        """Return the worst quality with the node at each of the places (m, 3)."""
-        tried = np.where(own[None, :, :, None], places[:, None, None], corners[None])
-        return np.asarray(rate_tetrahedra(tried.reshape(-1, 4, 3)).reshape(len(places), -1).min(axis=1))
-
-    step, best = _FIRST_STEP * edge, float(measure(place[None])[0])
     free = np.zeros((len(along), 3), dtype=bool)
     all_on = np.ones((1, len(along)), dtype=bool)
-    for _ in range(_STEPS):
-        places = put_on_tools(place + step * along, [tool], all_on, free, edge)
-        found = measure(places)
-        top = int(np.argmax(found))
-        if found[top] > best + _GAIN:
-            place, best = places[top], float(found[top])
-        else:
-            step *= 0.5
-    return place
+    return lambda place, step: put_on_tools(place + step * along, [tool], all_on, free, edge)
