@@ -196,3 +196,8 @@ def test_check_says_of_a_mesh_that_an_implicit_draw_would_fold_that_it_would(pro
     case = changed(CUP, ("procedure", procedure), ("blank.element_size", size))
     (hint,) = [h for h in describe(build_model(StampingCase.model_validate(case))).splitlines() if "edge of punch" in h]
     assert ("likely to stop with elements turned inside out" in hint) == folds
+
+
+def test_a_card_that_the_implicit_procedure_would_leave_idle_is_refused():
+    refuse(["explicit.device", "explicit procedure alone"], ("procedure", "implicit"), ("explicit", {"device": "cuda"}))
+    build(("procedure", "implicit"), ("explicit", {"precision": "single"}))

@@ -67,6 +67,7 @@ def check_names(case: StampingCase) -> list[Problem]:
         fault, remedy = "these shells cannot be split", 'take "shell4_1pt", or leave blank.refine out'
         problems.append(Problem("explicit.element", fault, remedy, case.explicit.element))
     problems += _check_self_contact(case)
+    problems += _check_device(case)
     names = [stage.name for stage in case.stages]
     for index, stage in enumerate(case.stages):
         key = f"stages.{index}"
@@ -255,6 +256,15 @@ def check_ways(case: StampingCase) -> list[Problem]:
         remedy = f"strokes of a {tool.kind} count {toward}: write stroke = {-strokes[first]:g}"
         problems.append(Problem(f"stages.{first}.tools.{name}.stroke", fault, remedy, strokes[first]))
     return problems
+
+
+def _check_device(case: StampingCase) -> list[Problem]:
+    """Return the problem of a card that the implicit procedure would leave idle; other keys of [explicit] may stay."""
+    device = case.explicit.device
+    if case.procedure == "explicit" or device == "cpu":
+        return []
+    remedy = 'remove it, or set procedure = "explicit"'
+    return [Problem("explicit.device", "computes cycles of the explicit procedure alone", remedy, device)]
 
 
 def _check_umat(key: str, material: UmatMaterial, case: StampingCase) -> list[Problem]:
