@@ -15,7 +15,8 @@ from presswork.process.derivatives import Derivatives
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.implicit_stamping import ImplicitStamping
 from presswork.process.recording import Recording, Row
-from presswork.process.springback import FORMING, Released, ReleasedStamping
+from presswork.process.released_part import Released
+from presswork.process.springback import FORMING, ReleasedStamping
 
 
 def begin_differentiated(model: Model, threads: int) -> Recording:

@@ -12,7 +12,7 @@ walls and flange move.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
-from presswork.geometry.best_fit import measure_deviation
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.mesh.checks import MeshError
@@ -35,20 +34,19 @@ from presswork.process.laying import find_half_thickness
 from presswork.process.limits import Watched
 from presswork.process.recording import Meta, Report, Row, Snapshot
 from presswork.process.released_model import ELEMENTS, NAME, make_springback_model
+from presswork.process.released_part import TRIM, Released
 from presswork.process.stamping import ExplicitStamping
 from presswork.process.transfer import TEMPERATURE, SheetState, TransferError, begin_with, sheet_of_implicit
 from presswork.process.trim import Cut, TrimError, explain_beside, trim_sheet
 from presswork.ranks.world import World
 
-TRIM, DEVIATION, HEM = "trim", "deviation", "hem"
+DEVIATION, HEM = "deviation", "hem"
 FORMING, FORMED, ELASTIC = "forming.", "formed", "elastic"
-"""Names in a checkpoint: the prefix of the formed part, and what Released keeps."""
+"""Names in a checkpoint: the prefix of the formed part, and what Released (released_part.py) keeps."""
 HEATED = "heated."
 """Prefix in a checkpoint of SheetState.heated."""
 STORED = ("internal_energy", "external_energy", "elastic_energy", "external_work")
 """Columns of the history that lose the elastic energy which springback sets free."""
-WORTH_A_WARNING = 0.2
-"""Of an element by which the trimmed outline misses its line."""
 SHARE = 0.03
 """Of the whole process that springback counts as in the progress display."""
 
@@ -69,20 +67,6 @@ class SpringbackReport:
     """What was reported before included."""
     increment: IncrementReport
     is_save_point: bool
-
-
-@dataclass(frozen=True)
-class Released:
-    """The part without its tools."""
-
-    implicit: ImplicitProcedure
-    cut: Cut | None
-    formed: FloatArray
-    """Displacement when it was released (n_points, 3) [mm]."""
-    elastic: float
-    """Energy stored then [N mm]."""
-    heated: Mapping[str, FloatArray] = field(default_factory=dict)
-    """As of SheetState."""
 
 
 @dataclass(frozen=True)
@@ -306,7 +290,8 @@ class ReleasedStamping(EpochRecording):
         snapshot = self.forming.snapshot(now)
         now = self._show_released()
         if self._shows_springback:
-            now.springback, now.deviation = self._moved(), self._deviation()
+            now.springback = self._released.moved
+            now.deviation = self._released.find_deviation(self.mesh, self.model.symmetry)
         points, cells = compute_fields(now)
         common = {name: cells[name] for name in snapshot.cell_data}  # what both procedures have
         return replace(snapshot, time=self._time(), point_data=points, cell_data=common)
@@ -318,18 +303,6 @@ class ReleasedStamping(EpochRecording):
         now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.sheet[1].formability
         now.heated, now.temperature = self._released.heated, self._released.heated.get(TEMPERATURE)
         return now
-
-    def _moved(self) -> FloatArray:
-        """Return the displacement of springback (n_points, 3) [mm]."""
-        assert self._released is not None
-        return np.asarray(self._released.implicit.state.nodes.displacement[:, :3] - self._released.formed)
-
-    def _deviation(self) -> FloatArray:
-        """Return how far nodes lie off the shape in the tools (n_points,) [mm]."""
-        assert self._released is not None
-        formed = self.mesh.points + self._released.formed
-        cells = [block.connectivity for block in self.mesh.blocks]
-        return measure_deviation(formed + self._moved(), formed, cells, self.model.symmetry)
 
     def _epoch_arrays(self) -> NamedArrays:
         released = self._released
@@ -382,21 +355,9 @@ class ReleasedStamping(EpochRecording):
         """Return what the summary says of trimming and springback, and its warnings."""
         if self._released is None:
             return {}, []
-        told: dict[str, Any] = {}
-        warnings: list[str] = []
-        cut = self._released.cut
-        if cut is not None:
-            miss = cut.off_line
-            told[TRIM] = {
-                "cells": sum(len(block.connectivity) for block in self.mesh.blocks),
-                "off_line_mm": miss,
-                "beside_sheet": {name: asdict(each) for name, each in cut.beside.items()},
-            }
-            warnings += explain_beside(cut)
-            if miss > WORTH_A_WARNING * cut.element_size:
-                warnings.append(f"the trimmed outline is up to {miss:.3g} mm off its line: refine the blank there")
+        told, warnings = self._released.tell_cut(self.mesh)
         if self.model.springback is not None:
-            told[NAME] = self._tell_springback(self._released.implicit)
+            told[NAME] = self._released.tell_springback(self.mesh, self.model.symmetry)
         return told, warnings
 
     def tell_hem(self) -> dict[str, Any]:
@@ -412,18 +373,3 @@ class ReleasedStamping(EpochRecording):
         before = None if self._begin is None else measure(self._begin, self._first_mesh)
         released = None if self._released is None else measure(self.sheet(), self.mesh)
         return {HEM: tell_hem(measure(self.forming.sheet(), self.forming.mesh), before, released)}
-
-    def _tell_springback(self, implicit: ImplicitProcedure) -> dict[str, Any]:
-        way = np.linalg.norm(self._moved(), axis=1)
-        at, deviation = int(np.argmax(way)), self._deviation()
-        progress = implicit.state[Progress]
-        place = self.mesh.points[at] + implicit.state.nodes.displacement[at, :3]
-        return {
-            "largest_mm": float(way[at]),
-            "at_mm": [float(x) for x in place],
-            "at_blank_mm": [float(x) for x in self.mesh.points[at]],
-            "deviation_mm": [float(deviation.min()), float(deviation.max())],
-            "increments": progress.increments,
-            "iterations": progress.iterations,
-            "cutbacks": progress.cutbacks,
-        }
