@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import Case, CaseError, build_model
+from presswork.examples import copy_example
 from presswork.model import BodyContact, EdgeForce
 from presswork.process.begin import begin
 from presswork.recorder import run_model
@@ -117,19 +118,22 @@ def test_a_gap_to_another_body_gets_small_cells_before_they_touch():
     assert np.sort(np.abs(x[:, 0] - 3.3)[np.abs(x[:, 1] - 3.8) < 0.4])[3] < 0.5
 
 
+@pytest.fixture
+def two_bodies(tmp_path):
+    return copy_example("two_bodies", tmp_path)
+
+
 def test_the_slave_is_chosen_anew_unless_the_case_names_it(two_bodies):
-    path, _ = two_bodies
     keys = ["remesh.size=0.4", "remesh.bodies.ring.size=0.2", "remesh.every=0.5", "stages.0.tools.punch.stroke=1"]
     for own, slave in ((keys, 1), ([*keys, "contacts.bore.slave='workpiece'"], 0)):
-        recording = run(Case.from_toml(path, own))[1]
+        recording = run(Case.from_toml(two_bodies, own))[1]
         (contact,) = recording.procedure.model.contacts
         assert isinstance(contact, BodyContact)
         assert contact.slave == slave
 
 
 def test_a_body_that_is_not_meshed_anew_keeps_its_state_to_the_bit(two_bodies):
-    path, _ = two_bodies
-    recording = begin(build_model(Case.from_toml(path, ["remesh.size=0.5"])), 1)
+    recording = begin(build_model(Case.from_toml(two_bodies, ["remesh.size=0.5"])), 1)
     for _ in zip(range(6), recording.advance(), strict=False):
         pass
     before = recording.procedure
@@ -155,8 +159,7 @@ def test_a_body_that_is_not_meshed_anew_keeps_its_state_to_the_bit(two_bodies):
 
 
 def test_runs_with_bodies_and_loads_resume_to_the_same_bits(two_bodies, tmp_path):
-    path, _ = two_bodies
-    model = build_model(Case.from_toml(path, ["remesh.every=0.3", "output.checkpoint_every=1", "output.steps=2"]))
+    model = build_model(Case.from_toml(two_bodies, ["remesh.every=0.3", "output.checkpoint_every=1", "output.steps=2"]))
     assert run_model(model, tmp_path / "whole", threads=1).status == "completed"
 
     parts = run_in_two_parts(model, tmp_path / "halves", lambda now: now.text.startswith("upset: increment 30,"))
