@@ -89,11 +89,13 @@ class FormingVerdict:
         thin = "nothing thins"
         if self.thinning.value >= 0.05:
             thin = f"thinning up to {self.thinning.value:.1f} % {self.thinning.where()}"
-        if self.fold and self.folded:
-            thin += f"; the sheet folds in {self.folded} elements, most {self.fold.where()}"
-        if self.margin is None:
-            return f"{thin}; the material has no forming_limit, so nothing is said of cracks"
-        return f"{self._tell_strains(self.margin)}{self._tell_path()}; {thin}"
+        cracks = "the material has no forming_limit, so nothing is said of cracks"
+        if self.margin is not None:
+            cracks = self._tell_strains(self.margin) + self._tell_path()
+        said = [thin, cracks] if self.margin is None else [cracks, thin]
+        if self.fold and self.folded:  # first, unless the part splits
+            said.insert(1 if self.failing else 0, f"the sheet folds in {self.folded} elements, most {self.fold.where()}")
+        return "; ".join(said)
 
     def _tell_strains(self, margin: Extreme) -> str:
         """Return what strains say of cracks, as if they had come straight."""

@@ -30,6 +30,9 @@ STEPS = 12
 """Places on that distance."""
 LEAST_COMPRESSION = 0.02
 """Compressive strain below which the fold ratio is over this: walls that are hardly compressed bend a little, too."""
+YIELDED = 0.002
+"""Compressive strain below which a shell does not fold: a middle that has not yielded is compressed along no direction.
+The section of a low wall, bent over punch and die to either side, would be a fold otherwise."""
 TOUCHED = 1e-6
 """Part of the largest force of tools on a node above which a node is touched."""
 NEEDED = {"strain_bottom", "strain_middle", "strain_top", "equivalent_plastic_strain_middle"}
@@ -75,7 +78,7 @@ def find_fold_ratio(
     compressed, along = values[:, 0], vectors[:, :, 0]
     bending = _tensor(0.5 * (sheet["strain_top"] - sheet["strain_bottom"]))
     ratio = np.zeros(len(centre))
-    own = np.flatnonzero(free & (compressed < 0.0))
+    own = np.flatnonzero(free & (compressed < -YIELDED))
     if len(own) == 0:
         return ratio
 

@@ -69,6 +69,12 @@ def test_a_wall_that_is_bent_to_one_side_is_no_fold() -> None:
     assert strip(-(x**2) / 120.0, np.full(80, 0.5 * T / 60.0))[FOLD].max() == 0.0
 
 
+def test_the_section_of_a_low_wall_is_no_fold() -> None:
+    """Bent over the punch to one side and over the die to the other, hardly strained in its middle."""
+    nodes, bent, _ = wave(0.4)
+    assert strip(nodes, bent, along=-0.001, across=0.0017)[FOLD].max() == 0.0
+
+
 def test_shells_that_a_tool_touches_have_no_fold() -> None:
     nodes, bent, _ = wave(0.4)
     force = np.zeros((567, 3))
