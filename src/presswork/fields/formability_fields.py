@@ -94,7 +94,9 @@ class FormingVerdict:
             cracks = self._tell_strains(self.margin) + self._tell_path()
         said = [thin, cracks] if self.margin is None else [cracks, thin]
         if self.fold and self.folded:  # first, unless the part splits
-            said.insert(1 if self.failing else 0, f"the sheet folds in {self.folded} elements, most {self.fold.where()}")
+            said.insert(
+                1 if self.failing else 0, f"the sheet folds in {self.folded} elements, most {self.fold.where()}"
+            )
         return "; ".join(said)
 
     def _tell_strains(self, margin: Extreme) -> str:

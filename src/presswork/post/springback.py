@@ -109,10 +109,20 @@ def _angle_between(before: FloatArray, after: FloatArray) -> float:
 
 
 def _fit_radius(points: FloatArray) -> float:
-    """Return the radius of the circle through points (n, 2) by least squares [mm]."""
+    """Return the radius of the circle through points (n, 2) by least squares [mm] (Pratt 1987).
+
+    a (x^2 + z^2) + b x + c z + d has the least squares on the points under b^2 + c^2 - 4 a d = 1, which leaves lines
+    among the circles. Under a = 1 a nearly straight wall whose points lie to both sides has a radius of its length.
+    """
     centred = points - points.mean(axis=0)
-    x, z = (centred @ np.linalg.svd(centred, full_matrices=False)[2].T).T  # along the wall, and across
-    if np.ptp(z) < np.ptp(x) / (8 * _STRAIGHT):  # its height as an arc is length^2 / (8 radius)
+    size = np.sqrt((centred**2).sum(axis=1).mean())
+    x, z = (centred / size).T
+    rows = np.column_stack([x**2 + z**2, x, z, np.ones_like(x)])
+    constraint = np.array([[0.0, 0, 0, -2], [0, 1, 0, 0], [0, 0, 1, 0], [-2, 0, 0, 0]])
+    squares, found = np.linalg.eig(np.linalg.solve(constraint, rows.T @ rows))
+    square = np.where(squares.real > -1e-10 * np.abs(squares).max(), squares.real, np.inf)  # one other is below zero
+    a, b, c, d = found[:, np.argmin(square)].real
+    norm = np.sqrt(b**2 + c**2 - 4 * a * d)
+    if 2 * abs(a) * np.ptp(centred, axis=0).max() / size < norm / _STRAIGHT:
         return float("inf")
-    (a, b, c), *_ = np.linalg.lstsq(np.column_stack([x, z, np.ones_like(x)]), x**2 + z**2, rcond=None)
-    return float(np.sqrt(c + 0.25 * (a**2 + b**2)))
+    return float(size * norm / (2 * abs(a)))
