@@ -27,7 +27,7 @@ from presswork.law.elastic_plastic import rate_at_rest, temperature, temperature
 from presswork.law.umat import SheetUmat, open_sheet_law
 from presswork.mesh.directors import Directors, find_directors
 from presswork.mesh.thickness_rule import thickness_rule
-from presswork.model import CellBlock, FloatArray, IntArray, MaskArray, Model
+from presswork.model import BoolArray, CellBlock, FloatArray, IntArray, MaskArray, Model
 from presswork.outcome import BadGuess, Step
 from presswork.state import CellArrays, NodeArrays, State
 from presswork.timing import Timing
@@ -88,6 +88,17 @@ def lay_directors(model: Model, directors: Directors, vectors: FloatArray) -> No
     vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
 
 
+def find_drilling(directors: Directors) -> BoolArray:
+    """Mark the freedoms that are drilling rotations, prescribed all through a run (n_points * 6,).
+
+    A smooth node's is the first rotation in the node's own frame (interaction/supports.py).
+    """
+    drilling = np.zeros((len(directors.smooth), 6), dtype=bool)
+    turning = directors.node[directors.smooth[directors.node]]
+    drilling[turning, 3] = True
+    return drilling.reshape(-1)
+
+
 class ShellMechanics:
     """Evaluates all shells of the model over one increment and assembles the result."""
 
@@ -106,6 +117,7 @@ class ShellMechanics:
         self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in blocks]
         self.directors = find_model_directors(model)
         self.assembler = _core.ShellAssembler(len(model.mesh.points), self._connectivity, model.solver.symmetric)
+        self.drilling = find_drilling(self.directors)
         self._first_cell = np.cumsum([0, *(len(c) for c in self._connectivity)])
         self._when = _core.UmatPlace()
         self._force: list[FloatArray] = []

@@ -11,7 +11,8 @@ from presswork import _core
 from presswork.implicit.linear.contract import LinearSolver
 from presswork.implicit.linear.direct import Pardiso, SuperLU
 from presswork.implicit.linear.refined import RefinedPardiso
-from presswork.model import FloatArray, IntArray
+from presswork.implicit.linear.smaller import SmallerSystem
+from presswork.model import BoolArray, FloatArray, IntArray
 
 
 def make_solver(
@@ -23,28 +24,34 @@ def make_solver(
     freedoms: int = 0,
     points: FloatArray | None = None,
     may_refine: bool = False,
+    prescribed: BoolArray | None = None,
 ) -> LinearSolver:
     """Return a solver for this pattern (upper triangle only if symmetric).
 
     By factors, from the best library installed; freedoms: of a node, by iteration. points: of the nodes, all of which
     have as many rows, of a mesh in the plane (n_points, 2), whose coordinates give the order of elimination.
     may_refine: solutions may be so far off as linear.refined says; unsymmetric matrices get single factors then.
+    prescribed: rows (n,) that have nothing beside the diagonal in all matrices; factors are found without them.
     """
-    direct = partial(
-        _make_direct, indptr, indices, symmetric=symmetric, threads=threads, points=points, may_refine=may_refine
-    )
-    if not freedoms:
-        return direct()
-    from presswork.implicit.linear.multigrid import Multigrid
+    order = None if points is None else find_order(points, indptr, indices)
+    by_factors = partial(_make_direct, symmetric=symmetric, threads=threads, may_refine=may_refine)
+    if freedoms:
+        from presswork.implicit.linear.multigrid import Multigrid
 
-    return Multigrid(indptr, indices, symmetric=symmetric, freedoms=freedoms, make_direct=direct)
+        direct = partial(by_factors, indptr, indices, order=order)
+        return Multigrid(indptr, indices, symmetric=symmetric, freedoms=freedoms, make_direct=direct)
+    if prescribed is None:
+        return by_factors(indptr, indices, order=order)
+    if order is not None:
+        number = np.cumsum(~prescribed, dtype=np.int32) - 1
+        order = number[order[~prescribed[order]]]
+    return SmallerSystem(indptr, indices, prescribed, partial(by_factors, order=order))
 
 
 def _make_direct(
-    indptr: IntArray, indices: IntArray, *, symmetric: bool, threads: int, points: FloatArray | None, may_refine: bool
+    indptr: IntArray, indices: IntArray, *, order: IntArray | None, symmetric: bool, threads: int, may_refine: bool
 ) -> LinearSolver:
     try:
-        order = None if points is None else find_order(points, indptr, indices)
         if may_refine and not symmetric:
             return RefinedPardiso(indptr, indices, threads=threads, order=order)
         return Pardiso(indptr, indices, symmetric=symmetric, threads=threads, order=order)

@@ -114,8 +114,12 @@ class LinearSystem:
             if self._model.takes_multigrid:
                 self._solver = make(freedoms=self._model.freedoms)
             else:
-                is_drawn = self._model.analysis == "shell" and bool(self._model.space_tools)
-                self._solver = make(points=flatten(self._model.mesh.points), may_refine=is_drawn)
+                drilling = self._mechanics.drilling if isinstance(self._mechanics, ShellMechanics) else None
+                self._solver = make(
+                    points=flatten(self._model.mesh.points),
+                    may_refine=drilling is not None and bool(self._model.space_tools),
+                    prescribed=drilling,
+                )
             self._timing.add("analysis", started)
         return self._solver
 
