@@ -83,6 +83,30 @@ std::tuple<NewArray<int>, NewDoubles, NewDoubles> fit(const BoundDonors& self, D
   return result;
 }
 
+std::tuple<NewDoubles, NewDoubles> refit_donors(Doubles position, Doubles places, Ints donor) {
+  const std::size_t n_old = count_places(position), n = count_places(places);
+  require(donor.ndim() == 2 && donor.shape(0) == n && donor.shape(1) == most_donors, "donor (n, donors)");
+  for (std::size_t i = 0; i < donor.size(); ++i)
+    require(donor.data()[i] >= 0 && static_cast<std::size_t>(donor.data()[i]) < n_old, "donors must exist");
+  double *weight, *linear_weight;
+  const std::vector<std::size_t> shape{n, most_donors};
+  auto result = std::make_tuple(new_array(shape, &weight), new_array(shape, &linear_weight));
+  nb::gil_scoped_release release;
+  for (std::size_t first = 0; first < n; first += pack_width) {
+    Fit found[pack_width];
+    const std::size_t count = std::min<std::size_t>(pack_width, n - first);
+    for (std::size_t i = 0; i < count; ++i)
+      std::copy_n(donor.data() + most_donors * (first + i), most_donors, found[i].donor);
+    refit(position.data(), places.data() + 2 * first, static_cast<int>(count), found);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t place = most_donors * (first + i);
+      std::copy(found[i].weight, found[i].weight + most_donors, weight + place);
+      std::copy(found[i].linear_weight, found[i].linear_weight + most_donors, linear_weight + place);
+    }
+  }
+  return result;
+}
+
 NewArray<bool> find_peaks(const BoundDonors& self, Doubles places, Ints home, Doubles values, Ints candidates) {
   const std::size_t n_old = count_places(places), n = candidates.size();
   require_cells(home, n_old, self.n_cells);
@@ -175,6 +199,9 @@ void bind_remesh(nb::module_& m) {
       .def("find_peaks", &find_peaks, nb::arg("places"), nb::arg("home"), nb::arg("values"), nb::arg("candidates"),
            "Which candidates (n,) among these points have a value above those of all their other donors (n,).\n\n"
            "places (n_old, 2), home (n_old,), values (n_old,): of all points, as they were given.");
+  m.def("refit_donors", &refit_donors, nb::arg("position"), nb::arg("places"), nb::arg("donor"),
+        "Weights in the quadratic and the linear fit, each (n, most_donors), of donors (n, most_donors) as Donors.fit "
+        "has found them, once their positions (n_old, 2) and the new places (n, 2) have changed a little.");
   m.def("apply_fit", &apply, nb::arg("donor"), nb::arg("weight"), nb::arg("linear_weight"), nb::arg("values"),
         "Values (n, m) at new points by the fits of Donors from values at old ones (n_old, m).");
 }

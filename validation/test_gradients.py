@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Derivatives of stampings against central differences of whole runs: more numbers than tests/verification has."""
+"""Derivatives against central differences of whole runs, and finer meshes: more numbers than tests/verification has."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ from typing import Any
 
 import pytest
 
+from presswork.case.solid.schema import Case
 from presswork.case.stamping.schema import StampingCase
-from tests.problems.differentiated import bend_over_die, differentiate, draw_under_holder, largest_error
+from presswork.results.history import name_derivative
+from tests.problems.differentiated import bend_over_die, differentiate, draw_under_holder, largest_error, run_case
+from tests.problems.mapped_meshes import differentiate_with_meshes, upset_with_new_meshes
 
 pytestmark = pytest.mark.validation
 
@@ -47,11 +50,53 @@ def test_strip_drawn_from_under_a_holder_and_let_go(tmp_path: Path) -> None:
     check(draw_under_holder(), by, ["punch.force", "tip.x", "tip.z", "plastic_work", "friction_work"], tmp_path)
 
 
+def test_cylinder_upset_on_new_meshes() -> None:
+    """Whole runs get the meshes of the run, each where their own material is."""
+    by = {
+        "materials.steel.young": 200e3,
+        "materials.steel.hardening.K": 700.0,
+        "materials.steel.hardening.n": 0.2,
+        "tools.punch.m": 0.2,
+        "stages.0.tools.punch.stroke": 4.0,
+        "workpiece.mesh.size.0": 10.0,
+    }
+    of = ["punch.force", "rim.x", "core.y", "core.effective_stress", "core.equivalent_plastic_strain"]
+    found, n_meshes = differentiate_with_meshes(upset_with_new_meshes(), [*of, "damage_cockcroft_latham_max"], by)
+    assert n_meshes == 3
+    report({names: largest_error(*both) for names, both in found.items()})
+
+
+def test_derivatives_on_new_meshes_are_those_on_a_finer_first_mesh(tmp_path: Path) -> None:
+    """384 cells at first, two new meshes, against 1,536 that stay. Friction feels the mesh most."""
+    by = [
+        "materials.steel.hardening.K",
+        "materials.steel.hardening.n",
+        "tools.punch.m",
+        "stages.0.tools.punch.stroke",
+    ]
+    of = ["punch.force", "rim.x", "core.equivalent_plastic_strain"]
+
+    def find(cells: list[int], remesh: dict[str, float] | None) -> dict[tuple[str, str], float]:
+        data = upset_with_new_meshes() | {"gradients": {"of": of, "by": by}, "remesh": remesh}
+        data["workpiece"]["mesh"]["cells"] = cells
+        history = run_case(Case, data, tmp_path / f"{cells[0]}").history
+        return {(key, name): history[name_derivative(name, key)][-1] for key in by for name in of}
+
+    own, fine = find([16, 24], {"every": 0.35, "size": 0.625}), find([32, 48], None)
+    errors = {names: abs(own[names] / fine[names] - 1.0) for names in own}
+    print("\n".join(f"{key} {name}: {error:.1e}" for (key, name), error in errors.items()))
+    assert max(error for (key, _), error in errors.items() if key != "tools.punch.m") < 0.025
+    assert max(errors.values()) < 0.1
+
+
 def check(data: dict[str, Any], by: dict[str, float], of: list[str], folder: Path) -> None:
     apart = {
         key: 1e-4 if key.startswith("materials") else 1e-3 if key.endswith(("mu", "force")) else 2e-5 for key in by
     }
     found = differentiate(StampingCase, data, of, by, folder, apart=apart)
-    errors = {(key, name): largest_error(*both) for key, columns in found.items() for name, both in columns.items()}
+    report({(key, name): largest_error(*both) for key, columns in found.items() for name, both in columns.items()})
+
+
+def report(errors: dict[tuple[str, str], float]) -> None:
     print("\n".join(f"{key} {name}: {error:.1e}" for (key, name), error in errors.items()))
     assert max(errors.values()) < 1e-6

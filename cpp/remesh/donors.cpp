@@ -61,6 +61,50 @@ void find_weights(const Pack (&basis)[most_donors][6], const Donated& weight, Do
   }
 }
 
+// Donors seen from pack_width new points, over the distance of each one's last donor.
+struct Offsets {
+  Donated x, y, weight;
+  int count[pack_width] = {};
+  double over[pack_width];
+
+  Offsets() {
+    for (int d = 0; d < most_donors; ++d) x[d] = y[d] = weight[d] = 0.0;
+  }
+
+  // Adds the donor d of `own`, the last one first.
+  void add(int lane, int d, int own, const double* at, const double* donor) {
+    const double off[2] = {donor[0] - at[0], donor[1] - at[1]};
+    if (d == own - 1) {
+      const double farthest = std::sqrt(off[0] * off[0] + off[1] * off[1]);
+      count[lane] = own, over[lane] = farthest > 0.0 ? 1.0 / farthest : 1.0;
+    }
+    x[d].set(lane, off[0] * over[lane]);
+    y[d].set(lane, off[1] * over[lane]);
+    weight[d].set(lane, 1.0);
+  }
+};
+
+// Finds the weights of the donors of n new points.
+void weigh(Offsets& off, int n, Fit* fits) {
+  Pack basis[most_donors][6];
+  for (int d = 0; d < most_donors; ++d) {
+    const Pack x = off.x[d], y = off.y[d], values[6] = {1.0, x, y, x * x, x * y, y * y};
+    std::copy(values, values + 6, basis[d]);
+    const Pack near = Pack(1.0) - (values[3] + values[5]) * (1.0 / (reach * reach));
+    const Pack least = select(near > Pack(least_weight), near, Pack(least_weight));
+    off.weight[d] *= least * least;
+  }
+  Donated linear, quadratic;
+  find_weights<3>(basis, off.weight, linear);
+  find_weights<6>(basis, off.weight, quadratic);
+  for (int lane = 0; lane < n; ++lane)
+    for (int d = 0; d < most_donors; ++d) {
+      const bool is_line = off.count[lane] >= enough_for_lines;
+      fits[lane].linear_weight[d] = is_line ? linear[d][lane] : (d == 0 ? 1.0 : 0.0);
+      fits[lane].weight[d] = off.count[lane] >= enough_for_squares ? quadratic[d][lane] : fits[lane].linear_weight[d];
+    }
+}
+
 }  // namespace
 
 Donors::Donors(const double* position, const int* cell_of, int n, Cells cells)
@@ -129,40 +173,27 @@ bool Donors::is_peak(int point, int home, const double* position, const double* 
 }
 
 void Donors::fit(const double* at, const int* home, int n, Scratch& scratch, Fit* fits) const {
-  Donated x, y, weight;
-  int count[pack_width];
-  for (int d = 0; d < most_donors; ++d) x[d] = y[d] = weight[d] = 0.0;
+  Offsets off;
   for (int lane = 0; lane < n; ++lane) {
     Near found[most_donors];
-    const int own = count[lane] = find(at + 2 * lane, home[lane], scratch, found);
-    const double farthest = own > 0 ? std::sqrt(found[own - 1].square) : 0.0,
-                 over = farthest > 0.0 ? 1.0 / farthest : 1.0;
-    for (int d = 0; d < most_donors; ++d) {
-      const int place = own > 0 ? found[d < own ? d : 0].place : 0;
-      fits[lane].donor[d] = of_cell_.value[place];
-      if (d >= own) continue;
-      x[d].set(lane, (position_[2 * place] - at[2 * lane]) * over);
-      y[d].set(lane, (position_[2 * place + 1] - at[2 * lane + 1]) * over);
-      weight[d].set(lane, 1.0);
-    }
+    const int own = find(at + 2 * lane, home[lane], scratch, found);
+    for (int d = 0; d < most_donors; ++d)
+      fits[lane].donor[d] = of_cell_.value[own > 0 ? found[d < own ? d : 0].place : 0];
+    for (int d = own - 1; d >= 0; --d) off.add(lane, d, own, at + 2 * lane, &position_[2 * found[d].place]);
   }
-  Pack basis[most_donors][6];
-  for (int d = 0; d < most_donors; ++d) {
-    const Pack values[6] = {1.0, x[d], y[d], x[d] * x[d], x[d] * y[d], y[d] * y[d]};
-    std::copy(values, values + 6, basis[d]);
-    const Pack near = Pack(1.0) - (values[3] + values[5]) * (1.0 / (reach * reach));
-    const Pack least = select(near > Pack(least_weight), near, Pack(least_weight));
-    weight[d] *= least * least;
+  weigh(off, n, fits);
+}
+
+void refit(const double* position, const double* at, int n, Fit* fits) {
+  Offsets off;
+  for (int lane = 0; lane < n; ++lane) {
+    const int* donor = fits[lane].donor;
+    int own = 1;
+    while (own < most_donors && donor[own] != donor[0]) ++own;
+    for (int d = own - 1; d >= 0; --d)
+      off.add(lane, d, own, at + 2 * lane, position + 2 * static_cast<std::size_t>(donor[d]));
   }
-  Donated linear, quadratic;
-  find_weights<3>(basis, weight, linear);
-  find_weights<6>(basis, weight, quadratic);
-  for (int lane = 0; lane < n; ++lane)
-    for (int d = 0; d < most_donors; ++d) {
-      const bool is_line = count[lane] >= enough_for_lines;
-      fits[lane].linear_weight[d] = is_line ? linear[d][lane] : (d == 0 ? 1.0 : 0.0);
-      fits[lane].weight[d] = count[lane] >= enough_for_squares ? quadratic[d][lane] : fits[lane].linear_weight[d];
-    }
+  weigh(off, n, fits);
 }
 
 void apply_fit(const int* donor, const double* weight, const double* linear_weight, int n_new, const double* values,

@@ -55,6 +55,10 @@ class Donors {
   std::vector<Box> box_;          // of the points of each cell
 };
 
+// Weighs the donors that n new points (n, 2), pack_width at most, have already, once all have moved a little.
+// position (n_old, 2) [mm]: of the old points.
+void refit(const double* position, const double* at, int n, Fit* fits);
+
 // Values (n_old, m) at new points (n_new, m): the fit's, clipped to the range of the donors and of the linear fit, so
 // that a linear field is kept beyond the outermost donors too. Values are counted from the nearest donor's, so that a
 // constant stays one. donor, weight, linear_weight (n_new, most_donors).

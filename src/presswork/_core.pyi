@@ -2010,6 +2010,11 @@ class Donors:
         places (n_old, 2), home (n_old,), values (n_old,): of all points, as they were given.
         """
 
+def refit_donors(position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], places: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], donor: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    Weights in the quadratic and the linear fit, each (n, most_donors), of donors (n, most_donors) as Donors.fit has found them, once their positions (n_old, 2) and the new places (n, 2) have changed a little.
+    """
+
 def apply_fit(donor: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], linear_weight: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], values: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
     """
     Values (n, m) at new points by the fits of Donors from values at old ones (n_old, m).

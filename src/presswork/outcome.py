@@ -78,6 +78,11 @@ class Step:
     stage_time_n: float
     """Since the stage began, when it begins [s]."""
 
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether it leads nowhere: equilibrium on a new mesh."""
+        return self.fraction == self.fraction_n
+
 
 class BadGuess:
     """Why a guess at the nodes' displacement cannot be evaluated; the correction is shortened or the increment cut."""

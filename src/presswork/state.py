@@ -188,6 +188,10 @@ class State:
         """Take these arrays of an owner in place of those that there are."""
         self._owned[type(arrays)] = arrays
 
+    def drop(self, kind: type[Arrays]) -> None:
+        """Leave out the arrays of an owner."""
+        del self._owned[kind]
+
     def __getitem__(self, kind: type[Owned]) -> Owned:
         """Return the arrays of an owner. Raises KeyError if the model does not have it."""
         return cast(Owned, self._owned[kind])

@@ -24,6 +24,7 @@ from tests.problems.differentiated import (
     upset_block,
     upset_cylinder,
 )
+from tests.problems.mapped_meshes import differentiate_with_meshes, upset_with_new_meshes
 
 BY = {
     "materials.steel.young": 200e3,
@@ -41,6 +42,16 @@ def test_upsetting_has_the_derivatives_of_whole_runs(tmp_path: Path) -> None:
     for key, columns in found.items():
         for name, (own, other) in columns.items():
             assert largest_error(own, other) < 1e-6, (key, name)
+
+
+def test_derivatives_go_through_new_meshes() -> None:
+    """Against whole runs on the same new meshes, each where their own material is."""
+    by = {"tools.punch.m": 0.2, "stages.0.tools.punch.stroke": 2.0}
+    data, of = upset_with_new_meshes(stroke=2.0, increment=0.2), ["punch.force", "rim.x", "core.effective_stress"]
+    found, n_meshes = differentiate_with_meshes(data, of, by)
+    assert n_meshes == 3
+    for names, both in found.items():
+        assert largest_error(*both) < 1e-6, names
 
 
 def test_loose_equilibrium_has_three_digits_of_the_derivatives(tmp_path: Path) -> None:

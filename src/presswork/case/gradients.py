@@ -77,11 +77,11 @@ def add_gradients(
             remedy = "take a key that moves the nodes and leaves the cells as they are"
             problems.append(Problem(place, f"`{key}` changes which cells there are", remedy, key))
             continue
-        less, more = (replace(side, remeshing=None) for side in (less, more))
+        less, more = (_keep_meshes(side) for side in (less, more))
         found.append(model.Parameter(key, value, step, None if is_coarse else less, more))
     if problems:
         raise CaseError(problems, case.source)
-    return replace(built, gradients=model.Gradients(wanted.of, tuple(found)), remeshing=None)
+    return replace(_keep_meshes(built), gradients=model.Gradients(wanted.of, tuple(found)))
 
 
 def find_number(case: CaseFile, key: str) -> float:
@@ -92,14 +92,19 @@ def find_number(case: CaseFile, key: str) -> float:
     return found
 
 
+def _keep_meshes(built: model.Model) -> model.Model:
+    """Return a Model that keeps its first mesh in space, where new ones have no derivatives."""
+    return replace(built, remeshing=None) if built.dimension == 3 else built
+
+
 def _refuse(built: model.Model) -> list[Problem]:
     """Return the problems of what a run does that has no derivatives yet."""
     motions = [motion for stage in built.stages for motion in stage.tool_motion.values()]
     pushes = built.analysis != "stamping" and any(motion.push is not None for motion in motions)
-    asked = built.remeshing is not None and not built.remeshing.keeps_first
+    in_space = built.dimension == 3 and built.remeshing is not None and not built.remeshing.keeps_first
     refused = (
         (built.explicit is not None, "procedure", "dynamics", "implicit runs alone have"),
-        (asked, "remesh", "new meshes", "a run on one mesh has"),
+        (in_space, "remesh", "new meshes in space", "a run on one mesh has"),
         (built.heat is not None, "heat", "heat", "a run without heat has"),
         (bool(built.trim), "trim", "trimming", "a part that keeps its outline has"),
         (bool(built.following), "operations", "lines of operations", "a single operation has"),

@@ -54,7 +54,7 @@ class Neighbour:
             for interaction in procedure.interactions.all:
                 interaction.begin_stage(beside, step.stage)
         trial = beside.duplicate()
-        for interaction in procedure.interactions.all:
+        for interaction in [] if step.is_at_rest else procedure.interactions.all:
             interaction.place(beside, trial, step, 1.0)
         procedure.equilibrium.begin(beside, step)
         self._begun = _Begun(beside, trial, step)
@@ -110,10 +110,13 @@ class Neighbour:
         """Complete its state at the end of an increment; the run's progress goes with it."""
         now, procedure = self.now, self.procedure
         procedure.equilibrium.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
-        procedure.settle(now.state_n, now.trial, now.step)
-        if self._counts_work:
-            procedure.count_work(now.state_n, now.trial, now.step)
-        procedure.evolve(now.state_n, now.trial, now.step)
+        if now.step.is_at_rest:
+            procedure.settle_at_rest(now.state_n, now.trial, now.step)
+        else:
+            procedure.settle(now.state_n, now.trial, now.step)
+            if self._counts_work:
+                procedure.count_work(now.state_n, now.trial, now.step)
+            procedure.evolve(now.state_n, now.trial, now.step)
         if next_stage is not None:
             procedure.end_stage(now.trial, next_stage)
         now.trial.replace(progress.duplicate())

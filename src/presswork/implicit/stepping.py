@@ -189,16 +189,24 @@ class ImplicitProcedure:
         outcome = self.equilibrium.solve(state_n, trial, step, np.zeros_like(state_n.nodes.increment))
         if isinstance(outcome, Failed):
             return outcome
+        for follower in self.followers:
+            follower.note(trial)
+        self.settle_at_rest(state_n, trial, step)
+        trial[Progress].iterations += len(outcome.log)
+        for follower in self.followers:
+            follower.follow(state_n, trial, step, None)
+        self.state = trial
+        return outcome
+
+    def settle_at_rest(self, state_n: State, trial: State, step: Step) -> None:
+        """Complete a trial state in equilibrium on a new mesh: no time passes, and the last increment stays."""
         self.mechanics.settle(state_n, trial, 0.0)
         for interaction in self.interactions.all:
             interaction.commit(state_n, trial, step)
         for interaction in self.interactions.all:
             add_work(trial, interaction.work(state_n, trial))
         trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, 0.0)
-        trial[Progress].iterations += len(outcome.log)
         trial.nodes.increment = state_n.nodes.increment
-        self.state = trial
-        return outcome
 
     def _next_increment(self) -> IncrementReport:
         progress = self.state[Progress]

@@ -222,6 +222,9 @@ class Interaction:
         freedoms) [mm, rad].
         """
 
+    def hold_anew(self, state: State, held: State) -> None:
+        """Hold on a new mesh what another run of nearly the same model holds on a mesh beside it, in place."""
+
     def find_travel(self, state_n: State, trial: State, step: Step) -> FloatArray:
         """Return how far its own freedoms have gone in an increment (n,)."""
         return np.zeros(0)

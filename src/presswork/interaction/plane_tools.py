@@ -17,7 +17,7 @@ from presswork.interaction.floating_tools import Floating, FloatingTools
 from presswork.interaction.friction import Friction, FrictionForces
 from presswork.interaction.placing import move_tools
 from presswork.interaction.supports import Supports
-from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
+from presswork.interaction.tool_arrays import SLIDING, ContactArrays, ToolArrays
 from presswork.interaction.tool_contact import Contact
 from presswork.interaction.tool_course import ToolCourse
 from presswork.model import FloatArray, IntArray, Model, ToolMotion, find_direction
@@ -140,6 +140,11 @@ class PlaneTools(Interaction):
         own, found = trial[ContactArrays], held[ContactArrays]
         own.status, own.shear_part = found.status.copy(), found.shear_part.copy()
         self.contact.search(trial, displacement)
+
+    def hold_anew(self, state: State, held: State) -> None:
+        """Hold the nodes that another run holds on its new mesh, where they are."""
+        state[ContactArrays].status = np.minimum(held[ContactArrays].status, SLIDING)
+        self.contact.settle(state)
 
     def constrain(self, state_n: State, trial: State, point: Point, held: Constraints) -> Constraints:
         """Hold the nodes in contact on their tools."""

@@ -99,10 +99,10 @@ def carry_peaks(before: ImplicitProcedure, after: ImplicitProcedure, carrier: Ca
     These are the equivalent plastic strain, which no point of the material can lose, and quantities of evolution laws.
     """
     cells_n, cells = before.state.cells, after.state.cells
-    cells.eqps = carrier.peaks(cells_n.eqps, cells.eqps, cells.volume)
+    cells.eqps = carrier.peaks("eqps", cells_n.eqps, cells.eqps, cells.volume)
     for name in after.evolution.names_with_peaks:
         values_n, values = (run.state[EvolvedArrays].values for run in (before, after))
-        values[name] = carrier.peaks(values_n[name], values[name], cells.volume)
+        values[name] = carrier.peaks(name, values_n[name], values[name], cells.volume)
 
 
 def _pair(before: State, after: State) -> Iterator[tuple[Arrays, Arrays]]:

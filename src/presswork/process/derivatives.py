@@ -13,12 +13,12 @@ import numpy as np
 from presswork.implicit.neighbours import Neighbour, Neighbours
 from presswork.implicit.sensitivities import Sensitivities
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.model import Model
+from presswork.model import FloatArray, Model
 from presswork.outcome import StartError
 from presswork.process.recording import Row
 from presswork.results.history import name_derivative
 
-NO_MEASURES = ("time", "stage", "increment", "iterations")
+NO_MEASURES = ("time", "stage", "increment", "iterations", "cells", "remeshes", "remesh_cause")
 """Columns of the history that have no derivative."""
 WORK = ("external_work", "plastic_work", "friction_work", "inertia_work", "energy_error_percent")
 """Columns for which neighbours add up work."""
@@ -53,11 +53,30 @@ class Derivatives(Generic[Side]):
             self._beside.append((make(p.less) if p.less else self.same, make(p.more)))
         self._rounds = 0
         self._sensitivities: Sensitivities | None = None
+        self._lost = [False] * len(self._by)
+        """Parameters whose derivatives end with a procedure."""
 
     @property
     def sides(self) -> list[Side]:
         """All neighbours, the same model first."""
         return [self.same, *(side for both in self._beside for side in both if side is not self.same)]
+
+    @property
+    def placed(self) -> list[tuple[Side, int, float]]:
+        """All neighbours, each with the number of its parameter, and how far that is from the run's."""
+        found = [(self.same, 0, 0.0)]
+        for number, (p, (less, more)) in enumerate(zip(self._by, self._beside, strict=True)):
+            found += [(side, number, change) for side, change in ((less, -p.step), (more, p.step)) if side != self.same]
+        return found
+
+    def differ(self, measure: Callable[[Side], FloatArray]) -> FloatArray:
+        """Return derivatives of what is measured at neighbours, by one parameter after the other; 0 where lost."""
+        found = []
+        for number, (p, (less, more)) in enumerate(zip(self._by, self._beside, strict=True)):
+            apart = p.step if p.less is None else 2.0 * p.step
+            ends = (self.same, self.same) if self.is_lost(number) else (more, less)
+            found.append(np.subtract(*(measure(side) for side in ends)) / apart)
+        return np.array(found)
 
     @property
     def names(self) -> list[str]:
@@ -79,9 +98,14 @@ class Derivatives(Generic[Side]):
         for p, (less, more) in zip(self._by, self._beside, strict=True):
             beside = Neighbour(of(less), -p.step, counts_work=counts) if p.less else same
             neighbours.append(Neighbours(p.key, Neighbour(of(more), p.step, counts_work=counts), beside))
-        lost = [self._is_lost(number) for number in range(len(self._by))]
+        self._lost = [self.is_lost(number) for number in range(len(self._by))]
         self._rounds = self.rounds
-        self._sensitivities = Sensitivities(procedure, same, neighbours, lost)
+        self._sensitivities = Sensitivities(procedure, same, neighbours, self._lost)
+
+    def lose(self, number: int | None = None) -> None:
+        """Give up the derivative by a parameter from here on (None: by all)."""
+        for each in range(len(self._by)) if number is None else [number]:
+            self._lost[each] = True
 
     def spread(self) -> None:
         """Put the neighbours where the derivatives of the run's present state have them."""
@@ -92,7 +116,7 @@ class Derivatives(Generic[Side]):
         """Return a row of the run with its derivatives."""
         own = self.same.row(report)
         for number, (p, sides) in enumerate(zip(self._by, self._beside, strict=True)):
-            if self._is_lost(number):
+            if self.is_lost(number):
                 row |= {name_derivative(of, p.key): float("nan") for of in self._of}
                 continue
             less, more = (own if side is self.same else side.row(report) for side in sides)
@@ -100,20 +124,22 @@ class Derivatives(Generic[Side]):
             row |= {name_derivative(of, p.key): (float(more[of]) - float(less[of])) / apart for of in self._of}
         return row
 
-    def _is_lost(self, number: int) -> bool:
+    def is_lost(self, number: int) -> bool:
+        """Say whether there is no derivative by a parameter from here on."""
         found = self._sensitivities
-        return found is not None and found.is_lost_now(number)
+        return self._lost[number] or (found is not None and found.is_lost_now(number))
 
-    def summary(self, history: Mapping[str, Any]) -> dict[str, Any]:
-        """Return what summary.json says of the derivatives at the end."""
+    def add_summary(self, told: dict[str, Any], history: Mapping[str, Any]) -> dict[str, Any]:
+        """Return what summary.json tells, with the derivatives at the end."""
         last = {
             p.key: {"value": p.value}
             | {of: float(history[name][-1]) for of in self._of if len(history[name := name_derivative(of, p.key)])}
             for p in self._by
         }
-        return {"gradients": last, "gradient_rounds": self.rounds}
+        warnings = [*told["warnings"], *self._warn(history)]
+        return told | {"gradients": last, "gradient_rounds": self.rounds, "warnings": warnings}
 
-    def warnings(self, history: Mapping[str, Any]) -> list[str]:
+    def _warn(self, history: Mapping[str, Any]) -> list[str]:
         """Say from which increment on a derivative has not been found."""
         warnings = []
         for parameter in self._by:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.model import Mesh, Model
 from presswork.process.derivatives import Derivatives
+from presswork.process.differentiated_remeshing import DifferentiatedRemeshing
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.implicit_stamping import ImplicitStamping
 from presswork.process.recording import Recording, Row
@@ -25,6 +26,8 @@ def begin_differentiated(model: Model, threads: int) -> Recording:
         return DifferentiatedRelease(model, threads=threads)
     if model.analysis == "stamping":
         return DifferentiatedStamping(model, threads=threads)
+    if model.remeshing is not None:
+        return DifferentiatedRemeshing(model, threads=threads)
     return DifferentiatedForming(model, threads=threads)
 
 
@@ -47,7 +50,7 @@ class DifferentiatedForming(ImplicitRecording):
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what summary.json says; of the derivatives those at the end."""
-        return _summarise(super().summary(history), self.derivatives, history)
+        return self.derivatives.add_summary(super().summary(history), history)
 
 
 class DifferentiatedStamping(ImplicitStamping):
@@ -69,7 +72,7 @@ class DifferentiatedStamping(ImplicitStamping):
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what summary.json says; of the derivatives those at the end."""
-        return _summarise(super().summary(history), self.derivatives, history)
+        return self.derivatives.add_summary(super().summary(history), history)
 
 
 class _Side(ReleasedStamping):
@@ -140,16 +143,9 @@ class DifferentiatedRelease(ReleasedStamping):
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what summary.json says; of the derivatives those at the end."""
-        return _summarise(super().summary(history), self.derivatives, history)
+        return self.derivatives.add_summary(super().summary(history), history)
 
 
 def _forming(stamping: ReleasedStamping) -> ImplicitProcedure:
     assert isinstance(stamping.forming, ImplicitStamping), "explicit runs have no derivatives"
     return stamping.forming.procedure
-
-
-def _summarise(
-    found: dict[str, Any], derivatives: Derivatives[Any], history: Mapping[str, NDArray[Any]]
-) -> dict[str, Any]:
-    warnings = [*found["warnings"], *derivatives.warnings(history)]
-    return found | derivatives.summary(history) | {"warnings": warnings}

@@ -14,6 +14,8 @@ law, and so it does when a stage has ended and the next one lets go.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 
 import numpy as np
@@ -32,15 +34,23 @@ MOST_BEYOND = 3.0
 """Effective stress over the flow stress up to which metal may answer a new mesh elastically."""
 
 
-def balance_new_mesh(run: ImplicitProcedure, *, may_yield: bool = False) -> Converged | Failed:
-    """Find equilibrium with the tools at rest; run.state is converged then. may_yield: the metal follows its law."""
+def balance_new_mesh(
+    run: ImplicitProcedure, *, may_yield: bool = False, beside: Sequence[ImplicitProcedure] = ()
+) -> Converged | Failed:
+    """Find equilibrium with the tools at rest; run.state is converged then.
+
+    may_yield: the metal follows its law. beside: neighbours of the run, whose metal answers as its own does.
+    """
     model = run.model
     isotropic = all(is_plain(replace(m, heating=None, rate=None)) for m in model.materials)
     if may_yield or run.state[Progress].fraction == 0.0 or not isotropic or not _is_driven_by_motion(model):
         return run.balance_at_rest()
     assert isinstance(run.mechanics, Mechanics)
     start = run.state
-    with run.mechanics.answering_elastically():
+    with ExitStack() as stack:
+        for each in (run, *beside):
+            assert isinstance(each.mechanics, Mechanics)
+            stack.enter_context(each.mechanics.answering_elastically())
         outcome = run.balance_at_rest()
     if isinstance(outcome, Failed) or _is_far_beyond(run.mechanics, run.state):
         run.state = start

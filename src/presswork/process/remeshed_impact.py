@@ -27,8 +27,9 @@ from presswork.process.epochs import NamedArrays
 from presswork.process.impact import ExplicitImpact
 from presswork.process.laps import find_laps, mark_laps, tell_laps
 from presswork.process.mesh_reasons import DUE, FAILS, STEP, find_cause, find_reason, find_reason_to_leave_first
+from presswork.process.new_epoch import keep_held
 from presswork.process.recording import Row
-from presswork.process.remeshing import MOST_GIVEN_BACK, keep_held
+from presswork.process.remeshing import MOST_GIVEN_BACK
 from presswork.process.rows import RowReport
 from presswork.process.seams import Seams
 from presswork.remesh.carrier import Carrier, Part, SkinPlaces, SurfacePlaces
@@ -233,7 +234,7 @@ class RemeshedImpact(ExplicitImpact):
             elif owner.startswith("block_") and what not in BEGIN_ANEW:
                 found[name] = _carry_cells(carrier, given, self.solids.stress)
                 if given.size and _has_peaks(what):
-                    found[name] = keep_peaks(carrier, given, found[name], self._find_volumes())
+                    found[name] = keep_peaks(carrier, name, given, found[name], self._find_volumes())
         self._mend(carrier, dump, found)
         found["nodes.velocity"] = self._carry_velocity(carrier.nodes(dump["nodes.velocity"]), momentum)
         return found
@@ -297,10 +298,10 @@ def _has_peaks(name: str) -> bool:
     return name == "eqps" or (quantity is not None and quantity.peak_counts)
 
 
-def keep_peaks(carrier: Carrier, values: FloatArray, found: FloatArray, volumes: FloatArray) -> FloatArray:
+def keep_peaks(carrier: Carrier, name: str, values: FloatArray, found: FloatArray, volumes: FloatArray) -> FloatArray:
     """Return a field carried by _carry_cells from values of old cells (n, ...) with the peaks that it had."""
     shape = found.shape
-    (kept,) = carrier.peaks([values.reshape(-1, 1)], [found.reshape(-1, 1)], [volumes[:, None]])
+    (kept,) = carrier.peaks(name, [values.reshape(-1, 1)], [found.reshape(-1, 1)], [volumes[:, None]])
     return kept.reshape(shape)
 
 

@@ -104,7 +104,7 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
     def _mend(self, carrier: Carrier, dump: Mapping[str, FloatArray], found: dict[str, FloatArray]) -> None:
         points, peaks = found[POINTS], slice(EQPS, EQPS + 1)
         points[:, 0, peaks] = keep_peaks(
-            carrier, dump[POINTS][:, 0, peaks], np.ascontiguousarray(points[:, 0, peaks]), self._find_volumes()
+            carrier, "eqps", dump[POINTS][:, 0, peaks], np.ascontiguousarray(points[:, 0, peaks]), self._find_volumes()
         )
         if points.shape[2] > EQPS + 1:  # the law's axes, the last six
             for axis in (points[:, 0, -6:-3], points[:, 0, -3:]):

@@ -8,7 +8,7 @@ at zero. The material's first place is carried from mesh to mesh, so that result
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,9 +23,9 @@ from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.interaction.laps import LapArrays
 from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.mesh.checks import MeshError
-from presswork.mesh.joined import join_parts, split_mesh
+from presswork.mesh.joined import split_mesh
 from presswork.mesh.topology import count_corners
-from presswork.model import Body, FloatArray, Mesh, Model, Remeshing
+from presswork.model import Body, FloatArray, Model, Remeshing
 from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_peaks, carry_state, carry_surface, find_undeclared
 from presswork.process.epochs import NamedArrays
@@ -44,11 +44,12 @@ from presswork.process.mesh_reasons import (
     will_land,
 )
 from presswork.process.new_balance import balance_new_mesh, measure_jump
+from presswork.process.new_epoch import NewEpoch, join_sections, keep_held
 from presswork.process.recording import Row
 from presswork.process.seams import Seams
-from presswork.remesh.carrier import Carrier, Part
+from presswork.remesh.carrier import Carrier
 from presswork.remesh.landing import find_closing
-from presswork.remesh.section import NewSection, OldSection, check_budget, draw_outlines, remesh_section
+from presswork.remesh.section import OldSection, check_budget, draw_outlines, remesh_section
 from presswork.remesh.size_field import measure_power
 
 MOST_JUMP = 0.02
@@ -257,7 +258,7 @@ class RemeshedForming(FoldingRecording):
         """
         old = self._sections()
         own = bodies if bodies and self.model.mesh.boundary_edges.shape[1] == 2 else set(range(len(old)))
-        found: list[_NewEpoch] = []
+        found: list[NewEpoch] = []
         faults: list[str] = []
         self._stayed = False
         for part in self.parts:
@@ -277,7 +278,7 @@ class RemeshedForming(FoldingRecording):
             self._waited += 1
             return self._stay(reason, f"the largest force of a tool would change by {new.jump:.2%}")
         seams = self._seams.places(find_position(self.procedure))
-        self._begin_on(new.procedure, new.origin, new.procedure.model.mesh.points)
+        self._go_on(new)
         self._seams.go_on(self.model.mesh, seams, new.seams, self.procedure.state[Progress].time)
         self._waited, self._cause = 0, find_cause(reason)
         self._on_first -= own
@@ -290,22 +291,28 @@ class RemeshedForming(FoldingRecording):
         )
         return True
 
+    def _go_on(self, new: NewEpoch) -> None:
+        """Go on with new meshes. Raises GaveUpError."""
+        self._begin_on(new.procedure, new.origin, new.procedure.model.mesh.points)
+
     def _may_wait(self) -> bool:
         """Say whether the present mesh may go on for another increment."""
         return self._waited < MOST_WAITS and self._reason(WAIT) is None
 
-    def _try_mesh(self, old: Sequence[Any], own: set[int], part: float, *, may_yield: bool) -> _NewEpoch:
+    def _try_mesh(self, old: Sequence[Any], own: set[int], part: float, *, may_yield: bool) -> NewEpoch:
         """Return equilibrium on new meshes of bodies, of a part of the size. Raises MeshError or GaveUpError."""
         before = self.procedure
         after, carrier = self._make_epoch(old, own, part)
         carry_peaks(before, after, carrier)
+        carried = after.state
         outcome = balance_new_mesh(after, may_yield=may_yield)
         if isinstance(outcome, Failed):
             raise GaveUpError(f"no equilibrium on the new mesh, {outcome.reason}")
         origin = carrier.material(self.mesh.points)
         keep_held(origin, after.model)
         seams = [seam for part_of in carrier.parts for seam in part_of.seams]
-        return _NewEpoch(after, origin, measure_jump(before.state, after.state), len(outcome.log), seams)
+        jump = measure_jump(before.state, after.state)
+        return NewEpoch(after, origin, jump, len(outcome.log), seams, carrier, carried, may_yield)
 
     def _make_epoch(self, old: Sequence[Any], own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
         """Return the procedure on new meshes of bodies, of a part of the size, with the state carried to them.
@@ -318,7 +325,7 @@ class RemeshedForming(FoldingRecording):
             for i, section in enumerate(old)
         ]
         position = before.model.mesh.points + before.state.nodes.displacement
-        mesh, parts = _join(old, new)
+        mesh, parts = join_sections(old, new)
         carrier = Carrier(before.model.mesh, position, mesh, parts)
         after = new_epoch(before, mesh, lambda old, new: carry_state(old, new, carrier))
         carry_surface(before, after, carrier)
@@ -356,44 +363,3 @@ class RemeshedForming(FoldingRecording):
         warnings, places = tell_laps(laps, (marks.begun, self._seams.begun))
         told["warnings"] += warnings
         return told | {"remeshes": self.epoch, "laps": places}
-
-
-@dataclass(frozen=True)
-class _NewEpoch:
-    """Equilibrium on a new mesh, with the tools at rest."""
-
-    procedure: ImplicitProcedure
-    origin: FloatArray
-    """First places of the material at its nodes (n_points, 2) [mm]."""
-    jump: float
-    """Largest change of a tool's force, of the largest force."""
-    iterations: int
-    seams: Sequence[FloatArray]
-    """Lines at which folds were left out (m, 2) [mm]."""
-
-
-def _join(old: Sequence[OldSection], new: Sequence[NewSection | None]) -> tuple[Mesh, list[Part]]:
-    """Return the mesh of all bodies, those without a new one as they lie now, and what becomes of each."""
-    parts, meshes, first = [], [], 0
-    for block, (before, made) in enumerate(zip(old, new, strict=True)):
-        mesh = replace(before.mesh, points=before.position) if made is None else made.mesh
-        points = range(first, first + len(mesh.points))
-        surface = None if made is None else made.surface(before.points.start, first)
-        parts.append(Part(before.points, points, block, surface, () if made is None else made.line.seams))
-        meshes.append(mesh)
-        first = points.stop
-    return join_parts(meshes), parts
-
-
-def keep_held(origin: FloatArray, model: Model) -> None:
-    """Give material that supports have held ever since the run began its first coordinate back, in place.
-
-    model: on the new mesh; origin: first places of the material at its nodes (n_points, 2 | 3) [mm].
-    """
-    mesh = model.mesh
-    driven = {(p.node_set, p.component) for stage in model.stages for p in stage.prescribed}
-    for support in model.supports:
-        nodes = mesh.node_sets[support.node_set]
-        for axis in range(mesh.points.shape[1]):
-            if support.fix[axis] and (support.node_set, axis) not in driven:
-                origin[nodes, axis] = mesh.points[nodes, axis]

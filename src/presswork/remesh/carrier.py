@@ -8,7 +8,8 @@ keeps its values to the bit.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,10 +20,11 @@ from presswork.model import ELEMENTS, BoolArray, CellBlock, FloatArray, IndexArr
 from presswork.remesh.space.transfer import FitInSpace, PointsInSpace, locate_in_tetrahedra
 from presswork.remesh.transfer import (
     OldPoints,
+    PeakTakers,
     Places,
     PointTransfer,
+    find_peak_takers,
     interpolate_along,
-    keep_peaks,
     locate,
 )
 
@@ -103,6 +105,8 @@ class _Sources:
     """Of the new mesh, of all parts (n_new_points, 2 | 3) [mm]."""
     own: IndexArray
     """The part's new nodes."""
+    like: _Sources | None = None
+    """The same on a mesh beside, whose choices count: which cells and which points values come from."""
 
     @cached_property
     def old_cells(self) -> IndexArray:
@@ -114,18 +118,22 @@ class _Sources:
     @cached_property
     def places(self) -> Places:
         """Where the new nodes lie in the old mesh."""
-        return self._locate(self.points[self.own])
+        return self.like.places if self.like else self._locate(self.points[self.own])
 
     @cached_property
     def of_nodes(self) -> tuple[IndexArray, PointTransfer | FitInSpace]:
         """Nodes of the old part, and how fields at them are found at the new ones."""
         nodes, first = np.unique(self.old_cells, return_index=True)
-        old = self._make_points(self.position[nodes], first // self.old_cells.shape[1])
-        return nodes, old.find_transfer(self.points[self.own], self.places.cell)
+        old, new = self._make_points(self.position[nodes], first // self.old_cells.shape[1]), self.points[self.own]
+        if self.like:
+            return nodes, _refit(old, new, self.like.of_nodes[1])
+        return nodes, old.find_transfer(new, self.places.cell)
 
     @cached_property
     def of_points(self) -> PointTransfer | FitInSpace:
         """How fields at the integration points of the old cells are found at those of the new ones."""
+        if self.like:
+            return _refit(self.old_points, self.new_points, self.like.of_points)
         home = self._locate(self.new_points).cell
         return self.old_points.find_transfer(self.new_points, home)
 
@@ -159,12 +167,24 @@ class Carrier:
     def __init__(self, old: Mesh, position: FloatArray, new: Mesh, parts: Sequence[Part]) -> None:
         """position: of the old nodes (n_old_points, 2 | 3) [mm], in which the new mesh lies."""
         self.parts, self._position = parts, position
+        self._takers: dict[tuple[str, int], PeakTakers] = {}
         self._n_points = len(new.points)
         self._sources: list[_Sources | None] = []
         for part in parts:
             own = np.arange(part.new_points.start, part.new_points.stop)
             blocks = old.blocks[part.block], new.blocks[part.block]
             self._sources.append(_Sources(position, *blocks, new.points, own) if part.surface is not None else None)
+
+    def beside(self, position: FloatArray, points: FloatArray) -> Carrier:
+        """Return the carrier of meshes of the same cells that lie beside these in the plane, with the same choices.
+
+        position: of the old nodes (n_old_points, 2) [mm]; points: of the new ones (n_new_points, 2) [mm]. Peaks go
+        where this carrier has taken them.
+        """
+        other = copy(self)
+        other._position = position
+        other._sources = [s and replace(s, position=position, points=points, like=s) for s in self._sources]
+        return other
 
     def is_new(self) -> BoolArray:
         """Mark the nodes of parts whose mesh is new (n_new_points,)."""
@@ -218,20 +238,23 @@ class Carrier:
         return result
 
     def peaks(
-        self, values: Sequence[FloatArray], carried: Sequence[FloatArray], volume: Sequence[FloatArray]
+        self, name: str, values: Sequence[FloatArray], carried: Sequence[FloatArray], volume: Sequence[FloatArray]
     ) -> list[FloatArray]:
         """Return a field carried by `points`, of each block (n_cells, n_points), with the peaks that it had.
 
-        values: of the old mesh; volume: of the new points [mm3].
+        name: of the field. values: of the old mesh; volume: of the new points [mm3].
         """
         result = [found.copy() for found in carried]
         for part, sources in zip(self.parts, self._sources, strict=True):
-            given, found = values[part.block], carried[part.block]
-            if sources is not None and given.size:
-                own = volume[part.block].ravel()
+            given, found = values[part.block].ravel(), carried[part.block]
+            if sources is None or not given.size:
+                continue
+            key = name, part.block
+            if key not in self._takers:
                 places = sources.old_points, sources.new_points
-                kept = keep_peaks(given.ravel(), found.ravel(), own, *places, sources.of_points)
-                result[part.block] = kept.reshape(found.shape)
+                self._takers[key] = find_peak_takers(given, *places, sources.of_points)
+            kept = self._takers[key].keep(given, found.ravel(), volume[part.block].ravel())
+            result[part.block] = kept.reshape(found.shape)
         return result
 
     def cells(self, values: Sequence[FloatArray], at_rest: Sequence[FloatArray]) -> list[FloatArray]:
@@ -260,6 +283,14 @@ def place_points(block: CellBlock, position: FloatArray) -> FloatArray:
     row = ELEMENTS[block.element]
     shapes = np.asarray(_core.shapes_at_points(row.cell, row.points))
     return np.asarray(np.einsum("qa,cak->cqk", shapes, position[block.connectivity]).reshape(-1, position.shape[1]))
+
+
+def _refit(
+    old: OldPoints | PointsInSpace, new: FloatArray, like: PointTransfer | FitInSpace
+) -> PointTransfer | FitInSpace:
+    assert isinstance(old, OldPoints), "meshes lie beside each other in the plane alone"
+    assert isinstance(like, PointTransfer), "meshes lie beside each other in the plane alone"
+    return old.refit(new, like)
 
 
 def _apply(transfer: PointTransfer | FitInSpace, values: FloatArray, shape: tuple[int, ...]) -> FloatArray:

@@ -67,6 +67,11 @@ class OldPoints:
         """
         return PointTransfer(*self._donors.fit(np.ascontiguousarray(new), _to_int(home)))
 
+    def refit(self, new: FloatArray, like: PointTransfer) -> PointTransfer:
+        """Return the transfer to new points (n_new, 2) [mm] from the donors of another one, which lies beside it."""
+        position, places = np.ascontiguousarray(self.position), np.ascontiguousarray(new)
+        return PointTransfer(like.donor, *_core.refit_donors(position, places, like.donor))
+
     def find_peaks(self, given: FloatArray) -> IndexArray:
         """Return the points whose value (n_old,) is above those of all their donors, and which the fit misses."""
         highest, own = np.full(len(self.cells), -np.inf), np.zeros(len(self.cells), dtype=np.intp)
@@ -100,33 +105,47 @@ class PeakSource(Protocol):
         """Return the points whose value (n_old,) is above those of all their donors, and which the fit misses."""
 
 
-def keep_peaks(
-    given: FloatArray, found: FloatArray, volume: FloatArray, old: PeakSource, new: FloatArray, fit: DonorsOfPoints
-) -> FloatArray:
-    """Return a field found at new points (n_new,) with the peaks that it has at old points, `given` (n_old,).
+@dataclass(frozen=True)
+class PeakTakers:
+    """Old points whose values are peaks that a fit flattens, and the new point that takes each over."""
+
+    peak: IndexArray
+    """(n,)."""
+    taker: IndexArray
+    """(n,)."""
+
+    def keep(self, given: FloatArray, found: FloatArray, volume: FloatArray) -> FloatArray:
+        """Return a field found at new points (n_new,) with the peaks that it has at old points, `given` (n_old,).
+
+        All other points lose as much by volume (n_new,) [mm3], in proportion, so that the integral stays.
+        """
+        result, is_peak = found.copy(), np.zeros(len(found), dtype=bool)
+        np.maximum.at(result, self.taker, given[self.peak])
+        is_peak[self.taker] = True
+        added = float(((result - found) * volume).sum())
+        rest = float((result * volume)[~is_peak].sum())
+        if 0.0 < added < rest:
+            result[~is_peak] *= 1.0 - added / rest
+        return result
+
+
+def find_peak_takers(given: FloatArray, old: PeakSource, new: FloatArray, fit: DonorsOfPoints) -> PeakTakers:
+    """Return who takes over the peaks of a field at old points, `given` (n_old,).
 
     A least-squares fit flattens a peak of a single point. So the value of an old point that is above all its donors,
-    and that the fit misses, goes to the new point nearest to it; all others lose as much by volume (n_new,) [mm3], in
-    proportion, so that the integral stays. Fields that the fit follows, those of the second order, stay as they are.
-    new: places of the new points (n_new, 2) [mm]; fit: from the old ones to them.
+    and that the fit misses, goes to the new point nearest to it. Fields that the fit follows, those of the second
+    order, stay as they are. new: places of the new points (n_new, 2) [mm]; fit: from the old ones to them.
     """
     peaks = old.find_peaks(given)
-    result, is_peak = found.copy(), np.zeros(len(found), dtype=bool)
     wanted = np.zeros(len(given), dtype=bool)
     wanted[peaks] = True
     taker, which = np.nonzero(wanted[fit.donor])
-    peak = fit.donor[taker, which]
+    peak = fit.donor[taker, which].astype(np.intp)
     distance = np.linalg.norm(new[taker] - old.position[peak], axis=1)
     order = np.lexsort((taker, distance, peak))
     _, first = np.unique(peak[order], return_index=True)
     nearest = order[first]
-    np.maximum.at(result, taker[nearest], given[peak[nearest]])
-    is_peak[taker[nearest]] = True
-    added = float(((result - found) * volume).sum())
-    rest = float((result * volume)[~is_peak].sum())
-    if 0.0 < added < rest:
-        result[~is_peak] *= 1.0 - added / rest
-    return result
+    return PeakTakers(peak[nearest], taker[nearest])
 
 
 @dataclass(frozen=True)

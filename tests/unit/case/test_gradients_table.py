@@ -13,11 +13,17 @@ import pytest
 from presswork.case.errors import CaseError
 from presswork.case.kinds import build_model
 from presswork.case.solid.schema import Case
+from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.outcome import StartError
+from presswork.process import folding
 from presswork.process.begin import begin
+from presswork.process.self_contact import touches_itself
 from presswork.recorder import run_model
-from tests.problems.differentiated import bend_over_die, run_case, upset_cylinder
+from tests.problems.differentiated import bend_over_die, run_case, upset_block, upset_cylinder
+from tests.problems.mapped_meshes import upset_with_new_meshes
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 LOOSE = {"initial_increment": 0.25, "max_increment": 0.25}
@@ -84,6 +90,38 @@ def test_resumed_run_has_the_same_derivatives_to_the_bit(tmp_path: Path) -> None
     resumed = run_model(model, tmp_path / "cut", resume=True).result.history
     name = "d(punch.force)/d(tools.punch.m)"
     assert np.array_equal(whole[name], resumed[name])
+
+
+@pytest.mark.parametrize("folds", [False, True])
+def test_run_resumed_between_new_meshes_has_the_same_derivatives_to_the_bit(folds: bool, tmp_path: Path) -> None:
+    """Where a body folds onto itself derivatives end; the run goes on."""
+    data = upset_with_new_meshes(stroke=2.0, increment=0.2)
+    data |= {"solver": {**data["solver"], "force_tolerance": 1e-6}, "output": {"steps": 1, "checkpoint_every": 1}}
+    data["gradients"] = {"by": ["tools.punch.m"], "of": ["punch.force", "rim.x"]}
+    model = build_model(Case.model_validate(data))
+    with pytest.MonkeyPatch.context() as patch:
+        if folds:
+            patch.setattr(folding, "find_folding", fold_in_increment_two)
+        whole = run_model(model, tmp_path / "whole").result
+        run_in_two_parts(model, tmp_path / "cut", 3)
+    found = np.asarray(whole.history["d(rim.x)/d(tools.punch.m)"])
+    assert whole.history["remeshes"][-1] == 3
+    assert np.isfinite(found).tolist() == [not folds or i < 2 for i in range(len(found))]
+    assert any("tools.punch.m was not found in increment 3" in w for w in whole.summary["warnings"]) == folds
+    assert_same_bits(tmp_path / "cut", whole.folder)
+
+
+def fold_in_increment_two(procedure: ImplicitProcedure, bodies: Any) -> dict[int, str]:
+    """Say that the body is about to fold, once."""
+    is_new = procedure.state[Progress].increments == 2 and not touches_itself(procedure.model, 0)
+    return {0: "the body folds"} if is_new else {}
+
+
+def test_new_meshes_in_space_are_refused() -> None:
+    data = upset_block("tet4_mini", {"contact": "shear", "m": 0.2})
+    data |= {"remesh": {"every": 0.5}, "gradients": {"by": ["tools.punch.m"]}}
+    with pytest.raises(CaseError, match="there are no derivatives of new meshes in space yet"):
+        build_model(SpaceCase.model_validate(data))
 
 
 def test_trimmed_stamping_is_refused() -> None:

@@ -8,7 +8,7 @@ from presswork import _core
 from presswork.model import CellBlock, Mesh
 from presswork.remesh.carrier import Carrier, Part, SurfacePlaces, place_points
 from presswork.remesh.fill import fill_with_quadrilaterals
-from presswork.remesh.transfer import OldPoints, keep_peaks, locate
+from presswork.remesh.transfer import OldPoints, find_peak_takers, locate
 
 SIZE = 0.05
 
@@ -113,7 +113,25 @@ def carry_with_peaks(old, new, values):
     fit = points.find_transfer(end, locate(*old, end).cell)
     volume = np.repeat(areas(new) / 4, 4)
     found = fit.apply(values[:, None])[:, 0]
-    return found, keep_peaks(values, found, volume, points, end, fit), volume
+    return found, find_peak_takers(values, points, end, fit).keep(values, found, volume), volume
+
+
+def test_donors_that_are_kept_follow_fields_on_meshes_that_have_moved():
+    """Quadratic fields stay exact however far nodes go together; where nothing has moved, so do all bits."""
+    old, new = random_mesh(3), random_mesh(4)
+    start, end = place(old), place(new)
+    points = OldPoints(start, np.repeat(np.arange(len(old[1])), 4), old[1])
+    fit = points.find_transfer(end, locate(*old, end).cell)
+    same = points.refit(end, fit)
+    assert np.array_equal(same.weight, fit.weight)
+    assert np.array_equal(same.linear_weight, fit.linear_weight)
+    stretch = np.array([[1.3, 0.4], [-0.2, 0.9]])
+    moved = OldPoints(start @ stretch, points.cell_of, points.cells).refit(end @ stretch, fit)
+    assert np.array_equal(moved.donor, fit.donor)
+    x, y = (start @ stretch).T
+    u, v = (end @ stretch).T
+    found = (moved.weight * (1.0 + x * y - 2.0 * y**2)[fit.donor]).sum(axis=1)
+    assert found == pytest.approx(1.0 + u * v - 2.0 * v**2, abs=1e-8)  # the ridge of the fit leaves 2e-9
 
 
 def test_donors_are_the_nearest_points_within_four_neighbours():

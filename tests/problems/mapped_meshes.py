@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whole runs that get the new meshes of another run, each where their own material is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from presswork.case.kinds import build_model
+from presswork.case.solid.schema import Case
+from presswork.implicit.epochs import new_epoch
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.model import FloatArray, Mesh, Model
+from presswork.process.begin import begin
+from presswork.process.carrying import carry_state, carry_surface
+from presswork.process.increments import find_position
+from presswork.process.new_epoch import NewEpoch
+from presswork.process.recording import Row
+from presswork.process.remeshing import RemeshedForming
+from presswork.remesh.carrier import Carrier
+from presswork.results.history import name_derivative
+from tests.problems.differentiated import APART, EXACT, set_value, upset_cylinder
+
+
+@dataclass(frozen=True)
+class MadeMesh:
+    """A new mesh of a run."""
+
+    mesh: Mesh
+    carrier: Carrier
+    position: FloatArray
+    """Of the nodes of the mesh before (n_points, 2) [mm]."""
+
+
+class RunWithMeshes(RemeshedForming):
+    """A run that notes its new meshes, or takes those of another run.
+
+    A node of such a mesh keeps its place in its old cell, and values come from the same points.
+    """
+
+    parts = (1.0,)
+
+    def __init__(self, model: Model, given: Sequence[MadeMesh] | None = None) -> None:
+        super().__init__(model, threads=1)
+        self.made: list[MadeMesh] = []
+        self._given = given
+
+    def _make_epoch(self, old: Any, own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
+        if self._given is None:
+            return super()._make_epoch(old, own, part)
+        given, before = self._given[self.epoch], self.procedure
+        position = find_position(before)
+        points = given.mesh.points + given.carrier.motion(position - given.position)
+        carrier = given.carrier.beside(position, points)
+        mesh = replace(given.mesh, points=points)
+        after = new_epoch(before, mesh, lambda old, new: carry_state(old, new, carrier))
+        carry_surface(before, after, carrier)
+        return after, carrier
+
+    def _go_on(self, new: NewEpoch) -> None:
+        self.made.append(MadeMesh(new.procedure.model.mesh, new.carrier, find_position(self.procedure)))
+        super()._go_on(new)
+
+
+def upset_with_new_meshes(stroke: float = 4.0, increment: float = 0.1) -> dict[str, Any]:
+    """Return the data of a cylinder upset with shear friction that gets three new meshes, without derivatives."""
+    data = upset_cylinder(
+        points={"rim": [9.5, 0], "core": [3.1, 4.2]},
+        remesh={"every": 0.4, "size": 1.6},
+        solver=EXACT | {"initial_increment": increment, "max_increment": increment, "force_tolerance": 1e-11},
+    )
+    data["stages"][0]["tools"]["punch"]["stroke"] = stroke
+    return data
+
+
+def differentiate_with_meshes(
+    data: dict[str, Any], of: Sequence[str], by: Mapping[str, float]
+) -> tuple[dict[tuple[str, str], tuple[FloatArray, FloatArray]], int]:
+    """Return derivatives row by row, in the run and by central differences of whole runs with its meshes; and how many
+    new meshes there were.
+    """
+    asked = {"gradients": {"of": list(of), "by": list(by)}}
+    own = begin(build_model(Case.model_validate(data | asked)), threads=1)
+    rows = [own.row(report) for report in own.advance()]
+    base = RunWithMeshes(build_model(Case.model_validate(data)))
+    _go_through(base)
+    found = {}
+    for key, value in by.items():
+        change = APART * abs(value)
+        changed = (Case.model_validate(set_value(data, key, value + way)) for way in (change, -change))
+        more, less = (_go_through(RunWithMeshes(build_model(case), base.made)) for case in changed)
+        for name in of:
+            apart = [(float(m[name]) - float(s[name])) / (2.0 * change) for m, s in zip(more, less, strict=True)]
+            found[key, name] = np.array([row[name_derivative(name, key)] for row in rows]), np.array(apart)
+    return found, len(base.made)
+
+
+def _go_through(run: RunWithMeshes) -> list[Row]:
+    return [run.row(report) for report in run.advance()]
