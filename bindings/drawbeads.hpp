@@ -30,6 +30,15 @@ int add_bead(Loop& self, Doubles place, Doubles across, Doubles length, double f
   return static_cast<int>(self.beads->beads.size()) - 1;
 }
 
+template <class Loop>
+void share_beads(Loop& self, const Loop& whole, Ints place, Ints cell) {
+  require(place.size() == std::size_t(whole.nodes.n), "place must have a number for each node of the whole sheet");
+  require(cell.size() == std::size_t(self.n_elements()), "cell must have a number for each element of the part");
+  require(self.parts(), "join the others first");
+  self.beads = std::make_unique<Drawbeads>(whole.find_cells());
+  self.beads->be_part(place.data(), {cell.data(), cell.data() + cell.size()}, self.parts()->is_ghost);
+}
+
 }  // namespace drawbeads
 
 template <class Loop>
@@ -47,7 +56,16 @@ void bind_beads(nb::class_<Loop>& loop) {
           nb::arg("bead"), nb::arg("share"), "Shares (n) of its force in the next n cycles.")
       .def(
           "bead_restraint", [](Loop& self, int i) { return bead_of(self, i), self.beads->restraint(i); },
-          nb::arg("bead"), "Restraining force, summed along the line [N].");
+          nb::arg("bead"), "Restraining force, summed along the line [N]; of a part its share.")
+      .def("share_beads", &share_beads<Loop>, nb::arg("whole"), nb::arg("place"), nb::arg("cell"),
+           "Let this part hold what is its own of beads on a whole sheet. place (n_nodes there): numbers in the part, "
+           "or -1; cell: numbers there of the part's elements.")
+      .def(
+          "place_beads",
+          [](Loop& self) {
+            if (self.beads) self.beads->place(self.nodes.position.data(), self.nodes.position_stride);
+          },
+          "Look near which shell each point of a bead is, where that is not known yet.");
 }
 
 }  // namespace presswork::bindings

@@ -13,26 +13,32 @@ namespace parts {
 using explicit_dynamics::Neighbours;
 using Buffer = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
 
-// messages: an object with send, receive and agree, and the arrays that they send and fill.
+// messages: an object with send, receive, agree and find_largest, and the arrays that they send and fill.
 class PythonNeighbours final : public Neighbours {
  public:
   PythonNeighbours(const nb::object& messages, Buffer sends, Buffer receives, Buffer shares)
       : send_(messages.attr("send")),
         receive_(messages.attr("receive")),
         agree_(messages.attr("agree")),
+        find_largest_(messages.attr("find_largest")),
         arrays_{std::move(sends), std::move(receives), std::move(shares)} {
     out = arrays_[0].data(), in = arrays_[1].data(), shared = arrays_[2].data();
   }
   void send() override { call(send_); }
   void receive() override { call(receive_); }
   void agree() override { call(agree_); }
+  void find_largest(double* numbers, int n) override {
+    nb::gil_scoped_acquire acquire;
+    const nb::ndarray<nb::numpy, double, nb::ndim<1>> view(numbers, {std::size_t(n)}, nb::handle());
+    find_largest_(nb::cast(view, nb::rv_policy::reference));
+  }
 
  private:
   static void call(const nb::object& function) {
     nb::gil_scoped_acquire acquire;
     function();
   }
-  nb::object send_, receive_, agree_;
+  nb::object send_, receive_, agree_, find_largest_;
   Buffer arrays_[3];
 };
 
@@ -72,7 +78,8 @@ void bind_parts(nb::class_<Loop>& loop) {
            nb::arg("into"), nb::arg("shared"), nb::arg("leads"),
            "Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion "
            "goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has "
-           "send, receive and agree, called once a cycle each; out (sent, 8), into (ghosts, 8): what is sent and has "
+           "send, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, 8): what "
+           "is sent and has "
            "come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.")
       .def_prop_ro("edges", &list_edges<Loop>, nb::rv_policy::move, "Nodes of the edges that tools touch (n, 2).")
       .def_prop_rw(

@@ -20,7 +20,7 @@ struct Beneath {
   double normal[3] = {};      // of the sheet, of any length
 };
 
-// As SheetUnder has its arrays.
+// As SheetUnder has its arrays. A cell in another part of the sheet has corners below zero: a walk ends there.
 struct SheetSearch {
   int n = 0;                  // cells
   const int *start, *corner;  // (n + 1), (start[n])
@@ -30,6 +30,7 @@ struct SheetSearch {
   static constexpr int most_steps = 1000, newton_steps = 20;
 
   PRESSWORK_DEVICE int corners(int cell) const { return start[cell + 1] - start[cell]; }
+  PRESSWORK_DEVICE bool has(int cell) const { return corner[start[cell]] >= 0; }
 
   // Take a cell, or none (-1), for the one found last.
   PRESSWORK_DEVICE void stand_on(int cell, Beneath& at) const {
@@ -43,7 +44,7 @@ struct SheetSearch {
     int cell = from.cell >= 0 ? from.cell : nearest_cell(place, position, stride);
     double x[4][3];
     from.inside = false;
-    for (int step = 0; step < most_steps; ++step) {
+    for (int step = 0; step < most_steps && has(cell); ++step) {
       int next = -1;
       take_corners(cell, position, stride, x);
       from.inside = !(worst_edge(cell, place, x, next) < 0.0);
@@ -52,6 +53,21 @@ struct SheetSearch {
     }
     stand_on(cell, from);
     if (from.inside) interpolate(place, x, from);
+  }
+
+  // The cell whose middle is nearest to a place.
+  PRESSWORK_DEVICE int nearest_cell(const double place[2], const double* position, int stride) const {
+    int nearest = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (int cell = 0; cell < n; ++cell) {
+      double x[4][3], middle[2] = {0.0, 0.0};
+      take_corners(cell, position, stride, x);
+      for (int a = 0; a < corners(cell); ++a)
+        for (int i = 0; i < 2; ++i) middle[i] += x[a][i] / corners(cell);
+      const double away = std::hypot(middle[0] - place[0], middle[1] - place[1]);
+      if (away < least) least = away, nearest = cell;
+    }
+    return nearest;
   }
 
  private:
@@ -84,20 +100,6 @@ struct SheetSearch {
         worst_with = within, next = neighbour[start[cell] + a];
     }
     return worst;
-  }
-
-  PRESSWORK_DEVICE int nearest_cell(const double place[2], const double* position, int stride) const {
-    int nearest = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (int cell = 0; cell < n; ++cell) {
-      double x[4][3], middle[2] = {0.0, 0.0};
-      take_corners(cell, position, stride, x);
-      for (int a = 0; a < corners(cell); ++a)
-        for (int i = 0; i < 2; ++i) middle[i] += x[a][i] / corners(cell);
-      const double away = std::hypot(middle[0] - place[0], middle[1] - place[1]);
-      if (away < least) least = away, nearest = cell;
-    }
-    return nearest;
   }
 
   PRESSWORK_DEVICE static void interpolate(const double place[2], const double x[4][3], Beneath& found) {

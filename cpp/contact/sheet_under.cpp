@@ -28,4 +28,14 @@ SheetUnder::SheetUnder(std::vector<int> start, std::vector<int> corner, const st
   }
 }
 
+SheetUnder SheetUnder::in_part(const int* place) const {
+  SheetUnder part = *this;
+  for (int cell = 0; cell < n_cells(); ++cell) {
+    const auto first = part.corner_.begin() + start_[cell], last = part.corner_.begin() + start_[cell + 1];
+    std::transform(first, last, first, [&](int node) { return place[node]; });
+    if (std::any_of(first, last, [](int node) { return node < 0; })) std::fill(first, last, -1);
+  }
+  return part;
+}
+
 }  // namespace presswork::contact

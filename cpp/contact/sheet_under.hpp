@@ -23,12 +23,16 @@ class SheetUnder {
   // middle of sides that one cell has whole and two others in halves.
   SheetUnder(std::vector<int> start, std::vector<int> corner, const std::vector<Hanging>& hanging = {});
 
+  // The same cells of which a part of the sheet has some; place: number in it of each node, -1 where it has none.
+  SheetUnder in_part(const int* place) const;
+
   // As SheetSearch.
   void find(const double place[2], const double* position, int stride, Beneath& from) const {
     search().find(place, position, stride, from);
   }
   void stand_on(int cell, Beneath& at) const { search().stand_on(cell, at); }
   SheetSearch search() const { return {n_cells(), start_.data(), corner_.data(), neighbour_.data()}; }
+  bool has(int cell) const { return search().has(cell); }
   int n_cells() const { return static_cast<int>(start_.size()) - 1; }
   int last_node() const { return *std::max_element(corner_.begin(), corner_.end()); }
 

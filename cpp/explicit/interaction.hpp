@@ -3,6 +3,7 @@
 //
 // In a cycle an interaction is called in this order; what it does not override does nothing:
 //   follow   nodes that follow others are moved, in pieces that threads share out
+//   agree    by one thread of every part of a mesh in parts, when all nodes have moved: what the parts tell each other
 //   move     by one thread, when all nodes have moved
 //   act      when the elements have their forces: its own are taken off nodes.internal_force, in rounds one after the
 //            other, each of pieces that threads share out
@@ -12,6 +13,7 @@
 
 #include <vector>
 
+#include "explicit/neighbours.hpp"
 #include "explicit/phase_clock.hpp"
 #include "explicit/state_field.hpp"
 #include "explicit/step.hpp"
@@ -31,6 +33,7 @@ class Interaction {
   virtual int n_following() const { return 0; }
   // Returns the largest speed squared of the nodes of a piece.
   virtual double follow(Nodes&, const Step&, int /*piece*/) { return 0.0; }
+  virtual void agree(Nodes&, Neighbours&) {}
   virtual void move(const Step&, int /*cycle*/, double /*fastest*/) {}
   virtual int n_rounds() const { return 0; }
   virtual int n_pieces(int /*round*/) const { return 0; }

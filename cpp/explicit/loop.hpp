@@ -70,6 +70,7 @@ class Loop {
 
   // Let this loop be one of those on the parts of a mesh; before there are tools.
   virtual void join(std::unique_ptr<Neighbours> of);
+  const Neighbours* parts() const { return neighbours_.get(); }  // null: the loop has the whole mesh
 
  protected:
   std::vector<double> sum_masses() const;

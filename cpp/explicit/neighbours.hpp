@@ -28,6 +28,8 @@ class Neighbours {
   virtual void send() = 0;
   virtual void receive() = 0;
   virtual void agree() = 0;
+  // Find the largest of each of n numbers of all parts, in place.
+  virtual void find_largest(double* numbers, int n) = 0;
 
   std::vector<int> sent, ghosts;         // nodes, those of each neighbour together
   std::vector<char> is_ghost;            // (n)

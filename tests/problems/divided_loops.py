@@ -19,7 +19,10 @@ import numpy as np
 from presswork import build_model, read_case
 from presswork.explicit.input_checks import ExplicitError
 from presswork.model import Model
+from presswork.process.begin import begin_formed_part
+from presswork.process.press_line import PressLine
 from presswork.process.space_impact import ExplicitSpaceImpact
+from presswork.process.springback import ReleasedStamping
 from presswork.process.stamping import ExplicitStamping
 from presswork.ranks.world import World, find_world
 from tests.problems.square_cup import describe_cup
@@ -32,8 +35,40 @@ MOVED = 'velocity = "2 m/s"\ntools.die = {stroke = 0.4, direction = [0, 0, -1]}'
 TURNED = 'velocity = "2 m/s"\ntools.die = {stroke = 0.4, direction = [0, 0, -1], turn = 5}'
 PUSHED = 'duration = "2e-4 s"\ntools.die = {force = "14 kN", direction = [0, 0, -1]}'
 OUTPUT = "[output]\nsteps = 1\nrows = 10\n[remesh]\nenabled = false\n"
+STRIP = """
+title = "A strip pulled through two drawbeads"
+analysis = "stamping"
+procedure = "explicit"
+[blank]
+shape = "rectangle"
+size = [60, 10]
+thickness = 0.8
+element_size = 2.5
+material = "steel"
+[materials.steel]
+young = "206 GPa"
+poisson = 0.3
+hardening = {law = "swift", K = 565.32, e0 = 0.007117, n = 0.2589}
+[boundary.flat]
+set = "all"
+fix = ["y", "z"]
+[[beads]]
+points = [[-10, -5], [-5, 5]]
+force = 50
+[[beads]]
+points = [[-27, -5], [-27, 5]]
+force = 20
+[[stages]]
+name = "pull"
+velocity = "20 m/s"
+displacement = [{set = "right", component = "x", value = 8}]
+[output]
+steps = 1
+rows = 10
+"""
+"""Points of the first bead go from shell to shell, and from rank to rank; the last ones leave the sheet."""
 SHARES = (
-    "loop.work", "run.energy", "contact.damping", "contact.drag", "contact.external", "contact.friction",
+    "beads.work", "loop.work", "run.energy", "contact.damping", "contact.drag", "contact.external", "contact.friction",
     "contact.squeeze",
 )  # fmt: skip
 """Of these each rank has a share, and the sum is rounded."""
@@ -63,10 +98,40 @@ def describe_explicit_sector() -> str:
     return text.replace('set = "bottom"', 'set = "first_plane"')
 
 
-def begin(model: Model, world: World | None) -> ExplicitSpaceImpact | ExplicitStamping:
+def begin(model: Model, world: World | None) -> Any:
     """Return the run of a model at its start."""
+    if model.formed is not None:
+        return begin_formed_part(model, 1, world)
+    if model.following:
+        return PressLine(model, threads=1, world=world)
     kind = ExplicitStamping if model.analysis == "stamping" else ExplicitSpaceImpact
     return kind(model, threads=1, world=world)
+
+
+def describe_line() -> str:
+    """Return the text of a cup that is drawn, then drawn on by the same tools, which are laid onto it."""
+    text = describe_cup(12).replace("rows = 10", "rows = 2")
+    head, blank, rest = text.partition("[blank]")
+    rest, _, output = rest.partition("[output]")
+    rest, _, forming = rest.partition("[tools.punch]")
+    forming = forming.replace("[tools.", "[operations.tools.").replace("[[stages]]", "[[operations.stages]]")
+    operations = "".join(f'[[operations]]\nname = "{name}"\n[operations.tools.punch]{forming}' for name in "ab")
+    return f"{head}{blank}{rest}{operations}[output]{output}"
+
+
+def describe_formed(folder: Path) -> str:
+    """Return the text of a cup that begins with a part formed by one process, whose file is written to a folder."""
+    text = describe_cup(12)
+    run = ReleasedStamping(read(text + "dynain = true\n"), threads=1)
+    for _ in run.advance():
+        pass
+    (folder / "part.dynain").write_text(run.write_part())
+    blank = f'shape = "file"\npath = "{folder / "part.dynain"}"\nthickness = 0.8\nmaterial = "steel"'
+    old = text[text.index('shape = "rectangle"') : text.index("\nsymmetry")]
+    text = text.replace(old, blank)
+    for before, height in (("[tools.die]", -1.5), ("[tools.holder]", -0.5), ("[[stages]]", 0.5)):
+        text = text.replace(before, f"position = [0, 0, {height}]\n{before}")
+    return text
 
 
 def compare(text: str, world: World, rows: int = 2) -> dict[str, float]:
@@ -108,7 +173,10 @@ def main() -> None:
     """Compute all runs."""
     world = find_world()
     assert world is not None
-    runs = {
+    with tempfile.TemporaryDirectory() as folder:
+        formed = describe_formed(Path(folder))
+        runs = {"formed": compare(formed, world)}
+    runs |= {
         "hexahedra": compare(describe_explicit_block(HEX, MOVED), world),
         "pushed": compare(describe_explicit_block(HEX, PUSHED), world),
         "eight_points": compare(describe_explicit_block(HEX.replace("hex8_1pt", "hex8"), MOVED), world),
@@ -116,6 +184,8 @@ def main() -> None:
         "tetrahedra": compare(describe_explicit_block(TET, MOVED), world),
         "mitc": compare(describe_cup(8) + '[explicit]\nelement = "shell4_mitc_plus"\n', world),
         "single": compare(describe_cup(8) + '[explicit]\nprecision = "single"\n', world),
+        "strip": compare(STRIP, world, rows=10),
+        "line": compare(describe_line(), world, rows=5),
         "scaled": compare(describe_cup(8) + "[explicit]\ntarget_step = 2e-6\n", world),
     }
     failed = [

@@ -1,6 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Text of a case: a quarter of a square cup drawn a little by explicit dynamics, its holder pushed."""
 
+BEAD = """
+[[beads]]
+points = [[-38, -38], [38, -38], [38, 38], [-38, 38]]
+closed = true
+radius = 15
+force = 60
+"""
+
 
 def describe_cup(element_size: float) -> str:
     """Return the text of the case; element_size [mm]."""

@@ -5,6 +5,8 @@ import importlib.util
 import os
 import subprocess
 import sys
+from importlib.resources import files
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -110,6 +112,21 @@ def test_two_ranks_find_the_answer_of_one_process(tmp_path, workpiece, kind):
 
 
 @needs_mpi
+def test_two_ranks_share_hot_bodies_that_touch_in_the_plane(tmp_path):
+    """A core in a ring of other heat, of which each rank has one: `bimetal_upsetting` on coarse meshes."""
+    case = files("presswork") / "examples" / "bimetal_upsetting.toml"
+    settings = {
+        "remesh.enabled": "false", "workpiece.mesh.cells": "[3,4]", "bodies.ring.mesh.cells": "[3,5]",
+        "stages.0.tools.die.stroke": "0.3", "output.steps": "1",
+        "solver.initial_increment": "0.5", "solver.max_increment": "0.5",
+    }  # fmt: skip
+    options = [text for key, value in settings.items() for text in ("--set", f"{key}={value}")]
+    for ranks, name in ((1, "one"), (2, "two")):
+        run_on_ranks(ranks, Path(str(case)), tmp_path / name, *options)
+    _compare(tmp_path / "one", tmp_path / "two", "heat.temperature", "cells.stress.1", "body_contact.pressure")
+
+
+@needs_mpi
 def test_a_repeated_run_on_two_ranks_gives_the_same_bits(tmp_path):
     case = _write(tmp_path)
     for name in ("first", "second"):
@@ -129,9 +146,9 @@ def test_a_run_on_two_ranks_is_resumed_by_one_process(tmp_path):
     _compare(tmp_path / "whole", tmp_path / "parts")
 
 
-def _compare(first, second):
+def _compare(first, second, *others):
     whole, _ = load_checkpoint(first / "checkpoint.h5")
     parts, _ = load_checkpoint(second / "checkpoint.h5")
-    for name in ("nodes.displacement", "nodes.reaction", "cells.stress.0", "cells.eqps.0"):
+    for name in ("nodes.displacement", "nodes.reaction", "cells.stress.0", "cells.eqps.0", *others):
         scale = np.abs(whole[name]).max()
         np.testing.assert_allclose(parts[name], whole[name], atol=1e-8 * scale, rtol=0, err_msg=name)

@@ -14,6 +14,10 @@
 //
 // What lies beneath is looked up every `refresh` cycles, from the shell found last: its cost does not grow.
 // Points are visited by one thread in their order, so the bits do not depend on the threads.
+//
+// In parts of a mesh each part holds the points whose shell it computes; the part that owns the shell's first node
+// answers for the point. Before they look beneath, all parts learn the shell and the force of every point from those
+// that know them, so a point may go from one part to another.
 #pragma once
 
 #include <algorithm>
@@ -25,6 +29,8 @@
 #include "contact/sheet_under.hpp"
 #include "contact/vectors.hpp"
 #include "explicit/contact/tools.hpp"
+#include "explicit/exact_sum.hpp"
+#include "explicit/neighbours.hpp"
 #include "explicit/space/nodes.hpp"
 #include "explicit/state_field.hpp"
 
@@ -65,6 +71,9 @@ class Drawbeads {
 
   // Add a line of n points: places and unit normals in the plan (n, 2), lengths (n) [mm], force per length [N/mm].
   void add(int n, const double* place, const double* across, const double* length, double force, int tool);
+  // Look beneath the points where it is time to; before `visit`, when nodes have moved.
+  template <class Real>
+  void look(double dt, const SpaceNodes<Real>& nodes);
   // One cycle, by one thread: the forces are taken off net (n_nodes, 6), internal less external forces.
   template <class Real>
   void visit(int cycle, double dt, const SpaceNodes<Real>& nodes, const std::vector<Tool>* tools, Real* net);
@@ -75,13 +84,22 @@ class Drawbeads {
 
   double stored() const;                            // in the springs [N mm]
   double lost() const { return work_ - stored(); }  // in slip [N mm]
-  // Sum of the points' restraining forces of one bead [N].
+  // Sum of the points' restraining forces of one bead [N], of those that this part answers for; rounded, so that the
+  // sum over parts is exact.
   double restraint(int bead) const;
 
   void list_state(std::vector<StateField>& fields);
 
-  // Take the masses of the shells [t]; needed before the first cycle, and after a change.
-  void set_masses(std::vector<double> of_cells) { cell_mass_ = std::move(of_cells); }
+  // Take the masses of the shells [t], of a part its own; needed before the first cycle, and after a change.
+  void set_masses(const std::vector<double>& of_cells);
+
+  // Stand near the shell beneath, where none has been found yet.
+  void place(const double* position, int stride);
+  // Be the beads of a part of the sheet. place (n_nodes of the sheet): number in the part of each node, or -1; cell:
+  // numbers in the sheet of the part's shells; ghost: nodes of the part that others own.
+  void be_part(const int* place, std::vector<int> cell, std::vector<char> ghost);
+  // Let all parts know what lies beneath each point and what force it has.
+  void agree(const double* position, int stride, Neighbours& parts);
 
   std::vector<Drawbead> beads;
 
@@ -105,18 +123,28 @@ class Drawbeads {
   void look_beneath(Point& p, double dt, const SpaceNodes<Real>& nodes) const;
   template <class Real>
   static void push(const Point& p, Real* net);
+  bool looks() const { return cycle_ % refresh == 0; }
+  bool is_here(const Point& p) const { return p.beneath.cell >= 0 && sheet_.has(p.beneath.cell); }
+  bool answers_for(const Point& p) const { return ghost_.empty() || (is_here(p) && !ghost_[p.beneath.node[0]]); }
 
   contact::SheetUnder sheet_;
   std::vector<Point> points_;
   std::vector<double> cell_mass_;
-  double work_ = 0.0;  // taken from the sheet [N mm]
+  std::vector<int> own_cell_;  // of a part: numbers in the sheet of its shells
+  std::vector<char> ghost_;    // of a part; empty: it is the whole sheet
+  double work_ = 0.0;          // taken from the sheet [N mm]
   int cycle_ = 0;
 };
 
 PRESSWORK_DEVICE inline void BeadPoint::look_beneath(const contact::SheetSearch& sheet, const double* cell_mass,
                                                      double dt, const double* position, int stride) {
   sheet.find(place, position, stride, beneath);
-  if (!beneath.inside) return;
+  if (!beneath.inside) {
+    stiffness = 1.0;
+    for (double& each : beneath.weight) each = 0.0;
+    for (double& each : direction) each = 0.0;
+    return;
+  }
   const double* n = beneath.normal;
   const double size = std::sqrt(contact::dot(n, n)), out = (across[0] * n[0] + across[1] * n[1]) / (size * size);
   const double d[3] = {across[0] - out * n[0], across[1] - out * n[1], -out * n[2]};
@@ -169,20 +197,25 @@ void Drawbeads::push(const Point& p, Real* net) {
 }
 
 template <class Real>
+void Drawbeads::look(double dt, const SpaceNodes<Real>& nodes) {
+  for (Point& p : points_)
+    if (looks() || p.beneath.cell < 0) look_beneath(p, dt, nodes);
+}
+
+template <class Real>
 void Drawbeads::visit(int cycle, double dt, const SpaceNodes<Real>& nodes, const std::vector<Tool>* tools, Real* net) {
-  const bool look = cycle_ % refresh == 0;
   ++cycle_;
   for (const Drawbead& bead : beads) {
     const double* moved = bead.tool >= 0 ? (*tools)[bead.tool].velocity : nullptr;
     for (int i = bead.first; i < bead.last; ++i) {
       Point& p = points_[i];
-      if (look || p.beneath.cell < 0) look_beneath(p, dt, nodes);
       if (!p.beneath.inside) {
         p.force = 0.0;
         continue;
       }
       const double limit = bead.share[cycle] * bead.force * p.length;
-      work_ -= p.hold(nodes.motion.data(), SpaceNodes<Real>::motion_stride, moved, limit, dt);
+      const double work = p.hold(nodes.motion.data(), SpaceNodes<Real>::motion_stride, moved, limit, dt);
+      if (answers_for(p)) work_ -= work;
       push(p, net);
     }
   }

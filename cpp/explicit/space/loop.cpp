@@ -19,6 +19,12 @@ class SpaceLoop<Real>::SheetBeads final : public Interaction<SpaceNodes<Real>> {
       if (bead.share.size() < std::size_t(n_cycles))
         throw std::invalid_argument("a bead is not driven for as many cycles");
   }
+  void agree(SpaceNodes<Real>& nodes, Neighbours& parts) override {
+    if (loop_.beads) loop_.beads->agree(nodes.position.data(), SpaceNodes<Real>::position_stride, parts);
+  }
+  void move(const Step& step, int, double) override {
+    if (loop_.beads) loop_.beads->look(step.dt, loop_.nodes);
+  }
   int n_rounds() const override { return loop_.beads ? 1 : 0; }
   int n_pieces(int) const override { return 1; }
   void act(SpaceNodes<Real>& nodes, const Step& step, int cycle, int, int) override {

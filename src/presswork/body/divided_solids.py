@@ -68,7 +68,8 @@ class DividedMechanics(Mechanics):
         for i, of in enumerate(self._division.rank_of_cell):
             arrays = [getattr(trial.cells, name)[i] for name in FILLED]
             widths = [array[0].size for array in arrays]
-            packed = np.concatenate([a[self._own[i]].reshape(len(self._own[i]), -1) for a in arrays], axis=1)
+            rows = [a[self._own[i]].reshape(len(self._own[i]), w) for a, w in zip(arrays, widths, strict=True)]
+            packed = np.concatenate(rows, axis=1)
             counts = np.bincount(of, minlength=self._division.size) * sum(widths)
             found = self._world.gather(packed.reshape(-1), counts).reshape(-1, sum(widths))
             whole = np.empty_like(found)

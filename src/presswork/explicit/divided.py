@@ -56,10 +56,10 @@ class DividedLoop:
         )
         own.ironing = whole.ironing
         self._pushed: set[int] = set()
-        self._tools = self._walls = 0
+        self._tools = self._walls = self._beads = 0
         self._whole_is_old, self._own_is_old = False, True
         self._told: Array = np.zeros((0, 0))
-        self._forces = np.zeros((0, 3))
+        self._forces, self._restraints = np.zeros((0, 3)), np.zeros(0)
 
     def __getattr__(self, name: str) -> Any:
         """Return what the whole loop has, brought up to date."""
@@ -95,6 +95,7 @@ class DividedLoop:
         """Advance as a loop of the core does; return the first failure of all ranks."""
         if self._own_is_old:
             self._own_is_old = False
+            self._whole.place_beads()
             self._state.hand_out()
         self._agree_on_radii()
         failed, status, cycle = self._own.advance(time, dt, dt_before, force_scale, velocity_scale, damping=damping)
@@ -128,9 +129,11 @@ class DividedLoop:
             own.bound_frequencies().max(),
         ]
         forces = [force for tool in range(self._tools) for force in own.tool_state(tool)[2]]
+        forces += [own.bead_restraint(bead) for bead in range(self._beads)]
         counts = np.full(self._world.size, len(row) + len(forces), dtype=np.int32)
         self._told = self._world.gather(np.array([*row, *forces], dtype=float), counts).reshape(self._world.size, -1)
-        self._forces = self._told[:, len(row) :].sum(axis=0).reshape(-1, 3)  # of multiples of 2^-25 N: exact
+        sums = self._told[:, len(row) :].sum(axis=0)  # of multiples of 2^-25 N: exact
+        self._forces, self._restraints = sums[: 3 * self._tools].reshape(-1, 3), sums[3 * self._tools :]
 
     @property
     def highest_frequency(self) -> float:
@@ -157,12 +160,7 @@ class DividedLoop:
 
     def _name_element(self, element: int) -> int:
         """Return the number in the whole loop of an element of the rank's own."""
-        before = 0
-        for kept, of in zip(self._part.elements, self._part.element_owner, strict=True):
-            if element < len(kept):
-                return before + int(kept[element])
-            element, before = element - len(kept), before + len(of)
-        raise AssertionError("an element of the loop")
+        return int(self._part.list_elements()[element])
 
     def _name_point(self, point: int) -> int:
         """Return the number in the whole loop of a node, or of the number of nodes + an edge."""
@@ -248,6 +246,26 @@ class DividedLoop:
         """Limit the friction of a wall on each node (n_nodes,) [N]."""
         self._whole.limit_wall_friction(wall, limit)
         self._own.limit_wall_friction(wall, np.ascontiguousarray(limit[self._part.nodes]))
+
+    def add_bead(self, place: Array, across: Array, length: Array, *, force: float, tool: int) -> int:
+        """Add a drawbead; return its number."""
+        self.bring_together()
+        if self._beads == 0:
+            of_own = np.full(len(self._part.owner), -1, dtype=np.int32)
+            of_own[self._part.nodes] = np.arange(len(self._part.nodes))
+            self._own.share_beads(self._whole, of_own, self._part.list_elements())
+        self._own.add_bead(place, across, length, force=force, tool=tool)
+        self._beads += 1
+        self._own_is_old = True
+        return int(self._whole.add_bead(place, across, length, force=force, tool=tool))
+
+    def drive_bead(self, bead: int, share: Array) -> None:
+        """Say what share of its force a drawbead has in the next cycles."""
+        self._own.drive_bead(bead, share)
+
+    def bead_restraint(self, bead: int) -> float:
+        """Return the restraining force of a drawbead [N]."""
+        return float(self._restraints[bead] if self._whole_is_old else self._whole.bead_restraint(bead))
 
     def drive_tool(self, tool: int, drive: Array) -> None:
         """Say what the next cycles do with a tool."""

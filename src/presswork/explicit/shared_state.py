@@ -22,10 +22,13 @@ Ranks = npt.NDArray[np.integer[Any]]
 State = dict[str, dict[str, Array]]
 Name = tuple[str, str]
 """Owner and name."""
-COUNTED = {"loop": {"work"}, "contact": {"friction", "damping", "squeeze", "external", "drag"}}
+COUNTED = {"loop": {"work"}, "contact": {"friction", "damping", "squeeze", "external", "drag"}, "beads": {"work"}}
 """What each rank counts a share of, beside the forces of a sheet on its tools."""
 OF_NODES = {"contact": ("half", "held", "room"), "tool": ("hint", "pairs"), "wall": ("force", "wake")}
 """What has a row, or a slot, for each node, beside what the owner `nodes` has."""
+
+OF_POINTS = ("spring", "direction", "cell", "weight")
+"""What drawbeads have of each point, which goes from rank to rank with the sheet beneath it."""
 
 
 class SharedState:
@@ -51,6 +54,9 @@ class SharedState:
         if edges := _list_of_edges(own):
             of_own, _, owner = self.find_edges()
             self._gather([(whole[o][n], own[o][n]) for o, n in edges], of_own == self._world.rank, owner)
+        if beads := own.get("beads"):
+            found, owner = [(whole["beads"][n], beads[n]) for n in OF_POINTS], self._find_owners_of_points(beads)
+            self._gather(found, owner == self._world.rank, owner)
         counted = _list_counted(own)
         for (o, n), total in zip(counted, self._add_up([own[o][n] for o, n in counted]), strict=True):
             whole[o][n] = total
@@ -69,6 +75,8 @@ class SharedState:
                 own[f"block_{number}"][n] = np.ascontiguousarray(values[part.elements[block]])
         for o, n in _list_of_edges(own):
             own[o][n] = np.ascontiguousarray(whole[o][n][self.find_edges()[1]])
+        if "beads" in own:
+            own["beads"] |= {n: whole["beads"][n] for n in OF_POINTS}
         for o, n in _list_counted(own):
             own[o][n] = whole[o][n] * (self._world.rank == 0)
         for o, n in _list_common(own):
@@ -85,6 +93,11 @@ class SharedState:
         owner = self._part.owner[edges[:, 0]]
         return owner[at], at, owner
 
+    def _find_owners_of_points(self, beads: dict[str, Array]) -> Ranks:
+        """Return who answers for each point of drawbeads: for the shell beneath it, which all ranks know."""
+        owner: Ranks = np.concatenate(self._part.element_owner)[beads["cell"][:, 0].astype(int)]
+        return owner
+
     def _list_sums_of_nodes(self) -> list[tuple[Array, Array]]:
         """Return pairs of arrays, of the whole loop and the own one, that are summed up though no cycle needs them."""
         found: list[tuple[Array, Array]] = [(self.whole.reaction_impulse, self.own.reaction_impulse)]
@@ -100,10 +113,10 @@ class SharedState:
 
     def _gather(self, pairs: Sequence[tuple[Array, Array]], mine: npt.NDArray[np.bool_], owner: Ranks) -> None:
         """Fill the first len(owner) rows of whole arrays by those rows of the rank's that it answers for."""
-        rows = [own[: len(mine)][mine].reshape(int(mine.sum()), -1) for _, own in pairs]
         widths = [int(np.prod(whole.shape[1:], dtype=int)) for whole, _ in pairs]
+        rows = [own[: len(mine)][mine].reshape(int(mine.sum()), w) for (_, own), w in zip(pairs, widths, strict=True)]
         counts = (np.bincount(owner, minlength=self._world.size) * sum(widths)).astype(np.int32)
-        packed = np.concatenate([of.reshape(len(of), w) for of, w in zip(rows, widths, strict=True)], axis=1)
+        packed = np.concatenate(rows, axis=1)
         found = self._world.gather(packed.reshape(-1), counts).reshape(-1, sum(widths))
         order = np.argsort(owner, kind="stable")
         for (whole, _), part in zip(pairs, np.split(found, np.cumsum(widths)[:-1], axis=1), strict=True):
@@ -147,6 +160,7 @@ def _list_counted(state: State) -> list[Name]:
 
 def _list_common(state: State) -> Iterable[Name]:
     others = {*_list_of_nodes(state), *_list_of_edges(state), *_list_counted(state)}
+    others |= {("beads", name) for name in OF_POINTS}
     for owner, of in state.items():
         if _kind(owner) != "block":
             yield from ((owner, name) for name in of if (owner, name) not in others)

@@ -10,6 +10,7 @@ from presswork.memory import TooLargeError, available_memory, check_memory, esti
 from presswork.model import Model
 from presswork.outcome import ShortOfMemoryError, StartError
 from presswork.process.recording import Recording
+from presswork.ranks.world import World
 
 
 def begin(model: Model, threads: int) -> Recording:
@@ -29,7 +30,8 @@ def begin(model: Model, threads: int) -> Recording:
         raise ShortOfMemoryError(explain_shortage(estimate_memory(model), available_memory())) from error
 
 
-def _begin_formed(model: Model, threads: int) -> Recording:
+def begin_formed_part(model: Model, threads: int, world: World | None = None) -> Recording:
+    """Return what goes on with a part that is formed already. world: ranks that share it. Raises StartError."""
     from presswork.process.formed_sheet import begin_formed
     from presswork.process.springback import LaidPart, ReleasedStamping
     from presswork.process.transfer import TransferError
@@ -37,7 +39,7 @@ def _begin_formed(model: Model, threads: int) -> Recording:
     try:
         state = begin_formed(model)
         assert state is not None
-        return ReleasedStamping(model, threads=threads, begin=LaidPart(state, np.eye(3)))
+        return ReleasedStamping(model, threads=threads, begin=LaidPart(state, np.eye(3)), world=world)
     except TransferError as error:
         raise StartError(str(error)) from error
 
@@ -48,7 +50,7 @@ def _begin(model: Model, threads: int) -> Recording:
 
         return begin_differentiated(model, threads)
     if model.formed is not None:
-        return _begin_formed(model, threads)
+        return begin_formed_part(model, threads)
     if model.following:
         from presswork.process.press_line import PressLine
 

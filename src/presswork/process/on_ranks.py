@@ -40,12 +40,15 @@ def begin_on_ranks(model: Model, threads: int, world: World) -> Recording:
 
 
 def _begin_explicit(model: Model, threads: int, world: World) -> Recording:
+    from presswork.process.begin import begin_formed_part
     from presswork.process.press_line import PressLine
     from presswork.process.space_impact import ExplicitSpaceImpact
     from presswork.process.springback import ReleasedStamping
     from presswork.process.stamping import ExplicitStamping
 
     kind: type[PressLine | ReleasedStamping | ExplicitStamping | ExplicitSpaceImpact] = ExplicitStamping
+    if model.formed is not None:
+        return begin_formed_part(model, threads or 1, world)
     if model.analysis != "stamping":
         kind = ExplicitSpaceImpact
     elif model.following:
@@ -65,9 +68,7 @@ def _find_undivided_explicit(model: Model) -> str:
         "new meshes (remesh)": model.remeshing is not None,
         "contact of bodies": bool(model.contacts),
         "a sector of cyclic symmetry": model.cyclic is not None,
-        "a part that is formed already": model.formed is not None,
         "refinement of the blank": model.refinement is not None,
-        "drawbeads": bool(model.beads) or any(operation.beads for operation in model.following),
         "contact of the sheet with itself": model.self_contact is not None,
     }
     assert model.explicit is not None

@@ -49,6 +49,10 @@ class Channel:
         """Wait until all ranks have told what is shared."""
         self._world.wait(self._agreeing)
 
+    def find_largest(self, numbers: FloatArray) -> None:
+        """Find the largest of each number (n,) of all ranks, in place."""
+        self._world.find_largest(numbers)
+
 
 def _split(records: FloatArray, counts: Mapping[int, int]) -> list[tuple[int, FloatArray]]:
     """Return the rows of each rank."""

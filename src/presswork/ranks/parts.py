@@ -35,6 +35,11 @@ class Part:
     ghosts: dict[int, IndexArray]
     """Nodes that other ranks own, by rank, as the rank's own loop numbers them."""
 
+    def list_elements(self) -> IntArray:
+        """Return the numbers in the whole loop, in which blocks follow each other, of this rank's elements."""
+        before = np.cumsum([0, *(len(of) for of in self.element_owner)])
+        return np.concatenate([kept + n for kept, n in zip(self.elements, before[:-1], strict=True)]).astype(np.int32)
+
 
 def own_nodes(points: FloatArray, blocks: Sequence[IntArray], size: int) -> IntArray:
     """Return the rank of each node (n_nodes,): bisected by coordinates; nodes without elements are of rank 0.

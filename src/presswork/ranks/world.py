@@ -110,6 +110,12 @@ class World:
         """Return the largest of the ranks' numbers."""
         return int(self.gather(np.array([float(number)]), np.ones(self.size, dtype=np.int32)).max())
 
+    def find_largest(self, numbers: FloatArray) -> None:
+        """Find the largest of each number (n,) of all ranks, in place."""
+        self._comm.Allreduce(self._mpi.IN_PLACE, numbers, op=self._mpi.MAX)
+        self.traffic.collectives += 1
+        self.traffic.received += numbers.nbytes
+
     def gather_objects(self, own: Any) -> list[Any]:
         """Return any object of each rank. For what seldom happens."""
         self.traffic.collectives += 1
