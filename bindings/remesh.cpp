@@ -6,6 +6,7 @@
 #include "remesh/cell_grid.hpp"
 #include "remesh/donors.hpp"
 #include "remesh/smoothing.hpp"
+#include "remesh/thickness.hpp"
 #include "remesh/triangulation.hpp"
 #include "tensor/pack.hpp"
 
@@ -168,6 +169,29 @@ NewDoubles smooth(Doubles points, Ints cells, int n_fixed, int most_rounds, int 
   return result;
 }
 
+NewArray<bool> find_near(Ints cells, Ints home, Ints others) {
+  const Cells view = view_cells(cells, -1);
+  const std::size_t n = home.size();
+  require_cells(home, n, view.n);
+  require(others.ndim() == 2 && others.shape(0) == n, "others must have a row for each home");
+  require_cells(others, others.size(), view.n);
+  bool* near;
+  auto result = new_array({n, others.shape(1)}, &near);
+  nb::gil_scoped_release release;
+  mark_near(view, home.data(), static_cast<int>(n), others.data(), static_cast<int>(others.shape(1)), near);
+  return result;
+}
+
+NewDoubles find_thickness(Doubles middle, Doubles normal, Doubles radius, double reach, double opposite) {
+  const std::size_t n = radius.size();
+  require(middle.size() == 3 * n && normal.size() == 3 * n, "middle and normal: (n, 3), radius: (n,)");
+  double* thickness;
+  auto result = new_array({n}, &thickness);
+  nb::gil_scoped_release release;
+  measure_thickness(middle.data(), normal.data(), radius.data(), static_cast<int>(n), reach, opposite, thickness);
+  return result;
+}
+
 }  // namespace
 
 void bind_remesh(nb::module_& m) {
@@ -183,6 +207,12 @@ void bind_remesh(nb::module_& m) {
         nb::arg("most_rounds"), nb::arg("most_retreats"), nb::arg("good"),
         "Points (n, 2) of quadrilaterals (m, 4), all but the first n_fixed moved towards the middle of their "
         "neighbours in rounds. Where a cell of a quality below good would become worse its nodes go back.");
+  m.def("find_near_cells", &find_near, nb::arg("cells"), nb::arg("home"), nb::arg("others"),
+        "Which other cells (n, k) share a node with the cell home (n,), or with a cell that does.");
+  m.def("measure_thickness", &find_thickness, nb::arg("middle"), nb::arg("normal"), nb::arg("radius"), nb::kw_only(),
+        nb::arg("reach"), nb::arg("opposite"),
+        "Distance [mm] along the normals outwards (n, 3) of faces with these middles (n, 3) and radii (n,) of the "
+        "nearest face that looks the other way, by a cosine below -opposite; infinite beyond reach (n,).");
   nb::class_<BoundDonors>(m, "Donors", "Points of an old mesh from which values at new points are fitted.")
       .def(
           "__init__",

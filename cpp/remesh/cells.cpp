@@ -37,4 +37,25 @@ Rows find_neighbours(Cells cells) {
   return beside;
 }
 
+void mark_near(Cells cells, const int* home, int n, const int* others, int n_others, bool* near) {
+  const Rows beside = find_neighbours(cells);
+  const int n_corners = cells.n * cells.corners;
+  // the row for which a node belongs to a cell beside home: another cell near home has such a node
+  std::vector<int> seen(n_corners > 0 ? *std::max_element(cells.nodes, cells.nodes + n_corners) + 1 : 0, -1);
+  int row = -1;
+  for (int i = 0; i < n; ++i) {
+    if (i == 0 || home[i] != home[i - 1]) {
+      row = i;
+      for (int other : beside[home[i]])
+        for (int a = 0; a < cells.corners; ++a) seen[cells.of(other)[a]] = row;
+      for (int a = 0; a < cells.corners; ++a) seen[cells.of(home[i])[a]] = row;
+    }
+    for (int k = 0; k < n_others; ++k) {
+      const std::size_t place = static_cast<std::size_t>(n_others) * i + k;
+      const int* nodes = cells.of(others[place]);
+      near[place] = std::any_of(nodes, nodes + cells.corners, [&](int node) { return seen[node] == row; });
+    }
+  }
+}
+
 }  // namespace presswork

@@ -29,4 +29,7 @@ Rows gather_by_key(const int* key, int n, int n_keys);
 // The cells that share a node with each, without itself.
 Rows find_neighbours(Cells cells);
 
+// Which others (n, n_others) share a node with the cell of their row, home (n,), or with a cell that does.
+void mark_near(Cells cells, const int* home, int n, const int* others, int n_others, bool* near);
+
 }  // namespace presswork

@@ -1993,6 +1993,16 @@ def smooth_cells(points: Annotated[NDArray[numpy.float64], dict(order='C', devic
     Points (n, 2) of quadrilaterals (m, 4), all but the first n_fixed moved towards the middle of their neighbours in rounds. Where a cell of a quality below good would become worse its nodes go back.
     """
 
+def find_near_cells(cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], home: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], others: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.bool_]:
+    """
+    Which other cells (n, k) share a node with the cell home (n,), or with a cell that does.
+    """
+
+def measure_thickness(middle: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], normal: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], radius: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, reach: float, opposite: float) -> NDArray[numpy.float64]:
+    """
+    Distance [mm] along the normals outwards (n, 3) of faces with these middles (n, 3) and radii (n,) of the nearest face that looks the other way, by a cosine below -opposite; infinite beyond reach (n,).
+    """
+
 class Donors:
     """Points of an old mesh from which values at new points are fitted."""
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from presswork.model import BoolArray, FloatArray, IndexArray
 from presswork.remesh.space.tetrahedra import area_vectors, find_skin, list_edges, measure_volumes
@@ -79,6 +80,12 @@ class OldBody:
         for _, _, own in self.planes:
             marked |= own
         return marked
+
+    @cached_property
+    def skin_tree(self) -> cKDTree:
+        """Nodes and middles of faces of its skin."""
+        middles = self.points[self.faces].mean(axis=1)
+        return cKDTree(np.concatenate([self.points[np.unique(self.faces)], middles]))
 
     @cached_property
     def edges(self) -> IndexArray:

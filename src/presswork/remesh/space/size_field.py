@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from presswork import _core
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray
 from presswork.remesh.size_field import GRADATION, SizeSources, grade, join_sources
@@ -92,15 +92,7 @@ def measure_thickness(body: OldBody, reach: float) -> FloatArray:
     middle, normal = corners.mean(axis=1), body.normals[faces]
     radius = np.sqrt(((corners - middle[:, None]) ** 2).sum(axis=2)).max(axis=1)
     result = np.full(len(body.faces), np.inf)
-    pairs = cKDTree(middle).query_pairs(reach, output_type="ndarray")
-    facing = np.einsum("ni,ni->n", normal[pairs[:, 0]], normal[pairs[:, 1]]) < -_OPPOSITE
-    pairs = np.concatenate([pairs[facing], pairs[facing][:, ::-1]])
-    way = middle[pairs[:, 1]] - middle[pairs[:, 0]]
-    depth = -np.einsum("ni,ni->n", way, normal[pairs[:, 0]])
-    aside = np.sqrt(np.maximum((way**2).sum(axis=1) - depth**2, 0.0))
-    counts = (depth > 0.0) & (aside < radius[pairs[:, 0]] + radius[pairs[:, 1]])
-    found = np.full(len(faces), np.inf)
-    np.minimum.at(found, pairs[counts, 0], depth[counts])
+    found = np.asarray(_core.measure_thickness(middle, normal, radius, reach=reach, opposite=_OPPOSITE))
     for axis, level, _ in body.planes:
         away = np.abs(middle[:, axis] - level)
         outwards = normal[:, axis] * np.sign(middle[:, axis] - level)
@@ -135,9 +127,9 @@ def _ask_near_skin(body: OldBody, place: FloatArray, size: FloatArray, sizes: Ed
     """Return sizes asked for at places on a tool (n, 3) that the skin is near; those farther off may wait."""
     wanted = np.maximum(size, sizes.smallest)
     place, wanted = place[wanted < sizes.largest], wanted[wanted < sizes.largest]
-    middles = body.points[body.faces].mean(axis=1)
-    skin = np.concatenate([body.points[np.unique(body.faces)], middles])
-    distance, _ = cKDTree(skin).query(place, distance_upper_bound=REACH * sizes.largest)
+    if not len(place):
+        return SizeSources(place, wanted)
+    distance, _ = body.skin_tree.query(place, distance_upper_bound=REACH * sizes.largest)
     near = np.isfinite(distance)
     growth = GRADATION * np.maximum(distance[near] - sizes.largest, 0.0)
     return SizeSources(place[near], wanted[near] + growth)

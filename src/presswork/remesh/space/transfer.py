@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
+from presswork import _core
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray
 from presswork.remesh.transfer import Places
 
@@ -70,27 +71,9 @@ class PointsInSpace:
     def _tree(self) -> scipy.spatial.cKDTree:
         return scipy.spatial.cKDTree(self.position)
 
-    @cached_property
-    def _beside(self) -> tuple[scipy.sparse.csr_array, IndexArray]:
-        """Which cells share a node with which, and the same as sorted keys."""
-        n_cells = len(self.cells)
-        row = np.repeat(np.arange(n_cells), 4)
-        shape = (n_cells, int(self.cells.max()) + 1)
-        at_node = scipy.sparse.csr_array((np.ones(len(row), dtype=np.int32), (row, self.cells.ravel())), shape=shape)
-        beside = at_node @ at_node.T
-        beside.sort_indices()
-        keys = np.repeat(np.arange(n_cells, dtype=np.int64) * n_cells, np.diff(beside.indptr)) + beside.indices
-        return beside, keys
-
     def _are_near(self, home: IndexArray, cells: IndexArray) -> BoolArray:
         """Say which cells (n, k) share a node with home (n,), or with a cell that does."""
-        beside, keys = self._beside
-        wanted = home[:, None].astype(np.int64) * len(self.cells) + cells
-        at = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-        near = np.asarray(keys[at] == wanted)
-        first, second = np.divmod(wanted[~near], len(self.cells))
-        near[~near] = beside[first].multiply(beside[second]).sum(axis=1) > 0
-        return near
+        return np.asarray(_core.find_near_cells(*(own.astype(np.int32) for own in (self.cells, home, cells))))
 
     def find_transfer(self, new: FloatArray, home: IndexArray) -> FitInSpace:
         """Return how values at these points are found at new ones (n_new, 3) [mm].

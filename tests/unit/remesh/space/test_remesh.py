@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from presswork import _core
 from presswork.geometry.pose import SpacePose
 from presswork.geometry.tool_widths import Widths
 from presswork.mesh.checks import MeshError
@@ -199,6 +200,23 @@ def test_a_hundredth_of_the_skin_may_be_thin():
     assert expect_cells(body.points, body.cells, measure_sizes(body, EdgeSizes(1.0, 0.5, 1_000))) == pytest.approx(
         1_000, rel=1e-6
     )
+
+
+def test_thickness_of_faces_is_the_distance_of_the_nearest_one_that_looks_the_other_way():
+    """By the definition, over all pairs; faces in all directions."""
+    random = np.random.default_rng(2)
+    middle, normal = random.uniform(0.0, 1.0, (300, 3)), random.normal(size=(300, 3))
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    radius = random.uniform(0.01, 0.1, 300)
+    found = _core.measure_thickness(middle, normal, radius, reach=0.5, opposite=0.8)
+    way = middle - middle[:, None]
+    depth = -np.einsum("ijk,ik->ij", way, normal)
+    square = (way**2).sum(axis=2)
+    aside = np.sqrt(np.maximum(square - depth**2, 0.0))
+    counts = (normal @ normal.T < -0.8) & (depth > 0.0) & (square <= 0.25) & (aside < radius + radius[:, None])
+    expected = np.where(counts, depth, np.inf).min(axis=1)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+    assert 10 < np.isfinite(expected).sum() < 290
 
 
 def test_triggers_name_the_place():

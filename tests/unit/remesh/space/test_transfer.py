@@ -2,7 +2,9 @@
 """Values from the points of tetrahedra to those of others."""
 
 import numpy as np
+import pytest
 
+from presswork import _core
 from presswork.remesh.space.transfer import PointsInSpace, locate_in_tetrahedra
 from tests.unit.remesh.space.bodies import mesh_box
 
@@ -68,6 +70,22 @@ def test_values_do_not_cross_a_slit():
     found = old.find_transfer(near_slit, locate_in_tetrahedra(doubled, cells, near_slit).cell)
     values = found.apply(is_upper[:, None].astype(float))
     np.testing.assert_array_equal(values[:, 0], [0.0, 1.0])
+
+
+def test_cells_near_others_are_those_that_share_a_node_with_a_common_neighbour():
+    """By the definition, over sets of nodes."""
+    cells = random_mesh(3)[1]
+    random = np.random.default_rng(0)
+    home, others = random.integers(0, len(cells), 60), random.integers(0, len(cells), (60, 25))
+    others[:, 0] = home
+    corners = [set(cell) for cell in cells.tolist()]
+    reached = [set().union(*(cell for cell in corners if cell & corners[own])) for own in home]
+    expected = [[bool(reached[i] & corners[other]) for other in row] for i, row in enumerate(others)]
+    found = _core.find_near_cells(*(own.astype(np.int32) for own in (cells, home, others)))
+    np.testing.assert_array_equal(found, expected)
+    assert 0.02 < np.mean(expected[1:]) < 0.98
+    with pytest.raises(ValueError, match="cells must exist"):
+        _core.find_near_cells(cells.astype(np.int32), np.array([len(cells)], np.int32), np.zeros((1, 1), np.int32))
 
 
 def test_points_are_located_and_linear_fields_continued_a_little_beyond():
