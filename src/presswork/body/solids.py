@@ -28,7 +28,7 @@ from presswork.law.elastic_plastic import (
     temperature,
     temperature_at_rest,
 )
-from presswork.model import POROSITY, FloatArray, Hardening, IntArray, MaskArray, Material, Model
+from presswork.model import POROSITY, FloatArray, IntArray, MaskArray, Material, Model
 from presswork.outcome import BadGuess, Step
 from presswork.ranks.assembler import DividedAssembler
 from presswork.state import CellArrays, NodeArrays, State
@@ -59,7 +59,6 @@ class CellBlock:
 
 
 SolidAssembler = _core.Assembler | _core.SpaceAssembler | _core.MixedAssembler | DividedAssembler
-_NEVER_FLOWS = Hardening("linear", np.array([1e12, 0.0]))
 NOISE = 1e-8
 """Strain across the workpiece whose forces are taken for round-off where no larger ones have been."""
 
@@ -119,10 +118,13 @@ class Mechanics:
         return assembler(n_points, connectivity, symmetric, couplings)
 
     @contextmanager
-    def answering_elastically(self) -> Iterator[None]:
-        """Let cells of plain materials answer elastically, whatever their stress, and nodes in contact hang."""
+    def answering_elastically(self, beyond: float) -> Iterator[None]:
+        """Let cells of isotropic hardening answer elastically, up to so many times their flow stress; nodes in contact
+        hang.
+        """
         kept, components = self._laws, 6 if self._model.dimension == 3 else 4
-        materials = [replace(self._material(i), hardening=_NEVER_FLOWS) for i in range(len(kept))]
+        given = [self._material(i) for i in range(len(kept))]
+        materials = [replace(m, hardening=m.hardening.scale(beyond)) for m in given if m.hardening is not None]
         self._laws = [make_law(material, self._model.solver, components) for material in materials]
         self.answers_elastically = True
         try:

@@ -33,6 +33,8 @@ CREDIBLE = 1e-2
 """A pull below this part of what is out of balance lets no node go."""
 CALM = 1e-2
 """Relative residual at which soft springs are stiffened."""
+KEPT = 0.1
+"""Part of what is out of balance that a correction may leave, and the next one be found with the same factors."""
 SOFT, STIFFENING = 300.0, 4.0
 """Gentle attempts: how many times softer springs begin, and by what they are stiffened each time."""
 STAGNANT = 0.1
@@ -108,11 +110,13 @@ class Equilibrium:
         *,
         gently: bool = False,
         is_led: bool = False,
+        keeps_factors: bool = False,
     ) -> Converged | Failed:
         """Find the trial state at step.fraction. state_n is not touched; trial is in equilibrium if Converged.
 
         gently: begin with soft springs and stiffen them as equilibrium comes near; takes more iterations. is_led: the
-        guess is good, so that corrections larger than the increment itself lead nowhere.
+        guess is good, so that corrections larger than the increment itself lead nowhere. keeps_factors: full Newton
+        keeps its factors while each correction leaves less than KEPT of what was out of balance.
         """
         log, size, factorised = IterationLog(), 0.0, False
         self._soften(SOFT if gently else 1.0)
@@ -144,7 +148,8 @@ class Equilibrium:
                 return Failed(log, f"a correction is {log.correction[-1]:.2g} times the increment", 0.5)
             # 3. correction; constrained freedoms go all the way to where they must be
             try:
-                refactorise = not factorised or self._needs_new_factors(balance, size)
+                keeps = keeps_factors and len(log) > 1 and log.residual[-1] < KEPT * log.residual[-2]
+                refactorise = not factorised or self._needs_new_factors(balance, size, keeps=keeps)
                 correction, travel = self.system.correct(balance, point, refactorise=refactorise)
                 if self.system.iterations:
                     log.solutions.append(str(self.system.iterations))
@@ -201,10 +206,13 @@ class Equilibrium:
             self.augmented_at.append(before)
         return point if augmented else None
 
-    def _needs_new_factors(self, balance: Balance, size: float) -> bool:
-        """Say whether modified Newton needs new factors, too: contact has changed, or constraints ask for a way."""
-        missing = self._largest(balance.constraints.value)
-        return self._model.solver.newton == "full" or balance.changes > 0 or missing > 1e-3 * size
+    def _needs_new_factors(self, balance: Balance, size: float, *, keeps: bool) -> bool:
+        """Say whether modified Newton needs new factors, too: contact has changed, or constraints ask for a way.
+
+        keeps: full Newton is modified for now.
+        """
+        is_full = self._model.solver.newton == "full" and not keeps
+        return is_full or balance.changes > 0 or self._largest(balance.constraints.value) > 1e-3 * size
 
     def _settle(
         self, state_n: State, trial: State, point: Point, balance: Balance, log: IterationLog

@@ -186,7 +186,8 @@ class ImplicitProcedure:
         """Find equilibrium of a State that comes from another mesh, with tools and loads as they are."""
         step, state_n = self.present_step(), self.state
         trial = state_n.duplicate()
-        outcome = self.equilibrium.solve(state_n, trial, step, np.zeros_like(state_n.nodes.increment))
+        at_rest = np.zeros_like(state_n.nodes.increment)
+        outcome = self.equilibrium.solve(state_n, trial, step, at_rest, keeps_factors=not self.followers)
         if isinstance(outcome, Failed):
             return outcome
         for follower in self.followers:

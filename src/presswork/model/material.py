@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -18,6 +18,8 @@ from presswork.model.heat import Thermal
 from presswork.model.transformation import Transformation
 
 UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
+STRESSES = ("yield_stress", "saturation_stress", "K", "modulus")
+"""Parameters of hardening laws that are stresses."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,15 @@ class Hardening:
         """Return the parameters by name; of a table none."""
         names = _core.parameter_names(_core.HardeningLaw[self.law])
         return {} if names == ["points"] else dict(zip(names, map(float, self.parameters), strict=True))
+
+    def scale(self, factor: float) -> Hardening:
+        """Return the law, not a hot one, whose flow stress is so many times larger."""
+        names = _core.parameter_names(_core.HardeningLaw[self.law])
+        if names == ["points"]:
+            stresses = np.arange(len(self.parameters)) % (3 if self.law == "monotone_table" else 2) > 0
+        else:
+            stresses = np.isin(names, STRESSES)
+        return replace(self, parameters=np.where(stresses, factor * self.parameters, self.parameters))
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ Metal that flows answers any disturbance by yielding, so a tool at rest loses fo
 the motion of tools alone drives the metal it therefore answers elastically. That disturbs the force by no more than
 the transfer does (0.1 to 0.4 %), and leaves stresses beyond the flow stress by half a per cent, which the next
 increment returns to the law while the tools drive the flow. Metal that softens as it warms, or hardens with the rate,
-does so, too. Where a point would end beyond MOST_BEYOND times its flow stress (a pocket of a full die has closed), the
-metal follows its law.
+does so, too. Where a point would come beyond MOST_BEYOND times its flow stress (a pocket of a full die has closed), it
+flows.
 
 A force that stays would press such metal on beyond its limit load. So metal under loads or pushed tools answers by its
 law, and so it does when a stage has ended and the next one lets go.
@@ -21,7 +21,6 @@ from dataclasses import replace
 import numpy as np
 
 from presswork.body.solids import Mechanics
-from presswork.fields.solid_fields import effective_stress
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
@@ -45,25 +44,12 @@ def balance_new_mesh(
     isotropic = all(is_plain(replace(m, heating=None, rate=None)) for m in model.materials)
     if may_yield or run.state[Progress].fraction == 0.0 or not isotropic or not _is_driven_by_motion(model):
         return run.balance_at_rest()
-    assert isinstance(run.mechanics, Mechanics)
-    start = run.state
     with ExitStack() as stack:
         for each in (run, *beside):
             assert isinstance(each.mechanics, Mechanics)
-            stack.enter_context(each.mechanics.answering_elastically())
+            stack.enter_context(each.mechanics.answering_elastically(MOST_BEYOND))
         outcome = run.balance_at_rest()
-    if isinstance(outcome, Failed) or _is_far_beyond(run.mechanics, run.state):
-        run.state = start
-        return run.balance_at_rest()
-    return outcome
-
-
-def _is_far_beyond(mechanics: Mechanics, state: State) -> bool:
-    """Say whether a point of metal with isotropic hardening is beyond MOST_BEYOND times its flow stress."""
-    return any(
-        bool((effective_stress(stress) > MOST_BEYOND * mechanics.flow_stress(number, state)).any())
-        for number, stress in enumerate(state.cells.stress)
-    )
+    return run.balance_at_rest() if isinstance(outcome, Failed) else outcome
 
 
 def _is_driven_by_motion(model: Model) -> bool:
