@@ -4,9 +4,12 @@
 import numpy as np
 import pytest
 
+from presswork.case import build_model, read_case
+from presswork.examples import copy_example
 from presswork.geometry.swept_tool import draw_hemispherical_punch, draw_punch
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.supports import NotHeldError
+from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import (
     EdgeForce,
     Friction,
@@ -22,6 +25,7 @@ from presswork.model import (
     Tool,
     ToolMotion,
 )
+from presswork.process.implicit_stamping import make_shell_model
 from tests.problems.shells import CLAMPED, RX, RZ, X, Y, fixing, patch, symmetry
 
 YOUNG = 210000.0
@@ -144,3 +148,19 @@ def test_sheet_that_nothing_holds_is_refused() -> None:
     stages = (Stage("press", tool_motion={"punch": ToolMotion((0.0, 0.0, -1.0))}),)
     with pytest.raises(NotHeldError, match="x and y"):
         ImplicitProcedure(sheet_model(mesh, (), stages, (punch,), 0.3), threads=1)
+
+
+def test_a_holder_bears_its_force_however_loose_the_tolerance_of_nodal_forces_is(tmp_path) -> None:
+    """1e-4 of the force or of the largest nodal force, in every increment; nodes may lack a hundred times as much."""
+    keys = ['procedure="implicit"', "blank.element_size=8", "stages.0.tools.punch.stroke=1.5"]
+    loose = ["implicit.force_tolerance=0.01", "implicit.displacement_tolerance=0.1"]
+    model = make_shell_model(build_model(read_case(copy_example("square_cup", tmp_path), [*keys, *loose])))
+    procedure = ImplicitProcedure(model, threads=1)
+    number = [tool.name for tool in model.tools].index("holder")
+    push = model.stages[0].tool_motion["holder"].push
+    for report in procedure.advance():
+        state = procedure.state
+        asked = np.interp(report.fraction, *push.force.T)
+        found = procedure.interactions.space_tools.contact.tool_forces(state)[number] @ push.direction
+        largest = np.abs(state[SpaceToolArrays].force).max()
+        assert abs(abs(found) - asked) <= 1.01e-4 * max(asked, largest)

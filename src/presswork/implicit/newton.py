@@ -37,9 +37,11 @@ KEPT = 0.1
 """Part of what is out of balance that a correction may leave, and the next one be found with the same factors."""
 SOFT, STIFFENING = 300.0, 4.0
 """Gentle attempts: how many times softer springs begin, and by what they are stiffened each time."""
+PUSHED = 1e-4
+"""Part of the force that pushes a tool, or of the largest nodal force if that is more, which the tool may lack."""
 STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
-LOST = 1.0
+LOST = 0.6
 """Correction over the increment above which an attempt that began from a good guess is given up."""
 MOST_AUGMENTATIONS = 10
 """Times that an increment takes multipliers over."""
@@ -190,11 +192,11 @@ class Equilibrium:
         point, balance = self.balance(state_n, trial, point, near=near, pull=pull)
         self._note(log, balance, scale, size, point.guess.increment)
         may_end = not is_first and self._softness == 1.0
-        if may_end and self._has_converged(log):
+        if may_end and self._has_converged(log, balance, scale):
             point, balance = self.balance(state_n, trial, point, near=True, pull=scale * tolerance)
             log.forget_last()
             self._note(log, balance, scale, size, point.guess.increment)
-        return point, balance, may_end and self._has_converged(log)
+        return point, balance, may_end and self._has_converged(log, balance, scale)
 
     def _augment(self, state_n: State, trial: State, point: Point) -> Point | None:
         """Let interactions take their multipliers over; return the point with these, None if they are good enough."""
@@ -413,9 +415,9 @@ class Equilibrium:
         if balance.tuned:
             log.start = len(log)
 
-    def _has_converged(self, log: IterationLog) -> bool:
+    def _has_converged(self, log: IterationLog, balance: Balance, scale: float) -> bool:
         settings = self._model.solver
-        if log.contact_changes[-1] > 0:
+        if log.contact_changes[-1] > 0 or not balance.bears(PUSHED, min(PUSHED, settings.force_tolerance) * scale):
             return False
         residual, correction = log.residual[-1], log.correction[-1]
         small = correction <= settings.displacement_tolerance or residual <= STAGNANT * settings.force_tolerance

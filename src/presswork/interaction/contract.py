@@ -125,6 +125,10 @@ class Border(Protocol):
         """What each equation lacks (n,) [N]."""
 
     @property
+    def demand(self) -> FloatArray:
+        """What each equation asks for, without its sign (n,) [N]."""
+
+    @property
     def is_open(self) -> bool:
         """Whether there is any freedom to solve for."""
 

@@ -44,6 +44,8 @@ STANDS = 1e-6
 class FloatingInSpace(Placed):
     """The tools that float at a guess; one that stands on its stop lacks nothing."""
 
+    demand: FloatArray
+    """What each is to bear, without its sign (n,) [N]."""
     stiffness: FloatArray
     """Of their springs (n,) [N/mm]."""
     room: FloatArray
@@ -79,7 +81,7 @@ class FloatingSpaceTools:
         """Return what the tools lack at a fraction of a stage, and how many springs have left or reached stops."""
         placed, pushes = trial[SpaceToolArrays], self.pushes(stage)
         tools: list[int] = []
-        directions, missing, stiffness, room, changes = [], [], [], [], 0
+        directions, missing, demands, stiffness, room, changes = [], [], [], [], [], 0
         for t, tool in enumerate(self._model.space_tools):
             share, push = float(self._share[t]), pushes.get(t)
             if push is not None:
@@ -98,13 +100,15 @@ class FloatingSpaceTools:
             tools.append(t)
             directions.append(direction)
             missing.append(lacks)
+            demands.append(abs(demand))
             stiffness.append(k)
             room.append(math.inf if push is None else self._room(trial, t, push))
         left, lacking = np.array(room), np.array(missing)
         stands = (left < -STANDING) | ((left <= STANDING) & (lacking > 0))
         shape = np.array(directions).reshape(-1, 3)
         lacking = np.where(stands, 0.0, lacking)
-        return FloatingInSpace(tools, shape, lacking, np.array(stiffness), left, stands), changes
+        floating = FloatingInSpace(tools, shape, lacking, np.array(demands), np.array(stiffness), left, stands)
+        return floating, changes
 
     def _demand(self, placed: SpaceToolArrays, t: int, push: Push, fraction: float) -> float:
         """Return the force along its push that the workpiece must bear on a tool at a part of a stage [N]."""

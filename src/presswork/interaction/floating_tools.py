@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 class Floating(Placed):
     """The tools that float at a guess."""
 
+    demand: FloatArray
+    """What each is to bear, without its sign (n,) [N]."""
     stiffness: FloatArray
     """Of their springs (n,) [N/mm]."""
     motions: list[Constraints]
@@ -83,7 +85,7 @@ class FloatingTools:
         """
         placed = trial[ToolArrays]
         tools: list[int] = []
-        directions, missing, stiffness, motions = [], [], [], []
+        directions, missing, demands, stiffness, motions = [], [], [], [], []
         changes = 0
         pushed = self.pushed(stage)
         for t, tool in enumerate(self._model.plane_tools):
@@ -106,10 +108,12 @@ class FloatingTools:
             tools.append(t)
             directions.append(direction)
             missing.append(lacks)
+            demands.append(abs(demand))
             stiffness.append(k)
             motions.append(motion)
         shape = np.array(directions).reshape(-1, 2)
-        return Floating(tools, shape, np.array(missing), np.array(stiffness), motions), changes
+        floating = Floating(tools, shape, np.array(missing), np.array(demands), np.array(stiffness), motions)
+        return floating, changes
 
     def _force_along(
         self, tool: int, direction: FloatArray, motion: Constraints, reaction: FloatArray,

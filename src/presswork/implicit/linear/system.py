@@ -58,6 +58,10 @@ class Balance:
         own = [float(np.abs(b.missing).max(initial=0.0)) for b in self.borders if b]
         return max(float(np.abs(self.lacking / self.length).max()), *own, 0.0)
 
+    def bears(self, part: float, least: float) -> bool:
+        """Say whether interactions' own freedoms lack no more than a part of what they ask for, or `least` [N]."""
+        return all((np.abs(b.missing) <= np.maximum(part * b.demand, least)).all() for b in self.borders if b)
+
 
 @dataclass(frozen=True)
 class Lacking:
