@@ -360,6 +360,8 @@ auto bind_space(nb::module_& m, const char* name, const char* text) {
 
 void bind_explicit_space(nb::module_& m) {
   nb::class_<Energies>(m, "Energies", "Energies of an explicit run [N mm].")
+      .def(nb::init<double, double, double, double, double, double, double>(), nb::arg("kinetic"), nb::arg("internal"),
+           nb::arg("hourglass"), nb::arg("external"), nb::arg("damping"), nb::arg("contact"), nb::arg("friction"))
       .def_ro("kinetic", &Energies::kinetic)
       .def_ro("internal", &Energies::internal)
       .def_ro("hourglass", &Energies::hourglass)

@@ -81,6 +81,14 @@ void bind_parts(nb::class_<Loop>& loop) {
            "send, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, 8): what "
            "is sent and has "
            "come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.")
+      .def(
+          "set_tool_forces",
+          [](Loop& self, Doubles force) {
+            require(self.contact && force.size() == 3 * self.contact->tools.size(), "force must have shape (tools, 3)");
+            const double* from = force.data();
+            for (auto& tool : self.contact->tools) std::copy_n(from, 3, tool.force), from += 3;
+          },
+          nb::arg("force"), "Set this part's share of the sheet's forces on tools (tools, 3) [N].")
       .def_prop_ro("edges", &list_edges<Loop>, nb::rv_policy::move, "Nodes of the edges that tools touch (n, 2).")
       .def_prop_rw(
           "sheet_sizes", [](const Loop& self) { return self.measure_sheet(); },

@@ -297,7 +297,11 @@ Energies Loop<Nodes>::energies(const Step& step) const {
   e.external = work.external, e.damping = work.damping, e.contact = work.contact, e.friction = work.friction;
   nodes.add_half_step(step, e);
   for (const auto& block : blocks)
-    for (int i = 0; i < block->n(); ++i) e.internal += block->work(i), e.hourglass += block->hourglass_work(i);
+    for (int i = 0; i < block->n(); ++i) {
+      const int first = block->connectivity()[std::size_t(block->nodes_each()) * i];
+      if (neighbours_ && neighbours_->is_ghost[first]) continue;
+      e.internal += block->work(i), e.hourglass += block->hourglass_work(i);
+    }
   for (const auto* each : interactions) each->add_energies(step.dt, e);
   return e;
 }

@@ -54,7 +54,7 @@ class Loop {
   };
   // Advance all cycles, or up to that in which an element fails.
   Failure advance(const Cycles& cycles);
-  // Energies at the present time; step: the next.
+  // Energies at the present time; step: the next. Those of a part are its share.
   Energies energies(const Step& step) const;
   // Advance the elements alone, and with them the internal force.
   void advance_elements(double dt);

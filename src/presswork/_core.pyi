@@ -857,6 +857,8 @@ def dissect(points: Annotated[NDArray[numpy.float64], dict(order='C', device='cp
 class Energies:
     """Energies of an explicit run [N mm]."""
 
+    def __init__(self, kinetic: float, internal: float, hourglass: float, external: float, damping: float, contact: float, friction: float) -> None: ...
+
     @property
     def kinetic(self) -> float: ...
 
@@ -1112,7 +1114,17 @@ class SpaceLoop:
         """Shares (n) of its force in the next n cycles."""
 
     def bead_restraint(self, bead: int) -> float:
-        """Restraining force, summed along the line [N]."""
+        """Restraining force, summed along the line [N]; of a part its share."""
+
+    def share_beads(self, whole: SpaceLoop, place: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], cell: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Let this part hold what is its own of beads on a whole sheet. place (n_nodes there): numbers in the part, or -1; cell: numbers there of the part's elements.
+        """
+
+    def place_beads(self) -> None:
+        """
+        Look near which shell each point of a bead is, where that is not known yet.
+        """
 
     def add_shell_contact(self, undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, friction: float, penalty: float, damping: float) -> None:
         """
@@ -1129,8 +1141,11 @@ class SpaceLoop:
 
     def join(self, messages: object, sent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], ghosts: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], into: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], shared: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], leads: bool) -> None:
         """
-        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, receive and agree, called once a cycle each; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
+        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
         """
+
+    def set_tool_forces(self, force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Set this part's share of the sheet's forces on tools (tools, 3) [N]."""
 
     @property
     def edges(self) -> NDArray[numpy.int32]:
@@ -1505,7 +1520,17 @@ class SpaceLoopSingle:
         """Shares (n) of its force in the next n cycles."""
 
     def bead_restraint(self, bead: int) -> float:
-        """Restraining force, summed along the line [N]."""
+        """Restraining force, summed along the line [N]; of a part its share."""
+
+    def share_beads(self, whole: SpaceLoopSingle, place: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], cell: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Let this part hold what is its own of beads on a whole sheet. place (n_nodes there): numbers in the part, or -1; cell: numbers there of the part's elements.
+        """
+
+    def place_beads(self) -> None:
+        """
+        Look near which shell each point of a bead is, where that is not known yet.
+        """
 
     def add_shell_contact(self, undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, friction: float, penalty: float, damping: float) -> None:
         """
@@ -1522,8 +1547,11 @@ class SpaceLoopSingle:
 
     def join(self, messages: object, sent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], ghosts: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], into: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], shared: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], leads: bool) -> None:
         """
-        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, receive and agree, called once a cycle each; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
+        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
         """
+
+    def set_tool_forces(self, force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Set this part's share of the sheet's forces on tools (tools, 3) [N]."""
 
     @property
     def edges(self) -> NDArray[numpy.int32]:

@@ -23,7 +23,7 @@ from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
 from presswork.process.recording import Recording, Report, Snapshot
 from presswork.process.watch import Watch
-from presswork.ranks.world import World
+from presswork.ranks.world import LeadFailed, World
 from presswork.results import (
     History,
     OutputError,
@@ -113,31 +113,39 @@ def run_model(
 
 def _leading(world: World | None) -> AbstractContextManager[None]:
     """Return the context of what rank 0 alone does."""
-    return world.leading() if world else nullcontext()
+    return world.leading(GaveUpError) if world else nullcontext()
 
 
 def _follow(recording: Recording, folder: Path, world: World, *, resume: bool) -> Outcome:
     """Compute a rank's part of a run that rank 0 writes, as far as rank 0 goes; Outcome.reason is told by rank 0."""
-    if not world.follow():
+    try:
+        world.follow()
+        if resume:
+            arrays, meta = load_checkpoint(folder / CHECKPOINT)
+            recording.load_arrays(arrays)
+            recording.load_meta(meta)
+        status = _follow_rows(recording, world)
+        world.follow()
+    except LeadFailed:
         return Outcome("gave_up", folder)
-    if resume:
-        arrays, meta = load_checkpoint(folder / CHECKPOINT)
-        recording.load_arrays(arrays)
-        recording.load_meta(meta)
+    return Outcome(status, folder)
+
+
+def _follow_rows(recording: Recording, world: World) -> Status:
     try:
         if not world.follow():
-            return Outcome("gave_up", folder)
+            return "gave_up"
         for _ in recording.advance():
             if not world.follow():
-                return Outcome("gave_up", folder)
+                return "gave_up"
             if recording.remaining() > 0.0:
                 stop.look()
+        world.describe_traffic()
     except GaveUpError:
-        return Outcome("gave_up", folder)
+        return "gave_up"
     except KeyboardInterrupt:
-        return Outcome("interrupted", folder)
-    world.describe_traffic()
-    return Outcome("completed", folder)
+        return "interrupted"
+    return "completed"
 
 
 def fingerprint(model: Model) -> str:
@@ -263,13 +271,8 @@ class _Run:
             status, reason = "gave_up", f"not enough memory; {remedy}"
         except KeyboardInterrupt:
             status, reason = "interrupted", "stopped by the user or a signal; continue with --resume"
-        if status != "completed":
-            self.log.info("%s: %s", status, reason)
-            if self.recording.number == self.recorded:  # else it was stopped before all of it was: the last one stands
-                self.save_checkpoint()
-            if not stop.is_urgent():
-                self._save_last_state()
-        self._write_summary(status, reason)
+        with _leading(self.world):
+            self._end(status, reason)
         self.progress.remove()
         timing = self.recording.timing
         self.log.info("%.1f s of wall time: %s", timing.total(), timing.shares())
@@ -277,6 +280,16 @@ class _Run:
             handler.close()
             self.log.removeHandler(handler)
         return Outcome(status, self.folder, reason)
+
+    def _end(self, status: Status, reason: str) -> None:
+        """Leave the summary, and of a run that was stopped a checkpoint and the last state."""
+        if status != "completed":
+            self.log.info("%s: %s", status, reason)
+            if self.recording.number == self.recorded:  # else it was stopped before all of it was: the last one stands
+                self.save_checkpoint()
+            if not stop.is_urgent():
+                self._save_last_state()
+        self._write_summary(status, reason)
 
     def _look_again(self) -> None:
         """Raise GaveUpError where a run would be resumed beyond a limit that it must not pass."""

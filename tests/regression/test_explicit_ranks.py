@@ -44,6 +44,8 @@ def _compare(first, second, columns):
         else:
             np.testing.assert_array_equal(two[name], one[name], err_msg=name)
     found, wanted = (read_history(folder / "history.csv") for folder in (second, first))
+    for name in (name for name in wanted if name.endswith("_energy")):
+        np.testing.assert_allclose(found[name], wanted[name], rtol=1e-10, err_msg=name)
     for name in columns:
         np.testing.assert_array_equal(found[name], wanted[name], err_msg=name)
 

@@ -1,18 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 // All that contact with tools remembers: of each tool its motion, its pairs with the points and its edges; of the
 // points half thickness, room and held energy; sums. It does not depend on the SIMD width.
+#include <algorithm>
+
 #include "explicit/contact/tool_contact.hpp"
 
 namespace presswork::explicit_dynamics {
 
 void ToolContact::list_state(std::vector<StateField>& fields) {
   for (int t = 0; t < static_cast<int>(tools.size()); ++t) list_tool(t, fields);
-  const std::pair<const char*, std::vector<double>*> of_points[] = {
-      {"half", &half_}, {"room", &room_}, {"held", &held_}};
+  const std::pair<const char*, std::vector<double>*> of_points[] = {{"half", &half_}, {"room", &room_}};
   for (const auto& [name, values] : of_points) {
     // slots are filled up to whole groups: that many for any width
     fields.push_back(row_field("contact", name, values->data(), values->size()));
   }
+  StateField held = row_field("contact", "held", held_.data(), held_.size());
+  held.write = [this](const double* from) {
+    std::copy_n(from, held_.size(), held_.data());
+    for (int node : left_) held_[node] = 0.0;
+  };
+  fields.push_back(std::move(held));
   const std::pair<const char*, double*> sums[] = {{"friction", &total_.friction}, {"damping", &total_.damping},
                                                   {"squeeze", &total_.squeeze},   {"external", &work_.external},
                                                   {"drag", &work_.drag},          {"step", &step_}};

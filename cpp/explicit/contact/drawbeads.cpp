@@ -19,7 +19,8 @@ void Drawbeads::add(int n, const double* place, const double* across, const doub
 
 double Drawbeads::stored() const {
   double sum = 0.0;
-  for (const Point& p : points_) sum += 0.5 * p.force * p.force / p.stiffness;
+  for (const Point& p : points_)
+    if (answers_for(p)) sum += 0.5 * p.force * p.force / p.stiffness;
   return sum;
 }
 

@@ -92,7 +92,7 @@ void EdgeContact::add_stored(int tool, const Grip& grip, double& normal, double&
   const Pairs& of = pairs_[tool];
   for (int e = 0; e < static_cast<int>(of.at.size()); ++e) {
     const Touching& p = of.at[e];
-    if (!(p.pressed > 0.0)) continue;
+    if (!(p.pressed > 0.0) || (!counts_.empty() && counts_[e] == 0.0)) continue;
     const double k = stiffness(grip, e);
     normal += 0.5 * k * p.pressed * p.pressed;
     shear += 0.5 * dot(p.shear, p.shear) / k;

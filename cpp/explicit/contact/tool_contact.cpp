@@ -52,8 +52,8 @@ void ToolContact::add(std::shared_ptr<const contact::ToolSurface> surface, const
   edges_.add(tools.back());
 }
 
-void ToolContact::leave_to_others(const std::vector<int>& nodes, const std::vector<char>& is_left) {
-  left_ = nodes;
+void ToolContact::leave_to_others(const std::vector<int>& nodes, const std::vector<char>& is_left, bool leads) {
+  left_ = nodes, leads_ = leads;
   edges_.leave_to_others(is_left);
 }
 
@@ -75,7 +75,7 @@ void ToolContact::remove(int tool) {
       room_[node] = never, held_[node] = 0.0;
     }
   }
-  if (tools[tool].pushed) normal += 0.5 * tools[tool].mass * dot(tools[tool].velocity, tools[tool].velocity);
+  if (tools[tool].pushed && leads_) normal += 0.5 * tools[tool].mass * dot(tools[tool].velocity, tools[tool].velocity);
   total_.damping += normal;
   tools[tool].pushed = false, tools[tool].removed = true;
   for (Tool& other : tools)
@@ -246,12 +246,12 @@ void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const
   sums.add(LaneSums::friction, slot, found.friction);
 }
 
-void ToolContact::move_tools(int cycle, double dt, double fastest, bool leads) {
+void ToolContact::move_tools(int cycle, double dt, double fastest) {
   ToolWork counted_by_others;
   explicit_dynamics::move_tools(
       static_cast<int>(tools.size()), [&](int t) -> RigidTool& { return tools[t]; },
       [&](int t) { return &tools[t].drive[std::size_t(tools[t].pushed ? 1 : 3) * cycle]; }, dt, fastest, work_,
-      leads ? work_ : counted_by_others);
+      leads_ ? work_ : counted_by_others);
 }
 
 void ToolContact::close_cycle(int first_tool) {
@@ -278,6 +278,7 @@ ContactEnergies ToolContact::energies(double dt, double normal, double stuck) co
   e.external = work_.external;
   for (const Tool& tool : tools) {  // half a step on, as for nodes
     if (tool.pushed) {
+      if (!leads_) continue;
       const double before = dot(tool.velocity, tool.direction), after = next_speed(tool, tool.push, dt);
       e.kinetic += 0.5 * tool.mass * before * after;
       e.external += 0.5 * dt * tool.push * before;

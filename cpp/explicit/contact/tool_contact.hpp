@@ -68,7 +68,8 @@ class ToolContact {
   void add(std::shared_ptr<const contact::ToolSurface> surface, const Grip& grip);
   // Leave nodes of another part of the mesh alone (neighbours.hpp), from now on: their thickness and room are set. An
   // edge is counted in the part of its first node. To be called before there are tools.
-  void leave_to_others(const std::vector<int>& nodes, const std::vector<char>& is_left);
+  // leads: the work and the kinetic energy of tools that forces place are counted here, not in another part.
+  void leave_to_others(const std::vector<int>& nodes, const std::vector<char>& is_left, bool leads);
   double& half(int node) { return half_[node]; }
   double& room_at(int node) { return room_[node]; }
   // Take a tool away, with what its springs hold; the others keep their numbers.
@@ -84,8 +85,7 @@ class ToolContact {
   void start(const View& sheet, Real* net);
   // One cycle: tools move (one thread; fastest: the largest speed of a node), then edges, then nodes are visited in
   // chunks, which takes the contact forces off net (n_nodes, 6), internal less external forces; then sums are closed.
-  // leads: the work of tools that forces place is counted here, not in another part of the mesh.
-  void move_tools(int cycle, double dt, double fastest, bool leads = true);
+  void move_tools(int cycle, double dt, double fastest);
   template <class View>
   void visit_edges(int c, const View& sheet, int first_tool = 0);
   template <class View, class Real>
@@ -205,6 +205,7 @@ class ToolContact {
   ToolWork work_;
   int started_ = 0, cycle_ = 0;
   std::vector<int> left_;  // nodes that are left to others
+  bool leads_ = true;
 };
 
 template <class View>

@@ -58,8 +58,7 @@ class SpaceLoop<Real>::SheetTools final : public Interaction<SpaceNodes<Real>> {
         throw std::invalid_argument("a tool is not driven for as many cycles");
   }
   void move(const Step& step, int cycle, double fastest) override {
-    const bool leads = !loop_.neighbours_ || loop_.neighbours_->leads;
-    if (loop_.contact) loop_.contact->move_tools(cycle, step.dt, fastest, leads);
+    if (loop_.contact) loop_.contact->move_tools(cycle, step.dt, fastest);
   }
   int n_rounds() const override { return loop_.contact ? 2 : 0; }
   int n_pieces(int round) const override {
@@ -318,7 +317,7 @@ std::unique_ptr<ToolContact> SpaceLoop<Real>::make_contact() const {
   if (sheet.node.empty()) throw std::invalid_argument("tools touch shells, and there are none");
   const auto [thinnest, widest, edge] = measure_sheet();
   auto made = std::make_unique<ToolContact>(this->nodes.n, sheet.start, sheet.node, thinnest, widest, edge, ironing);
-  if (this->neighbours_) made->leave_to_others(this->neighbours_->ghosts, this->neighbours_->is_ghost);
+  if (const Neighbours* parts = this->parts()) made->leave_to_others(parts->ghosts, parts->is_ghost, parts->leads);
   return made;
 }
 

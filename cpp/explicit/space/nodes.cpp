@@ -149,6 +149,7 @@ Moved SpaceNodes<Real>::move(int first, int last, const Step& step) {
 template <class Real>
 void SpaceNodes<Real>::add_half_step(const Step& step, Energies& e) const {
   for (int node = 0; node < n; ++node) {
+    if (!follows.empty() && follows[node]) continue;  // without mass, or counted in another part
     Record after, outer;
     next_velocity(node, step, after, outer);
     if (!touches_walls.empty() && touches_walls[node]) {

@@ -2,15 +2,17 @@
 """An explicit loop whose cycles ranks share, called like a loop of the core.
 
 Each rank advances a loop on its part of the mesh (`ranks.parts`). Between calls the whole state is brought together on
-every rank, in a whole loop, as soon as anything is asked of it: every rank then reads the same, and takes the same
-decisions. What is changed in the whole loop goes to the parts before the next cycles. Both loops number nodes and
-elements in the same order, so sums over elements have the same bits for any number of ranks.
+every rank, in a whole loop, as soon as all ranks ask anything of it: every rank then reads the same, and takes the same
+decisions. What is changed in the whole loop goes to the parts before the next cycles. While rank 0 does something
+alone, such as a row of the history, it asks the others for the arrays that it reads, and they come to it alone. Both
+loops number nodes and elements in the same order, so forces have the same bits for any number of ranks.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +34,10 @@ FOR_BOTH = {
     "remove_tool", "set_slower", "stop_tool",
 }  # fmt: skip
 """Calls that say the same to the whole loop and to parts."""
+PULLED = {"position", "thickness", "stress", "history", "pressure", "deepest"}
+"""What rank 0 asks for by itself; where it reads anything else, the whole state comes to it."""
+STATE = "state"
+ENERGIES = ("kinetic", "internal", "hourglass", "external", "damping", "contact", "friction")
 ARRAYS = ("velocity", "force", "internal_force")
 """Properties of the whole loop (n_nodes, freedoms) that are set, and then handed out."""
 
@@ -57,7 +63,12 @@ class DividedLoop:
         own.ironing = whole.ironing
         self._pushed: set[int] = set()
         self._tools = self._walls = self._beads = 0
-        self._whole_is_old, self._own_is_old = False, True
+        self._where: Literal["all", "lead", "parts"] = "all"
+        """Which whole loops have the present state: of all ranks, of rank 0, or none."""
+        self._own_is_old = True
+        self._pulled: dict[tuple[Any, ...], Any] = {}
+        self._shapes: dict[tuple[Any, ...], tuple[int, ...]] = {}
+        self._number = world.register(self)
         self._told: Array = np.zeros((0, 0))
         self._forces, self._restraints = np.zeros((0, 3)), np.zeros(0)
 
@@ -65,9 +76,11 @@ class DividedLoop:
         """Return what the whole loop has, brought up to date."""
         if name.startswith("_"):
             raise AttributeError(name)
-        self.bring_together()
         if name in FOR_BOTH:
             return partial(self._tell_both, name)
+        if name in PULLED and self._world.leads and self._where == "parts":
+            return self._pull(name) if name == "position" else partial(self._pull, name)
+        self.bring_together()
         found = getattr(self._whole, name)
         self._own_is_old = self._own_is_old or name in CHANGES
         return found
@@ -82,10 +95,72 @@ class DividedLoop:
         self._own_is_old = True
 
     def bring_together(self) -> None:
-        """Let the whole loop have the present state of all ranks; all of them call this."""
-        if self._whole_is_old:
-            self._whole_is_old = False
-            self._state.bring_together()
+        """Let the whole loop have the present state; all ranks call this, or rank 0 while it leads, for itself."""
+        if self._world.leads:
+            if self._where == "parts":
+                self._world.ask(self._number, (STATE,))
+        elif self._where != "all":
+            self._where = "all"
+            self._state.bring_together(to_all=True)
+
+    # --- what rank 0 asks for -------------------------------------------------------------------------------------
+
+    def _pull(self, *what: Any) -> Any:
+        """Return what rank 0 reads: a name, and the arguments of a method."""
+        if what not in self._pulled:
+            self._world.ask(self._number, what)
+        found = self._pulled[what]
+        return found.copy() if isinstance(found, np.ndarray) else found
+
+    def help(self, what: tuple[Any, ...]) -> None:
+        """Give rank 0 what it asks for; all ranks call this."""
+        name, *given = what
+        if name == STATE:
+            self._where = "lead"
+            self._state.bring_together(to_all=False)
+        elif name == "position":
+            self._pulled[what] = self._state.gather_nodes(self._own.position)
+        elif name == "deepest":
+            self._pulled[what] = self._find_deepest(*given)
+        else:
+            if what not in self._shapes:
+                self._shapes[what] = getattr(self._whole, name)(*given).shape[1:]
+            read: Callable[[int], Array] = getattr(self._own, name)
+            self._pulled[what] = self._state.gather_elements(given[0], read, self._shapes[what])
+
+    def _find_deepest(self, tool: int) -> tuple[float, int]:
+        """Return how deep the deepest point of all ranks is in a tool [mm], and which."""
+        depth, point = self._own.deepest(tool)
+        own = np.array([depth, self._name_point(point) if point >= 0 else np.inf])
+        rows = self._world.gather(own, np.full(self._world.size, 2, dtype=np.int32)).reshape(-1, 2)
+        depth, point = min(rows.tolist(), key=lambda row: (-row[0], row[1]))
+        return depth, -1 if np.isinf(point) else int(point)
+
+    def energies(self, dt: float, dt_before: float, **scales: float) -> _core.Energies:
+        """Return the energies as a loop of the core does, of which each rank counts a share."""
+        if self._where == "all" or self._walls or self._world.leads:
+            self.bring_together()
+            found: _core.Energies = self._whole.energies(dt, dt_before, **scales)
+            return found
+        share = self._own.energies(dt, dt_before, **scales)
+        own = np.array([getattr(share, name) for name in ENERGIES])
+        rows = self._world.gather(own, np.full(self._world.size, len(own), dtype=np.int32))
+        return _core.Energies(*rows.reshape(self._world.size, -1).sum(axis=0).tolist())
+
+    def keep(self) -> Callable[[], dict[str, dict[str, Array]]]:
+        """Keep the present state; return what goes back to it and gives it, which all ranks call."""
+        self._enter()
+        own, told = self._own.state(), (self._told, self._forces, self._restraints)
+
+        def give() -> dict[str, dict[str, Array]]:
+            self._own.restore(own)
+            self._told, self._forces, self._restraints = told
+            self._where = "parts"
+            self.bring_together()
+            found: dict[str, dict[str, Array]] = self._whole.state()
+            return found
+
+        return give
 
     # --- cycles ---------------------------------------------------------------------------------------------------
 
@@ -93,18 +168,23 @@ class DividedLoop:
         self, time: float, dt: float, dt_before: float, force_scale: Array, velocity_scale: Array, *, damping: float
     ) -> tuple[int, _core.LawStatus, int]:
         """Advance as a loop of the core does; return the first failure of all ranks."""
-        if self._own_is_old:
-            self._own_is_old = False
-            self._whole.place_beads()
-            self._state.hand_out()
+        self._enter()
         self._agree_on_radii()
         failed, status, cycle = self._own.advance(time, dt, dt_before, force_scale, velocity_scale, damping=damping)
-        self._whole_is_old = True
+        self._where = "parts"
+        self._pulled.clear()
         self._tell(failed, status, cycle)
         when, element, told = min((row[:3] for row in self._told.tolist()), key=lambda row: (row[0], row[1]))
         if np.isinf(when):
             return -1, _core.LawStatus.done, -1
         return int(element), _core.LawStatus(int(told)), int(when)
+
+    def _enter(self) -> None:
+        """Let the rank's own loop have its part of the present state."""
+        if self._own_is_old:
+            self._own_is_old = False
+            self._whole.place_beads()
+            self._state.hand_out()
 
     def _agree_on_radii(self) -> None:
         """Let walls that turn know how far the nodes of all ranks are from their centres."""
@@ -134,11 +214,13 @@ class DividedLoop:
         self._told = self._world.gather(np.array([*row, *forces], dtype=float), counts).reshape(self._world.size, -1)
         sums = self._told[:, len(row) :].sum(axis=0)  # of multiples of 2^-25 N: exact
         self._forces, self._restraints = sums[: 3 * self._tools].reshape(-1, 3), sums[3 * self._tools :]
+        if self._tools:  # energies of pushed tools, which rank 0 counts, need the whole force
+            own.set_tool_forces(self._forces * (self._world.rank == 0))
 
     @property
     def highest_frequency(self) -> float:
         """Bound of the squared highest frequency of all elements [1/s2]."""
-        told = self._told[:, 5] if self._whole_is_old else self._whole.bound_frequencies()
+        told = self._whole.bound_frequencies() if self._where == "all" else self._told[:, 5]
         return float(told.max())
 
     @property
@@ -149,7 +231,7 @@ class DividedLoop:
     @property
     def lost_point(self) -> int:
         """A point that has gone through a tool; -1: none."""
-        first = self._told[:, 3].min() if self._whole_is_old else np.inf
+        first = np.inf if self._where == "all" else self._told[:, 3].min()
         return -1 if np.isinf(first) else int(first)
 
     @property
@@ -180,14 +262,17 @@ class DividedLoop:
 
     @property
     def reaction_impulse(self) -> Array:
-        """Impulse of what holds prescribed freedoms (n_nodes, freedoms) [N s]."""
-        self.bring_together()
-        found: Array = self._whole.reaction_impulse
-        return found
+        """Impulse of what holds prescribed freedoms (n_nodes, freedoms) [N s]; nan where rank 0 alone knows it."""
+        if self._where == "all" or self._walls or self._world.leads:
+            self.bring_together()
+            found: Array = self._whole.reaction_impulse
+            return found
+        own = self._own.reaction_impulse
+        found_by_lead = self._state.gather_nodes(own)
+        return np.full((len(self._part.owner), own.shape[1]), np.nan) if found_by_lead is None else found_by_lead
 
     @reaction_impulse.setter
     def reaction_impulse(self, value: Array) -> None:
-        self.bring_together()
         self._whole.reaction_impulse = value
         self._own.reaction_impulse = value[self._part.nodes]
 
@@ -265,7 +350,7 @@ class DividedLoop:
 
     def bead_restraint(self, bead: int) -> float:
         """Return the restraining force of a drawbead [N]."""
-        return float(self._restraints[bead] if self._whole_is_old else self._whole.bead_restraint(bead))
+        return float(self._whole.bead_restraint(bead) if self._where == "all" else self._restraints[bead])
 
     def drive_tool(self, tool: int, drive: Array) -> None:
         """Say what the next cycles do with a tool."""
@@ -273,8 +358,10 @@ class DividedLoop:
 
     def tool_state(self, tool: int) -> tuple[Any, Any, Any]:
         """Return displacement [mm], velocity [mm/s] and the sheet's force [N] of a tool."""
-        place, velocity, force = (self._own if self._whole_is_old else self._whole).tool_state(tool)
-        return place, velocity, self._forces[tool] if self._whole_is_old else force
+        if self._where == "all":
+            return self._whole.tool_state(tool)  # type: ignore[no-any-return]
+        place, velocity, _ = self._own.tool_state(tool)
+        return place, velocity, self._forces[tool]
 
 
 def _join(lists: dict[int, Numbers]) -> npt.NDArray[np.int32]:

@@ -7,7 +7,7 @@ has a share; the rest is the same on all.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -39,10 +39,12 @@ class SharedState:
         self.blocks = [block for block, elements in enumerate(part.elements) if len(elements)]
         """Of the whole loop, those that the own one has."""
         self.n_walls = 0
+        self._to_all = True
         self._answers = part.owner[part.nodes] == world.rank
 
-    def bring_together(self) -> None:
-        """Let the whole loop have the present state of all ranks; all of them call this."""
+    def bring_together(self, *, to_all: bool) -> None:
+        """Let the whole loop, of all ranks or of rank 0, have the present state; all of them call this."""
+        self._to_all, reads = to_all, to_all or self._world.rank == 0
         own, whole = self.own.state(), self.whole.state()
         nodes = [(_rows(n, whole[o][n]), _rows(n, own[o][n])) for o, n in _list_of_nodes(own)]
         self._gather([*nodes, *(sums := self._list_sums_of_nodes())], self._answers, self._part.owner)
@@ -62,8 +64,29 @@ class SharedState:
             whole[o][n] = total
         for o, n in _list_common(own):
             whole[o][n] = own[o][n]
-        self.whole.restore(whole)
-        self._keep_sums_of_nodes([of_whole for of_whole, _ in sums])
+        if reads:
+            self.whole.restore(whole)
+            self._keep_sums_of_nodes([of_whole for of_whole, _ in sums])
+
+    def gather_nodes(self, own: Array) -> Array | None:
+        """Return on rank 0 the rows (n_nodes, ...) of all ranks' nodes, of those of each rank's own loop."""
+        return self._gather_to_lead(own, self._answers, self._part.owner)
+
+    def gather_elements(self, block: int, read: Callable[[int], Array], shape: tuple[int, ...]) -> Array | None:
+        """Return on rank 0 what `read` gives of each element (n, *shape) of a block, by its number in the own loop."""
+        own = read(self.blocks.index(block)) if block in self.blocks else np.zeros((0, *shape))
+        owner = self._part.element_owner[block]
+        return self._gather_to_lead(own, owner[self._part.elements[block]] == self._world.rank, owner)
+
+    def _gather_to_lead(self, own: Array, mine: npt.NDArray[np.bool_], owner: Ranks) -> Array | None:
+        width = int(np.prod(own.shape[1:], dtype=int))
+        counts = (np.bincount(owner, minlength=self._world.size) * width).astype(np.int32)
+        found = self._world.gather_to_lead(np.asarray(own[mine], dtype=float).reshape(-1), counts)
+        if found is None:
+            return None
+        whole = np.empty((len(owner), *own.shape[1:]))
+        whole[np.argsort(owner, kind="stable")] = found.reshape(len(owner), *own.shape[1:])
+        return whole
 
     def hand_out(self) -> None:
         """Let the rank's own loop have its part of the whole state."""
@@ -117,7 +140,10 @@ class SharedState:
         rows = [own[: len(mine)][mine].reshape(int(mine.sum()), w) for (_, own), w in zip(pairs, widths, strict=True)]
         counts = (np.bincount(owner, minlength=self._world.size) * sum(widths)).astype(np.int32)
         packed = np.concatenate(rows, axis=1)
-        found = self._world.gather(packed.reshape(-1), counts).reshape(-1, sum(widths))
+        gather = self._world.gather if self._to_all else self._world.gather_to_lead
+        if (values := gather(packed.reshape(-1), counts)) is None:
+            return
+        found = values.reshape(-1, sum(widths))
         order = np.argsort(owner, kind="stable")
         for (whole, _), part in zip(pairs, np.split(found, np.cumsum(widths)[:-1], axis=1), strict=True):
             whole[order] = part.reshape(len(order), *whole.shape[1:])

@@ -224,10 +224,14 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         return self._resident.traffic if self._resident else Traffic()
 
     def keep(self) -> Callable[[], dict[str, Array]] | None:
-        """Keep the present state on the device, if there is one; return what gives it as dump does, until kept anew."""
-        if not self._resident:
+        """Keep the present state where the cycles are computed, if not here; return what gives it, until kept anew.
+
+        On a device, and on ranks, where a run is not restored otherwise until it has been given.
+        """
+        keeper = self._resident or self._parts
+        if not keeper:
             return None
-        run, give = self._dump_run(), self._resident.keep()
+        run, give = self._dump_run(), keeper.keep()
         return lambda: name_arrays({**give(), RUN: run})
 
     def _check(self) -> None:

@@ -8,7 +8,8 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any
+from typing import Any, Protocol
+from weakref import WeakValueDictionary
 
 import numpy as np
 
@@ -24,6 +25,10 @@ NO_PETSC = (
 
 class RanksError(Exception):
     """The run cannot be divided over ranks."""
+
+
+class LeadFailed(Exception):  # noqa: N818
+    """Rank 0 has ended by an error."""
 
 
 @dataclass
@@ -44,8 +49,19 @@ class Traffic:
         return np.array([self.messages, self.sent, self.collectives, self.received], dtype=np.int64)
 
 
+class Helper(Protocol):
+    """What is divided over ranks, and gives rank 0 what it asks for while it does something alone."""
+
+    def help(self, what: Any) -> None:
+        """Do a rank's part of what rank 0 asks for; all ranks do it at the same time."""
+
+
 class World:
-    """All ranks of a run; every method that is not a property is called by all of them at the same place."""
+    """All ranks of a run.
+
+    Every method that is not a property is called by all of them at the same place; `ask` by rank 0, while it leads and
+    the others follow.
+    """
 
     def __init__(self, communicator: Any, mpi: Any = None) -> None:
         """communicator: of mpi4py; mpi: its module, for messages that are prepared."""
@@ -53,6 +69,10 @@ class World:
         self.rank: int = communicator.Get_rank()
         self.size: int = communicator.Get_size()
         self.traffic = Traffic()
+        self.leads = False
+        """Whether this is rank 0 while it does something alone."""
+        self._helpers: WeakValueDictionary[int, Helper] = WeakValueDictionary()
+        self._n_helpers = 0
 
     def exchange(self, outgoing: Mapping[int, FloatArray], incoming: Mapping[int, FloatArray]) -> None:
         """Send arrays to ranks and fill those that come from ranks, in place."""
@@ -106,6 +126,15 @@ class World:
         self.traffic.received += whole.nbytes - own.nbytes
         return whole
 
+    def gather_to_lead(self, own: FloatArray, counts: IntArray) -> FloatArray | None:
+        """Return on rank 0 the values of all ranks one after another; counts: of each rank."""
+        whole = np.empty(int(counts.sum())) if self.rank == 0 else None
+        into = None if whole is None else [whole, counts.astype(np.int32)]
+        self._comm.Gatherv(np.ascontiguousarray(own), into, root=0)
+        self.traffic.collectives += 1
+        self.traffic.received += 0 if whole is None else whole.nbytes - own.nbytes
+        return whole
+
     def largest(self, number: int) -> int:
         """Return the largest of the ranks' numbers."""
         return int(self.gather(np.array([float(number)]), np.ones(self.size, dtype=np.int32)).max())
@@ -122,18 +151,48 @@ class World:
         return list(self._comm.allgather(own))
 
     @contextmanager
-    def leading(self) -> Iterator[None]:
-        """Do on rank 0 what it does alone; the others hear by follow() whether it has ended without an error."""
-        went_well = False
+    def leading(self, gave_up: type[Exception] | tuple[()] = ()) -> Iterator[None]:
+        """Do on rank 0 what it does alone; the others hear by follow() whether it has ended without an error.
+
+        gave_up: an error after which all ranks end in common.
+        """
+        goes_on: bool | None = None
+        self.leads = True
         try:
             yield
-            went_well = True
+            goes_on = True
+        except gave_up:
+            goes_on = False
+            raise
         finally:
-            self._comm.bcast(went_well, root=0)
+            self.leads = False
+            self._comm.bcast((0, goes_on), root=0)
 
     def follow(self) -> bool:
-        """Wait until rank 0 has done what it does alone; return whether the run goes on."""
-        return bool(self._comm.bcast(None, root=0))
+        """Help rank 0 until it has done what it does alone; return whether the run goes on.
+
+        Raises LeadFailed where rank 0 has ended by an error, which it tells by itself.
+        """
+        number, what = self._comm.bcast(None, root=0)
+        while number > 0:
+            self._helpers[number].help(what)
+            number, what = self._comm.bcast(None, root=0)
+        if what is None:
+            raise LeadFailed
+        return bool(what)
+
+    def register(self, helper: Helper) -> int:
+        """Return the number by which rank 0 asks a helper, made by all ranks in the same order."""
+        self._n_helpers += 1
+        self._helpers[self._n_helpers] = helper
+        return self._n_helpers
+
+    def ask(self, number: int, what: Any) -> None:
+        """Let all ranks do what their helper of this number does for rank 0, which leads."""
+        assert self.leads, "the others follow"
+        self._comm.bcast((number, what), root=0)
+        self.traffic.collectives += 1
+        self._helpers[number].help(what)
 
     def describe_traffic(self) -> str:
         """Say in a line what all ranks have sent so far."""
