@@ -4,7 +4,7 @@
 A new mesh counts all from the decision on, as in benchmarks.remeshing: skin and inside (MMG), transfer, a procedure of
 its own, equilibrium with the tools at rest, and meshes that are refused; looking whether one is due counts, too.
 
-Run: python -m benchmarks.remeshing_in_space [--case CASE.toml] [--profile]
+Run: python -m benchmarks.remeshing_in_space [--case CASE.toml | --die SEED] [--profile]
 """
 
 from __future__ import annotations
@@ -20,9 +20,11 @@ from typing import Any
 
 from presswork import build_model, read_case
 from presswork.examples import copy_example
+from presswork.model import Model
 from presswork.process import remeshing, remeshing_in_space
 from presswork.process.remeshing_in_space import RemeshedSpaceForming
 from presswork.remesh.space.mmg_process import MMG
+from validation.closed_dies_in_space import draw_die, make_case
 
 PARTS = {
     "looking": (RemeshedSpaceForming, "_reason"),
@@ -60,17 +62,17 @@ class Clock:
         return timed
 
 
-def measure(path: Path) -> str:
-    """Return the table of a case."""
+def measure(title: str, model: Model) -> str:
+    """Return the table of a model."""
     clock = Clock()
     for part, (place, name) in PARTS.items():
         setattr(place, name, clock.watch(part, getattr(place, name)))
-    recording = RemeshedSpaceForming(build_model(read_case(path)), threads=1)
+    recording = RemeshedSpaceForming(model, threads=1)
     started = _tell_time()
     increments = sum(1 for _ in recording.advance())
     whole = _tell_time() - started
     cells = sum(len(block.connectivity) for block in recording.model.mesh.blocks)
-    rows = [f"{path.stem}: {increments} increments, {recording.epoch} new meshes, {cells} cells at the end"]
+    rows = [f"{title}: {increments} increments, {recording.epoch} new meshes, {cells} cells at the end"]
     for part, seconds in clock.seconds.items():
         rows.append(f"  {part}: {clock.calls[part]} times, {seconds:.1f} s, {seconds / whole:.1%} of {whole:.0f} s")
     return "\n".join(rows)
@@ -80,14 +82,20 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--case", type=Path, help="without it: the example deep_spike_forging")
+    parser.add_argument("--die", type=int, metavar="SEED", help="a die of validation.closed_dies_in_space")
     parser.add_argument("--profile", action="store_true", help="print where the time goes")
     arguments = parser.parse_args()
     with TemporaryDirectory() as folder:
-        path = arguments.case or copy_example("deep_spike_forging", Path(folder))
+        if arguments.die is None:
+            path = arguments.case or copy_example("deep_spike_forging", Path(folder))
+            title, model = path.stem, build_model(read_case(path))
+        else:
+            title = f"die {arguments.die}"
+            model = build_model(make_case(draw_die(arguments.die), Path(folder)))
         profile = cProfile.Profile()
         if arguments.profile:
             profile.enable()
-        print(measure(path))
+        print(measure(title, model))
         if arguments.profile:
             profile.disable()
             pstats.Stats(profile).sort_stats("tottime").print_stats(25)

@@ -25,7 +25,7 @@ from presswork.process.carrying import carry_state, carry_surface, find_undeclar
 from presswork.process.epochs import NamedArrays
 from presswork.process.joints import fit_joints
 from presswork.process.mesh_reasons import LAST_CUT
-from presswork.process.remeshing import MOST_WAITS, WAIT, RemeshedForming
+from presswork.process.remeshing import RemeshedForming
 from presswork.process.space_surfaces import draw_tool
 from presswork.remesh.carrier import Carrier
 from presswork.remesh.space.body import NewBody, OldBody
@@ -110,7 +110,6 @@ class RemeshedSpaceForming(RemeshedForming):
         return add_neighbours(found, model, [pushed[list(body.points)] for body in self._bodies()])
 
     def _reason_of(self, number: int, old: OldBody, wait: float) -> str | None:
-        wait = max(wait, WAIT ** (self._waited / MOST_WAITS))  # what was put off is due again once it is worse
         left = self._left[number]
         breach = find_breach(old, self.model.limits, left=left)
         if number in self._on_first:
