@@ -19,7 +19,6 @@ from presswork.case.kinds import build_model
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.process.begin import begin
-from presswork.process.differentiated import DifferentiatedForming
 from tests.problems.differentiated import upset_block, upset_cylinder
 
 HARDENING = "materials.steel.hardening"
@@ -79,7 +78,7 @@ def measure(kind: type[CaseFile], data: dict[str, Any], keys: list[str]) -> tupl
             break
     spent = process_time() - started
     mechanics.evaluate, mechanics.assemble_stiffness = evaluate, assemble
-    rounds = recording.derivatives.rounds if isinstance(recording, DifferentiatedForming) else 0
+    rounds = recording.derivatives.rounds if keys else 0
     return spent, matrices, evaluations, rounds
 
 

@@ -10,10 +10,15 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from presswork.case.kinds import build_model
 from presswork.case.shell.schema import ShellCase
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
+from presswork.interaction.contract import Interaction
+from presswork.interaction.plane_tools import PlaneTools
+from presswork.interaction.space_tools import SpaceTools
+from presswork.process.begin import begin
 from tests.problems.differentiated import (
     bend_over_die,
     bend_strip,
@@ -161,3 +166,33 @@ def test_stamping_has_the_derivatives_of_whole_runs_through_springback(
         for name, (own, other) in columns.items():
             assert own.shape == (rows,)
             assert largest_error(own, other) < 1e-6, (key, name)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_dependence_of_friction_on_area_is_in_the_tangent(dimension: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So a neighbour is evaluated twice an increment, in the plane, where it was three times."""
+    data = upset_cylinder() if dimension == 2 else upset_block("hex8_fbar", {"contact": "shear", "m": 0.2})
+    asked = {"gradients": {"by": ["tools.punch.m"]}, "solver": {"initial_increment": 0.1, "max_increment": 0.1}}
+    model = build_model((Case if dimension == 2 else SpaceCase).model_validate({**data, **asked}))
+    found = count_evaluations(begin(model, threads=1))
+    tools = PlaneTools if dimension == 2 else SpaceTools
+    monkeypatch.setattr(tools, "find_area_blocks", Interaction.find_area_blocks)
+    assert found < count_evaluations(begin(model, threads=1))
+    assert dimension == 3 or found == 8
+
+
+def count_evaluations(recording: Any) -> int:
+    """Return how often a neighbour's cells are evaluated in four increments."""
+    mechanics, count = recording.derivatives.sides[-1].procedure.mechanics, 0
+    evaluate = mechanics.evaluate
+
+    def counted(*given: Any, **named: Any) -> Any:
+        nonlocal count
+        count += 1
+        return evaluate(*given, **named)
+
+    mechanics.evaluate = counted
+    for report in recording.procedure.advance():
+        if report.number == 4:
+            break
+    return count

@@ -19,6 +19,8 @@ from presswork.case.reader import apply_overrides
 
 STEP = 1e-4
 """Of a number: by how much the neighbours of a run differ from it. The error is h^2 and that of round-off over h."""
+OF_LAWS = 3e-4
+"""The same of numbers of the materials of solids: a modulus changes damage so little that round-off counts for more."""
 NEAR, NEAREST = 1e-5, 1e-4
 """The same of sizes and places in a stamping, and the largest step over the sheet's thickness: contact begins within a
 thousandth of that (sheet_contact.py)."""
@@ -131,7 +133,8 @@ def _find_step(built: model.Model, key: str, value: float) -> float:
     is_place = not key.startswith("materials.") and name not in ("mu", "force")
     if built.analysis == "stamping" and is_place:
         return min(NEAR * value, NEAREST * built.sheet[0].thickness)
-    return STEP * value
+    is_law = key.startswith("materials.") and built.analysis not in ("stamping", "shell")
+    return (OF_LAWS if is_law else STEP) * value
 
 
 def _look_up(data: Any, key: str) -> float | Problem:

@@ -266,16 +266,22 @@ def _integrate_hats(
     """
     n_nodes = edges.shape[1]
     x = points[edges]
-    s, weight = _edge_rule(n_nodes)
-    rise = 0.5 * (s + 1)
-    at = start + (end - start) * rise
-    N, dN = (np.array(v) for v in zip(*(edge_shape_functions(n_nodes, place) for place in at), strict=True))
+    weight, rise, N, dN = _hats(n_nodes, start, end)
     area = 0.5 * (end - start) * weight * np.linalg.norm(np.einsum("sa,eai->esi", dN, x), axis=2)
     area *= 2 * np.pi * (x[:, :, 0] @ N.T) if depth is None else depth
     return area @ np.column_stack([1 - rise, rise]), area @ N
 
 
 @cache
+def _hats(n_nodes: int, start: float, end: float) -> tuple[FloatArray, ...]:
+    """Return weights, the rising hat, shape functions and their slopes at the points of the rule between two places."""
+    s, weight = _edge_rule(n_nodes)
+    rise = 0.5 * (s + 1)
+    at = start + (end - start) * rise
+    N, dN = (np.array(v) for v in zip(*(edge_shape_functions(n_nodes, place) for place in at), strict=True))
+    return weight, rise, N, dN
+
+
 def _edge_rule(n_nodes: int) -> tuple[FloatArray, FloatArray]:
     """Return places and weights of the points by which an edge of 2 or 3 nodes is integrated."""
     s, weight = np.polynomial.legendre.leggauss({2: 2, 3: 12}[n_nodes])

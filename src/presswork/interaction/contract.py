@@ -248,6 +248,13 @@ class Interaction:
         """Return these equations (placing.Border). respond: what nodes do under forces (n_points, freedoms)."""
         return None
 
+    def find_area_blocks(self, point: Point, own: Any, resistance: Any) -> tuple[IntArray, FloatArray]:
+        """Return how its forces depend on the area of contact, which the tangent of Newton's method leaves out.
+
+        Pairs of nodes (n, 2), and what the first adds to the tangent by the place of the second (n, d, d) [N/mm].
+        """
+        return np.zeros((0, 2), dtype=np.int32), np.zeros((0, 1, 1))
+
     def augment_like(self, trial: State, own: Forces | None) -> None:
         """Take multipliers over as another run of nearly the same model has done where it was."""
 

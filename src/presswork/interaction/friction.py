@@ -22,6 +22,7 @@ The converged answer is the same whatever the tangent; settings.friction_tangent
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,6 +42,45 @@ BOND_SOFTENING = 0.1
 """Of the bond's stiffness (thesis: 0.05 to 0.15)."""
 
 
+_NO_BLOCKS = np.zeros((0, 2), dtype=np.int32), np.zeros((0, 2, 2))
+
+
+@dataclass(frozen=True)
+class ByArea:
+    """Friction in proportion to the nodes' shares of edges."""
+
+    edges: IntArray
+    """(n_edges, 2 | 3)."""
+    part: FloatArray
+    """Of each edge that counts (n_edges,)."""
+    slope: FloatArray
+    """Friction of each node along its tangent over its share, as a vector (n_points, 2) [MPa]."""
+
+    def find_blocks(self, points: FloatArray, depth: float | None) -> tuple[IntArray, FloatArray]:
+        """Return pairs of nodes (n, 2), and what the first adds to the tangent by the place of the second (n, 2, 2).
+
+        points: where the nodes are (n_points, 2) [mm]; depth [mm]: None for rings. Straight edges alone.
+        """
+        own = self.edges[np.any(self.slope[self.edges] != 0.0, axis=(1, 2))]
+        part = self.part[np.any(self.slope[self.edges] != 0.0, axis=(1, 2))]
+        pairs, blocks = [], []
+        for first, second in ((0, 1), (1, 0)):
+            a, b = own[:, first], own[:, second]
+            along = points[b] - points[a]
+            length = np.linalg.norm(along, axis=1, keepdims=True)
+            by_length: FloatArray | float = 0.5
+            by_radius = np.zeros(2)
+            if depth is None:
+                by_length = np.pi / 3.0 * (2.0 * points[a, :1] + points[b, :1])
+                by_radius = np.array([np.pi / 3.0, 0.0])
+            for other, sign, more in ((a, -1.0, 2.0), (b, 1.0, 1.0)):
+                share = sign * by_length * along / length + more * length * by_radius
+                share *= part[:, None] * (1.0 if depth is None else depth)
+                pairs.append(np.column_stack([a, other]))
+                blocks.append(-self.slope[a][:, :, None] * share[:, None, :])
+        return np.concatenate(pairs).astype(np.int32), np.concatenate(blocks)
+
+
 @dataclass(frozen=True)
 class FrictionForces:
     """Friction on the nodes that are held along the normal alone."""
@@ -57,6 +97,12 @@ class FrictionForces:
     """What the tangent gets on the node's tangential diagonal (n,) [N/mm]."""
     normal_slope: FloatArray
     """d force / d normal force (n,), zero but for sliding under Coulomb's law."""
+    points: FloatArray
+    """Where all nodes are (n_points, 2) [mm]."""
+    depth: float | None
+    """Of the section [mm]; None for rings."""
+    by_area: Sequence[ByArea]
+    """What depends on the area of edges, which the tangent of Newton's method leaves out."""
 
     def vector(self, n_points: int) -> FloatArray:
         """Return the friction as nodal forces (n_points, 2) [N]."""
@@ -83,6 +129,12 @@ class FrictionForces:
             if slope:
                 normal_row = data[start[2 * node] : start[2 * node + 1]]
                 data[start[2 * node + 1] : start[2 * node + 2]] -= slope * normal_row
+
+    def find_area_blocks(self) -> tuple[IntArray, FloatArray]:
+        """Return how friction depends on the areas of straight edges, as pairs of nodes and blocks (contract.py)."""
+        found = [of.find_blocks(self.points, self.depth) for of in self.by_area if of.edges.shape[1] == 2]
+        pairs, blocks = (np.concatenate(each) for each in zip(*found, strict=True)) if found else _NO_BLOCKS
+        return pairs, blocks
 
 
 def _pad(by_tool: list[FloatArray]) -> FloatArray:
@@ -162,7 +214,8 @@ class Friction:
         touching = edges[held[edges].all(axis=1)]
         part = np.ones(len(displacement))
         part[contact.nodes] = touch.shear_part
-        area = edge_shares(self._model, deformed, touching, part[touching].min(axis=1))[nodes]
+        part = part[touching].min(axis=1)
+        area = edge_shares(self._model, deformed, touching, part)[nodes]
         beside = edge_shares(self._model, deformed, edges)[nodes]
         push = np.maximum(np.einsum("ni,ni->n", normal, reaction[nodes]), 0.0)
         segment = contact.segment[face, place]
@@ -185,7 +238,15 @@ class Friction:
             on_diagonal = np.where(turned_round, np.minimum(chord / np.maximum(way, 1e-300), stiffness), on_diagonal)
         self._slip_before[place], self._force_before[place] = slip, force
         self._used[place] = np.abs(force) / np.maximum(limit, 1e-300)
-        return FrictionForces(nodes, tool, tangent, slip, force, on_diagonal, slope)
+        # 4. what depends on areas: the limit by the part that touches, the spring by all edges beside
+        by_limit, by_spring = (np.zeros_like(deformed) for _ in range(2))
+        at_limit, spring_only = slides & (by_shear <= by_push), ~slides
+        by_limit[nodes[at_limit]] = (force / np.maximum(area, 1e-300))[at_limit, None] * tangent[at_limit]
+        of_spring = (force - state_n[ContactArrays].drag[place]) / np.maximum(beside, 1e-300)
+        by_spring[nodes[spring_only]] = of_spring[spring_only, None] * tangent[spring_only]
+        by_area = ByArea(touching, part, by_limit), ByArea(edges, np.ones(len(edges)), by_spring)
+        depth = None if self._model.analysis == "axisymmetric" else self._model.depth
+        return FrictionForces(nodes, tool, tangent, slip, force, on_diagonal, slope, deformed, depth, by_area)
 
     def _tangent(
         self, place: IndexArray, limit: FloatArray, stiffness: FloatArray, slides: BoolArray, slope: FloatArray

@@ -158,6 +158,12 @@ class PlaneTools(Interaction):
         free = constraints.turned == 1
         return self.friction.evaluate(state_n, trial, point.guess.displacement, point.reaction, free)
 
+    def find_area_blocks(
+        self, point: Point, own: Forces | None, resistance: FrictionForces | None
+    ) -> tuple[IntArray, FloatArray]:
+        """Return how friction depends on the areas of edges."""
+        return resistance.find_area_blocks() if resistance else super().find_area_blocks(point, own, resistance)
+
     def tune(self, trial: State, point: Point, *, pull: float, credible: float) -> int:
         """Find better parts of constant shear where nodes neither push nor lift off."""
         fixed, drag = self._supports.fixed(point.guess.step.stage), self.friction.drag

@@ -35,7 +35,7 @@ from presswork.interaction.floating_space_tools import FloatingSpaceTools
 from presswork.interaction.resting import SOFT, RestingBody, find_loose
 from presswork.interaction.space_contact import STEEPEST, SpaceContact, SpaceForces, TouchingNodes, limit_friction
 from presswork.interaction.tool_arrays import SpaceToolArrays
-from presswork.mesh.faces import nodal_normals, take_bearing
+from presswork.mesh.faces import nodal_normals, press_faces, take_bearing
 from presswork.model import FloatArray, IndexArray, IntArray, Model, Tool, Triangulation
 from presswork.state import State
 
@@ -51,6 +51,8 @@ SUDDEN, GIVES = 0.2, 1e-4
 iteration: where a blow begins, the force rises as steeply as the springs give."""
 OF_SMALLEST = 0.5
 """Of the smallest cell: spacing of the lattice by which edges of tools are rounded where meshes change."""
+AT_LIMIT = 1e-9
+"""Part of its limit by which friction may be less and yet count as at it."""
 ROUNDING = 1e-4
 """Gap, over the same length, below which a node begins to touch."""
 
@@ -240,6 +242,28 @@ class SolidContact(SpaceContact):
     def take_over(self, own: SpaceForces) -> None:
         """Take the multipliers over."""
         self._multiplier = np.linalg.norm(own.by_tool - own.friction, axis=2)
+
+    def find_area_blocks(self, x: FloatArray, own: SpaceForces) -> tuple[IntArray, FloatArray]:
+        """Return how friction at the limit of constant shear depends on the areas of faces (space_contact.py)."""
+        faces, part = self._covered
+        if not self._needs_shear or not len(faces):
+            return super().find_area_blocks(x, own)
+        by_place = press_faces(x, faces, 1.0)[1]  # of area vectors, by the places of nodes
+        covered, blocks = nodal_normals(x, faces, part), np.zeros_like(by_place)
+        for tool, by_tool, friction in zip(self._model.space_tools, own.by_tool, own.friction, strict=True):
+            if tool.friction.law not in ("shear", "coulomb_capped"):
+                continue
+            push, size = (np.linalg.norm(f, axis=1, keepdims=True) for f in (by_tool - friction, friction))
+            out, along = (f / np.maximum(s, 1e-300) for f, s in ((by_tool - friction, push), (friction, size)))
+            shear = float(tool.friction.m) * self._shear_flow[:, None]
+            limit = shear * _project(covered, out)[:, None]
+            along = np.where((size > 0.0) & (size >= (1.0 - AT_LIMIT) * limit), along, 0.0)
+            by_area = np.einsum("fai,fabij->fabj", (shear * out)[faces], by_place)
+            blocks += part[:, None, None, None, None] * along[faces][:, :, None, :, None] * by_area[:, :, :, None, :]
+        nodes = np.broadcast_to(faces[:, :, None], blocks.shape[:3])
+        pairs = np.stack([nodes, np.swapaxes(nodes, 1, 2)], axis=-1).reshape(-1, 2)
+        acts = blocks.any(axis=(3, 4)).ravel()
+        return np.ascontiguousarray(pairs[acts]), np.ascontiguousarray(blocks.reshape(-1, 3, 3)[acts])
 
     def touch_like(self, other: SpaceContact) -> None:
         """Let nodes stick that stick in another run, and the faces shear whose area it has settled."""

@@ -358,6 +358,10 @@ class SpaceContact:
         """Take multipliers over in equilibrium if they are not good enough yet."""
         return False
 
+    def find_area_blocks(self, x: FloatArray, own: SpaceForces) -> tuple[IntArray, FloatArray]:
+        """Return how the friction that was found depends on areas of faces: pairs (n, 2), blocks (n, 3, 3) [N/mm]."""
+        return np.zeros((0, 2), dtype=np.int32), np.zeros((0, 3, 3))
+
     def take_over(self, own: SpaceForces) -> None:
         """Take the multipliers over, if there are any."""
 

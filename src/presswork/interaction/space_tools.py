@@ -20,7 +20,7 @@ from presswork.interaction.solid_contact import SolidContact
 from presswork.interaction.space_contact import SpaceForces
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.interaction.tool_course import ToolCourse
-from presswork.model import FloatArray, IndexArray, Model, ToolMotion, find_direction
+from presswork.model import FloatArray, IndexArray, IntArray, Model, ToolMotion, find_direction
 from presswork.outcome import GaveUpError, Step
 from presswork.state import Arrays, State
 
@@ -158,6 +158,10 @@ class SpaceTools(Interaction):
         if not self.floating.pushes(stage):
             return None
         return self.floating.find_border(own, stage, point.reaction, respond)
+
+    def find_area_blocks(self, point: Point, own: Any, resistance: Any) -> tuple[IntArray, FloatArray]:
+        """Return how friction depends on the areas of faces."""
+        return self.contact.find_area_blocks(self._model.mesh.points + point.guess.displacement[:, :3], own)
 
     def augment_like(self, trial: State, own: Any) -> None:
         """Take multipliers over as another run has done."""

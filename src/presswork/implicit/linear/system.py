@@ -200,6 +200,11 @@ class LinearSystem:
         if self._analysed is not self._mechanics.assembler:
             self._analyse()
         self._assemble(constraints, point, resistances)
+        for interaction, forces, resistance in zip(self._interactions, point.forces, resistances, strict=True):
+            pairs, blocks = interaction.find_area_blocks(point, forces, resistance)
+            if len(pairs):
+                blocks = _widen(blocks, self._mechanics.freedoms)
+                self._mechanics.assembler.add_blocks(pairs, blocks, constraints.turned, constraints.frames, self.data)
         pattern = (self._analysed.indices, self._analysed.indptr)
         return scipy.sparse.csr_matrix((self.data, *pattern), shape=(len(pattern[1]) - 1,) * 2)
 
