@@ -46,7 +46,7 @@ struct OnePointShells : Elements<Real> {
     if constexpr (corners == 4) {
       shell4::Geometry<Real> g;
       shell4::measure(x, inverse, g);
-      return shell4::bound_frequency(law.young, law.poisson, g, thickness, mass, ratio) * shell4::stabilized_excess(g);
+      return shell4::bound_stabilized(law.young, law.poisson, g, thickness, mass, ratio);
     } else {
       shell3::Sides<Real> sides;
       shell3::measure_sides(x, inverse, sides);

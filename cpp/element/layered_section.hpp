@@ -172,8 +172,9 @@ struct FastMises : TabulatedMises {
   }
 
   template <class T>
-  PRESSWORK_DEVICE T advance(T sum, T difference, T shear, const LayerConditions<T>&, int, T* state) const {
-    return TabulatedMises::advance(sum, difference, shear, state);
+  PRESSWORK_INLINE T advance(T sum, T difference, T shear, const LayerConditions<T>&, int, T* state,
+                             T* squares = nullptr) const {
+    return TabulatedMises::advance(sum, difference, shear, state, squares);
   }
 };
 
@@ -255,6 +256,25 @@ PRESSWORK_INLINE T mises_square(T sum, T difference, T shear) {
   return T(0.25) * sum * sum + T(0.75) * difference * difference + T(3.0) * shear * shear;
 }
 
+// Advance layer k; gives the increment of thickness strain. squares, unless null: of von Mises' stress of the elastic
+// trial and after the increment.
+template <class T, class Law>
+PRESSWORK_INLINE T advance_layer(const Law& law, T sum, T difference, T shear, const LayerConditions<T>& now, int k,
+                                 T* point, T* squares) {
+  if constexpr (std::is_same_v<Law, FastMises>) {
+    return law.advance(sum, difference, shear, now, k, point, squares);
+  } else {
+    if (squares) {
+      const T young = law.young_at(point), d = young * T(1.0 / (1.0 + law.poisson));
+      squares[0] = mises_square(point[0] + young * T(1.0 / (1.0 - law.poisson)) * sum, point[1] + d * difference,
+                                point[2] + T(0.5) * d * shear);
+    }
+    const T across = law.advance(sum, difference, shear, now, k, point);
+    if (squares) squares[1] = mises_square(point[0], point[1], point[2]);
+    return across;
+  }
+}
+
 // Advance all layers by the increments of membrane strain and curvature [1/mm]; layers: LayersInRow or LayersApart, in
 // place.
 // retained, unless null: what plastic flow leaves of stress beside that at the centre, as means over the layers of von
@@ -273,15 +293,12 @@ PRESSWORK_INLINE void advance_section(const Law& law, const LayerRule& rule, con
     T sum = membrane[0] + height * bend[0], difference = membrane[1] + height * bend[1];
     T shear = membrane[2] + height * bend[2];
     T before[3] = {point[0], point[1], point[2]};
-    const T young = retained ? law.young_at(point) : T(0.0);
-    across += weight * law.advance(sum, difference, shear, now, k, point);
+    T squares[2];
+    across += weight * advance_layer(law, sum, difference, shear, now, k, point, retained ? squares : nullptr);
     if (retained) {
-      T s = before[0] + young * T(1.0 / (1.0 - law.poisson)) * sum, d = young * T(1.0 / (1.0 + law.poisson));
-      T tried = weight * mises_square(s, before[1] + d * difference, before[2] + T(0.5) * d * shear);
-      T now = weight * mises_square(point[0], point[1], point[2]);
-      T square = height * height;
-      trial[0] += tried, trial[1] += square * tried;
-      found[0] += now, found[1] += square * now;
+      const T of_bending = weight * height * height;
+      trial[0] += weight * squares[0], trial[1] += of_bending * squares[0];
+      found[0] += weight * squares[1], found[1] += of_bending * squares[1];
     }
     // stress : strain = (sums + differences)/2 + shear
     work += weight * (T(0.5) * ((before[0] + point[0]) * sum + (before[1] + point[1]) * difference) +

@@ -244,21 +244,28 @@ void hourglass_viscosities(const ShellControl& control, double dt, double young,
   k[3] = k[4] = T(control.rotation / 12.0) * base * squared;
 }
 
-// Bound of the highest frequency squared of an element of this mass, its rotary inertia alpha times that. Membrane:
-// with G the matrix b b^T and g1 > g2 its eigenvalues, 4 c^2 (g1 + nu g2), exact for a rectangle; bending and shear as
-// a sum, in which the projection of shear on the edges weighs rotations more the more the element is out of line.
+template <class T>
+PRESSWORK_DEVICE void measure_gradients(const Geometry<T>& g, T& g1, T& g2) {  // eigenvalues of b b^T, g1 > g2
+  T xx = g.bx[0] * g.bx[0] + g.bx[1] * g.bx[1], yy = g.by[0] * g.by[0] + g.by[1] * g.by[1];
+  T xy = g.bx[0] * g.by[0] + g.bx[1] * g.by[1], root = square_root((xx - yy) * (xx - yy) + T(4.0) * xy * xy);
+  g1 = xx + yy + root, g2 = xx + yy - root;
+}
+
+// Highest frequency squared of shear, its projection weighing rotations more the more the element is out of line.
+template <class T>
+PRESSWORK_DEVICE T shear_frequency(double poisson, const Geometry<T>& g, T g1, T g2, T specific, T alpha) {
+  T projected = T(1.0) + T(0.25) * (g1 + g2) * (g.H[0] * g.H[0] + g.H[1] * g.H[1]);
+  return T(0.5 * shear_factor / (1.0 + poisson)) * specific * (T(4.0) * g1 + projected / alpha);
+}
+
+// Bound of the highest frequency squared; alpha: rotary inertia over mass. Membrane: 4 c^2 (g1 + nu g2).
 template <class T>
 PRESSWORK_DEVICE T bound_frequency(double young, double poisson, const Geometry<T>& g, T thickness, T mass, T alpha) {
-  T gxx = T(2.0) * (g.bx[0] * g.bx[0] + g.bx[1] * g.bx[1]), gyy = T(2.0) * (g.by[0] * g.by[0] + g.by[1] * g.by[1]);
-  T gxy = T(2.0) * (g.bx[0] * g.by[0] + g.bx[1] * g.by[1]), gap = gxx - gyy;
-  T root = square_root(gap * gap + T(4.0) * gxy * gxy), mean = T(0.5) * (gxx + gyy);
-  T g1 = mean + T(0.5) * root, g2 = mean - T(0.5) * root, over = T(1.0) / alpha;
-  T specific = T(young) * g.area * thickness / mass;  // modulus over density
+  T g1, g2, specific = T(young) * g.area * thickness / mass;
+  measure_gradients(g, g1, g2);
   T membrane = T(4.0 / (1.0 - poisson * poisson)) * specific * (g1 + T(poisson) * g2);
-  T bending = membrane * thickness * thickness * T(1.0 / 12.0) * over;
-  T projected = T(1.0) + T(0.25) * (gxx + gyy) * (g.H[0] * g.H[0] + g.H[1] * g.H[1]);
-  T shear = T(0.5 * shear_factor / (1.0 + poisson)) * specific * (T(4.0) * g1 + projected * over);
-  return larger(membrane, bending + shear);
+  return larger(membrane, membrane * thickness * thickness / (T(12.0) * alpha) +
+                              shear_frequency(poisson, g, g1, g2, specific, alpha));
 }
 
 // Nodal forces and moments from resultants; force: (4, 6) in global axes.

@@ -60,12 +60,27 @@ PRESSWORK_INLINE void measure_centre(const T x[4][3], const T inverse[4], Centre
   }
 }
 
-// Factor of bound_frequency: hourglass stresses couple to constant strains by h^1 and h^2. Found by eigenvalues.
+// Bound of the highest frequency squared; mass and alpha as in bound_frequency. On a flat parallelogram membrane,
+// shear, and bending with the hourglass of shear are modes apart, and the membrane's is 2 c^2 (g1 + g2 + sqrt((g1 -
+// g2)^2 + 4 nu^2 g1 g2)). What skew and warping couple is a factor found by eigenvalues of random shapes.
 template <class T>
-PRESSWORK_DEVICE T stabilized_excess(const Geometry<T>& g) {
-  T first = T(0.5) * (g.H[0] * (g.bx[1] - g.bx[0]) + g.H[1] * (g.by[1] - g.by[0]));
-  T second = T(0.5) * (g.H[0] * (g.bx[0] + g.bx[1]) + g.H[1] * (g.by[0] + g.by[1]));
-  return T(1.0) + T(0.2) * (larger(first, -first) + larger(second, -second));
+PRESSWORK_DEVICE T bound_stabilized(double young, double poisson, const Geometry<T>& g, T thickness, T mass, T alpha) {
+  T g1, g2, specific = T(young) * g.area * thickness / mass, over(0.0), skew[2];
+  measure_gradients(g, g1, g2);
+  for (int k = 0; k < 2; ++k) {
+    const T sign(k == 0 ? -1.0 : 1.0);
+    const T x = T(0.25) * (g.p[0] + sign * g.q[0]), y = T(0.25) * (g.p[1] + sign * g.q[1]);
+    over += T(1.0) / (x * x + y * y);
+    skew[k] = T(0.5) * (g.H[0] * (g.bx[1] + sign * g.bx[0]) + g.H[1] * (g.by[1] + sign * g.by[0]));
+  }
+  const T root = square_root((g1 - g2) * (g1 - g2) + T(4.0 * poisson * poisson) * g1 * g2);
+  const T membrane = T(2.0 / (1.0 - poisson * poisson)) * specific * (g1 + g2 + root);
+  const T bending = membrane * thickness * thickness * T(1.0 / 12.0) / alpha;
+  const T hourglass = T(shear_factor / (6.0 * (1.0 + poisson))) * specific * (T(1.0) / alpha + over);
+  const T excess =
+      T(1.0) + T(0.2) * (larger(skew[0], -skew[0]) + larger(skew[1], -skew[1])) + T(0.4) * (g1 + g2) * g.H[2] * g.H[2];
+  const T flat = larger(shear_frequency(poisson, g, g1, g2, specific, alpha), bending + hourglass);
+  return larger(membrane, flat) * excess;
 }
 
 // Sum, difference and shear of an in-plane tensor, from and to components.

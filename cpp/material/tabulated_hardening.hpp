@@ -35,6 +35,7 @@ struct TabulatedHardening {
       T t = x - left;
       return c[1] + t * (T(2.0) * c[2] + T(3.0) * t * c[3]);
     }
+    PRESSWORK_DEVICE T half_curvature(T x) const { return c[2] + T(3.0) * (x - left) * c[3]; }
   };
   PRESSWORK_DEVICE double shift() const { return offset; }
   // Flow stress and slope at equivalent plastic strain p.
@@ -70,7 +71,7 @@ struct TabulatedHardening {
     piece.width = std::bit_cast<float>((row + start + 1) << shift) - piece.left;
   }
   template <class Real>
-  void find(PackOf<Real> x, Piece<PackOf<Real>>& piece) const {
+  [[gnu::always_inline]] void find(PackOf<Real> x, Piece<PackOf<Real>>& piece) const {
     using P = PackOf<Real>;
     using Integer = typename P::Integer;
     const int shift = (sizeof(Real) == 8 ? 52 : 23) - bits;
@@ -83,6 +84,12 @@ struct TabulatedHardening {
     load_records<4>(from, piece.c);
     piece.left = P(std::bit_cast<typename P::Vector>((row + start) << shift));
     piece.width = P(std::bit_cast<typename P::Vector>((row + start + 1) << shift)) - piece.left;
+  }
+
+  // The same, called.
+  template <class T>
+  PRESSWORK_CALLED void find_anew(T x, Piece<T>& piece) const {
+    find(x, piece);
   }
 
   PRESSWORK_DEVICE std::int64_t row_of(double x) const {

@@ -94,8 +94,9 @@ def test_a_strip_blank_between_two_planes_is_a_slice_of_a_wide_one(cells, tmp_pa
 
 
 def test_motion_ends_where_the_case_says_and_the_energies_balance(pulled) -> None:
-    right = pulled.mesh.points[:, 0] > 9.99
-    np.testing.assert_allclose(pulled.field("displacement")[right, 0], 1.0, rtol=1e-12)
+    """Within what rounding a place of 11 mm in every cycle can add up to."""
+    right, rounding = pulled.mesh.points[:, 0] > 9.99, 0.5 * np.spacing(11.0) * pulled.summary["cycles"]
+    np.testing.assert_allclose(pulled.field("displacement")[right, 0], 1.0, rtol=0, atol=rounding)
     history = pulled.history
     assert len(history["time"]) == 20
     assert history["cycles"][-1] == pulled.summary["cycles"]

@@ -56,6 +56,7 @@ void ToolContact::list_tool(int number, std::vector<StateField>& fields) {
                         auto* row = reinterpret_cast<Pack*>(&of.packs[slot / width]);
                         for (int r = 0; r < rows; ++r) row[r].set(static_cast<int>(slot % width), *from++);
                       }
+                      of.look_again();
                       for (int node : left_) leave(number, node);
                     }});
   fields.push_back(row_field(owner, "hint", of.hint.data(), of.hint.size()));
@@ -78,6 +79,7 @@ void ToolContact::take_pairs(int tool, const double* from, const int* hint) {
     for (int r = 0; r < rows; ++r) row[r].set(node % width, from[std::size_t(r) * n_nodes_ + node]);
     of.hint[node] = hint[node];
   }
+  of.look_again();
 }
 
 void EdgeContact::list_state(int tool, const std::string& owner, std::vector<StateField>& fields) {

@@ -43,7 +43,8 @@ void ToolContact::add(std::shared_ptr<const contact::ToolSurface> surface, const
   const int slots = fill(n_nodes_);
   Touching off;
   std::memset(static_cast<void*>(&off), 0, sizeof off);
-  pairs_.push_back({std::vector<Touching>(slots / width, off), std::vector<int>(slots, -1)});
+  pairs_.push_back({std::vector<Touching>(slots / width, off), std::vector<int>(slots, -1),
+                    std::vector<double>(slots / width, 0.0)});
   for (int slot = 0; slot < slots; ++slot)
     if (slot >= n_nodes_ || node_start_[slot] == node_start_[slot + 1])
       pairs_.back().packs[slot / width].wake.set(slot % width, never);
@@ -92,6 +93,7 @@ void ToolContact::place(int tool, const double displacement[3]) {
     p.left = Pack(0.0);
     p.wake = select(p.wake < Pack(never), Pack(0.0), p.wake);
   }
+  pairs_[tool].look_again();
   edges_.wake(tool);
 }
 
@@ -150,6 +152,7 @@ void ToolContact::inherit(const ToolContact& from, const int* parents) {
     }
   }
   for (std::size_t t = 0; t < tools.size(); ++t) {
+    pairs_[t].look_again();
     Tool& tool = tools[t];
     const Tool& other = from.tools[t];
     for (int i = 0; i < 3; ++i) {

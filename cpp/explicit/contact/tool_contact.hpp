@@ -154,7 +154,14 @@ class ToolContact {
   static constexpr int rows = pair_rows;
   struct Pairs {
     std::vector<Touching> packs;
-    std::vector<int> hint;  // of each slot
+    std::vector<int> hint;     // of each slot
+    std::vector<double> wake;  // of packs: until the tool's travel reaches it no lane is awake
+    bool may_be_awake(std::size_t pack, double travel) const { return wake[pack] <= travel; }
+    void let_sleep(std::size_t pack) {
+      wake[pack] = packs[pack].wake[0];
+      for (int lane = 1; lane < width; ++lane) wake[pack] = std::min(wake[pack], packs[pack].wake[lane]);
+    }
+    void look_again() { std::fill(wake.begin(), wake.end(), 0.0); }
   };
   // Slots: nodes, filled up to whole groups.
   static int fill(int n) { return (n + group - 1) / group * group; }
@@ -247,17 +254,23 @@ bool ToolContact::visit_pack(int slot, const View& sheet, int first_tool, int c,
   Pack x[4], v[4];
   Pinch pinch;
   pinch.excess = pinch.force = Pack(0.0), pinch.tool[0] = pinch.tool[1] = Pack(-1.0);
-  const auto is_awake = [&](std::size_t t) { return pairs_[t].packs[slot / width].wake.v <= Pack(tools[t].travel).v; };
+  const std::size_t pack = slot / width, ahead = std::min<std::size_t>(pack + 2, (n_nodes_ - 1) / width);
+  const auto is_awake = [&](std::size_t t) { return pairs_[t].packs[pack].wake.v <= Pack(tools[t].travel).v; };
   const auto way_on = [&](std::size_t t, Pack dx[3]) {
     for (int i = 0; i < 3; ++i) dx[i] = Pack(sheet.dt) * (v[i] - Pack(tools[t].velocity[i]));
   };
   Pack dx[3];
   for (std::size_t t = first_tool; t < tools.size(); ++t) {
-    const Touching* pack = &pairs_[t].packs[slot / width];
-    for (int line = 0; line < static_cast<int>(sizeof(Touching) / 64); ++line)  // of the next but one
-      __builtin_prefetch(reinterpret_cast<const char*>(pack + 2) + 64 * line, 1);
+    Pairs& of = pairs_[t];
+    if (of.may_be_awake(ahead, tools[t].travel))
+      for (int line = 0; line < static_cast<int>(sizeof(Touching) / 64); ++line)
+        __builtin_prefetch(reinterpret_cast<const char*>(&of.packs[ahead]) + 64 * line, 1);
+    if (!of.may_be_awake(pack, tools[t].travel)) continue;
     const Mask awake = is_awake(t);
-    if (!any(awake)) continue;
+    if (!any(awake)) {
+      of.let_sleep(pack);
+      continue;
+    }
     if (!located) {
       alignas(64) double at[2][width][4];
       const double *places[width], *speeds[width];
@@ -280,6 +293,7 @@ bool ToolContact::visit_pack(int slot, const View& sheet, int first_tool, int c,
   if (located) {
     if (ironing_) pinch = find_pinch(slot, x, v, sheet.dt), squeeze(slot, last, sheet, pinch);
     for (std::size_t t = first_tool; t < tools.size(); ++t) {
+      if (!pairs_[t].may_be_awake(pack, tools[t].travel)) continue;
       const Mask awake = is_awake(t);
       if (!any(awake)) continue;
       way_on(t, dx);

@@ -98,9 +98,10 @@ struct Quadrilateral : OnePoint<4> {
   static T bound_frequency(double young, double poisson, const T x[4][3], const T* state, T mass, T ratio) {
     shell4::Geometry<T> g;
     shell4::measure(x, state + shell4::reference, g);
-    T bound = shell4::bound_frequency(young, poisson, g, state[shell4::thickness], mass, ratio);
-    if constexpr (treatment == ShellTreatment::stabilized) bound *= shell4::stabilized_excess(g);
-    return bound;
+    if constexpr (treatment == ShellTreatment::stabilized)
+      return shell4::bound_stabilized(young, poisson, g, state[shell4::thickness], mass, ratio);
+    else
+      return shell4::bound_frequency(young, poisson, g, state[shell4::thickness], mass, ratio);
   }
 };
 
