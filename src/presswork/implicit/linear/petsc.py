@@ -26,6 +26,8 @@ MOST = 400
 """Iterations after which the matrix is factorised instead."""
 LEVELS = {"pc_type": "gamg", "mg_levels_pc_type": "sor"}
 """Smoothed aggregation; on each level Chebyshev's method with each rank's symmetric sweeps."""
+PRODUCTS = {"matptap_via": "allatonce"}
+"""Coarse matrices are summed up in one order: PETSc's default adds what ranks send as it comes."""
 MOST_ON_ONE = 100_000
 """Rows that rank 0 factorises alone."""
 DISPLACEMENTS = 3
@@ -172,6 +174,10 @@ class PetscSolver:
 
     def _make_iterative(self) -> Any:
         """Return the solver by iteration."""
+        from petsc4py import PETSc
+
+        for name, value in PRODUCTS.items():
+            PETSc.Options()[name] = value
         has_pressure = self._assembler.freedoms > DISPLACEMENTS
         is_definite = self._assembler.symmetric and not has_pressure
         options = {"ksp_type": "cg" if is_definite else "fgmres", "ksp_gmres_restart": 100}
