@@ -35,7 +35,6 @@ TESTS = {
 """Of files `tests/KIND/test_NAME.py`."""
 BY_THE_LOOP = {
     "test_the_clock_of_phases_adds_up": "a device tells the time of a call, not of its phases",
-    "test_a_law_that_finds_no_stress_stops_the_run_with_its_shell": "a device stops, too, and names no shell",
     "test_blocks_that_do_not_touch_move_as_each_does_alone": "bits of shells beside solids, of the loop",
     "same_bits and tet4_nodal": "work is summed a call at a time: its last bits know where a run was cut",
 }

@@ -97,8 +97,7 @@ class BorrowedBlock {
     return std::visit([](const auto& of) { return of.first_slot; }, *view_);
   }
 
-  // Of solids: the first cell that has failed, and why, by the cycles from then on, as solids.hpp has it; 0 where none
-  // has.
+  // The first element that has failed, and why, by the cycles from then on, as elements.hpp has it; 0 where none has.
   std::pair<int, int> find_failed() const {
     const auto first =
         std::max_element(failed_.begin(), failed_.end(), [](int a, int b) { return a / reasons < b / reasons; });
@@ -109,14 +108,14 @@ class BorrowedBlock {
   std::vector<int> node;  // (corners, n)
 
  private:
-  void see_solids(const Elements<Real>& elements, const SpaceSolids& solids, const SpaceNodes<Real>& nodes) {
+  void see_solids(Elements<Real>& elements, const SpaceSolids& solids, const SpaceNodes<Real>& nodes) {
     const SpaceSection section = solids.section();
-    failed_.resize(elements.n);
+    see_failures(elements);
     for (int a = 0; a < own_.nodes_each(); ++a)
       for (int e = 0; e < own_.n(); ++e) nodal_mass_.push_back(solids.nodal_mass(e, a));
     std::visit(
         [&]<class Law>(const Law& law) {
-          const SolidElements<Law> of{elements, law, section.fraction, failed_.data(), nodal_mass_.data()};
+          const SolidElements<Law> of{elements, law, section.fraction, nodal_mass_.data()};
           if (section.kind == SpaceSection::Kind::one_point)
             view_ = OnePointHexahedra<Law>{of};
           else
@@ -168,8 +167,13 @@ class BorrowedBlock {
             criteria_.data(),
             flowed_.data()};
   }
-  void see_shells(const Elements<Real>& elements, const ShellSection& section) {
+  void see_failures(Elements<Real>& elements) {
+    failed_.resize(elements.n);
+    elements.failed = failed_.data();
+  }
+  void see_shells(Elements<Real>& elements, const ShellSection& section) {
     const auto see = [&]<class Law>(const Law& law) {
+      if (Law::can_fail) see_failures(elements);
       if (own_.nodes_each() == 4 && section.treatment == ShellTreatment::mitc)
         view_ = MitcShells<Real, Law>{elements, law, section.rule};
       else if (own_.nodes_each() == 4)
@@ -188,7 +192,7 @@ class BorrowedBlock {
   std::vector<double> flowed_;
   std::vector<std::vector<double>> damage_;  // by criterion (points, n)
   std::vector<Criterion> criteria_;
-  std::vector<int> failed_;                 // of solids (n)
+  std::vector<int> failed_;                 // (n)
   std::vector<double> nodal_mass_, nodal_;  // of solids (corners, n); of NodalVolumes
   std::vector<int> first_cell_, cell_;      // of NodalVolumes
   std::optional<Block<Real>> view_;

@@ -10,8 +10,11 @@
 
 #include "device/damage.hpp"
 #include "device/nodes.hpp"
+#include "material/umat.hpp"
 
 namespace presswork::device {
+
+using explicit_dynamics::reasons;
 
 // Arrays are as neighbouring lanes read them: a row is one number of every element. Corner a of element i has the slot
 // first_slot + a n + i.
@@ -25,7 +28,22 @@ struct Elements {
   double slower;                     // by which the process takes longer than it is computed
   int work_row, hourglass_row;       // of the state; -1: there are none
   const Real *mass, *inertia_ratio;  // (n) [t], [mm2]; null: of no stable step
+  int* failed = nullptr;             // (n): when and why each has failed; null: its law always finds a stress
   DamageOfBlock damage{};
+
+  // An element that fails in a cycle says why, and counts the cycles from that on: `reasons` times their number plus a
+  // LawStatus; 0 of one that has not failed. From the next cycle on no element that may fail is computed; the call
+  // ends, and then says which failed first.
+  PRESSWORK_INLINE void fail(const Nodes<Real>& nodes, int i, LawStatus why) const {
+    nodes.stop[1] = 1;
+    failed[i] = reasons + static_cast<int>(why);
+  }
+  // Whether an element, this one or another, has failed in a cycle before.
+  PRESSWORK_INLINE bool is_over(const Nodes<Real>& nodes, int i) const {
+    if (nodes.stop[0] == 0) return false;
+    if (failed[i] != 0) failed[i] += reasons;
+    return true;
+  }
 };
 
 // Positions of the corners less that of the first, since elements use differences alone, and velocities.

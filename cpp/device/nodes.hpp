@@ -35,7 +35,7 @@ struct Nodes {
   Real* corner_force;                // (6, n_slots): of the elements at their corners
   const int* first_along = nullptr;  // (n + 1) into along; null: no node is held along a direction
   const HeldAlong* along = nullptr;
-  int* stop = nullptr;            // (2): whether a solid has failed in a cycle before, and up to now
+  int* stop = nullptr;            // (2): whether an element has failed in a cycle before, and up to now
   const char* follows = nullptr;  // (n): nodes that others lead; null: there are none
 };
 

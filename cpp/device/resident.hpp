@@ -114,9 +114,8 @@ void Resident<Real>::list_elements(Kind& of) {
     arrays.add(damage.criterion, criteria.size(), Part::fixed),
         arrays.add(damage.flowed, damage.points * n, Part::elements);
   }
-  if constexpr (requires { of.failed; }) {
-    arrays.add(of.failed, n, Part::elements), arrays.add(of.nodal_mass, Kind::n_corners * n, Part::fixed);
-  }
+  if (of.failed) arrays.add(of.failed, n, Part::elements);
+  if constexpr (requires { of.nodal_mass; }) arrays.add(of.nodal_mass, Kind::n_corners * n, Part::fixed);
   if constexpr (requires { of.volumes; }) {
     NodalVolumes& volumes = of.volumes;
     const std::size_t nodes = problem.nodes.n;

@@ -9,32 +9,19 @@
 #include "element/hex_one_point.hpp"
 #include "element/tet_nodal.hpp"
 #include "material/elastic_plastic_update.hpp"
-#include "material/umat.hpp"
 
 namespace presswork::device {
 
-using explicit_dynamics::reasons;
-
-// What solids add to Elements. A cell that fails in a cycle says why, and counts the cycles from that on: `reasons`
-// times their number plus a LawStatus, `done` where it is turned inside out; 0 of one that has not failed. From the
-// next cycle on no solid is computed; the call ends, and then says which failed first.
+// What solids add to Elements. The status of a cell that is turned inside out is `done`.
 template <class OfLaw>
 struct SolidElements : Elements<double> {
   using Law = OfLaw;
   Law law;
   double fraction;           // of the shear modulus, of what holds motions that the points do not see
-  int* failed;               // (n)
   const double* nodal_mass;  // (corners, n) [t]
 
-  // Whether a cell, this one or another, has failed in a cycle before.
-  PRESSWORK_INLINE bool is_over(const Nodes<double>& nodes, int cell) const {
-    if (nodes.stop[0] == 0) return false;
-    if (failed[cell] != 0) failed[cell] += reasons;
-    return true;
-  }
   PRESSWORK_INLINE void fail(const Nodes<double>& nodes, int cell, bool inside_out) const {
-    nodes.stop[1] = 1;
-    failed[cell] = reasons + static_cast<int>(inside_out ? LawStatus::done : LawStatus::no_stress);
+    Elements<double>::fail(nodes, cell, inside_out ? LawStatus::done : LawStatus::no_stress);
   }
   PRESSWORK_INLINE double given_temperature(int cell) const {
     return this->temperature ? this->temperature[cell] : start_temperature(law);

@@ -76,7 +76,7 @@ struct Session<Real>::Own {
     if (loop.beads) beads.give_back();
     walls.give_back();
   }
-  // The first solid that has failed, n cycles after a call has begun; of several in a cycle the first in number.
+  // The first element that has failed, n cycles after a call has begun; of several in a cycle the first in number.
   Failure find_failure(int n_cycles) const {
     Failure failure;
     int longest = 0, number = 0;

@@ -27,7 +27,7 @@ struct Cycles {
   }
 };
 
-// A solid has failed in a cycle of a call, as Loop's: of several the first in number. The state is of no use then.
+// An element has failed in a cycle of a call, as Loop's: of several the first in number. The state is of no use then.
 struct Failure {
   int element = -1, status = 0, cycle = -1;
 };

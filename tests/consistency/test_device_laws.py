@@ -110,7 +110,7 @@ def test_damage_grows_as_by_the_loop_of_the_cpu(precision: Precision, element: E
     parameters = dict(zip(("d1", "d2", "d3", "d4", "d5"), (0.05, 3.44, -2.12, 0.002, 0.61), strict=True))
     parameters |= {"reference_rate": 1.0, "reference": 20.0, "melting": 1460.0}
     criteria = {"cockcroft_latham": {}, "rice_tracey": {"factor": 0.283, "exponent": 1.5}, "johnson_cook": parameters}
-    damage = tuple(DamageLaw(Damage(name, own)) for name, own in criteria.items())  # type: ignore[arg-type]
+    damage = tuple(DamageLaw(Damage(name, own)) for name, own in criteria.items())
     law = law_of("adiabatic heating")
     runs = [pull(d, law, precision, element=element, damage=damage) for d in ("cpu", "host")]
     for run in runs:
@@ -124,8 +124,13 @@ def test_damage_grows_as_by_the_loop_of_the_cpu(precision: Precision, element: E
         np.testing.assert_allclose(found[name], values, rtol=0, atol=AGREEMENT[precision] * values.max(), err_msg=name)
 
 
-def test_a_law_that_finds_no_stress_stops_the_run() -> None:
-    run = pull("host", law_of("hill1948"))
-    run.fix([40], "u", 5e7)
-    with pytest.raises(ExplicitError, match="material law"):
-        run.advance(100)
+@pytest.mark.parametrize("element", ["shell4_1pt", "shell4_mitc_plus"])
+def test_a_law_that_finds_no_stress_names_shell_and_cycle_as_the_loop_of_the_cpu(element: ExplicitElement) -> None:
+    found = []
+    for device in ("cpu", "host"):
+        run = pull(device, law_of("hill1948"), element=element)
+        run.fix([40], "u", 5e7)
+        with pytest.raises(ExplicitError, match=r"the material law of shell \d+ has failed in cycle \d+ ") as stop:
+            run.advance(100)
+        found.append(str(stop.value))
+    assert found[0] == found[1]

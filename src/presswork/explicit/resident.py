@@ -156,10 +156,7 @@ class ResidentLoop:
         *,
         damping: float = 0.0,
     ) -> tuple[int, _core.LawStatus, int]:
-        """Advance a cycle for each scale; return the solid that has failed, why, and in which cycle.
-
-        It is -1 where none has; a shell that fails leaves no number.
-        """
+        """Advance a cycle for each scale; return the element that has failed, why, and in which cycle; -1: none has."""
         session = self.enter()
         self._fresh.clear()
         try:
