@@ -43,12 +43,17 @@ void bind_for(nb::module_& m, const char* name) {
       .def("advance", &advance<Real>, nb::arg("dt"), nb::arg("dt_before"), nb::arg("force_scale"),
            nb::arg("velocity_scale"), nb::kw_only(), nb::arg("damping") = 0.0,
            "Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. "
-           "Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Stops where a "
+           "Gives the element that has failed, why, and in which cycle; it is -1 where none has. Stops where a "
            "place is not finite any more. Raises RuntimeError where the device does not.")
       .def_prop_ro("is_finite", &Session::is_finite, "Whether all places were finite after the last call.")
       .def("fetch", &Session::fetch, nb::arg("part"), "Take a part of the state into the loop.")
-      .def("fetch_thickness", &Session::fetch_thickness, "Of the elements the thickness of shells alone.")
-      .def("send_reaction", &Session::send_reaction, "Take the reactions of the loop there.")
+      .def("fetch_measures", &Session::fetch_measures,
+           "Of the elements the thickness of shells, and what point_measures gives of solids, alone.")
+      .def("clear_reaction", &Session::clear_reaction, "Sum up reactions anew.")
+      .def("send_walls", &Session::send_walls, "Let walls move as those of the loop do now.")
+      .def("send_given", &Session::send_given,
+           "Take temperatures and limits of friction there that are given now; False where it had none before.")
+      .def("send_sums", &Session::send_sums, "Take there what walls of the loop have pressed and rubbed.")
       .def(
           "energies",
           [](Session& self, double dt, double dt_before, double damping, double force_scale, double velocity_scale) {
@@ -70,7 +75,9 @@ void bind_device(nb::module_& m) {
       .value("host", device::Target::host, "the device code on the CPU, a lane after the other")
       .value("cuda", device::Target::cuda, "the first NVIDIA card");
   nb::enum_<Part>(m, "DevicePart", "Parts of the state that are taken from a device where they are asked for.")
+      .value("places", Part::places)
       .value("nodes", Part::nodes)
+      .value("sums", Part::sums)
       .value("reaction", Part::reaction)
       .value("elements", Part::elements)
       .value("contact", Part::contact);

@@ -144,6 +144,20 @@ void add_solids(SpaceLoop<double>& self, const std::string& element, Ints cells,
   self.add_solids(make_space_solids(element, std::move(list), self.nodes, std::move(own), density, hourglass_fraction));
 }
 
+NewDoubles point_measures(SpaceLoop<double>& self, int number) {
+  require(number >= 0 && std::size_t(number) < self.blocks.size() && !self.is_sheet(number),
+          "there is no block of solids of this number");
+  const auto& block = *self.blocks[number];
+  const auto layout = block.layout();
+  const std::size_t width = std::min(layout.rows, explicit_dynamics::point_measures);
+  double* to;
+  NewDoubles made = new_array({std::size_t(block.n()), std::size_t(layout.count), width}, &to);
+  for (int e = 0; e < block.n(); ++e)
+    for (int q = 0; q < layout.count; ++q)
+      for (std::size_t i = 0; i < width; ++i) *to++ = block.value(e, layout.first + q * layout.rows + int(i));
+  return made;
+}
+
 using Vector3 = std::array<double, 3>;
 Vector3 copy_vector(const double v[3]) { return {v[0], v[1], v[2]}; }
 void set_vector(const Vector3& from, double to[3]) { std::copy(from.begin(), from.end(), to); }
@@ -382,6 +396,9 @@ void bind_explicit_space(nb::module_& m) {
       bind_space<double>(m, "SpaceLoop", "Central differences for shells and solids in space; mm, s, t, N, MPa.");
   bind_walls(loop);
   bind_contacts(loop);
+  loop.def("point_measures", &point_measures, nb::arg("block"),
+           "Stress (6), equivalent plastic strain and, of a law that heats, its rise of temperature at the points of a "
+           "block of solids (n, points, 7 or 8).");
   loop.def("add_solids", &add_solids, nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"),
            nb::arg("hourglass_fraction"), nb::arg("around"),
            "Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. "

@@ -24,7 +24,7 @@ SHELLS = {
     "mitc": ("10MitcShells", ""),
 }
 LAWS = {"": "9FastMises", "_of_any_law": "12GeneralSheet"}
-MEASURES = {"settle": "6Settle", "half_step": "8HalfStep", "work": "14WorkOfElements"}
+MEASURES = {"settle": "6Settle", "half_step": "8HalfStep", "work": "14WorkOfElements", "farthest": "8Farthest"}
 KERNELS = {
     "move_nodes": "10move_nodesI([df])",
     **{

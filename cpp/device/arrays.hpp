@@ -23,6 +23,7 @@ class Memory {
   virtual void send(void* to, const void* from, std::size_t bytes) = 0;
   virtual void fetch(void* to, const void* from, std::size_t bytes) = 0;
   virtual void copy(void* to, const void* from, std::size_t bytes) = 0;  // from one place of it to another
+  virtual void clear(void* at, std::size_t bytes) = 0;
   // What it has free, and in all [bytes].
   virtual void measure(double& free, double& all) = 0;
 };
@@ -40,6 +41,7 @@ class HostMemory final : public Memory {
   void send(void* to, const void* from, std::size_t bytes) override { std::memcpy(to, from, bytes); }
   void fetch(void* to, const void* from, std::size_t bytes) override { std::memcpy(to, from, bytes); }
   void copy(void* to, const void* from, std::size_t bytes) override { std::memcpy(to, from, bytes); }
+  void clear(void* at, std::size_t bytes) override { std::memset(at, 0, bytes); }
   void measure(double& free, double& all) override { free = all = limit_; }
 
  private:
@@ -50,11 +52,14 @@ class HostMemory final : public Memory {
 // What an array is, by when it is taken there and back.
 enum class Part {
   fixed,     // taken there once
+  given,     // what is given from outside between calls: temperatures, limits of friction
   scratch,   // never
   clock,     // taken there before each call
   table,     // the same, rows of the cycles of a call
   little,    // a handful of numbers, taken back after each call
-  nodes,     // these where they are asked for: places, velocities, forces of nodes
+  places,    // these where they are asked for: places of nodes
+  nodes,     // their velocities and forces
+  sums,      // what walls have pressed and rubbed at them
   reaction,  // impulses of what holds nodes
   elements,  // state of elements
   contact    // what nodes and edges remember of tools
@@ -119,6 +124,10 @@ class Arrays {
   void fetch(Part part) {
     for (const Copy& each : copies_)
       if (each.part == part) fetch(each.host, each.there, each.bytes);
+  }
+  void clear(Part part) {
+    for (const Copy& each : copies_)
+      if (each.part == part) memory_.clear(each.there, each.bytes);
   }
   // Bytes from anywhere there.
   void fetch(void* to, const void* there, std::size_t bytes) {

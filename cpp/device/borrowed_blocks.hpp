@@ -55,9 +55,7 @@ class BorrowedBlock {
     }
     const std::size_t points = own_.has_temperatures() ? own_.n_temperatures() : 0;
     temperature_.resize(points * n);
-    for (std::size_t e = 0; e < n; ++e)
-      for (std::size_t k = 0; k < points; ++k)
-        temperature_[k * n + e] = static_cast<Real>(own_.temperature(int(e), int(k)));
+    take_temperatures();
     Elements<Real> elements{own_.n(),
                             own_.n_rows(),
                             first_slot,
@@ -89,6 +87,14 @@ class BorrowedBlock {
   }
   void give_back_row(int r) const {
     for (int e = 0; e < n(); ++e) own_.set_value(e, r, double(state_[std::size_t(r) * n() + e]));
+  }
+  // Those that are given now; false where none were when the block was borrowed.
+  bool take_temperatures() {
+    if (temperature_.empty()) return !own_.has_temperatures();
+    for (int e = 0; e < n(); ++e)
+      for (int k = 0; k < own_.n_temperatures(); ++k)
+        temperature_[std::size_t(k) * n() + e] = static_cast<Real>(own_.temperature(e, k));
+    return true;
   }
   Real* row(int r) { return &state_[std::size_t(r) * n()]; }
   const Block<Real>& view() const { return *view_; }

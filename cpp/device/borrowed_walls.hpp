@@ -2,7 +2,6 @@
 // Rigid tools of solids and ties of a loop as a device takes them, and what goes back into the loop.
 #pragma once
 
-#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -28,7 +27,7 @@ struct BorrowedWalls {
     own = &from;
     for (const auto& each : from) surface.push_back(BorrowedTools::see(each->surface())), node.push_back(each->lend());
     body.resize(from.size()), work.assign(2 * std::size_t(nodes.n), 0.0);
-    begin(nodes);
+    follow();
     view = {static_cast<int>(from.size()),
             nodes.touches_walls.data(),
             body.data(),
@@ -38,15 +37,18 @@ struct BorrowedWalls {
             nullptr,
             nullptr};
   }
-  bool spins() const {
-    return std::any_of(body.begin(), body.end(), [](const WallBody& each) { return each.motion.spin != 0.0; });
+  // They move from now on as the loop's do.
+  void follow() {
+    for (std::size_t i = 0; i < body.size(); ++i) body[i] = *(*own)[i];
   }
-  // As before cycles of the loop, where nodes are as they are.
-  void begin(explicit_dynamics::SpaceNodes<double>& nodes) {
-    for (std::size_t i = 0; i < body.size(); ++i) (*own)[i]->begin(nodes, 0), body[i] = *(*own)[i];
+  // Whether their limits of friction are where they were when they were borrowed.
+  bool knows_limits() const {
+    for (std::size_t i = 0; i < body.size(); ++i)
+      if (node[i].friction_limit != (*own)[i]->lend().friction_limit) return false;
+    return true;
   }
   void give_back() const {
-    for (std::size_t i = 0; i < body.size(); ++i) static_cast<WallBody&>(*(*own)[i]) = body[i];
+    for (std::size_t i = 0; i < body.size(); ++i) (*own)[i]->go_where(body[i]);
   }
 };
 

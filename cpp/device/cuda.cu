@@ -34,6 +34,7 @@ class CardMemory final : public Memory {
   void copy(void* to, const void* from, std::size_t bytes) override {
     check(cudaMemcpy(to, from, bytes, cudaMemcpyDeviceToDevice), "copy an array");
   }
+  void clear(void* at, std::size_t bytes) override { check(cudaMemset(at, 0, bytes), "clear an array"); }
   void measure(double& free, double& all) override {
     std::size_t left = 0, whole = 0;
     check(cudaMemGetInfo(&left, &whole), "tell its memory");

@@ -5,6 +5,7 @@
 //                                     room: between tools, of the nodes; null where no tool squeezes a sheet
 //   for_each_table(f)                 calls f(pointer, n) for the tables of its law, which lie in memory of their own
 //   bound(nodes, i)                   bound of an element's squared frequency [1/s2]
+//   first_measure, n_measures         static: rows of the state that rows of cycles are judged by
 // A kind of shells besides has thickness_row and spring_row, as the tools ask. Its Law names the kernel.
 #pragma once
 

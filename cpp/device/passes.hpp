@@ -138,6 +138,20 @@ struct WorkOfElements {
   }
 };
 
+// How far the farthest node is from the centre of a tool [mm].
+template <class Real>
+struct Farthest {
+  int n;
+  Nodes<Real> nodes;
+  explicit_dynamics::WallMotion tool;
+
+  PRESSWORK_INLINE Found operator()(int node) const {
+    Found found;
+    found.most = tool.distance(nodes.position + 4 * std::size_t(node));
+    return found;
+  }
+};
+
 // The largest bound of an element's squared frequency.
 template <class Real, class Kind>
 struct Bound {
@@ -156,8 +170,8 @@ template <class Real, class Blocks>
 struct PassesOver;
 template <class Real, class... Kinds>
 struct PassesOver<Real, std::variant<Kinds...>> {
-  using Type =
-      std::variant<Settle<Real>, HalfStep<Real>, Stored, StoredAtEdges, WorkOfElements<Real>, Bound<Real, Kinds>...>;
+  using Type = std::variant<Settle<Real>, HalfStep<Real>, Stored, StoredAtEdges, WorkOfElements<Real>, Farthest<Real>,
+                            Bound<Real, Kinds>...>;
 };
 template <class Real>
 using Pass = typename PassesOver<Real, Block<Real>>::Type;

@@ -73,7 +73,7 @@ void Resident<Real>::list() {
   Problem<Real>& p = problem;
   Nodes<Real>& nodes = p.nodes;
   const std::size_t n = nodes.n, slots = nodes.n_slots;
-  arrays.add(nodes.position, 4 * n, Part::nodes), arrays.add(nodes.motion, 8 * n, Part::nodes);
+  arrays.add(nodes.position, 4 * n, Part::places), arrays.add(nodes.motion, 8 * n, Part::nodes);
   arrays.add(nodes.internal_force, freedoms * n, Part::nodes), arrays.add(nodes.force, freedoms * n, Part::fixed);
   arrays.add(nodes.held, n, Part::fixed), arrays.add(nodes.prescribed, freedoms * n, Part::fixed);
   arrays.add(nodes.reaction_impulse, freedoms * n, Part::reaction), arrays.add(nodes.work, 2 * n, Part::fixed);
@@ -104,7 +104,7 @@ template <class Kind>
 void Resident<Real>::list_elements(Kind& of) {
   const std::size_t n = of.n;
   arrays.add(of.node, Kind::n_corners * n, Part::fixed), arrays.add(of.state, of.rows * n, Part::elements);
-  if (of.temperature) arrays.add(of.temperature, of.points * n, Part::fixed);
+  if (of.temperature) arrays.add(of.temperature, of.points * n, Part::given);
   if (of.mass) arrays.add(of.mass, n, Part::fixed), arrays.add(of.inertia_ratio, n, Part::fixed);
   if (of.damage.n_criteria > 0) {
     DamageOfBlock& damage = of.damage;
@@ -152,10 +152,10 @@ void Resident<Real>::list_walls() {
   wall_surfaces_.assign(walls.surface, walls.surface + n), wall_nodes_.assign(walls.node, walls.node + n);
   list_surfaces(wall_surfaces_);
   for (WallNodes& of : wall_nodes_) {
-    arrays.add(of.force, 3 * nodes, Part::contact), arrays.add(of.pressed, nodes, Part::contact);
-    arrays.add(of.rubbed, nodes, Part::contact), arrays.add(of.wake, nodes, Part::contact);
+    arrays.add(of.force, 3 * nodes, Part::contact), arrays.add(of.wake, nodes, Part::contact);
     arrays.add(of.hint, nodes, Part::contact);
-    if (of.friction_limit) arrays.add(of.friction_limit, nodes, Part::fixed);
+    arrays.add(of.pressed, nodes, Part::sums), arrays.add(of.rubbed, nodes, Part::sums);
+    if (of.friction_limit) arrays.add(of.friction_limit, nodes, Part::given);
   }
   walls.surface = wall_surfaces_.data(), walls.node = wall_nodes_.data();
   arrays.add(walls.surface, n, Part::fixed), arrays.add(walls.node, n, Part::fixed);

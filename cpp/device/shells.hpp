@@ -33,6 +33,7 @@ template <class Real, int corners, class OfLaw>
 struct OnePointShells : Elements<Real> {
   using Law = OfLaw;
   static constexpr int n_corners = corners, thickness_row = shell4::thickness, spring_row = shell4::spring;
+  static constexpr int first_measure = thickness_row, n_measures = 1;
   Law law;
   LayerRule rule;
 
@@ -83,6 +84,7 @@ template <class Real, class OfLaw>
 struct MitcShells : Elements<Real> {
   using Law = OfLaw;
   static constexpr int n_corners = 4, thickness_row = shell4_mitc::thickness, spring_row = shell4_mitc::spring;
+  static constexpr int first_measure = thickness_row, n_measures = 1;
   Law law;
   LayerRule rule;
 

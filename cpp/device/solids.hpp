@@ -32,6 +32,8 @@ struct SolidElements : Elements<double> {
   }
 };
 
+using explicit_dynamics::point_measures;
+
 // Values of a point at most.
 template <class Law>
 inline constexpr int most_values = most_point_values<6>;
@@ -42,6 +44,7 @@ template <class OfLaw>
 struct OnePointHexahedra : SolidElements<OfLaw> {
   using Kernel = HexOnePoint<double>;
   static constexpr int n_corners = 8, most_rows = Kernel::point + most_values<OfLaw>;
+  static constexpr int first_measure = Kernel::point, n_measures = point_measures;
 
   PRESSWORK_INLINE void advance(const Nodes<double>& nodes, const double*, double dt, int cell) const {
     if (this->is_over(nodes, cell)) return;
@@ -82,6 +85,7 @@ template <class OfLaw>
 struct NodalTetrahedra : SolidElements<OfLaw> {
   using Kernel = NodalTetrahedron<double>;
   static constexpr int n_corners = 4, most_rows = Kernel::point + most_values<OfLaw>;
+  static constexpr int first_measure = Kernel::point, n_measures = point_measures;
   NodalVolumes volumes;
 
   PRESSWORK_INLINE void measure_cell(const Nodes<double>& nodes, int cell) const {

@@ -126,12 +126,7 @@ template <class Real>
 Failure Session<Real>::advance(const Cycles& cycles) {
   const double start = omp_get_wtime();
   SpaceLoop<Real>& loop = own_->loop;
-  if constexpr (std::is_same_v<Real, double>)
-    if (own_->walls.spins()) {
-      fetch(Part::nodes);
-      own_->walls.begin(loop.nodes);
-      own_->there->arrays.send(Part::little);
-    }
+  find_radii();
   for (int first = 0; first < cycles.n; first += most_cycles) {
     const int n = std::min(most_cycles, cycles.n - first);
     for (int i = 0; i < n; ++i) own_->step[i] = cycles.step(first + i);
@@ -164,25 +159,60 @@ void Session<Real>::fetch(Part part) {
 }
 
 template <class Real>
-void Session<Real>::fetch_thickness() {
+void Session<Real>::fetch_measures() {
   Resident<Real>& there = *own_->there;
   for (std::size_t b = 0; b < own_->blocks.size(); ++b) {
     BorrowedBlock<Real>& block = *own_->blocks[b];
     std::visit(
-        [&]<class Kind>(const Kind& of) {
-          if constexpr (requires { Kind::thickness_row; }) {
-            constexpr int row = Kind::thickness_row;
-            there.arrays.fetch(block.row(row), of.state + std::size_t(row) * of.n, sizeof(Real) * of.n);
-            block.give_back_row(row);
-          }
+        [&](const auto& of) {
+          const int first = of.first_measure, end = std::min(of.rows, first + of.n_measures);
+          there.arrays.fetch(block.row(first), of.state + std::size_t(first) * of.n,
+                             sizeof(Real) * of.n * (end - first));
+          for (int row = first; row < end; ++row) block.give_back_row(row);
         },
         there.problem.block[b]);
   }
 }
 
 template <class Real>
-void Session<Real>::send_reaction() {
-  own_->there->arrays.send(Part::reaction);
+void Session<Real>::clear_reaction() {
+  own_->there->arrays.clear(Part::reaction);
+}
+
+template <class Real>
+void Session<Real>::send_walls() {
+  own_->walls.follow();
+  own_->there->arrays.send(Part::little);
+}
+
+template <class Real>
+bool Session<Real>::send_given() {
+  for (const auto& block : own_->blocks)
+    if (!block->take_temperatures()) return false;
+  if (!own_->walls.knows_limits()) return false;
+  own_->there->arrays.send(Part::given);
+  return true;
+}
+
+template <class Real>
+void Session<Real>::send_sums() {
+  own_->there->arrays.send(Part::sums);
+}
+
+// Of tools that turn, as before cycles of the loop.
+template <class Real>
+void Session<Real>::find_radii() {
+  BorrowedWalls& walls = own_->walls;
+  const auto& nodes = own_->there->problem.nodes;
+  bool turns = false;
+  for (WallBody& body : walls.body) {
+    body.radius = 0.0;
+    if (body.motion.spin == 0.0) continue;
+    turns = true;
+    const Found found = own_->there->sum_up(Farthest<Real>{nodes.n, nodes, body.motion});
+    body.radius = explicit_dynamics::widen_radius(found.most);
+  }
+  if (turns) own_->there->arrays.send(Part::little);
 }
 
 template <class Real>

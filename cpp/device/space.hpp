@@ -50,12 +50,18 @@ class Session {
   Failure advance(const Cycles& cycles);
   // Whether all nodes had finite places after the last call.
   bool is_finite() const { return finite_; }
-  // Take into the loop: places, velocities and forces of nodes; reactions; elements; what nodes remember of tools.
+  // Take into the loop: places of nodes; their velocities and forces; reactions; elements; what nodes remember of
+  // tools.
   void fetch(Part part);
-  // Of elements the thickness of shells alone.
-  void fetch_thickness();
-  // Take there what the loop has.
-  void send_reaction();
+  // Of elements what rows of cycles are judged by: thickness of shells; stress, plastic strain and heat of solids.
+  void fetch_measures();
+  // Reactions are summed up anew.
+  void clear_reaction();
+  // Take there how walls of the loop move now; what is given of temperatures and limits of friction, false where none
+  // were before; what walls have pressed and rubbed.
+  void send_walls();
+  bool send_given();
+  void send_sums();
   // Energies at the present time; step: the next.
   Energies energies(const Step& step);
   // The largest bound of a squared frequency [1/s2].
@@ -68,6 +74,8 @@ class Session {
   const Traffic& traffic() const;
 
  private:
+  void find_radii();
+
   struct Own;
   std::unique_ptr<Own> own_;
   bool finite_ = true;

@@ -6,6 +6,9 @@ namespace presswork::explicit_dynamics {
 
 // Why a cell has failed: `reasons` times its number plus this, a LawStatus; `done` where it is turned inside out.
 inline constexpr int reasons = 8;
+// Values of a solid's point that rows of cycles are judged by: stress (6), equivalent plastic strain, and the rise of
+// temperature of a law that heats.
+inline constexpr int point_measures = 8;
 
 // A cycle of dt; velocities are advanced over mean_dt, the mean of this step and the one before.
 struct Step {

@@ -1316,6 +1316,11 @@ class SpaceLoop:
     def contact_slots(self, contact: int) -> NDArray[numpy.int32]:
         """Nodes of the slots of a contact (n_slots), as the loop has them."""
 
+    def point_measures(self, block: int) -> NDArray[numpy.float64]:
+        """
+        Stress (6), equivalent plastic strain and, of a law that heats, its rise of temperature at the points of a block of solids (n, points, 7 or 8).
+        """
+
     def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: VonMises | SolidLaw, density: float, hourglass_fraction: float, around: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
         """
         Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal. around (n, 4): cells whose volumes nodes of tet4_nodal have, these and others; empty: these.
@@ -2072,13 +2077,17 @@ class DevicePart(enum.Enum):
     Parts of the state that are taken from a device where they are asked for.
     """
 
-    nodes = 5
+    places = 6
 
-    reaction = 6
+    nodes = 7
 
-    elements = 7
+    sums = 8
 
-    contact = 8
+    reaction = 9
+
+    elements = 10
+
+    contact = 11
 
 @overload
 def find_device_lack(loop: SpaceLoop) -> str: ...
@@ -2101,7 +2110,7 @@ class DeviceSession:
 
     def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
         """
-        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Stops where a place is not finite any more. Raises RuntimeError where the device does not.
+        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Gives the element that has failed, why, and in which cycle; it is -1 where none has. Stops where a place is not finite any more. Raises RuntimeError where the device does not.
         """
 
     @property
@@ -2111,11 +2120,24 @@ class DeviceSession:
     def fetch(self, part: DevicePart) -> None:
         """Take a part of the state into the loop."""
 
-    def fetch_thickness(self) -> None:
-        """Of the elements the thickness of shells alone."""
+    def fetch_measures(self) -> None:
+        """
+        Of the elements the thickness of shells, and what point_measures gives of solids, alone.
+        """
 
-    def send_reaction(self) -> None:
-        """Take the reactions of the loop there."""
+    def clear_reaction(self) -> None:
+        """Sum up reactions anew."""
+
+    def send_walls(self) -> None:
+        """Let walls move as those of the loop do now."""
+
+    def send_given(self) -> bool:
+        """
+        Take temperatures and limits of friction there that are given now; False where it had none before.
+        """
+
+    def send_sums(self) -> None:
+        """Take there what walls of the loop have pressed and rubbed."""
 
     def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float) -> Energies:
         """Energies at the present time, as the loop's."""
@@ -2149,7 +2171,7 @@ class DeviceSessionSingle:
 
     def advance(self, dt: float, dt_before: float, force_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], velocity_scale: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, damping: float = 0.0) -> tuple[int, LawStatus, int]:
         """
-        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Gives the solid that has failed, why, and in which cycle; it is -1 where none has. Stops where a place is not finite any more. Raises RuntimeError where the device does not.
+        Advance by as many cycles of dt [s] as the scales have values; tools, beads and work in the loop follow. Gives the element that has failed, why, and in which cycle; it is -1 where none has. Stops where a place is not finite any more. Raises RuntimeError where the device does not.
         """
 
     @property
@@ -2159,11 +2181,24 @@ class DeviceSessionSingle:
     def fetch(self, part: DevicePart) -> None:
         """Take a part of the state into the loop."""
 
-    def fetch_thickness(self) -> None:
-        """Of the elements the thickness of shells alone."""
+    def fetch_measures(self) -> None:
+        """
+        Of the elements the thickness of shells, and what point_measures gives of solids, alone.
+        """
 
-    def send_reaction(self) -> None:
-        """Take the reactions of the loop there."""
+    def clear_reaction(self) -> None:
+        """Sum up reactions anew."""
+
+    def send_walls(self) -> None:
+        """Let walls move as those of the loop do now."""
+
+    def send_given(self) -> bool:
+        """
+        Take temperatures and limits of friction there that are given now; False where it had none before.
+        """
+
+    def send_sums(self) -> None:
+        """Take there what walls of the loop have pressed and rubbed."""
 
     def energies(self, dt: float, dt_before: float, *, damping: float = 0.0, force_scale: float = 1.0, velocity_scale: float) -> Energies:
         """Energies at the present time, as the loop's."""

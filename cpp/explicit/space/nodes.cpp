@@ -186,7 +186,7 @@ double SpaceWall::measure_radius(const SpaceNodes<double>& nodes) const {
 
 void SpaceWall::begin(SpaceNodes<double>& nodes, int) {
   const double now = measure_radius(nodes);
-  radius = now < 0.0 ? 0.0 : 1.1 * std::max(now, radius_of_others);  // nodes go on in the cycles to come
+  radius = now < 0.0 ? 0.0 : widen_radius(std::max(now, radius_of_others));
 }
 
 template class SpaceNodes<double>;

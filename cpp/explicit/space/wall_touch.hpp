@@ -11,6 +11,7 @@
 // tool moves is said in wall_motion.hpp.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "contact/touch.hpp"
@@ -37,7 +38,16 @@ struct WallBody {
     motion.advance(step, on_tool);
     travel += last;
   }
+  // Go to where another has gone, which is moved otherwise.
+  void go_where(const WallBody& other) {
+    std::copy_n(other.motion.offset, 3, motion.offset), motion.angle = other.motion.angle;
+    motion.travel = other.motion.travel, motion.rate = other.motion.rate;
+    std::copy_n(other.impulse, 4, impulse), travel = other.travel, last = other.last;
+  }
 };
+
+// How far nodes come from the centre of a tool that turns in the cycles of a call, which they begin so far off [mm].
+PRESSWORK_DEVICE inline double widen_radius(double farthest) { return 1.1 * farthest; }
 
 // What nodes have of a tool.
 struct WallNodes {

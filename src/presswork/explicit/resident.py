@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from presswork.explicit.input_checks import ExplicitError
 Array = npt.NDArray[np.float64]
 State = dict[str, dict[str, Array]]
 Part = _core.DevicePart
-ALL = (Part.nodes, Part.reaction, Part.elements, Part.contact)
+ALL = (Part.places, Part.nodes, Part.sums, Part.reaction, Part.elements, Part.contact)
 PRESENT = {
     *("tool_state", "lost_point", "drive_tool", "drive_bead", "bead_restraint", "element_mass", "inverse_mass"),
     *("true_mass", "added_mass", "seconds", "edge_nodes", "ironing"),
@@ -25,24 +26,32 @@ PRESENT = {
 }
 """Attributes of a loop that are present in it after every call, or that a call takes along."""
 LOOKS_AT: dict[str, tuple[_core.DevicePart, ...]] = {
-    "position": (Part.nodes,),
+    "position": (Part.places,),
     "velocity": (Part.nodes,),
     "internal_force": (Part.nodes,),
     "reaction_impulse": (Part.reaction,),
     "contact_force": (Part.contact,),
     "force_of_tool": (Part.contact,),
     "wall_force": (Part.contact,),
-    "wall_pressed": (Part.contact,),
-    "wall_rubbed": (Part.contact,),
+    "wall_pressed": (Part.sums,),
+    "wall_rubbed": (Part.sums,),
     "stress": (Part.elements,),
     "history": (Part.elements,),
     "pressure": (Part.elements,),
     "damage": (Part.elements,),
-    "bound_frequencies": (Part.nodes, Part.elements),
-    "trial_force": (Part.nodes, Part.elements),
+    "bound_frequencies": (Part.places, Part.elements),
+    "trial_force": (Part.places, Part.nodes, Part.elements),
     "state": ALL,
 }
 """What an attribute that only looks reads. Any other may change the loop: all is taken back, and there again."""
+MEASURES: dict[str, tuple[_core.DevicePart, ...]] = {
+    "thickness": (),
+    "point_measures": (),
+    "deepest": (Part.places,),
+}
+"""The same of those that need a few rows of the elements' state alone."""
+MOVES_WALLS = {"move_wall", "push_wall", "float_wall", "hold_wall"}
+GIVES = {"set_temperature", "limit_wall_friction"}
 HOST_MEMORY = 1e15
 """Memory of the host build [bytes]."""
 SESSIONS: dict[type, type[_core.DeviceSession] | type[_core.DeviceSessionSingle]] = {
@@ -92,10 +101,11 @@ class ResidentLoop:
     def __getattr__(self, name: str) -> Any:
         if name in PRESENT or self._session is None:
             return getattr(self.loop, name)
-        if name in ("thickness", "deepest"):
-            self._fetch_thickness()
-            if name == "deepest":
-                self._fetch((Part.nodes,))
+        if name in MOVES_WALLS | GIVES | {"begin_wall_sums"}:
+            return partial(self._change, name)
+        if name in MEASURES:
+            self._fetch_measures()
+            self._fetch(MEASURES[name])
         elif name in LOOKS_AT:
             self._fetch(LOOKS_AT[name])
         else:
@@ -105,9 +115,9 @@ class ResidentLoop:
     def __setattr__(self, name: str, value: Any) -> None:
         if name in self.__dict__:
             self.__dict__[name] = value
-        elif name == "reaction_impulse" and self._session is not None:
+        elif name == "reaction_impulse" and self._session is not None and not value.any():
             self.loop.reaction_impulse = value
-            self._session.send_reaction()
+            self._session.clear_reaction()
             self._fresh.add(Part.reaction)
         else:
             self._leave()
@@ -122,7 +132,7 @@ class ResidentLoop:
                 self._session = SESSIONS[type(self.loop)](self.loop, target, HOST_MEMORY)
             except RuntimeError as error:
                 raise ExplicitError(f"device = {self.device!r}: {error}") from None
-            self._fresh = {*ALL, "thickness"}
+            self._fresh = {*ALL, "measures"}
         return self._session
 
     def _fetch(self, parts: tuple[_core.DevicePart, ...]) -> None:
@@ -131,10 +141,22 @@ class ResidentLoop:
                 self._session.fetch(part)
                 self._fresh.add(part)
 
-    def _fetch_thickness(self) -> None:
-        if not self._fresh & {Part.elements, "thickness"}:
-            self._session.fetch_thickness()
-            self._fresh.add("thickness")
+    def _fetch_measures(self) -> None:
+        if not self._fresh & {Part.elements, "measures"}:
+            self._session.fetch_measures()
+            self._fresh.add("measures")
+
+    def _change(self, name: str, *args: Any, **how: Any) -> None:
+        """Call what changes little of the loop, and take only that to the device."""
+        if name == "begin_wall_sums":
+            self._fetch((Part.sums,))
+        getattr(self.loop, name)(*args, **how)
+        if name == "begin_wall_sums":
+            self._session.send_sums()
+        elif name in MOVES_WALLS:
+            self._session.send_walls()
+        elif not self._session.send_given():
+            self._leave()
 
     def _leave(self) -> None:
         """Take all back: the loop is about to be changed."""

@@ -148,7 +148,8 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         """Return the state of a block of solids, by its number among the blocks."""
         if not isinstance(self.blocks[block], Solids):
             raise ExplicitError(f"block {block} has shells: their layers are properties of the run")
-        inside = self._loop.state()[f"block_{self._first_of[block]}"]["points"]
+        loop: Any = self._loop  # in double precision, which has solids
+        inside = loop.point_measures(self._first_of[block])
         first = sum(len(each.cells) for each in self.blocks[:block])
         points = np.empty_like(inside)
         points[self._elements[first : first + len(points)] - first] = inside

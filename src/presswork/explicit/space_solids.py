@@ -121,10 +121,10 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
         return self._elements[first : first + count] - first
 
     def _points(self) -> list[Array]:
-        """Return all that the points of each block's cells keep (n_cells, p, n)."""
-        state, found = self._loop.state(), []
+        """Return stress, equivalent plastic strain and rise at the points of each block's cells (n_cells, p, 7 | 8)."""
+        found = []
         for block in range(len(self.mesh.blocks)):
-            inside = np.asarray(state[f"block_{block}"]["points"])
+            inside = np.asarray(self._loop.point_measures(block))
             out = np.empty_like(inside)
             out[self._order(block)] = inside
             found.append(out)

@@ -122,7 +122,8 @@ class ExplicitImpact(RowRecording):
         begin = self._begin_of(number)
         cycle, time = self.solids.cycle, self.solids.time
         impulse = [wall.impulse for wall in self.walls]
-        self.points.begin_row(self._find_points())
+        if self.points.is_needed:
+            self.points.begin_row(self._find_points())
         self.solids.reset_reaction()
         self.contacts.begin_row()
         if self.heat is not None:
@@ -140,9 +141,10 @@ class ExplicitImpact(RowRecording):
             self.solids.average_pores(self._pores, self._measure_volumes())
         if self.heat is not None:
             self.heat.advance()
-        hardens = self.points.end_row(self._find_points(), self.solids.time - time)
-        if self.points.softens:
-            self.solids.recover(np.concatenate(hardens)[:, 0])
+        if self.points.is_needed:
+            hardens = self.points.end_row(self._find_points(), self.solids.time - time)
+            if self.points.softens:
+                self.solids.recover(np.concatenate(hardens)[:, 0])
         energies = self.solids.energies()
         self._progress[ADDED_MASS] = self.solids.added_mass().percent
         cycles = self.solids.cycle - cycle
@@ -372,8 +374,11 @@ class ExplicitImpact(RowRecording):
         )
 
     def _state_arrays(self) -> NamedArrays:
+        return {**self._arrays_beside_run(), **self.solids.dump()}
+
+    def _arrays_beside_run(self) -> NamedArrays:
         heat = self.heat.arrays.to_arrays() if self.heat else {}
-        return {"progress": self._progress.copy(), **self.points.to_arrays(), **heat, **self.solids.dump()}
+        return {"progress": self._progress.copy(), **self.points.to_arrays(), **heat}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)

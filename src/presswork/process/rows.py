@@ -111,9 +111,21 @@ class RowRecording(EpochRecording, ABC):
             yield report
 
     def _keep(self) -> Callable[[], NamedArrays]:
-        """Keep the present state; return what gives it."""
-        arrays = self.to_arrays()
-        return lambda: arrays
+        """Keep the present state, on the device where the run is there; return what gives it."""
+        run = self._keep_run()
+        if run is None:
+            arrays = self.to_arrays()
+            return lambda: arrays
+        others = self._describe_epoch() | self._arrays_beside_run()
+        return lambda: {**others, **run()}
+
+    def _keep_run(self) -> Callable[[], Mapping[str, NDArray[Any]]] | None:
+        """Keep the state of the loop on its device; return what gives it, or None where there is no device."""
+        return None
+
+    @abstractmethod
+    def _arrays_beside_run(self) -> NamedArrays:
+        """Return the part of the state that the loop does not have."""
 
     def _next_row(self) -> RowReport:
         started = perf_counter()

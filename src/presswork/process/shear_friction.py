@@ -39,10 +39,13 @@ class ShearFriction:
             if tool.friction.law in ("shear", "coulomb_capped")
         }
 
+    @property
+    def is_needed(self) -> bool:
+        """Whether any tool has such a friction."""
+        return bool(self._surfaces)
+
     def set(self, walls: list[SpaceWall], position: FloatArray, flow_stress: FloatArray) -> None:
         """Set the limits; position (n_nodes, 3) [mm], flow stress of the cells (n_cells,) [MPa]."""
-        if not self._surfaces:
-            return
         shear = find_nodal_shear_strength(self._mesh, flow_stress)
         normals = nodal_normals(position, self._mesh.boundary_faces)
         reach = float(np.linalg.norm(np.ptp(position, axis=0)))

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -190,8 +190,9 @@ class ExplicitSpaceImpact(ExplicitImpact):
                 wall.hold()
 
     def _run_to(self, to: float, motion: Motion | None) -> None:
-        strength = np.maximum(self._flow_stress(), effective_stress(self.solids.stress))
-        self._shear.set(self.walls, self.solids.position, strength)
+        if self._shear.is_needed:
+            strength = np.maximum(self._flow_stress(), effective_stress(self.solids.stress))
+            self._shear.set(self.walls, self.solids.position, strength)
         super()._run_to(to, motion)
 
     # --- what is recorded --------------------------------------------------------------------------------------------
@@ -258,8 +259,11 @@ class ExplicitSpaceImpact(ExplicitImpact):
             },
         )
 
-    def _state_arrays(self) -> NamedArrays:
-        return {**super()._state_arrays(), PLACED: self._placed.copy(), FORCE_START: self._force_start.copy()}
+    def _keep_run(self) -> Callable[[], Mapping[str, NDArray[Any]]] | None:
+        return self.solids.keep()
+
+    def _arrays_beside_run(self) -> NamedArrays:
+        return {**super()._arrays_beside_run(), PLACED: self._placed.copy(), FORCE_START: self._force_start.copy()}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         super()._load_state(arrays)

@@ -286,17 +286,13 @@ class ExplicitStamping(StampingRecording):
         self._make_again()
         self.layers.start(self.shells)
 
-    def _keep(self) -> Callable[[], NamedArrays]:
-        shells = self.shells.keep()
-        if shells is None:
-            return super()._keep()
-        others = self._describe_epoch() | self._arrays_beside_shells()
-        return lambda: others | shells()
+    def _keep_run(self) -> Callable[[], Mapping[str, NDArray[Any]]] | None:
+        return self.shells.keep()
 
     def _state_arrays(self) -> NamedArrays:
-        return self._arrays_beside_shells() | self.shells.dump()
+        return self._arrays_beside_run() | self.shells.dump()
 
-    def _arrays_beside_shells(self) -> NamedArrays:
+    def _arrays_beside_run(self) -> NamedArrays:
         heat = self.heat.dump() if self.heat else {}
         return {"progress": self._progress.copy(), **self.layers.dump(), **heat}
 
