@@ -80,6 +80,7 @@ void bind_device(nb::module_& m) {
       .value("sums", Part::sums)
       .value("reaction", Part::reaction)
       .value("elements", Part::elements)
+      .value("damage", Part::damage)
       .value("contact", Part::contact);
   bind_for<double>(m, "DeviceSession");
   bind_for<float>(m, "DeviceSessionSingle");

@@ -62,6 +62,7 @@ enum class Part {
   sums,      // what walls have pressed and rubbed at them
   reaction,  // impulses of what holds nodes
   elements,  // state of elements
+  damage,    // of their points
   contact    // what nodes and edges remember of tools
 };
 

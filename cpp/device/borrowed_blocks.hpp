@@ -77,9 +77,11 @@ class BorrowedBlock {
   BorrowedBlock(const BorrowedBlock&) = delete;
   BorrowedBlock& operator=(const BorrowedBlock&) = delete;
 
-  // The state, or a row of it, and damage.
+  // The state, or a row of it; and damage.
   void give_back() const {
     for (int r = 0; r < own_.n_rows(); ++r) give_back_row(r);
+  }
+  void give_back_damage() const {
     for (std::size_t c = 0; c < damage_.size(); ++c)
       for (int e = 0; e < n(); ++e)
         for (int k = 0; k < own_.damage.points(); ++k)

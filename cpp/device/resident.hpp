@@ -109,7 +109,7 @@ void Resident<Real>::list_elements(Kind& of) {
   if (of.damage.n_criteria > 0) {
     DamageOfBlock& damage = of.damage;
     auto& criteria = criteria_.emplace_back(damage.criterion, damage.criterion + damage.n_criteria);
-    for (Criterion& each : criteria) arrays.add(each.value, damage.points * n, Part::elements);
+    for (Criterion& each : criteria) arrays.add(each.value, damage.points * n, Part::damage);
     damage.criterion = criteria.data();
     arrays.add(damage.criterion, criteria.size(), Part::fixed),
         arrays.add(damage.flowed, damage.points * n, Part::elements);

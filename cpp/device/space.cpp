@@ -153,8 +153,10 @@ Failure Session<Real>::advance(const Cycles& cycles) {
 template <class Real>
 void Session<Real>::fetch(Part part) {
   own_->there->arrays.fetch(part);
-  if (part == Part::elements)
-    for (const auto& block : own_->blocks) block->give_back();
+  for (const auto& block : own_->blocks) {
+    if (part == Part::elements) block->give_back();
+    if (part == Part::damage) block->give_back_damage();
+  }
   if (part == Part::contact && own_->loop.contact) own_->tools.give_back_pairs(own_->n);
 }
 

@@ -50,8 +50,8 @@ class Session {
   Failure advance(const Cycles& cycles);
   // Whether all nodes had finite places after the last call.
   bool is_finite() const { return finite_; }
-  // Take into the loop: places of nodes; their velocities and forces; reactions; elements; what nodes remember of
-  // tools.
+  // Take into the loop: places of nodes; their velocities and forces; reactions; elements and
+  // their damage; what nodes remember of tools.
   void fetch(Part part);
   // Of elements what rows of cycles are judged by: thickness of shells; stress, plastic strain and heat of solids.
   void fetch_measures();

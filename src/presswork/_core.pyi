@@ -2087,7 +2087,9 @@ class DevicePart(enum.Enum):
 
     elements = 10
 
-    contact = 11
+    damage = 11
+
+    contact = 12
 
 @overload
 def find_device_lack(loop: SpaceLoop) -> str: ...

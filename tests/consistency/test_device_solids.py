@@ -16,6 +16,7 @@ from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.evolution.damage import DamageLaw
 from presswork.explicit.device import Device
+from presswork.explicit.dynamics import RENEWAL
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.shells import ExplicitShells, Precision, ShellOptions
 from presswork.explicit.space import SpaceDynamics
@@ -24,8 +25,10 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.model import Damage, Plane, SolverSettings
 from presswork.outcome import StartError
 from presswork.process.begin import begin
+from presswork.process.space_impact import ExplicitSpaceImpact
 from presswork.recorder import run_model
 from tests.consistency.test_device_laws import law_of as sheet_law
+from tests.consistency.test_device_resident import HANDFUL, LITTLE
 from tests.consistency.test_explicit_shells import mesh as mesh_of_shells
 from tests.consistency.test_matrix import BASE, FEATURES, REFUSED, USER, solid_case, space_case
 from tests.consistency.test_mixed_dynamics import set_going, shells_of, solids_of
@@ -190,6 +193,25 @@ def test_a_run_from_a_case_is_the_same_on_a_device(name: str) -> None:
         np.testing.assert_allclose(
             values[1], values[0], rtol=0, atol=WHOLE_RUN * max(np.abs(values[0]).max(), 1e-6), err_msg=key
         )
+
+
+@pytest.mark.parametrize("motion", ["turned", "pushed"])
+def test_a_row_takes_back_places_reactions_and_stresses_alone(motion: str) -> None:
+    """In a row that no checkpoint follows, where tools turn and forces and springs place them."""
+    case = copy.deepcopy(RUNS[motion])
+    case["workpiece"]["mesh"]["cells"], case["explicit"]["device"] = [4, 4, 4], "host"
+    taken = begin(build_model(SpaceCase(**case)), threads=1)
+    assert isinstance(taken, ExplicitSpaceImpact)
+    rows, solids = taken.advance(), taken.solids
+    next(rows)
+    taken.watch()
+    before, cycle = solids.traffic, solids.cycle
+    taken.row(next(rows))
+    taken.watch()
+    moved, calls = solids.traffic, -(-(solids.cycle - cycle) // RENEWAL)
+    looked_at = 8.0 * ((4 + 6) * len(solids.start) + (7 + 1) * len(solids.stress))  # 1: damage
+    assert 0.0 <= moved.fetched - before.fetched - looked_at < LITTLE * calls
+    assert moved.sent - before.sent < HANDFUL * calls
 
 
 def test_a_run_begun_on_the_cpu_is_resumed_on_a_device(tmp_path: Any) -> None:

@@ -94,8 +94,8 @@ class LayersOfRun:
         return self.history_at_points.shape[:3]
 
     @cached_property
-    def _points_of_blocks(self) -> list[int]:
-        return [self._loop.history(block).shape[1] for block in range(len(self._counts))]
+    def _layers_of_blocks(self) -> list[tuple[int, ...]]:
+        return [self._loop.history(block).shape[:3] for block in range(len(self._counts))]
 
     @property
     def given_temperature(self) -> Array | None:
@@ -119,7 +119,7 @@ class LayersOfRun:
                 f"given_temperature has shape {degrees.shape}: these shells have layers {shape}"
             ) from None
         for block, part in enumerate(np.split(at_points[self._shells], np.cumsum(self._counts)[:-1])):
-            of_block = part.mean(axis=1, keepdims=True) if self._points_of_blocks[block] == 1 else part
+            of_block = part.mean(axis=1, keepdims=True) if self._layers_of_blocks[block][1] == 1 else part
             self._loop.set_temperature(block, np.ascontiguousarray(of_block))
         self._given_temperature = np.array(at_points)
 
@@ -132,8 +132,7 @@ class LayersOfRun:
         }
 
     def _damage_of(self, block: int, name: str) -> Array:
-        shape = self._loop.history(block).shape[:3]
-        return np.asarray(self._loop.damage(block, name)).reshape(*shape, 1)
+        return np.asarray(self._loop.damage(block, name)).reshape(*self._layers_of_blocks[block], 1)
 
     def set_layers(self, stress: npt.ArrayLike, history: npt.ArrayLike) -> None:
         """Begin with stress and history in the form of these properties; internal forces follow from them.

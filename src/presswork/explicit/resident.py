@@ -18,7 +18,7 @@ from presswork.explicit.input_checks import ExplicitError
 Array = npt.NDArray[np.float64]
 State = dict[str, dict[str, Array]]
 Part = _core.DevicePart
-ALL = (Part.places, Part.nodes, Part.sums, Part.reaction, Part.elements, Part.contact)
+ALL = (Part.places, Part.nodes, Part.sums, Part.reaction, Part.elements, Part.damage, Part.contact)
 PRESENT = {
     *("tool_state", "lost_point", "drive_tool", "drive_bead", "bead_restraint", "element_mass", "inverse_mass"),
     *("true_mass", "added_mass", "seconds", "edge_nodes", "ironing"),
@@ -38,7 +38,7 @@ LOOKS_AT: dict[str, tuple[_core.DevicePart, ...]] = {
     "stress": (Part.elements,),
     "history": (Part.elements,),
     "pressure": (Part.elements,),
-    "damage": (Part.elements,),
+    "damage": (Part.damage,),
     "bound_frequencies": (Part.places, Part.elements),
     "trial_force": (Part.places, Part.nodes, Part.elements),
     "state": ALL,
