@@ -98,7 +98,7 @@ def build(nvcc: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, s
     options = ["-DPRESSWORK_CUDA=ON", f"-DPRESSWORK_NVCC={nvcc}", f"-DPython_EXECUTABLE={sys.executable}"]
     subprocess.run(["cmake", "-S", ROOT, "-B", folder, *options], check=True, capture_output=True, timeout=300)
     command = ["cmake", "--build", folder, "--target", "presswork_cuda"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=1200)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=3000)
     told = done.stdout + done.stderr
     assert done.returncode == 0, told
     return folder, told

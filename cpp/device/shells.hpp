@@ -11,21 +11,27 @@
 
 namespace presswork::device {
 
-// Leave the forces of a shell at its corners; it fails where they are no numbers though its motion is finite.
+// Whether the law of a shell has found no stress: forces are no numbers though the motion is finite.
 template <int corners, class Real>
+PRESSWORK_INLINE bool lacks_stress(const Nodes<Real>& nodes, const Elements<Real>& of, int shell, const Real* force) {
+  if (force[0] == force[0]) return false;
+  Real x[corners][3], v[corners][3], w[corners][3];
+  gather_corners<corners>(nodes, of, shell, x, v, w);
+  bool finite = true;
+  for (int a = 0; a < corners; ++a)
+    for (int i = 0; i < 3; ++i)
+      finite = finite && x[a][i] - x[a][i] == 0 && v[a][i] - v[a][i] == 0 && w[a][i] - w[a][i] == 0;
+  return finite;
+}
+
+// Leave the forces of a shell at its corners, none where its law fails.
+template <class Law, int corners, class Real>
 PRESSWORK_INLINE void leave_shell_forces(const Nodes<Real>& nodes, const Elements<Real>& of, int shell, Real* force) {
-  if (of.failed && !(force[0] == force[0])) {
-    Real x[corners][3], v[corners][3], w[corners][3];
-    gather_corners<corners>(nodes, of, shell, x, v, w);
-    bool finite = true;
-    for (int a = 0; a < corners; ++a)
-      for (int i = 0; i < 3; ++i)
-        finite = finite && x[a][i] - x[a][i] == 0 && v[a][i] - v[a][i] == 0 && w[a][i] - w[a][i] == 0;
-    if (finite) {
+  if constexpr (Law::can_fail)
+    if (lacks_stress<corners>(nodes, of, shell, force)) {
       of.fail(nodes, shell, LawStatus::no_stress);
       for (int i = 0; i < freedoms * corners; ++i) force[i] = 0;
     }
-  }
   leave_forces<corners>(nodes, of, shell, force);
 }
 
@@ -38,7 +44,8 @@ struct OnePointShells : Elements<Real> {
   LayerRule rule;
 
   PRESSWORK_INLINE void advance(const Nodes<Real>& nodes, const double* room_at, double dt, int shell) const {
-    if (this->failed && this->is_over(nodes, shell)) return;
+    if constexpr (Law::can_fail)
+      if (this->is_over(nodes, shell)) return;
     const std::size_t n = this->n;
     Real x[corners][3], v[corners][3], w[corners][3], state[shell4::head_rows], force[freedoms * corners];
     gather_corners<corners>(nodes, *this, shell, x, v, w);
@@ -55,7 +62,7 @@ struct OnePointShells : Elements<Real> {
     else
       shell3::advance(law, rule, now, x, v, w, between, state, layers, force);
     for (int r = 0; r < shell4::head_rows; ++r) rows[r * n] = state[r];
-    leave_shell_forces<corners>(nodes, *this, shell, force);
+    leave_shell_forces<Law, corners>(nodes, *this, shell, force);
   }
   PRESSWORK_INLINE double bound(const Nodes<Real>& nodes, int shell) const {
     Real x[corners][3], v[corners][3], w[corners][3], inverse[4];
@@ -89,7 +96,8 @@ struct MitcShells : Elements<Real> {
   LayerRule rule;
 
   PRESSWORK_INLINE void advance(const Nodes<Real>& nodes, const double* room_at, double dt, int shell) const {
-    if (this->failed && this->is_over(nodes, shell)) return;
+    if constexpr (Law::can_fail)
+      if (this->is_over(nodes, shell)) return;
     Real x[4][3], v[4][3], w[4][3], force[freedoms * 4], room[4];
     gather_corners<4>(nodes, *this, shell, x, v, w);
     const auto stride = static_cast<std::ptrdiff_t>(this->n);
@@ -100,7 +108,7 @@ struct MitcShells : Elements<Real> {
     for (int a = 0; room_at && a < 4; ++a)
       room[a] = static_cast<Real>(room_at[this->node[a * std::size_t(this->n) + shell]]);
     shell4_mitc::advance(law, rule, now, x, v, w, room_at ? room : nullptr, rows, layers, force);
-    leave_shell_forces<4>(nodes, *this, shell, force);
+    leave_shell_forces<Law, 4>(nodes, *this, shell, force);
   }
   PRESSWORK_INLINE double bound(const Nodes<Real>& nodes, int shell) const {
     Real x[4][3], v[4][3], w[4][3];
