@@ -41,6 +41,12 @@ class WillingLoop(ResidentLoop):
     def enter(self) -> Any:
         return None if self._lacks() else super().enter()
 
+    def keep(self) -> Any:
+        if not self._lacks():
+            return super().keep()
+        state = self.loop.state()
+        return lambda: state
+
     def measure_energies(self, dt: float, dt_before: float, **scales: float) -> _core.Energies:
         if self._lacks():
             found: _core.Energies = self.loop.energies(dt, dt_before, **scales)

@@ -214,6 +214,25 @@ def test_a_row_takes_back_places_reactions_and_stresses_alone(motion: str) -> No
     assert moved.sent - before.sent < HANDFUL * calls
 
 
+def test_what_a_row_sums_up_outlives_a_change_of_the_loop() -> None:
+    """Where a state was kept on the device before: mass is added within a row."""
+    case = copy.deepcopy(RUNS["turned"])
+    case["explicit"]["device"] = "host"
+    taken = begin(build_model(SpaceCase(**case)), threads=1)
+    assert isinstance(taken, ExplicitSpaceImpact)
+    next(taken.advance())
+    solids, wall = taken.solids, taken.walls[0]
+    wall.begin_sums()
+    solids.reset_reaction()
+    solids.keep()
+    solids.advance(20)
+    expected = [wall.pressed, wall.rubbed, solids.reaction_impulse]
+    assert all(values.any() for values in expected)
+    solids.scale_mass(1.5 * solids.dt)
+    for before, after in zip(expected, (wall.pressed, wall.rubbed, solids.reaction_impulse), strict=True):
+        np.testing.assert_array_equal(after, before)
+
+
 def test_a_run_begun_on_the_cpu_is_resumed_on_a_device(tmp_path: Any) -> None:
     case = upset()
     model = build_model(SpaceCase(**case))

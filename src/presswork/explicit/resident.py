@@ -221,11 +221,10 @@ class ResidentLoop:
 
     def _take_kept(self) -> State:
         """Return what was kept; the loop, which has the present state, has it again in the end."""
-        present, reaction = self.loop.state(), self.loop.reaction_impulse
+        present = self.loop.state()
         self._session.put_back()
-        for part in ALL:
+        for part in set(ALL) - {Part.reaction, Part.sums}:  # these are no part of the state
             self._session.fetch(part)
         kept: State = self.loop.state()
         self.loop.restore(present)
-        self.loop.reaction_impulse = reaction
         return kept
