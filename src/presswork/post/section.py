@@ -135,8 +135,9 @@ def measure_draw_in(result: Result, angle: float = 0.0, step: int = -1) -> float
     Of a trimmed sheet that is the trimmed edge, from where it was in the blank.
     """
     mesh = result.mesh_at(step)
-    start = _cut_mesh(mesh, mesh.points, angle, ORIGIN).line[-1, 1]
-    return float(start[0] - cut_sheet(result, angle, step).line[-1, 1][0])
+    # whole, since the ray may start in the middle of its only cell
+    start = _cut_mesh(mesh, mesh.points, angle, ORIGIN, -np.inf).line[-1, 1]
+    return float(start[0] - cut_sheet(result, angle, step, whole=True).line[-1, 1][0])
 
 
 def write_section(

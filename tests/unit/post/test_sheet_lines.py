@@ -28,9 +28,9 @@ DRAWN = np.array([-0.1, -0.2, 0.0])
 """Displacement gradient along x and y; z is 0.5 x."""
 
 
-def plate(folder: Path, planes: str) -> Result:
-    """40 x 20 mm in cells of 2 mm, or what symmetry planes leave; thickness 1 + x/100 at the cells' middles."""
-    mesh = mesh_rectangular_blank((40.0, 20.0), 2.0, [axis in planes for axis in "xy"])
+def plate(folder: Path, planes: str, width: float = 20.0) -> Result:
+    """40 x 20 mm (or another width) in cells of 2 mm, or what symmetry planes leave; thickness 1 + x/100 at the cells' middles."""
+    mesh = mesh_rectangular_blank((40.0, width), 2.0, [axis in planes for axis in "xy"])
     mesh = assign_section(mesh, {4: "shell4_1pt"}, Section(1.0), 0)
     moved = mesh.points * DRAWN + np.array([0.0, 0.0, 0.5]) * mesh.points[:, :1]
     thickness = 1 + mesh.points[mesh.blocks[0].connectivity, 0].mean(axis=1) / 100
@@ -83,6 +83,12 @@ def test_a_section_follows_any_line_from_side_to_side(tmp_path: Path) -> None:
 def test_a_section_that_begins_inside_goes_one_way(tmp_path: Path) -> None:
     cut = cut_sheet(plate(tmp_path, "xy"), start=(7.5, 3.0))
     np.testing.assert_allclose(cut.way, np.arange(9.0, 20.0, 2.0) - 7.5)
+
+
+def test_a_slice_one_cell_wide_has_a_draw_in_on_its_sides_too(tmp_path: Path) -> None:
+    result = plate(tmp_path, "x", width=2.0)
+    assert measure_draw_in(result, np.pi / 2) == pytest.approx(0.2)
+    assert measure_draw_in(result, 0.0) == pytest.approx(2.0)
 
 
 def test_a_whole_section_goes_both_ways_and_a_half_or_quarter_of_a_part_has_one(tmp_path: Path) -> None:
