@@ -29,7 +29,7 @@ DRAWN = np.array([-0.1, -0.2, 0.0])
 
 
 def plate(folder: Path, planes: str, width: float = 20.0) -> Result:
-    """40 x 20 mm (or another width) in cells of 2 mm, or what symmetry planes leave; thickness 1 + x/100 at the cells' middles."""
+    """40 mm long in cells of 2 mm, or what symmetry planes leave; thickness 1 + x/100 at the middles of cells."""
     mesh = mesh_rectangular_blank((40.0, width), 2.0, [axis in planes for axis in "xy"])
     mesh = assign_section(mesh, {4: "shell4_1pt"}, Section(1.0), 0)
     moved = mesh.points * DRAWN + np.array([0.0, 0.0, 0.5]) * mesh.points[:, :1]
