@@ -12,6 +12,7 @@ import pytest
 
 from presswork.case import CaseError, StampingCase, build_model, describe, read_case
 from presswork.case.description.stamping import describe_stamping
+from presswork.examples import copy_example
 from presswork.geometry.polygon import polygon_area
 from presswork.model import Model
 from tests.unit.case import round_cup
@@ -58,6 +59,12 @@ def test_model_holds_what_the_case_says() -> None:
     assert "elements round the edge of punch; elements of 2.6 mm would be 3" in words
     assert "hint" not in describe(build(blank__element_size=2.5))
     assert 'velocities are mm/s, and "2 m/s" is usual' in describe(build(stages__0__velocity=2))
+
+
+def test_shells_long_along_the_straight_edges_of_a_strip_are_not_coarse(tmp_path: Path) -> None:
+    case = copy_example("draw_bending", tmp_path)
+    assert "hint" not in describe(build_model(read_case(case, ["blank.element_size=[1, 17.5]"])))
+    assert "0.48 elements round the edge" in describe(build_model(read_case(case, ["blank.element_size=[17.5, 1]"])))
 
 
 def test_the_density_is_that_of_a_metal_with_this_modulus() -> None:

@@ -170,9 +170,9 @@ def _finest(problem: Model) -> float:
 
 def _hint_at_coarse_mesh(problem: Model) -> Iterator[str]:
     """Say where a sheet is bent round a radius by too few elements."""
-    size = _finest(problem) * float(np.median(_measure_sides(problem)))
     for tool in problem.tools:
         if tool.kind != "holder":
+            size = _finest(problem) * float(np.median(_measure_sides(problem, _straight_axis(tool))))
             radius = _least_radius(problem, tool, size)
             count = 0.5 * np.pi * radius / size
             if count < ELEMENTS_ROUND_AN_EDGE:
@@ -205,10 +205,20 @@ def _edge_radius(shape: SweptProfile) -> float:
     return float(np.hypot(*(arcs[0, :2] - arcs[0, 4:6]))) if len(arcs) else 0.0
 
 
-def _measure_sides(problem: Model) -> FloatArray:
-    """Return the lengths of the cells' sides (n,) [mm]."""
+def _straight_axis(tool: Tool) -> int | None:
+    """Return the axis, 0 or 1, along which a strip's tool is straight and bends no sheet; None of other tools."""
+    if isinstance(tool.shape, SweptProfile) and np.inf in tool.shape.half_widths:
+        return tool.shape.half_widths.index(np.inf)
+    return None
+
+
+def _measure_sides(problem: Model, left_out: int | None = None) -> FloatArray:
+    """Return the lengths of the cells' sides (n,) [mm], without those that run nearer to the axis `left_out`."""
     corners = [problem.mesh.points[block.connectivity] for block in problem.mesh.blocks]
-    return np.concatenate([np.linalg.norm(c - np.roll(c, 1, axis=1), axis=2).ravel() for c in corners])
+    sides = np.concatenate([(c - np.roll(c, 1, axis=1)).reshape(-1, 3) for c in corners])
+    if left_out is not None:
+        sides = sides[np.abs(sides[:, left_out]) <= np.abs(sides[:, 1 - left_out])]
+    return np.asarray(np.linalg.norm(sides, axis=1))
 
 
 def _describe_ironing(problem: Model) -> str:
