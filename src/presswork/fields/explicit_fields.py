@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.fields.shell_fields import ShellGeometry, layer_fields
+from presswork.fields.shell_fields import ShellGeometry, cross, differentiate, dot, layer_fields
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.mesh.topology import is_triangle
 from presswork.model import FloatArray, IntArray, Mesh, Section
@@ -41,8 +41,8 @@ class OnePointFields:
             layers=thickness_rule(section)[0],
         )
         start = self._base(mesh.points)
-        first, second = _plane_frame(start, np.broadcast_to(axis, (len(cells), 3)))
-        self._inverse = np.linalg.inv(_components(start, first, second))
+        (xx, xy), (yx, yy) = _components(start, *_plane_frame(start, np.asarray(axis)[:, None]))
+        self._inverse = np.array([[yy, -xy], [-yx, xx]]) / (xx * yy - xy * yx)
 
     def cell_fields(
         self,
@@ -78,11 +78,10 @@ class OnePointFields:
         they are the roots of a quadratic equation.
         """
         base = self._base(points)
-        gradient = _components(base, *_plane_frame(base, base[:, 0])) @ self._inverse
-        xx, yy = (gradient**2).sum(axis=1).T
-        xy = (gradient[:, :, 0] * gradient[:, :, 1]).sum(axis=1)
-        larger = 0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), xy)
-        area = np.abs(np.linalg.det(gradient))  # the product of both stretches: no difference of near numbers
+        (xx, xy), (yx, yy) = self._gradient(base, base[0])
+        first, second, mixed = xx * xx + yx * yx, xy * xy + yy * yy, xx * xy + yx * yy
+        larger = 0.5 * (first + second) + np.hypot(0.5 * (first - second), mixed)
+        area = np.abs(xx * yy - xy * yx)  # the product of both stretches: no difference of near numbers
         major = 0.5 * np.log(larger)
         return {
             "major_strain_middle": major,
@@ -93,26 +92,30 @@ class OnePointFields:
     def _direction(self, points: FloatArray) -> FloatArray:
         """Return the first base vector in the frame of the stress, which turns with the sheet (n_cells, 2)."""
         base = self._base(points)
-        inside = _components(base, *_plane_frame(base, base[:, 0]))
-        gradient = inside @ self._inverse
-        angle = np.arctan2(gradient[:, 1, 0] - gradient[:, 0, 1], gradient[:, 0, 0] + gradient[:, 1, 1])
-        return np.asarray(np.column_stack([np.cos(angle), -np.sin(angle)]))
+        (xx, xy), (yx, yy) = self._gradient(base, base[0])
+        angle = np.arctan2(yx - xy, xx + yy)
+        return np.column_stack([np.cos(angle), -np.sin(angle)])
 
     def _direction_from(self, points: FloatArray, axis: FloatArray) -> FloatArray:
         """Return the first base vector in the frame of the law, whose x is given (n_cells, 3), (n_cells, 2)."""
         base = self._base(points)
-        along = _components(base, *_plane_frame(base, axis))[:, :, 0]
-        return np.asarray(along / np.linalg.norm(along, axis=1, keepdims=True))
+        along = _components(base, *_plane_frame(base, axis.T))[:, 0]
+        return np.ascontiguousarray((along / np.hypot(*along)).T)
 
     def _base(self, points: FloatArray) -> FloatArray:
-        """Return the base vectors at the centres (n_cells, 2, 3)."""
-        return np.asarray(np.einsum("aj,cai->cji", SLOPES[0], points[self._cells]))
+        """Return the base vectors at the centres (2, 3, n_cells)."""
+        return differentiate(SLOPES, points[self._cells])[:, :, 0]
+
+    def _gradient(self, base: FloatArray, axis: FloatArray) -> FloatArray:
+        """Return the deformation gradient (2, 2, n_cells), its rows in the present frame along an axis (3, n_cells)."""
+        now, start = _components(base, *_plane_frame(base, axis)), self._inverse
+        return np.array([[row[0] * start[0, j] + row[1] * start[1, j] for j in (0, 1)] for row in now])
 
     def _normals(self, points: FloatArray) -> FloatArray:
         """Return unit normals at the nodes (n_points, 3): of the cells round them, weighted by area."""
         base = self._base(points)
         normal = np.zeros_like(points)
-        of_cell = np.cross(base[:, 0], base[:, 1])
+        of_cell = np.ascontiguousarray(cross(base[0], base[1]).T)
         for corner in range(3):
             np.add.at(normal, self._cells[:, corner], of_cell)
         four = ~is_triangle(self._cells)
@@ -125,13 +128,13 @@ class OnePointFields:
 
 def _plane_frame(base: FloatArray, axis: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return two orthogonal unit vectors in the plane of the base vectors, the first along the projected axis."""
-    normal = np.cross(base[:, 0], base[:, 1])
-    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    first = axis - (axis * normal).sum(axis=1, keepdims=True) * normal
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return first, np.cross(normal, first)
+    normal = cross(base[0], base[1])
+    normal = normal / np.sqrt(dot(normal, normal))
+    first = axis - dot(axis, normal) * normal
+    first = first / np.sqrt(dot(first, first))
+    return first, cross(normal, first)
 
 
 def _components(base: FloatArray, first: FloatArray, second: FloatArray) -> FloatArray:
-    """Return the base vectors as columns in a frame (n_cells, 2, 2)."""
-    return np.stack([np.einsum("cji,ci->cj", base, first), np.einsum("cji,ci->cj", base, second)], axis=1)
+    """Return the base vectors as columns in a frame (2, 2, n_cells)."""
+    return np.array([[dot(vector, axis) for vector in base] for axis in (first, second)])

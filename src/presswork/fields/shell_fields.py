@@ -10,6 +10,7 @@ present metric of a layer, so they do not depend on the path; the top is where t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -36,12 +37,17 @@ class ShellGeometry:
     material: Material | None = None
     """Whose back stresses are saved, if it has any."""
 
-    def base_vectors(self, points: FloatArray, director: FloatArray, z: FloatArray) -> FloatArray:
-        """Return the two covariant base vectors at heights z (n_cells, q) (n_cells, q, 2, 3)."""
-        a = np.einsum("qaj,cai->cqji", self.slopes, points[self.connectivity])
-        b = np.einsum("qaj,cai->cqji", self.slopes, director[self.director_of])
-        vectors: FloatArray = a + z[..., None, None] * b
-        return vectors
+    @cached_property
+    def start(self) -> tuple[FloatArray, FloatArray]:
+        """Base vectors of the undeformed shells, as `base_vectors` returns them."""
+        return self.base_vectors(self.points, self.director)
+
+    def base_vectors(self, points: FloatArray, director: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the covariant base vectors of the mid-surface, and their change with height (2, 3, q, n_cells)."""
+        return (
+            differentiate(self.slopes, points[self.connectivity]),
+            differentiate(self.slopes, director[self.director_of]),
+        )
 
 
 @dataclass(frozen=True)
@@ -141,27 +147,32 @@ def layer_fields(
         "effective_stress": sheet_effective_stress(stress).max(axis=2).mean(axis=1),
         "equivalent_plastic_strain": eqps.max(axis=2).mean(axis=1),
     }
+    surface, change = g.base_vectors(now, director)
     for place in PLACES:
         own = _points_at(place, k)
         position = float(g.layers[own].mean())
-        lamina = stress[:, :, own].mean(axis=2)
-        base = g.base_vectors(now, director, 0.5 * position * thickness)
-        frame = _lamina_frame(base, direction[:, :, own[0]])
-        start = g.base_vectors(g.points, g.director, np.full_like(thickness, 0.5 * position * g.thickness))
-        strain, major, minor = _logarithmic_strain(start, base)
+        lamina = np.ascontiguousarray(stress[:, :, own].mean(axis=2).T)
+        base = surface + 0.5 * position * thickness.T * change
+        frame = _lamina_frame(base, direction[:, :, own[0]].T)
+        start = g.start[0] + 0.5 * position * g.thickness * g.start[1]
+        images, strain, major, minor = _logarithmic_strain(start, base)
         fields |= {
             f"equivalent_plastic_strain_{place}": eqps[:, :, own].mean(axis=(1, 2)),
-            f"effective_stress_{place}": sheet_effective_stress(lamina).mean(axis=1),
-            f"lamina_stress_{place}": (lamina - squeezed[..., None] * [1.0, 1.0, 0.0]).mean(axis=1),
-            f"stress_{place}": (_to_global(frame, lamina) - squeezed[..., None] * [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).mean(
-                axis=1
-            ),
-            f"strain_{place}": _voigt(strain).mean(axis=1),
-            f"lamina_strain_{place}": _in_frame(frame, strain).mean(axis=1),
-            f"major_strain_{place}": major.mean(axis=1),
-            f"minor_strain_{place}": minor.mean(axis=1),
+            f"effective_stress_{place}": sheet_effective_stress(lamina.T).mean(axis=1),
+            f"lamina_stress_{place}": _mean(lamina) - squeezed.mean(axis=1)[:, None] * [1.0, 1.0, 0.0],
+            f"stress_{place}": _mean(_to_global(lamina, frame))
+            - squeezed.mean(axis=1)[:, None] * [1.0, 1.0, 1.0, 0.0, 0.0, 0.0],
+            f"strain_{place}": _mean(_to_global(strain, images)),
+            f"lamina_strain_{place}": _mean(_turn(strain, images, frame)),
+            f"major_strain_{place}": major.mean(axis=0),
+            f"minor_strain_{place}": minor.mean(axis=0),
         }
     return fields
+
+
+def _mean(values: FloatArray) -> FloatArray:
+    """Return the means over the points in the plane (n_cells, k) of tensors (k, q, n_cells)."""
+    return np.ascontiguousarray(values.mean(axis=1).T)
 
 
 def _points_at(place: str, k: int) -> list[int]:
@@ -177,47 +188,77 @@ def _back_stress_fields(history: FloatArray, g: ShellGeometry) -> dict[str, Floa
     return {f"back_stress_{p}": back[:, :, _points_at(p, len(g.layers))].mean(axis=(1, 2)) for p in PLACES}
 
 
+def differentiate(slopes: FloatArray, values: FloatArray) -> FloatArray:
+    """Return the derivatives (2, 3, q, n_cells) of vectors at the nodes (n_cells, n_nodes, 3).
+
+    slopes: gradients of the shape functions at the points (q, n_nodes, 2).
+    """
+    by_node = np.ascontiguousarray(values.transpose(1, 2, 0))
+    terms = zip(slopes.transpose(1, 2, 0)[..., None], by_node, strict=True)
+    return np.asarray(sum(slope[:, None] * of_node[:, None] for slope, of_node in terms))
+
+
+def dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the products of vectors (3, ...)."""
+    return np.asarray(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+
+
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the vector products of vectors (3, ...)."""
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
 def _lamina_frame(base: FloatArray, direction: FloatArray) -> FloatArray:
-    """Return the axes (n_cells, q, 2, 3) of the lamina frame: `direction` is g_1 in it."""
-    first = base[:, :, 0] / np.linalg.norm(base[:, :, 0], axis=2, keepdims=True)
-    normal = np.cross(base[:, :, 0], base[:, :, 1])
-    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
-    second = np.cross(normal, first)
-    c, s = direction[..., :1], direction[..., 1:]
-    return np.stack([c * first - s * second, s * first + c * second], axis=2)
+    """Return the axes (2, 3, q, n_cells) of the lamina frame.
+
+    direction (2, q, n_cells): the first base vector in it.
+    """
+    first = base[0] / np.sqrt(dot(base[0], base[0]))
+    normal = cross(base[0], base[1])
+    second = cross(normal / np.sqrt(dot(normal, normal)), first)
+    c, s = direction
+    return np.stack([c * first - s * second, s * first + c * second])
 
 
-def _to_global(frame: FloatArray, lamina: FloatArray) -> FloatArray:
-    """Return xx, yy, zz, xy, yz, xz (n_cells, q, 6) of stresses xx, yy, xy in the frame."""
-    inner = np.empty((*lamina.shape[:2], 2, 2))
-    inner[..., 0, 0], inner[..., 1, 1] = lamina[..., 0], lamina[..., 1]
-    inner[..., 0, 1] = inner[..., 1, 0] = lamina[..., 2]
-    return _voigt(np.einsum("cqai,cqab,cqbj->cqij", frame, inner, frame))
+def _to_global(inside: FloatArray, axes: FloatArray) -> FloatArray:
+    """Return xx, yy, zz, xy, yz, xz (6, q, n_cells) of tensors xx, yy, xy on two vectors (2, 3, q, n_cells)."""
+    xx, yy, xy = inside
+    a, b = axes
+    along_a, along_b = xx * a + xy * b, xy * a + yy * b
+    places = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+    return np.stack([along_a[i] * a[j] + along_b[i] * b[j] for i, j in places])
 
 
-def _in_frame(frame: FloatArray, tensor: FloatArray) -> FloatArray:
-    """Return xx, yy, xy (n_cells, q, 3) in the frame (n_cells, q, 2, 3) of tensors (n_cells, q, 3, 3)."""
-    own = np.einsum("cqai,cqij,cqbj->cqab", frame, tensor, frame)
-    return np.stack([own[..., 0, 0], own[..., 1, 1], own[..., 0, 1]], axis=-1)
+def _turn(inside: FloatArray, axes: FloatArray, frame: FloatArray) -> FloatArray:
+    """Return the same tensors by xx, yy, xy in another frame of their plane."""
+    xx, yy, xy = inside
+    (p, q), (r, s) = ([dot(f, a) for a in axes] for f in frame)
+    along_p, along_q = xx * p + xy * q, xy * p + yy * q
+    return np.stack([along_p * p + along_q * q, xx * r * r + 2.0 * xy * r * s + yy * s * s, along_p * r + along_q * s])
 
 
-def _voigt(tensor: FloatArray) -> FloatArray:
-    """Return xx, yy, zz, xy, yz, xz of symmetric tensors (..., 3, 3)."""
-    return np.stack([tensor[..., i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))], axis=-1)
+def _logarithmic_strain(start: FloatArray, now: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return the strain in the present directions, and its larger and smaller principal value.
 
-
-def _logarithmic_strain(start: FloatArray, now: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the strain in the present directions (n_cells, q, 3, 3), and its larger and smaller principal value."""
-    before = np.einsum("cqai,cqbi->cqab", start, start)
-    after = np.einsum("cqai,cqbi->cqab", now, now)
-    # after = F^T F in covariant components: b = F F^T has the same principal stretches, along m = now^i v_i
-    lower = np.linalg.cholesky(before)
-    inverse = np.linalg.inv(lower)
-    square = np.einsum("cqab,cqbd,cqed->cqae", inverse, after, inverse)
-    values, vectors = np.linalg.eigh(square)
-    principal = 0.5 * np.log(values)
-    material = np.einsum("cqba,cqbk->cqak", inverse, vectors)  # contravariant components of the material directions
-    along = np.einsum("cqak,cqai->cqki", material, now)
-    along /= np.linalg.norm(along, axis=3, keepdims=True)
-    strain = np.einsum("cqk,cqki,cqkj->cqij", principal, along, along)
-    return strain, principal[..., 1], principal[..., 0]
+    start, now: base vectors (2, 3, q, n_cells). The strain is xx, yy, xy (3, q, n_cells) on the two present images of
+    orthogonal unit vectors, which come first (2, 3, q, n_cells): ln V = sum of ln(l) F v (F v)^T/l^2, with l and v the
+    principal stretches and directions of F^T F.
+    """
+    # 1. images F of the unit vectors that Gram and Schmidt's method makes of the base vectors
+    size = np.sqrt(dot(start[0], start[0]))
+    along = dot(start[0], start[1]) / size
+    across = np.sqrt(dot(start[1], start[1]) - along**2)
+    first = now[0] / size
+    images = np.stack([first, (now[1] - along * first) / across])
+    # 2. principal stretches squared, of two directions
+    xx, yy, xy = dot(images[0], images[0]), dot(images[1], images[1]), dot(images[0], images[1])
+    half, radius = 0.5 * (xx - yy), np.hypot(0.5 * (xx - yy), xy)
+    mean = 0.5 * (xx + yy)
+    squares = np.stack([mean + radius, mean - radius])
+    principal = 0.5 * np.log(squares)
+    # 3. the strain on the images: sum of ln(l)/l^2 v v^T
+    weights = principal / squares
+    even, odd = 0.5 * (weights[0] + weights[1]), 0.5 * (weights[0] - weights[1])
+    turned = np.divide(odd, radius, out=np.zeros_like(odd), where=radius > 0.0)
+    strain = np.stack([even + turned * half, even - turned * half, turned * xy])
+    return images, strain, principal[0], principal[1]

@@ -72,25 +72,25 @@ def find_fold_ratio(
 
     corners = [block.connectivity for block in blocks]
     centre = np.concatenate([points[c].mean(axis=1) for c in corners])
-    free = np.concatenate([~touched[c].any(axis=1) for c in corners])
-    size = np.concatenate([np.ptp(points[c], axis=1).max(axis=1) for c in corners])
-    values, vectors = np.linalg.eigh(_tensor(sheet["strain_middle"]))
-    compressed, along = values[:, 0], vectors[:, :, 0]
-    bending = _tensor(0.5 * (sheet["strain_top"] - sheet["strain_bottom"]))
+    free = np.flatnonzero(np.concatenate([~touched[c].any(axis=1) for c in corners]))
+    values, vectors = np.linalg.eigh(_tensor(sheet["strain_middle"][free]))
+    folds = values[:, 0] < -YIELDED
+    own, compressed, along = free[folds], values[folds, 0], vectors[folds, :, 0]
     ratio = np.zeros(len(centre))
-    own = np.flatnonzero(free & (compressed < -YIELDED))
     if len(own) == 0:
         return ratio
 
-    tree, d, x = cKDTree(centre), along[own], centre[own]
+    size = np.concatenate([np.ptp(points[c], axis=1).max(axis=1) for c in corners])[own]
+    bending = _tensor(0.5 * (sheet["strain_top"] - sheet["strain_bottom"]))
+    tree, d, x = cKDTree(centre), along, centre[own]
     up, down = np.zeros(len(own)), np.zeros(len(own))
     for step in range(-STEPS, STEPS + 1):
         way = step / STEPS * REACH * sheet["thickness"][own]
         distance, near = tree.query(x + way[:, None] * d)
         bent = np.einsum("ci,cij,cj->c", d, bending[near], d)
-        bent[distance > np.maximum(size[own], 0.35 * np.abs(way))] = 0.0  # beyond the edge of the sheet
+        bent[distance > np.maximum(size, 0.35 * np.abs(way))] = 0.0  # beyond the edge of the sheet
         up, down = np.maximum(up, bent), np.maximum(down, -bent)
-    ratio[own] = np.minimum(up, down) / np.maximum(-compressed[own], LEAST_COMPRESSION)
+    ratio[own] = np.minimum(up, down) / np.maximum(-compressed, LEAST_COMPRESSION)
     return ratio
 
 

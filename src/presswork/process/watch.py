@@ -85,12 +85,13 @@ class Watch:
                     self._take(each, numbers, places, {"step": number, "time_s": snapshot.time})
 
     def _take(self, name: str, values: FloatArray, places: FloatArray, when: Mapping[str, float]) -> None:
-        finite = np.flatnonzero(np.isfinite(values))
-        if not len(finite):
+        finite = np.isfinite(values)
+        if not finite.any():
             return
-        known = self._fields.setdefault(name, {})
-        for key, sign in (("smallest", -1.0), ("largest", 1.0)):
-            at = int(finite[np.argmax(sign * values[finite])])
+        own = slice(None) if finite.all() else np.flatnonzero(finite)
+        known, numbers = self._fields.setdefault(name, {}), np.arange(len(values))[own]
+        for key, sign, find in (("smallest", -1.0, np.argmin), ("largest", 1.0, np.argmax)):
+            at = int(numbers[find(values[own])])
             value = float(values[at])
             if key not in known or sign * value > sign * known[key]["value"]:
                 known[key] = {"value": value, "at_mm": [float(x) for x in places[at]], **when}

@@ -16,11 +16,16 @@ from numpy.typing import NDArray
 
 from presswork.geometry.pose import ToolPose, find_pose_since, place_points
 from presswork.model import FloatArray, IntArray
+from presswork.results.deflate import deflate
 
 BODY, ASSEMBLY = "body", "Assembly"
 CHORD = np.radians(4.0)
 """Angle of an arc that one line stands for."""
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+_N_FILTERS = 2
+"""Of COMPRESSION."""
+_WORTH_IT = 32768
+"""Bytes from which deflate.py is faster than HDF5."""
 _LINE, _TRIANGLE = 3, 5
 
 
@@ -39,15 +44,29 @@ def append_rows(group: h5py.Group, name: str, rows: NDArray[np.generic]) -> int:
     """Append rows to a dataset that can grow; return how many it had.
 
     It asks HDF5 directly: h5py's own objects take several times as long, and a saved step has some sixty datasets.
+    Whole chunks of large datasets are compressed by deflate.py.
     """
     stored = h5py.h5d.open(group.id, name.encode())
     rows = np.ascontiguousarray(rows, dtype=stored.dtype)
     before, *columns = stored.shape
     stored.set_extent((before + len(rows), *columns))
+    settings = stored.get_create_plist()
+    filtered = settings.get_nfilters() == _N_FILTERS
+    if filtered and rows.nbytes >= _WORTH_IT and _fills_chunks(settings.get_chunk(), before, rows.shape):
+        per_chunk = settings.get_chunk()[0]
+        for first in range(0, len(rows), per_chunk):
+            place = (before + first, *(0 for _ in columns))
+            stored.write_direct_chunk(place, deflate(rows[first : first + per_chunk]))
+        return int(before)
     place = stored.get_space()
     place.select_hyperslab((before, *(0 for _ in columns)), rows.shape)
     stored.write(h5py.h5s.create_simple(rows.shape), place, rows)
     return int(before)
+
+
+def _fills_chunks(chunk: tuple[int, ...], before: int, shape: tuple[int, ...]) -> bool:
+    """Return whether rows of this shape behind others are whole chunks."""
+    return chunk[1:] == shape[1:] and before % chunk[0] == 0 and shape[0] % chunk[0] == 0
 
 
 def find_body(file: h5py.File) -> h5py.Group:
