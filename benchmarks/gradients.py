@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What derivatives cost: CPU time of a number and increment over that of an iteration, for 1, 4 and 10 numbers.
 
-    python -m benchmarks.gradients [plane|space]
+    python -m benchmarks.gradients [plane|space|plane_fine|space_fine]
 
 An iteration is one matrix made, factorised and solved in the run without derivatives, with all that belongs to it.
 Evaluations of cells and back-substitutions of a number and increment are counted, too; they do not depend on the
@@ -11,6 +11,8 @@ machine.
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from functools import partial
 from time import process_time
 from typing import Any
 
@@ -30,25 +32,30 @@ INCREMENTS = 6
 NUMBERS = (1, 4, 10)
 
 
-def upset_in_plane() -> tuple[type[CaseFile], dict[str, Any], list[str]]:
-    """Return a cylinder of 5,400 quad4_fbar, and its numbers."""
+def upset_in_plane(cells: tuple[int, int] = (60, 90)) -> tuple[type[CaseFile], dict[str, Any], list[str]]:
+    """Return a cylinder of quad4_fbar, and its numbers."""
     data = upset_cylinder(solver={"initial_increment": 0.1, "max_increment": 0.1})
-    data["workpiece"]["mesh"]["cells"] = [60, 90]
+    data["workpiece"]["mesh"]["cells"] = list(cells)
     data["stages"][0]["tools"]["punch"]["stroke"] = 3.0
-    data["tools"]["punch"]["profile"] = [[0, 15.01], [30, 15.01]]  # room for a tool that is a little lower
+    data["tools"]["punch"]["profile"] = [[-1, 15.01], [30, 15.01]]  # room for a tool that is lower or tilts
     return Case, data, [*KEYS, "tools.punch.profile.0.to.1", "tools.punch.profile.1.to.1"]
 
 
-def upset_in_space() -> tuple[type[CaseFile], dict[str, Any], list[str]]:
-    """Return a block of 2,744 hex8_fbar, and its numbers."""
+def upset_in_space(cells: int = 14) -> tuple[type[CaseFile], dict[str, Any], list[str]]:
+    """Return a block of hex8_fbar with so many along each edge, and its numbers."""
     data = upset_block("hex8_fbar", {"contact": "shear", "m": 0.2})
-    data["workpiece"]["mesh"]["cells"] = [14, 14, 14]
+    data["workpiece"]["mesh"]["cells"] = [cells] * 3
     data["tools"]["punch"]["position"] = [0, 0, 10.01]
     data["solver"] = {"initial_increment": 0.1, "max_increment": 0.1}
     return SpaceCase, data, [*KEYS, "workpiece.mesh.size.1", "tools.punch.position.2"]
 
 
-CASES = {"plane": upset_in_plane, "space": upset_in_space}
+CASES: dict[str, Callable[[], tuple[type[CaseFile], dict[str, Any], list[str]]]] = {
+    "plane": upset_in_plane,
+    "space": upset_in_space,
+    "plane_fine": partial(upset_in_plane, (120, 180)),
+    "space_fine": partial(upset_in_space, 21),
+}
 
 
 def measure(kind: type[CaseFile], data: dict[str, Any], keys: list[str]) -> tuple[float, int, int, int]:
@@ -86,7 +93,7 @@ def main() -> None:
     """Measure the cases that are asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("case", nargs="*", choices=[*CASES, []], default=[])
-    for name in parser.parse_args().case or CASES:
+    for name in parser.parse_args().case or ("plane", "space"):
         kind, data, keys = CASES[name]()
         measure(kind, data, keys[:1])  # what is loaded and made at the first call
         alone, matrices, evaluations, _ = measure(kind, data, [])

@@ -68,16 +68,20 @@ class Arrays:
         return listed
 
     def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
+        """Take up copies of what to_arrays() gave."""
+        self.take_arrays({name: arrays[name].copy() for name in self.to_arrays()})
+
+    def take_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
         """Take up what to_arrays() gave."""
         for f in fields(self):
             name, value = f"{self.owner}.{f.name}", getattr(self, f.name)
             if isinstance(value, dict):
-                found = {key: [arrays[f"{name}.{key}.{i}"].copy() for i in range(len(of))] for key, of in value.items()}
+                found = {key: [arrays[f"{name}.{key}.{i}"] for i in range(len(of))] for key, of in value.items()}
                 setattr(self, f.name, found)
             elif isinstance(value, list):
-                setattr(self, f.name, [arrays[f"{name}.{i}"].copy() for i in range(len(value))])
+                setattr(self, f.name, [arrays[f"{name}.{i}"] for i in range(len(value))])
             elif isinstance(value, np.ndarray):
-                setattr(self, f.name, arrays[name].copy())
+                setattr(self, f.name, arrays[name])
             else:
                 setattr(self, f.name, type(value)(arrays[name]))
 

@@ -23,6 +23,8 @@ EXACT = {
     "displacement_tolerance": 1e-11,
 }
 """Settings of the solver with which runs of neighbours differ by their parameter alone."""
+CALM = EXACT | {"max_iterations": 60, "force_tolerance": 1e-10, "displacement_tolerance": 1e-9}
+"""The same for runs that would cut increments at other places."""
 APART = 3e-4
 """Of a parameter: by how much whole runs differ."""
 
@@ -73,6 +75,26 @@ def upset_block(element: str, friction: Mapping[str, Any]) -> dict[str, Any]:
         "stages": [{"name": "upset", "tools": {"punch": {"stroke": 0.8, "direction": [0, 0, -1]}}}],
         "solver": EXACT,
         "output": {"steps": 1},
+    }
+
+
+def upset_with_floating_tools() -> dict[str, Any]:
+    """Return the data of the same block, pushed by a force onto a plane that rests on a spring, which gives at once."""
+    data = upset_block("hex8_fbar", {"contact": "coulomb", "mu": 0.1})
+    spring = {"stiffness": 1.6e5, "preload": 2e3, "direction": [0, 0, -1]}
+    low = {"shape": "plane", "normal": [0, 0, 1], "contact": "coulomb", "mu": 0.1, "spring": spring}
+    held = {name: data["boundary"][name] for name in ("x", "y")}
+    push = {"name": "push", "tools": {"punch": {"force": 1.8e5, "direction": [0, 0, -1]}}}
+    return data | {"tools": data["tools"] | {"low": low}, "boundary": held, "stages": [push], "solver": CALM}
+
+
+def upset_in_press(press: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the data of the cylinder of a metal that feels the strain rate, upset by a press."""
+    data = upset_cylinder(presses={"press": dict(press)}, solver=CALM)
+    rate = {"law": "cowper_symonds", "D": 40.0, "q": 5.0}
+    return data | {
+        "materials": {"steel": data["materials"]["steel"] | {"rate": rate}},
+        "stages": [data["stages"][0] | {"press": "press"}],
     }
 
 

@@ -28,6 +28,8 @@ from tests.problems.differentiated import (
     run_case,
     upset_block,
     upset_cylinder,
+    upset_in_press,
+    upset_with_floating_tools,
 )
 from tests.problems.mapped_meshes import differentiate_with_meshes, upset_with_new_meshes
 
@@ -109,6 +111,30 @@ def test_block_in_space_has_the_derivatives_of_whole_runs(
     data = upset_block(element, friction)
     for key, columns in differentiate(SpaceCase, data, ["punch.force"], by, tmp_path).items():
         assert largest_error(*columns["punch.force"]) < 1e-6, key
+
+
+def test_tools_that_float_in_space_have_the_derivatives_of_whole_runs(tmp_path: Path) -> None:
+    by = {"stages.0.tools.punch.force": 1.8e5, "tools.low.spring.preload": 2e3}
+    of = ["punch.stroke", "low.stroke"]
+    for key, columns in differentiate(SpaceCase, upset_with_floating_tools(), of, by, tmp_path).items():
+        for name, (own, other) in columns.items():
+            assert largest_error(own, other) < 1e-6, (key, name)
+
+
+@pytest.mark.parametrize(
+    ("press", "by"),
+    [
+        ({"kind": "crank", "stroke": 200.0, "rpm": 60.0, "rod_ratio": 0.1}, {"presses.press.rpm": 60.0}),
+        ({"kind": "hydraulic", "velocity": 50.0, "power": 3.0}, {"presses.press.power": 3.0}),
+    ],
+)
+def test_presses_have_the_derivatives_of_whole_runs(
+    press: dict[str, Any], by: dict[str, float], tmp_path: Path
+) -> None:
+    found = differentiate(Case, upset_in_press(press), ["punch.force", "ram_speed"], by, tmp_path)
+    for key, columns in found.items():
+        for name, (own, other) in columns.items():
+            assert largest_error(own, other) < 1e-6, (key, name)
 
 
 def test_strip_that_springs_back_has_the_derivatives_of_whole_runs(tmp_path: Path) -> None:

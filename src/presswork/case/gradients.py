@@ -102,7 +102,10 @@ def _keep_meshes(built: model.Model) -> model.Model:
 def _refuse(built: model.Model) -> list[Problem]:
     """Return the problems of what a run does that has no derivatives yet."""
     motions = [motion for stage in built.stages for motion in stage.tool_motion.values()]
-    pushes = built.analysis != "stamping" and any(motion.push is not None for motion in motions)
+    in_plane = built.dimension == 2
+    pushes = in_plane and any(motion.push is not None for motion in motions)
+    springs = in_plane and any(t.spring is not None for t in built.tools)
+    ends_early = any(s.drive is not None and s.drive.may_end_early for s in built.stages)
     in_space = built.dimension == 3 and built.remeshing is not None and not built.remeshing.keeps_first
     refused = (
         (built.explicit is not None, "procedure", "dynamics", "implicit runs alone have"),
@@ -116,9 +119,9 @@ def _refuse(built: model.Model) -> list[Problem]:
         (built.solver.inertia > 0.0, "solver.inertia", "inertia", "a run without inertia has"),
         (bool(built.contacts), "contacts", "contact of bodies", "one body between tools has"),
         (built.cyclic is not None, "boundary", "cyclic sectors", "a sector between symmetry planes has"),
-        (any(t.spring is not None for t in built.tools), "tools", "tools on springs", "tools with strokes have"),
-        (pushes, "stages", "tools that forces push", "tools with strokes have"),
-        (any(s.drive is not None for s in built.stages), "stages", "presses", "stages by duration have"),
+        (springs, "tools", "tools on springs in the plane", "tools with strokes have"),
+        (pushes, "stages", "tools that forces push in the plane", "tools with strokes have"),
+        (ends_early, "stages", "stages that a blow's energy or a limit of force ends", "a press by its way alone has"),
     )
     return [
         Problem(f"gradients ({place})", f"there are no derivatives of {what} yet", f"{remedy} them")

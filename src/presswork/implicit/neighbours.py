@@ -26,7 +26,11 @@ class SensitivityArrays(Arrays):
     owner = "sensitivities"
     slope: dict[str, list[FloatArray]]
     """Of each array of the State, by its name in a checkpoint: by one parameter after the other, in its form and unit
-    over that of the parameter."""
+    over that of the parameter. They are replaced, never written to."""
+
+    def duplicate(self) -> SensitivityArrays:
+        """Return a copy with the same arrays."""
+        return SensitivityArrays(self.slope)
 
 
 class Neighbour:
@@ -90,7 +94,7 @@ class Neighbour:
         held = now.lacking.constraints
         matrix = system.find_whole(held, now.point, now.lacking.resistances)
         whole = WholeTangent(main.equilibrium.system, matrix, held, main.mechanics.length)
-        return BorderedTangent(whole, self.procedure.interactions.all, now.point)
+        return BorderedTangent(whole, self.procedure.interactions.all, now.trial, now.point)
 
     def find_travel(self, trial: State) -> FloatArray:
         """Return how far the own freedoms of interactions have gone in a trial state from where it has begun (n,)."""
@@ -114,8 +118,10 @@ class Neighbour:
             procedure.settle_at_rest(now.state_n, now.trial, now.step)
         else:
             procedure.settle(now.state_n, now.trial, now.step)
-            if self._counts_work:
+            if self._counts_work or procedure.ram.is_needed:
                 procedure.count_work(now.state_n, now.trial, now.step)
+            if procedure.ram.is_needed:
+                procedure.ram.commit(now.state_n, now.trial, now.step)
             procedure.evolve(now.state_n, now.trial, now.step)
         if next_stage is not None:
             procedure.end_stage(now.trial, next_stage)
@@ -185,12 +191,11 @@ def split(joined: FloatArray, state: State) -> tuple[FloatArray, FloatArray]:
 
 def shift(state: State, own: State, number: int, change: float) -> State:
     """Return a state with the derivative by a parameter times its change added, in the form of a neighbour's own."""
-    shifted, arrays = State(*(copy(owned) for owned in own)), state.to_arrays()
+    shifted = State(*(copy(owned) for owned in own))
     slope = state[SensitivityArrays].slope if change else {}
-    shifted.load_arrays(
-        {
-            name: np.add(arrays[name], change * slope[name][number]) if name in slope else arrays[name]
-            for name in shifted.to_arrays()
-        }
-    )
+    for owned in shifted:
+        arrays = state[type(owned)].to_arrays()
+        owned.take_arrays(
+            {n: np.add(a, change * slope[n][number]) if n in slope else a.copy() for n, a in arrays.items()}
+        )
     return shifted

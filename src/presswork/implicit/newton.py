@@ -65,8 +65,9 @@ class Equilibrium:
         self._timing = timing
         self._noise = mechanics.force_of_round_off()
         self._softness = 1.0
-        self.augmented_at: list[FloatArray] = []
-        """Increments of the nodes in equilibrium with multipliers that were not good enough, in the last solution."""
+        self.augmented_at: list[tuple[FloatArray, FloatArray]] = []
+        """Increments of the nodes, and of freedoms that interactions own, in equilibrium with multipliers that were not
+        good enough, in the last solution."""
         self._tangent_is_consistent = (
             model.solver.newton == "full"
             and model.solver.tangent == "consistent"
@@ -205,7 +206,8 @@ class Equilibrium:
         for k in augmented:
             point = self._evaluate_again(k, state_n, trial, point)
         if augmented:
-            self.augmented_at.append(before)
+            travel = [i.find_travel(state_n, trial, point.guess.step) for i in self._interactions]
+            self.augmented_at.append((before, np.concatenate(travel)))
         return point if augmented else None
 
     def _needs_new_factors(self, balance: Balance, size: float, *, keeps: bool) -> bool:

@@ -40,6 +40,8 @@ BALANCED, DIGITS = 1e-10, 1e-1
 equilibrium is not so near, over its tolerance."""
 ENOUGH = 1e-4
 """The same, above which it is not, if it becomes no less."""
+NOTHING = 1e-7
+"""Part of the largest nodal force that it changes by between two neighbours at least, for what is out of balance."""
 INNER = 0.3
 """Part of what is enough to which K is solved."""
 MOST_ROUNDS = 30
@@ -117,8 +119,8 @@ class Sensitivities:
         for course in courses:
             for side in course.each.own:
                 side.begin(state_n, course.number, step)
-        for increment in self._procedure.equilibrium.augmented_at:
-            self._solve(courses, increment)
+        for nodes, travel in self._procedure.equilibrium.augmented_at:
+            self._solve(courses, join(nodes, travel))
             for side in [self._same, *(side for c in courses if not c.is_lost for side in c.each.own)]:
                 side.augment()
         for course in courses:
@@ -229,8 +231,9 @@ class _Lack:
     def find(self, each: Neighbours) -> FloatArray:
         """Return both for the present ways of the neighbours (2, n_points, freedoms)."""
         more, less = each.more.now, each.less.now
-        reaction = (more.point.reaction - less.point.reaction) / each.apart
-        self.force = max(self.force, float(np.abs(reaction / self._length).max()), 1e-300)
+        change = np.abs((more.point.reaction - less.point.reaction) / self._length).max()
+        least = NOTHING * np.abs(more.point.reaction / self._length).max()
+        self.force = max(self.force, float(max(change, least)) / each.apart, 1e-300)
         return np.array([more.force - less.force, more.missing - less.missing]) / each.apart
 
     def size(self, lack: FloatArray, slope: FloatArray) -> float:

@@ -244,7 +244,7 @@ class Interaction:
         """Return what the equations of its own freedoms lack (n,) [N], held as hold_like() has them."""
         return np.zeros(0)
 
-    def find_border(self, point: Point, own: Any, respond: Callable[[FloatArray], FloatArray]) -> Any:
+    def find_border(self, trial: State, point: Point, own: Any, respond: Callable[[FloatArray], FloatArray]) -> Any:
         """Return these equations (placing.Border). respond: what nodes do under forces (n_points, freedoms)."""
         return None
 

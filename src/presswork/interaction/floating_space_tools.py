@@ -30,7 +30,7 @@ from presswork.interaction.placing import (
 )
 from presswork.interaction.space_contact import SpaceForces
 from presswork.interaction.tool_arrays import SpaceToolArrays
-from presswork.model import BoolArray, FloatArray, Model, Push
+from presswork.model import BoolArray, FloatArray, Model, Push, Spring
 from presswork.outcome import GaveUpError
 from presswork.state import State
 
@@ -75,6 +75,11 @@ class FloatingSpaceTools:
         found = {t: motions[tool.name].push for t, tool in enumerate(self._model.space_tools) if tool.name in motions}
         return {t: push for t, push in found.items() if push is not None}
 
+    def ways(self, stage: int) -> dict[int, FloatArray]:
+        """Return the ways (3,) of the tools that forces push in a stage or that rest on springs, by their numbers."""
+        pushes, tools = self.pushes(stage), enumerate(self._model.space_tools)
+        return {t: np.asarray(by.direction) for t, tool in tools if (by := pushes.get(t, tool.spring)) is not None}
+
     def evaluate(
         self, trial: State, contact: SpaceForces, stage: int, fraction: float, *, near: bool
     ) -> tuple[FloatingInSpace, int]:
@@ -83,13 +88,13 @@ class FloatingSpaceTools:
         tools: list[int] = []
         directions, missing, demands, stiffness, room, changes = [], [], [], [], [], 0
         for t, tool in enumerate(self._model.space_tools):
-            share, push = float(self._share[t]), pushes.get(t)
+            push = pushes.get(t)
             if push is not None:
                 direction, k = np.asarray(push.direction), 0.0
                 demand = self._demand(placed, t, push, fraction)
             elif tool.spring is not None:
-                direction, k = np.asarray(tool.spring.direction), tool.spring.stiffness * share
-                demand = tool.spring.preload * share + k * float(placed.travel[t] @ direction)
+                direction = np.asarray(tool.spring.direction)
+                demand, k = self._resist(placed, t, tool.spring)
             else:
                 continue
             lacks = _bear(contact, t, direction) - demand
@@ -114,6 +119,12 @@ class FloatingSpaceTools:
         """Return the force along its push that the workpiece must bear on a tool at a part of a stage [N]."""
         start = -float(placed.force_start[t] @ np.asarray(push.direction))
         return -force_at(push.force * (1.0, float(self._share[t])), start, fraction)
+
+    def _resist(self, placed: SpaceToolArrays, t: int, spring: Spring) -> tuple[float, float]:
+        """Return the force of a tool's spring where it gives, and its slope [N, N/mm]."""
+        share = float(self._share[t])
+        k = spring.stiffness * share
+        return spring.preload * share + k * float(placed.travel[t] @ np.asarray(spring.direction)), k
 
     def _room(self, trial: State, tool: int, push: Push) -> float:
         if not push.stop:
@@ -157,25 +168,45 @@ class FloatingSpaceTools:
     # --- of a neighbour of a run, by which its derivatives are found -----------------------------------------------
 
     def find_missing(self, trial: State, contact: SpaceForces, stage: int, fraction: float) -> FloatArray:
-        """Return what each pushed tool lacks (n,) [N]. Raises GaveUpError where one has come to stand on its stop."""
-        placed, found = trial[SpaceToolArrays], []
-        for t, push in self.pushes(stage).items():
-            if self._room(trial, t, push) <= STANDS:
-                raise GaveUpError(f"{self._model.space_tools[t].name!r} stands on {push.stop!r}")
-            found.append(_bear(contact, t, np.asarray(push.direction)) - self._demand(placed, t, push, fraction))
+        """Return what each pushed tool, and each on a spring that gives, lacks (n,) [N]; how far one whose spring rests
+        is from there [mm]. Raises GaveUpError where one has come to stand on its stop.
+        """
+        placed, pushes, found = trial[SpaceToolArrays], self.pushes(stage), []
+        for t, way in self.ways(stage).items():
+            tool, push = self._model.space_tools[t], pushes.get(t)
+            if push is not None:
+                if self._room(trial, t, push) <= STANDS:
+                    raise GaveUpError(f"{tool.name!r} stands on {push.stop!r}")
+                found.append(_bear(contact, t, way) - self._demand(placed, t, push, fraction))
+            elif placed.gives[t] and tool.spring is not None:
+                found.append(_bear(contact, t, way) - self._resist(placed, t, tool.spring)[0])
+            else:
+                found.append(-float(placed.travel[t] @ way))
         return np.array(found)
 
     def find_border(
-        self, contact: SpaceForces, stage: int, nodes: FloatArray, respond: Callable[[FloatArray], FloatArray]
+        self,
+        trial: State,
+        contact: SpaceForces,
+        stage: int,
+        nodes: FloatArray,
+        respond: Callable[[FloatArray], FloatArray],
     ) -> Border:
         """Return the equations of find_missing; nodes: a vector of the system's form (n_points, freedoms)."""
+        placed, pushes = trial[SpaceToolArrays], self.pushes(stage)
         rows, responses, own = [], [], []
-        for t, push in self.pushes(stage).items():
-            w = np.asarray(push.direction)
-            column, row = _couple(contact, t, w, nodes)
-            own.append(float((column[:, :3] @ w).sum()))
+        for t, way in self.ways(stage).items():
+            spring = self._model.space_tools[t].spring
+            column, row = _couple(contact, t, way, nodes)
+            if t in pushes or placed.gives[t]:
+                k = self._resist(placed, t, spring)[1] if t not in pushes and spring is not None else 0.0
+                own.append(k + float((column[:, :3] @ way).sum()))
+                responses.append(respond(column))
+            else:
+                row[:] = 0.0
+                own.append(1.0)
+                responses.append(column)
             rows.append(row)
-            responses.append(respond(column))
         return Border(rows, np.array(own), responses)
 
 

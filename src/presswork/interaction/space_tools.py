@@ -126,11 +126,12 @@ class SpaceTools(Interaction):
         move_tools(trial[SpaceToolArrays], border, travel)
 
     def hold_like(self, other: Self, trial: State, held: State, displacement: FloatArray) -> None:
-        """Let the faces shear that shear in another run."""
+        """Let the faces shear that shear in another run, and the springs give that give there."""
         self.contact.touch_like(other.contact)
+        trial[SpaceToolArrays].gives = held[SpaceToolArrays].gives.copy()
 
     def find_travel(self, state_n: State, trial: State, step: Step) -> FloatArray:
-        """Return how far the pushed tools have gone along their push in an increment (n,) [mm]."""
+        """Return how far the tools that float have gone along their ways in an increment (n,) [mm]."""
         return self._along(trial[SpaceToolArrays].travel - state_n[SpaceToolArrays].travel, step.stage)
 
     def find_last_travel(self, state: State, step: Step) -> FloatArray:
@@ -138,26 +139,28 @@ class SpaceTools(Interaction):
         return self._along(state[SpaceToolArrays].travel_increment, step.stage)
 
     def _along(self, ways: FloatArray, stage: int) -> FloatArray:
-        return np.array([float(ways[t] @ push.direction) for t, push in self.floating.pushes(stage).items()])
+        return np.array([float(ways[t] @ way) for t, way in self.floating.ways(stage).items()])
 
     def travel_like(self, state_n: State, trial: State, step: Step, travel: FloatArray) -> None:
-        """Put the pushed tools where they have gone so far along their push in the increment (n,) [mm]."""
-        pushes = self.floating.pushes(step.stage)
-        ways = np.array([push.direction for push in pushes.values()]).reshape(-1, 3)
+        """Put the tools that float where they have gone so far along their ways in the increment (n,) [mm]."""
+        floating = self.floating.ways(step.stage)
+        ways = np.array(list(floating.values())).reshape(-1, 3)
         further = travel - self.find_travel(state_n, trial, step)
-        move_tools(trial[SpaceToolArrays], Placed(list(pushes), ways, further), further)
+        move_tools(trial[SpaceToolArrays], Placed(list(floating), ways, further), further)
 
     def find_missing(self, trial: State, point: Point, own: Any) -> FloatArray:
-        """Return what the pushed tools lack (n,) [N]. Raises GaveUpError where one stands on its stop."""
+        """Return what the tools that float lack (n,) [N]. Raises GaveUpError where one stands on its stop."""
         step = point.guess.step
         return self.floating.find_missing(trial, own, step.stage, step.fraction)
 
-    def find_border(self, point: Point, own: Any, respond: Callable[[FloatArray], FloatArray]) -> Border | None:
-        """Return the equations of the pushed tools."""
+    def find_border(
+        self, trial: State, point: Point, own: Any, respond: Callable[[FloatArray], FloatArray]
+    ) -> Border | None:
+        """Return the equations of the tools that float."""
         stage = point.guess.step.stage
-        if not self.floating.pushes(stage):
+        if not self.floating.ways(stage):
             return None
-        return self.floating.find_border(own, stage, point.reaction, respond)
+        return self.floating.find_border(trial, own, stage, point.reaction, respond)
 
     def find_area_blocks(self, point: Point, own: Any, resistance: Any) -> tuple[IntArray, FloatArray]:
         """Return how friction depends on the areas of faces."""

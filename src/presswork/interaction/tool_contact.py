@@ -382,10 +382,8 @@ class Contact:
         faces = held[:, places].argmax(axis=0)
         normal, nodes = self.normal[faces, places], self.nodes[places]
         turned[nodes] = 1
-        frames[nodes, 0] = normal
-        frames[nodes, 1] = np.column_stack([-normal[:, 1], normal[:, 0]])
-        mask[nodes, 0] = 1
-        value[nodes, 0] = closing[faces, places]
+        frames[nodes, 0], frames[nodes, 1] = normal, np.column_stack([-normal[:, 1], normal[:, 0]])
+        mask[nodes, 0], value[nodes, 0] = 1, closing[faces, places]
         for i in np.nonzero((count > 0) & ~stuck & ~alone)[0]:
             self._pin(np.nonzero(held[:, i])[0], int(i), closing, mask, value)
         return Constraints(mask, value, turned, frames)
@@ -393,8 +391,10 @@ class Contact:
     def _pin(self, faces: IndexArray, i: int, closing: FloatArray, mask: MaskArray, value: FloatArray) -> None:
         """Two faces, or a face and a support: both freedoms follow from the gaps."""
         node = self.nodes[i]
-        free = mask[node] == 0
-        axes = self.normal[faces, i]
-        rest = closing[faces, i] - axes[:, ~free] @ value[node, ~free]
-        value[node, free] = np.linalg.lstsq(axes[:, free], rest, rcond=None)[0]
+        free, axes = mask[node] == 0, self.normal[faces, i]
+        rest, own = closing[faces, i] - axes[:, ~free] @ value[node, ~free], axes[:, free]
+        if own.shape == (1, 1):  # by hand, which is quicker; nothing where the face ends before it
+            value[node, free] = rest / own[0] if own[0, 0] else 0.0
+        else:
+            value[node, free] = np.linalg.lstsq(own, rest, rcond=None)[0]
         mask[node] = 1

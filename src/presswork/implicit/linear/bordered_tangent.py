@@ -14,6 +14,7 @@ from presswork.implicit.linear.whole_tangent import WholeTangent
 from presswork.interaction.contract import Interaction, Point
 from presswork.interaction.placing import Border
 from presswork.model import FloatArray
+from presswork.state import State
 
 DIGITS = 1e-6
 """Of a tool's column of the matrix: to which part of it the answer of the nodes is found."""
@@ -22,10 +23,10 @@ DIGITS = 1e-6
 class BorderedTangent:
     """The tangent at one point of a run, with the equations of interactions, of which at most one has any."""
 
-    def __init__(self, whole: WholeTangent, interactions: Sequence[Interaction], point: Point) -> None:
+    def __init__(self, whole: WholeTangent, interactions: Sequence[Interaction], trial: State, point: Point) -> None:
         self._whole = whole
         found = (
-            interaction.find_border(point, forces, self._answer)
+            interaction.find_border(trial, point, forces, self._answer)
             for interaction, forces in zip(interactions, point.forces, strict=True)
         )
         self._border: Border | None = next((border for border in found if border is not None), None)

@@ -3,8 +3,8 @@
 
 The factors of Newton's method are those of the symmetric part, one iteration old. The whole tangent K is assembled
 once and only multiplied. Several right-hand sides are solved together by generalised conjugate residuals: a round takes
-the ways M^-1 r of what all of them still lack, M the factors, and combines the ways of all rounds and right-hand sides
-so that the least is left of each (Saad 2003, Iterative Methods for Sparse Linear Systems, sections 6.9 and 6.12).
+the ways M^-1 r of what each of them still lacks, M the factors, and combines the ways of its rounds so that the least
+is left (Saad 2003, Iterative Methods for Sparse Linear Systems, section 6.9).
 Sums run in one order, so that bits do not depend on threads.
 """
 
@@ -17,13 +17,9 @@ import scipy
 
 from presswork.implicit.linear.system import LinearSystem
 from presswork.interaction.contract import Constraints, turn, turn_back
-from presswork.model import FloatArray
+from presswork.model import FloatArray, IndexArray
 
 MOST_ROUNDS = 12
-LINEARLY_NEW = 1e-12
-"""Part of a way's product that must be new beside those of others."""
-ENOUGH = 0.7
-"""Part of a force that is left by taking the others out of it, above which once is enough."""
 STAGNANT = 0.7
 """Part of what was lacking that may be left by a round; where more is, no further one follows."""
 
@@ -71,57 +67,42 @@ class WholeTangent:
 
     def _solve(self, rest: FloatArray, goal: FloatArray) -> FloatArray:
         """Return the ways of free nodes (k, n) under forces (k, n)."""
-        found, basis = np.zeros_like(rest), _Basis(rest.shape)
+        found = np.zeros_like(rest)
         rest = rest * self._weight
         left = np.abs(rest).max(axis=1)
         open_ = np.nonzero(left > goal)[0]
+        before: list[tuple[FloatArray, FloatArray]] = []
         for _ in range(MOST_ROUNDS):
             if not len(open_):
                 break
-            # 1. ways by the factors, and what they take, made orthonormal to the others
-            new = self._precondition(rest[open_] / self._weight)
-            taken = self._multiply(new) * self._weight
-            for way, force in zip(new, taken, strict=True):
-                basis.add(way, force)
-            # 2. of each right-hand side what they can take
-            shares = np.einsum("kn,mn->km", rest, basis.forces)
-            rest -= np.einsum("km,mn->kn", shares, basis.forces)
-            found += np.einsum("km,mn->kn", shares, basis.ways)
-            before_all, left = left, np.abs(rest).max(axis=1)
-            open_ = np.nonzero((left > goal) & (left < STAGNANT * before_all))[0]
+            # 1. ways by the factors, and what they take, made orthogonal to those of the rounds before
+            way = self._precondition(rest[open_] / self._weight)
+            force = self._multiply(way) * self._weight
+            for ways, forces in before:
+                share = _dot(forces[open_], force)
+                force -= share * forces[open_]
+                way -= share * ways[open_]
+            size = np.sqrt(_dot(force, force))
+            scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
+            # 2. what each can take of its right-hand side
+            force *= scale
+            way *= scale
+            share = _dot(rest[open_], force)
+            rest[open_] -= share * force
+            found[open_] += share * way
+            before.append((_spread(way, open_, rest), _spread(force, open_, rest)))
+            left, left_before = np.abs(rest).max(axis=1), left
+            open_ = np.nonzero((left > goal) & (left < STAGNANT * left_before))[0]
         return found
 
 
-class _Basis:
-    """Ways, and the orthonormal forces that they take. shape: right-hand sides and freedoms (k, n)."""
+def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Return the products of rows with rows (k, 1)."""
+    return np.asarray(np.einsum("kn,kn->k", a, b)[:, None])
 
-    def __init__(self, shape: tuple[int, ...]) -> None:
-        self._count = 0
-        self._ways, self._forces = np.empty((4 * shape[0], shape[1])), np.empty((4 * shape[0], shape[1]))
 
-    @property
-    def ways(self) -> FloatArray:
-        """So far (m, n)."""
-        return self._ways[: self._count]
-
-    @property
-    def forces(self) -> FloatArray:
-        """So far (m, n)."""
-        return self._forces[: self._count]
-
-    def add(self, way: FloatArray, force: FloatArray) -> None:
-        """Add a way and its force (n,), made orthonormal to the others, if it is new beside them."""
-        before = size = float(np.linalg.norm(force))
-        for _ in range(2):
-            share = np.einsum("mn,n->m", self.forces, force)
-            force = force - np.einsum("m,mn->n", share, self.forces)
-            way = way - np.einsum("m,mn->n", share, self.ways)
-            last, size = size, float(np.linalg.norm(force))
-            if size > ENOUGH * last:  # orthogonal to round-off
-                break
-        if size <= LINEARLY_NEW * before:
-            return
-        if self._count == len(self._ways):
-            self._ways, self._forces = (np.concatenate([of, np.empty_like(of)]) for of in (self._ways, self._forces))
-        self._ways[self._count], self._forces[self._count] = way / size, force / size
-        self._count += 1
+def _spread(rows: FloatArray, numbers: IndexArray, like: FloatArray) -> FloatArray:
+    """Return rows at their numbers, and zeros beside them."""
+    found = np.zeros_like(like)
+    found[numbers] = rows
+    return found
