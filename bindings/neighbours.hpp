@@ -13,11 +13,12 @@ namespace parts {
 using explicit_dynamics::Neighbours;
 using Buffer = nb::ndarray<double, nb::c_contig, nb::device::cpu>;
 
-// messages: an object with send, receive, agree and find_largest, and the arrays that they send and fill.
+// messages: an object with send, propose, receive, agree and find_largest, and the arrays that they send and fill.
 class PythonNeighbours final : public Neighbours {
  public:
   PythonNeighbours(const nb::object& messages, Buffer sends, Buffer receives, Buffer shares)
       : send_(messages.attr("send")),
+        propose_(messages.attr("propose")),
         receive_(messages.attr("receive")),
         agree_(messages.attr("agree")),
         find_largest_(messages.attr("find_largest")),
@@ -25,6 +26,7 @@ class PythonNeighbours final : public Neighbours {
     out = arrays_[0].data(), in = arrays_[1].data(), shared = arrays_[2].data();
   }
   void send() override { call(send_); }
+  void propose() override { call(propose_); }
   void receive() override { call(receive_); }
   void agree() override { call(agree_); }
   void find_largest(double* numbers, int n) override {
@@ -38,7 +40,7 @@ class PythonNeighbours final : public Neighbours {
     nb::gil_scoped_acquire acquire;
     function();
   }
-  nb::object send_, receive_, agree_, find_largest_;
+  nb::object send_, propose_, receive_, agree_, find_largest_;
   Buffer arrays_[3];
 };
 
@@ -78,7 +80,8 @@ void bind_parts(nb::class_<Loop>& loop) {
            nb::arg("into"), nb::arg("shared"), nb::arg("leads"),
            "Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion "
            "goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has "
-           "send, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, 8): what "
+           "send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, "
+           "8): what "
            "is sent and has "
            "come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.")
       .def(

@@ -85,10 +85,9 @@ void Loop<Nodes>::join(std::unique_ptr<Neighbours> of) {
 }
 
 template <class Nodes>
-void Loop<Nodes>::send(double fastest) {
-  tell_neighbours();
+void Loop<Nodes>::propose(double fastest) {
   neighbours_->shared[0] = fastest;
-  neighbours_->send();
+  neighbours_->propose();
 }
 
 template <class Nodes>
@@ -165,9 +164,8 @@ void Loop<Nodes>::move_nodes(Team& team, Thread& own, const Step& step) {
   if (neighbours_) {
 #pragma omp master
     {
-      double fastest = 0.0;
-      for (const Moved& each : team.moved) fastest = std::max(fastest, each.fastest);
-      send(std::sqrt(fastest));
+      tell_neighbours();
+      neighbours_->send();
       if (team.awaits_ghosts) {
         neighbours_->receive();
         move_ghosts(step.dt);
@@ -192,6 +190,7 @@ void Loop<Nodes>::move_nodes(Team& team, Thread& own, const Step& step) {
     for (const auto& pieces : team.led)
       for (double speed : pieces) fastest = std::max(fastest, speed);
     team.fastest = std::sqrt(fastest);
+    if (neighbours_) propose(team.fastest);
   }
   own.clock.lap(Phase::nodes);
 }
@@ -284,7 +283,9 @@ typename Loop<Nodes>::Failure Loop<Nodes>::advance(const Cycles& of) {
   }
   if (team.failed == INT_MAX) return {};
   if (neighbours_ && team.alone && failed_in + 1 < of.n) {  // the others learn it in their next cycle
-    send(std::numeric_limits<double>::infinity());
+    tell_neighbours();
+    neighbours_->send();
+    propose(std::numeric_limits<double>::infinity());
     neighbours_->receive();
     neighbours_->agree();
   }

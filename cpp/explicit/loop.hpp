@@ -88,7 +88,8 @@ class Loop {
   // False where an element has failed, here or in another part.
   bool advance_tiles(Team& team, Thread& own, const Step& step, int cycle, double time);
   void take_tiles(Team& team, Thread& own, int share, double dt, double time);
-  void send(double fastest);
+  // Tell the other parts the largest speed of a node, and what forces are to be summed up.
+  void propose(double fastest);
   // Let ghosts move where what follows nodes asks for them; else elements without ghosts come first.
   bool awaits_ghosts() const;
   // One thread: find the largest speed of all parts, and let interactions move; false where a part has failed.

@@ -6,6 +6,7 @@
 // forces on own nodes are whole, and of ghosts only the motion comes from their owners. A cycle:
 //
 //   own nodes move       out is filled; send()
+//   all own speeds known shared is filled; propose(), behind receive() where nodes follow others
 //   elements without a ghost
 //   receive()            in is there, ghosts move
 //   elements with ghosts
@@ -26,6 +27,7 @@ class Neighbours {
 
   virtual ~Neighbours() = default;
   virtual void send() = 0;
+  virtual void propose() = 0;
   virtual void receive() = 0;
   virtual void agree() = 0;
   // Find the largest of each of n numbers of all parts, in place.

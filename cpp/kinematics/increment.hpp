@@ -49,8 +49,9 @@ PRESSWORK_DEVICE void divided_atanh(T m, T s, T& g, T& g_s) {
 template <class T>
 T logarithm_of_stretch(T x) {
   const T z = (x - T(1.0)) / (x + T(1.0)), z2 = z * z;
-  if (any(invert(z2 < T(2.5e-5)))) return logarithm(x);
-  return (z + z) * (T(1.0) + z2 * (T(1.0 / 3) + z2 * (T(1.0 / 5) + z2 * T(1.0 / 7))));
+  const T series = (z + z) * (T(1.0) + z2 * (T(1.0 / 3) + z2 * (T(1.0 / 5) + z2 * T(1.0 / 7))));
+  const auto small = z2 < T(2.5e-5);
+  return any(invert(small)) ? select(small, series, logarithm(x)) : series;
 }
 
 // Polar decomposition and strain of one increment; derivatives only if with_derivative.

@@ -44,21 +44,25 @@ struct Stretch {
 
 namespace stretch {
 
-// Eigenvectors (columns of V) of a symmetric matrix, which becomes diagonal.
+// Eigenvectors (columns of V) of a symmetric matrix, whose diagonal becomes that of the eigenvalues. Lanes that are
+// done keep what they have, so that no lane's bits depend on the others of its pack.
 template <class T>
 PRESSWORK_DEVICE void diagonalise(T A[3][3], T V[3][3]) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) V[i][j] = T(i == j ? 1.0 : 0.0);
+  auto open = invert(T(0.0) < T(0.0));
   for (int sweep = 0; sweep < 12; ++sweep) {
     T off = A[0][1] * A[0][1] + A[1][2] * A[1][2] + A[2][0] * A[2][0];
     T size = A[0][0] * A[0][0] + A[1][1] * A[1][1] + A[2][2] * A[2][2];
-    if (!any(off > T(1e-34) * size)) break;
+    open = both(open, off > T(1e-34) * size);
+    if (!any(open)) break;
     for (int k = 3; k < 6; ++k) {
       const int p = voigt_row(k), q = voigt_column(k), r = 3 - p - q;
       // the rotation by at most 45 degrees that makes A_pq zero; its tangent is t
       T apart = A[q][q] - A[p][p], twice = T(2.0) * A[p][q];
       T signed_twice = select(apart < T(0.0), -twice, twice), wide = larger(apart, -apart);
       T t = signed_twice / (wide + square_root(wide * wide + twice * twice) + T(1e-300));
+      if constexpr (is_of_doubles<T>) t = select(open, t, T(0.0));
       T c = T(1.0) / square_root(T(1.0) + t * t), s = t * c;
       A[p][p] -= t * A[p][q], A[q][q] += t * A[p][q];
       A[p][q] = A[q][p] = T(0.0);

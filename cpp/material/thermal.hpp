@@ -37,13 +37,11 @@ struct Softening {
     Point<T> point;
     point.share = share_at(temperature);
     const T x = point.share / other.share - T(1.0);
-    if (any(either(x > T(2e-3), x < T(-2e-3)))) {
-      finish(power(point.share, exponent), point);
-      return point;
-    }
     T sum(1.0);
     for (int k = 5; k > 0; --k) sum = T(1.0) + T((exponent - (k - 1)) / k) * x * sum;
-    finish(other.loss * sum, point);
+    const auto far = either(x > T(2e-3), x < T(-2e-3));
+    const T loss = other.loss * sum;
+    finish(any(far) ? select(far, power(point.share, exponent), loss) : loss, point);
     return point;
   }
 

@@ -1141,7 +1141,7 @@ class SpaceLoop:
 
     def join(self, messages: object, sent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], ghosts: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], into: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], shared: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], leads: bool) -> None:
         """
-        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
+        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
         """
 
     def set_tool_forces(self, force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
@@ -1552,7 +1552,7 @@ class SpaceLoopSingle:
 
     def join(self, messages: object, sent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], ghosts: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], into: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], shared: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], leads: bool) -> None:
         """
-        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
+        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
         """
 
     def set_tool_forces(self, force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from presswork import _core
 from presswork.body.divided_solids import DividedMechanics
 from presswork.body.solids import Mechanics, TurnedInsideOut
 from presswork.model import Stage
@@ -11,6 +12,7 @@ from presswork.outcome import Step
 from presswork.timing import Timing
 from tests.problems.rank_threads import on_ranks
 from tests.problems.space_solids import SYMMETRY, box, make_model
+from tests.unit.contact.shapes import box_triangles
 
 STEP = Step(0, 0.0, 1.0, 1, 0.0, 1.0, 0.0)
 
@@ -85,3 +87,20 @@ def test_all_ranks_hear_of_a_cell_that_one_has_turned_inside_out():
     found = on_ranks(3, lambda world: _fill(DividedMechanics(model, Timing("assembly"), world), model, squeeze=-40.0))
     assert all(isinstance(bad, TurnedInsideOut) for bad in found)
     assert len({bad.cell for bad in found}) == 1
+
+
+def test_each_rank_looks_for_tools_from_its_own_nodes_and_all_know_what_all_have_seen():
+    model = _model("hex8_fbar")
+    die = _core.ToolSurface.triangles(*box_triangles((1.2, 1.2, 1.2)))
+    places = model.mesh.points
+
+    def nearest(points, reach):
+        return die.nearest(np.ascontiguousarray(points), reach)[:2]
+
+    looks = [(nearest, 0.6), (nearest, np.inf), (nearest, 0.0)]
+    whole = Mechanics(model, Timing("assembly")).look_near(looks, places)
+    assert 0 < np.isfinite(whole[0][0]).sum() < len(places)
+    for seen in on_ranks(3, lambda world: DividedMechanics(model, Timing("assembly"), world).look_near(looks, places)):
+        for (gap, normal), (own_gap, own_normal) in zip(whole, seen, strict=True):
+            assert np.array_equal(own_gap, gap)
+            assert np.array_equal(own_normal[np.isfinite(gap)], normal[np.isfinite(gap)])

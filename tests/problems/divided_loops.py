@@ -30,6 +30,7 @@ from tests.problems.upset_block import describe_block
 
 HEX = 'element = "hex8_1pt"\nmesh = {size = [4, 4, 3], cells = [4, 4, 3]}'
 TET = 'element = "tet4_nodal"\nmesh = {size = [4, 4, 3], cells = [3, 3, 2]}'
+TIED = 'element = "{}"\nmesh = {{kind = "cylinder", radius = 4, height = 3, angle = 60, cells = [3, 2, 3]}}'
 SECTOR = 'element = "hex8_fbar"\nmesh = {kind = "cylinder", radius = 4, height = 3, angle = 50, cells = [3, 2, 3]}'
 MOVED = 'velocity = "2 m/s"\ntools.die = {stroke = 0.4, direction = [0, 0, -1]}'
 TURNED = 'velocity = "2 m/s"\ntools.die = {stroke = 0.4, direction = [0, 0, -1], turn = 5}'
@@ -67,6 +68,19 @@ steps = 1
 rows = 10
 """
 """Points of the first bead go from shell to shell, and from rank to rank; the last ones leave the sheet."""
+HOT = """
+[materials.steel.thermal]
+conductivity = 40
+specific_heat = "460 J/(kg*K)"
+[heat]
+initial_temperature = "300 °C"
+surroundings = {ambient = 20, emissivity = 0.8}
+[tools.die.heat]
+temperature = 20
+conductance = "4000 W/(m^2*K)"
+gap = 0.1
+"""
+IN_AIR = '[[stages]]\nname = "air"\ndwell = {duration = 2, place = "air"}\n'
 SHARES = (
     "beads.work", "loop.work", "run.energy", "contact.damping", "contact.drag", "contact.external", "contact.friction",
     "contact.squeeze",
@@ -96,6 +110,28 @@ def describe_explicit_sector() -> str:
     )
     text = text.replace('set = "left"\nfix = ["x"]', 'set = "last_plane"\nfix = ["normal"]')
     return text.replace('set = "bottom"', 'set = "first_plane"')
+
+
+def describe_tied_sector(element: str) -> str:
+    """Return the text of a sector whose last face follows the first, under a die that turns."""
+    text = describe_explicit_block(TIED.format(element), TURNED).replace(
+        "normal = [0, 0, -1]", "normal = [0, 0, -1]\naxis = [0, 0, 1]"
+    )
+    head, _, stage = text.partition("[[stages]]")
+    head = head.partition("[boundary.x]")[0]
+    return f'{head}[boundary.cut]\nset = "last_plane"\ncyclic = "first_plane"\n[[stages]]{stage}'
+
+
+def heat_up(text: str, before: str = "") -> str:
+    """Return a case whose body is hot and softer for it, and cools at the die; before: stages that come first."""
+    head, _, rest = text.partition("[[stages]]")
+    soft = "poisson = 0.3\nheating = {reference = 20, melting = 1500, exponent = 1}"
+    return f"{head.replace('poisson = 0.3', soft)}{HOT}{before}[[stages]]{rest}"
+
+
+def describe_hot_cup() -> str:
+    """Return the text of a cup that is drawn hot, after it has cooled in air."""
+    return heat_up(describe_cup(8), IN_AIR).replace("velocity =", "process_time = 1\nvelocity =")
 
 
 def begin(model: Model, world: World | None) -> Any:
@@ -181,6 +217,10 @@ def main() -> None:
         "pushed": compare(describe_explicit_block(HEX, PUSHED), world),
         "eight_points": compare(describe_explicit_block(HEX.replace("hex8_1pt", "hex8"), MOVED), world),
         "sector_turned": compare(describe_explicit_sector(), world),
+        "sector_tied": compare(describe_tied_sector("hex8_1pt"), world),
+        "tetrahedra_tied": compare(describe_tied_sector("tet4_nodal"), world),
+        "hot_block": compare(heat_up(describe_explicit_block(HEX, MOVED)), world),
+        "hot_cup": compare(describe_hot_cup(), world, rows=12),
         "tetrahedra": compare(describe_explicit_block(TET, MOVED), world),
         "mitc": compare(describe_cup(8) + '[explicit]\nelement = "shell4_mitc_plus"\n', world),
         "single": compare(describe_cup(8) + '[explicit]\nprecision = "single"\n', world),

@@ -229,8 +229,10 @@ void SpaceLoop<Real>::add_contact(TouchingSurfaces surfaces, double reach, doubl
 template <class Real>
 void SpaceLoop<Real>::tie(std::vector<std::pair<int, int>> pairs, double angle) {
   if constexpr (std::is_same_v<Real, double>) {
-    this->nodes.follows.assign(this->nodes.n, 0);
-    for (const auto& pair : pairs) this->nodes.follows[pair.second] = 1;
+    auto& follows = this->nodes.follows;
+    follows.assign(this->nodes.n, 0);
+    if (this->neighbours_) std::copy_n(this->neighbours_->is_ghost.begin(), this->nodes.n, follows.begin());
+    for (const auto& pair : pairs) follows[pair.second] = 1;
     ties_ = std::make_unique<CyclicTies>(std::move(pairs), angle);
     // before what measures volumes, behind what pushes nodes
     this->interactions.insert(this->interactions.begin() + static_cast<std::ptrdiff_t>(contacts.size()), ties_.get());

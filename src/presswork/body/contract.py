@@ -3,10 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 from presswork.model import FloatArray, IntArray
 from presswork.state import State
+
+Near = tuple[FloatArray, FloatArray]
+"""Gap of nodes to a tool (n_points,), infinite beyond a reach [mm], and its normal there (n_points, 3)."""
+Look = tuple[Callable[[FloatArray, float], Near], float]
+"""What finds that at places (n, 3) within a reach, and the reach [mm]."""
 
 
 class Cells(Protocol):

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import fields, replace
 
 import numpy as np
 
+from presswork.body.contract import Look, Near
 from presswork.body.law_failed import LawFailed
 from presswork.body.solids import CellBlock, Mechanics, SolidAssembler, TurnedInsideOut
 from presswork.model import FloatArray, IndexArray, IntArray, Model
@@ -53,6 +55,21 @@ class DividedMechanics(Mechanics):
             bad = replace(bad, cell=int(self._own[bad.block][bad.cell]))
         failed: list[TurnedInsideOut | LawFailed | None] = self._world.gather_objects(bad)
         return next(found for found in failed if found is not None)
+
+    def look_near(self, looks: Sequence[Look], places: FloatArray) -> list[Near]:
+        """Return what looks find of all nodes: each rank looks from its own, and tells of those that are near."""
+        if self._world.leads:
+            return super().look_near(looks, places)
+        own, rows = np.flatnonzero(self._division.owner == self._world.rank), [np.zeros((0, 6))]
+        for look, (nearest, reach) in enumerate(looks):
+            gap, normal = nearest(places[own], reach)
+            near = np.isfinite(gap)
+            rows.append(np.column_stack([np.full(near.sum(), look), own[near], gap[near], normal[near]]))
+        found = self._world.gather_rows(np.concatenate(rows))
+        of, node = found[:, 0].astype(np.intp), found[:, 1].astype(np.intp)
+        seen = np.full((len(looks), len(places)), np.inf), np.zeros((len(looks), len(places), 3))
+        seen[0][of, node], seen[1][of, node] = found[:, 2], found[:, 3:]
+        return list(zip(*seen, strict=True))
 
     def _take_block(self, cells: CellArrays, i: int) -> CellBlock:
         """Return copies: a rank's cells lie apart."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from time import perf_counter
@@ -11,6 +11,7 @@ from time import perf_counter
 import numpy as np
 
 from presswork import _core
+from presswork.body.contract import Look, Near
 from presswork.body.heat_of_umat import find_heat
 from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.law_window import LawWindow, note_rates
@@ -137,6 +138,10 @@ class Mechanics:
         if self._couplings is None or not np.array_equal(couplings, self._couplings):
             self._couplings = couplings
             self.assembler = self._make_assembler(couplings)
+
+    def look_near(self, looks: Sequence[Look], places: FloatArray) -> list[Near]:
+        """Return what each look at tools finds of the nodes at places (n_points, 3) [mm]."""
+        return [nearest(places, reach) for nearest, reach in looks]
 
     def at_rest(self) -> State:
         """Return nodes and cells before the first increment."""

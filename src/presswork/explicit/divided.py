@@ -288,6 +288,13 @@ class DividedLoop:
         own = np.searchsorted(self._part.nodes, node[mine]).astype(np.int32)
         self._own.hold_along(own, np.ascontiguousarray(along[mine]), np.ascontiguousarray(velocity[mine]))
 
+    def tie(self, pairs: npt.NDArray[np.int32], angle: float) -> None:
+        """Let the second nodes of pairs (n, 2), which the parts know, follow the first, turned about z [rad]."""
+        self._whole.tie(pairs, angle)
+        mine = pairs[np.isin(pairs, self._part.nodes).all(axis=1)]
+        self._own.tie(np.searchsorted(self._part.nodes, mine).astype(np.int32), angle)
+        self._own_is_old = True
+
     def set_temperature(self, block: int, temperature: Array) -> None:
         """Give the points of a block's elements temperatures (n, ...) [degrees C]."""
         self._whole.set_temperature(block, temperature)
@@ -351,6 +358,15 @@ class DividedLoop:
     def bead_restraint(self, bead: int) -> float:
         """Return the restraining force of a drawbead [N]."""
         return float(self._whole.bead_restraint(bead) if self._where == "all" else self._restraints[bead])
+
+    def force_of_tool(self, tool: int) -> Array:
+        """Return the forces of a tool on the nodes (n_nodes, 3) [N]."""
+        if self._where == "parts" and not self._world.leads:
+            found = self._state.gather_nodes(self._own.force_of_tool(tool), to_all=True)
+        else:
+            self.bring_together()
+            found = self._whole.force_of_tool(tool)
+        return np.asarray(found)
 
     def drive_tool(self, tool: int, drive: Array) -> None:
         """Say what the next cycles do with a tool."""

@@ -68,20 +68,21 @@ class SharedState:
             self.whole.restore(whole)
             self._keep_sums_of_nodes([of_whole for of_whole, _ in sums])
 
-    def gather_nodes(self, own: Array) -> Array | None:
-        """Return on rank 0 the rows (n_nodes, ...) of all ranks' nodes, of those of each rank's own loop."""
-        return self._gather_to_lead(own, self._answers, self._part.owner)
+    def gather_nodes(self, own: Array, *, to_all: bool = False) -> Array | None:
+        """Return on rank 0, or on all, the rows (n_nodes, ...) of all ranks' nodes, of those of each's own loop."""
+        return self._gather_rows(own, self._answers, self._part.owner, to_all=to_all)
 
     def gather_elements(self, block: int, read: Callable[[int], Array], shape: tuple[int, ...]) -> Array | None:
         """Return on rank 0 what `read` gives of each element (n, *shape) of a block, by its number in the own loop."""
         own = read(self.blocks.index(block)) if block in self.blocks else np.zeros((0, *shape))
         owner = self._part.element_owner[block]
-        return self._gather_to_lead(own, owner[self._part.elements[block]] == self._world.rank, owner)
+        return self._gather_rows(own, owner[self._part.elements[block]] == self._world.rank, owner, to_all=False)
 
-    def _gather_to_lead(self, own: Array, mine: npt.NDArray[np.bool_], owner: Ranks) -> Array | None:
+    def _gather_rows(self, own: Array, mine: npt.NDArray[np.bool_], owner: Ranks, *, to_all: bool) -> Array | None:
         width = int(np.prod(own.shape[1:], dtype=int))
         counts = (np.bincount(owner, minlength=self._world.size) * width).astype(np.int32)
-        found = self._world.gather_to_lead(np.asarray(own[mine], dtype=float).reshape(-1), counts)
+        gather = self._world.gather if to_all else self._world.gather_to_lead
+        found = gather(np.asarray(own[mine], dtype=float).reshape(-1), counts)
         if found is None:
             return None
         whole = np.empty((len(owner), *own.shape[1:]))

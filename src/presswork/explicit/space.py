@@ -72,7 +72,8 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
     precision: "single" computes shells and velocities in single precision, positions and energies in double: about half
     the time and memory; docs/theory/explicit.md says where it is good enough. device: "cuda" computes the cycles on
     the first NVIDIA card, "host" runs the card's code on the CPU, for tests; docs/theory/explicit.md says what a device
-    computes. The state is that of the CPU's loop: a dump goes on anywhere. world: ranks that share the cycles.
+    computes. The state is that of the CPU's loop: a dump goes on anywhere. world: ranks that share the cycles. tied:
+    pairs of nodes (n, 2) that will be tied, which ranks must know.
     """
 
     FREEDOMS = "uvwpqr"
@@ -85,6 +86,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         precision: Precision = "double",
         device: Device = "cpu",
         hanging: npt.ArrayLike = (),
+        tied: npt.NDArray[np.int32] | None = None,
         world: World | None = None,
     ) -> None:
         x = np.array(points, dtype=float)
@@ -135,7 +137,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         self._resident = None if device == "cpu" else ResidentLoop(loop, device)
         whole: Any = self._resident or loop
         if world:
-            whole = _divide(loop, precision, pieces, x, nodes, place, world)
+            whole = _divide(loop, precision, pieces, x, nodes, place, None if tied is None else place[tied], world)
         super().__init__(whole, nodes, np.concatenate(elements))
 
     @property
@@ -301,13 +303,14 @@ def _divide(
     x: Array,
     nodes: npt.NDArray[np.intp],
     place: npt.NDArray[np.int32],
+    tied: npt.NDArray[np.int32] | None,
     world: World,
 ) -> DividedLoop:
-    """Return a loop whose cycles ranks share; the arguments are those of the whole loop."""
+    """Return a loop whose cycles ranks share; the arguments are those of the whole loop; tied: its nodes (n, 2)."""
     cells = [place[block.cells[part]] for block, part in pieces]
     measures = [block.measures_nodes for block, _ in pieces]
     try:
-        mine = make_part(x[nodes], cells, world.size, world.rank, measures)
+        mine = make_part(x[nodes], cells, world.size, world.rank, measures, tied=tied)
     except ValueError as error:
         raise ExplicitError(f"{error}: start fewer ranks") from None
     kept = [number for number, elements in enumerate(mine.elements) if len(elements)]

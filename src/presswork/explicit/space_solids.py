@@ -53,12 +53,22 @@ class SpaceMaterial:
     """Whether the law heats."""
 
 
+@dataclass(frozen=True)
+class TiedFaces:
+    """Two faces of a sector: the nodes of the last follow those of the first, turned about z."""
+
+    pairs: npt.NDArray[np.int32]
+    """A node of the first face and the one that follows it (n, 2)."""
+    angle: float
+    """[rad]"""
+
+
 class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
     """Bodies of hex8_1pt, hex8_fbar, hex8 or tet4_nodal in explicit dynamics.
 
     mesh: points (n_nodes, 3) [mm], blocks of cells; materials: one for each block. hourglass_fraction: of the shear
-    modulus, that resists hourglass modes of hex8_1pt and what the nodal mean of tet4_nodal does not see. device, world:
-    as of SpaceDynamics.
+    modulus, that resists hourglass modes of hex8_1pt and what the nodal mean of tet4_nodal does not see. tied: faces of
+    a sector. device, world: as of SpaceDynamics.
     """
 
     def __init__(
@@ -67,6 +77,7 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
         materials: Sequence[SpaceMaterial],
         *,
         hourglass_fraction: float = 0.05,
+        tied: TiedFaces | None = None,
         device: Device = "cpu",
         world: World | None = None,
     ) -> None:
@@ -83,7 +94,10 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
             )
             for block, material in zip(mesh.blocks, materials, strict=True)
         ]
-        super().__init__(mesh.points, blocks, device=device, world=world)
+        super().__init__(mesh.points, blocks, device=device, tied=tied.pairs if tied else None, world=world)
+        if tied:
+            place = np.argsort(self._nodes).astype(np.int32)
+            self._loop.tie(np.ascontiguousarray(place[tied.pairs]), tied.angle)
         self._node_sets = dict(mesh.node_sets)
         for number, material in enumerate(materials):
             for of in material.damage:
@@ -228,16 +242,6 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
         """Let every freedom go that fix and fix_normal have prescribed."""
         super().release()
         self._normals = []
-
-    def tie_sector(self, first: npt.ArrayLike, last: npt.ArrayLike, angle: float) -> None:
-        """Let the nodes of the last face of a sector follow those of the first (n,), turned about z by an angle [rad].
-
-        Nodes on the axis are on both.
-        """
-        place = np.empty(len(self._nodes), dtype=np.int32)
-        place[self._nodes] = np.arange(len(self._nodes))
-        pairs = place[np.column_stack([first, last])]
-        self._loop.tie(np.ascontiguousarray(pairs[pairs[:, 0] != pairs[:, 1]]), angle)
 
     def _prepare(self, velocity_scale: Array) -> None:
         super()._prepare(velocity_scale)

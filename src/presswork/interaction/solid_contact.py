@@ -25,6 +25,7 @@ from dataclasses import replace
 import numpy as np
 
 from presswork import _core
+from presswork.body.contract import Look, Near
 from presswork.body.solids import Mechanics
 from presswork.fields.instant import NodalContact
 from presswork.geometry.mirrored import WITHIN, complete_tool, find_mirrors
@@ -100,6 +101,9 @@ class SolidContact(SpaceContact):
 
         return RoundedSurface(make_surface(shape, depth), spacing, fold)
 
+    def _look(self, looks: Sequence[Look], x: FloatArray) -> list[Near]:
+        return self._cells.look_near(looks, x)
+
     def begin_increment(self, state_n: State) -> None:
         """Take surface, shear flow stress and multipliers as they are when the increment begins."""
         places = self._model.mesh.points + state_n.nodes.moved
@@ -110,11 +114,11 @@ class SolidContact(SpaceContact):
         self._multiplier = np.linalg.norm(placed.force - placed.friction, axis=2)
         for t in range(len(self._surfaces)) if self._resting is not None else self._sticking:
             surface = self.placed(t, placed)
-            gap, out = surface.nearest(places, float(self._length.max()))
+            gap, out = self._look([(surface.nearest, float(self._length.max()))], places)[0]
             self._lay[t] = (self._multiplier[t] > 0.0) | (gap <= ROUNDING * self._length)
             if self._resting is not None:
                 far = not np.isfinite(gap[~self._inside]).any()
-                seen, along = surface.nearest(places, math.inf) if far else (gap, out)
+                seen, along = self._look([(surface.nearest, math.inf)], places)[0] if far else (gap, out)
                 self._resting.take(t, np.where(self._inside, np.inf, seen), along, self._length)
         if self._needs_shear:
             self._shear_flow, self._n_guesses = self._cells.nodal_flow_stress(state_n) / np.sqrt(3.0), 0

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
+from presswork.body.contract import Look, Near
 from presswork.geometry.pose import SpacePose, find_axis, find_space_pose, turn_about
 from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.geometry.tool_surface import make_surface
@@ -60,6 +61,11 @@ class TouchingNodes:
     """Distance from the tool below which it pushes (n_points,) [mm]."""
     rounding: FloatArray
     """Distance over which that begins (n_points,) [mm]."""
+
+    @property
+    def farthest(self) -> float:
+        """Distance from the tool beyond which no node touches [mm]."""
+        return float((self.reach + self.rounding).max())
 
     def gap_at(self, push: FloatArray) -> FloatArray:
         """Return the gap beyond the reach at which a node is pushed with so much [N] (n_points,) [mm]."""
@@ -127,13 +133,18 @@ class PlacedSurface:
 def find_touched(
     surface: PlacedSurface, touching: TouchingNodes, x: FloatArray, before: FloatArray | None = None
 ) -> TouchedNodes:
-    """Return the nodes at x (n_points, 3) [mm] that touch a tool.
+    """Return the nodes at x (n_points, 3) [mm] that touch a tool; before: as of choose_touched."""
+    return choose_touched(surface.nearest(x, touching.farthest), touching, before)
+
+
+def choose_touched(near: Near, touching: TouchingNodes, before: FloatArray | None = None) -> TouchedNodes:
+    """Return the nodes that touch a tool. near: of all nodes, found within touching.farthest.
 
     before: law_gap of all nodes before a correction, infinite of those that did not touch (n_points,) [mm]. The law's
     tangent is then taken where the push is what the correction has asked for, and nodes that it has asked to pull are
     let go. At the nodes' own gap Newton's method would only halve what is left of a parabola, again and again.
     """
-    gap, normal = surface.nearest(x, float((touching.reach + touching.rounding).max()))
+    gap, normal = near
     nodes = np.flatnonzero(gap - touching.reach < touching.rounding)
     k, delta, beyond = touching.spring[nodes], touching.rounding[nodes], (gap - touching.reach)[nodes]
     law_gap = beyond
@@ -289,6 +300,10 @@ class SpaceContact:
         """Return what the contact with a tool must know of the nodes."""
         raise NotImplementedError
 
+    def _look(self, looks: Sequence[Look], x: FloatArray) -> list[Near]:
+        """Return what each look finds of the nodes at x (n_points, 3) [mm]."""
+        return [nearest(x, reach) for nearest, reach in looks]
+
     def limit_by_shear(
         self, x: FloatArray, touched: Sequence[tuple[IndexArray, FloatArray, FloatArray]]
     ) -> Sequence[FloatArray | None]:
@@ -311,9 +326,10 @@ class SpaceContact:
         nodes, blocks, owners, energy = [], [], [], 0.0
         surfaces = [self.placed(t, placed) for t in range(len(tools))]
         before, self._law_gap = self._law_gap, None
+        touching = [self.touching(t) for t in range(len(tools))]
+        seen = self._look([(own.nearest, of.farthest) for own, of in zip(surfaces, touching, strict=True)], x)
         touched = [
-            find_touched(surface, self.touching(t), x, None if before is None else before[t])
-            for t, surface in enumerate(surfaces)
+            choose_touched(near, touching[t], None if before is None else before[t]) for t, near in enumerate(seen)
         ]
         law_gap = np.full((len(tools), n), np.inf)
         shear = self.limit_by_shear(x, [(own.nodes, own.normal, own.push) for own in touched])

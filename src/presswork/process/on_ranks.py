@@ -64,10 +64,8 @@ def _begin_explicit(model: Model, threads: int, world: World) -> Recording:
 def _find_undivided_explicit(model: Model) -> str:
     """Name what of an explicit model is not divided over ranks; nothing where all is."""
     asked = {
-        "heat": model.heat is not None,
         "new meshes (remesh)": model.remeshing is not None,
         "contact of bodies": bool(model.contacts),
-        "a sector of cyclic symmetry": model.cyclic is not None,
         "refinement of the blank": model.refinement is not None,
         "contact of the sheet with itself": model.self_contact is not None,
     }

@@ -15,7 +15,7 @@ from presswork.evolution.damage import make_damage
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.energy import EnergyBalance
 from presswork.explicit.motion import Motion
-from presswork.explicit.space_solids import ExplicitSpaceSolids, SpaceMaterial
+from presswork.explicit.space_solids import ExplicitSpaceSolids, SpaceMaterial, TiedFaces
 from presswork.explicit.space_walls import SpaceWall, WallStart
 from presswork.fields.solid_fields import effective_stress
 from presswork.geometry.pose import find_axis, find_space_pose, start_centre_in_space, turn_about
@@ -70,10 +70,17 @@ class ExplicitSpaceImpact(ExplicitImpact):
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         model = self.model
         density = float(epoch.get("density", 1.0))
+        self._axis, tied = np.zeros(0, dtype=np.int32), None
+        if model.cyclic is not None:
+            pairs = np.column_stack(pair_faces(model.cyclic, model.mesh))
+            on_axis = pairs[:, 0] == pairs[:, 1]
+            self._axis = pairs[on_axis, 0]
+            tied = TiedFaces(pairs[~on_axis], 2.0 * np.pi / model.cyclic.sectors)
         self.solids = ExplicitSpaceSolids(
             model.mesh,
             [self._make_material(block.material, density) for block in model.mesh.blocks],
             hourglass_fraction=self.settings.hourglass_stiffness,
+            tied=tied,
             device=self.settings.device,
             world=self._world,
         )
@@ -89,11 +96,6 @@ class ExplicitSpaceImpact(ExplicitImpact):
             )
             for tool, surface in zip(model.space_tools, self._surfaces, strict=True)
         ]
-        self._axis = np.zeros(0, dtype=np.int32)
-        if model.cyclic is not None:
-            first, last = pair_faces(model.cyclic, model.mesh)
-            self._axis = first[first == last]
-            self.solids.tie_sector(first, last, 2.0 * np.pi / model.cyclic.sectors)
         self.contacts = ContactsOfRows(model, self.solids)
         self.solids.check_device()
         self._reaction = np.zeros(model.mesh.points.shape)

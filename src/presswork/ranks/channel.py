@@ -37,8 +37,11 @@ class Channel:
         self._agreeing: list[Any] = []
 
     def send(self) -> None:
-        """Start what goes out and comes in; start to agree on what is shared."""
+        """Start what goes out and comes in."""
         self._world.start(self._requests, self._n_sent, self.out.nbytes)
+
+    def propose(self) -> None:
+        """Start to agree on what is shared."""
         self._agreeing = self._world.start_to_agree(self.shared, sums=self.sums)
 
     def receive(self) -> None:

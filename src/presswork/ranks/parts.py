@@ -55,24 +55,37 @@ def own_nodes(points: FloatArray, blocks: Sequence[IntArray], size: int) -> IntA
 
 
 def make_part(
-    points: FloatArray, blocks: Sequence[IntArray], size: int, rank: int, measures_nodes: Sequence[bool]
+    points: FloatArray,
+    blocks: Sequence[IntArray],
+    size: int,
+    rank: int,
+    measures_nodes: Sequence[bool],
+    *,
+    tied: IntArray | None = None,
 ) -> Part:
     """Return what a rank has of a mesh divided over ranks.
 
-    measures_nodes: of each block, whether its cells depend on all cells round their nodes.
+    measures_nodes: of each block, whether its cells depend on all cells round their nodes. tied: pairs of nodes (n, 2)
+    whose second follows the first, and gives its forces to it: both have one owner, and a part with the second has the
+    first.
     """
+    pairs = np.zeros((0, 2), dtype=np.int32) if tied is None else tied
     owner = own_nodes(points, blocks, size)
+    owner[pairs[:, 1]] = owner[pairs[:, 0]]
     n = len(points)
+    leads = sparse.csr_matrix((np.ones(len(pairs), dtype=bool), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
     has = sparse.csr_matrix((np.ones(n, dtype=bool), (np.arange(n), owner)), shape=(n, size))
     touches = [_touch(block, n) for block in blocks]
     computes = [(touch @ has).astype(bool) for touch in touches]
     has_first = sum((touch.T @ of for touch, of in zip(touches, computes, strict=True)), start=has)
+    has_first = has_first + leads @ has_first
     has = has_first
     around = []
     for touch, measures in zip(touches, measures_nodes, strict=True):
         of = (touch @ has_first).astype(bool)
         around.append(of.getcol(rank).nonzero()[0] if measures else None)
         has = has + touch.T @ of if measures else has
+    has = has + leads @ has
     nodes = np.flatnonzero(has.getcol(rank).toarray().ravel())
     place = np.full(n, -1, dtype=np.intp)
     place[nodes] = np.arange(len(nodes))

@@ -126,6 +126,11 @@ class World:
         self.traffic.received += whole.nbytes - own.nbytes
         return whole
 
+    def gather_rows(self, own: FloatArray) -> FloatArray:
+        """Return the rows (n, k) of all ranks one after another, of which each has any number."""
+        counts = self.gather(np.array([float(own.size)]), np.ones(self.size, dtype=np.int32)).astype(np.int32)
+        return self.gather(own.reshape(-1), counts).reshape(-1, own.shape[1])
+
     def gather_to_lead(self, own: FloatArray, counts: IntArray) -> FloatArray | None:
         """Return on rank 0 the values of all ranks one after another; counts: of each rank."""
         whole = np.empty(int(counts.sum())) if self.rank == 0 else None

@@ -6,6 +6,7 @@ import pytest
 
 from presswork.ranks.division import bisect, divide
 from presswork.ranks.launch import count_ranks
+from presswork.ranks.parts import make_part, own_nodes
 from tests.problems.space_solids import box
 
 
@@ -44,3 +45,17 @@ def test_more_ranks_than_cells_are_refused():
 )
 def test_launchers_are_known_by_their_variables(environment, ranks):
     assert count_ranks(environment) == ranks
+
+
+def test_a_node_that_follows_another_has_its_owner_and_no_part_has_it_without_the_other():
+    mesh = box("hex8_fbar", (4.0, 2.0, 1.0), (8, 4, 2))
+    first, last = (np.flatnonzero(np.abs(mesh.points[:, 0] - x) < 1e-9) for x in (0.0, 4.0))
+    cells, pairs = mesh.blocks[0].connectivity, np.column_stack([first, last])
+    assert (own_nodes(mesh.points, [cells], 3)[pairs] != own_nodes(mesh.points, [cells], 3)[first][:, None]).any()
+    for rank in range(3):
+        part = make_part(mesh.points, [cells], 3, rank, [False], tied=pairs)
+        assert np.array_equal(part.owner[first], part.owner[last])
+        assert np.isin(first, part.nodes)[np.isin(last, part.nodes)].all()
+        needs = np.isin(cells, np.flatnonzero(part.owner == rank)).any(axis=1)
+        assert np.array_equal(part.elements[0], np.flatnonzero(needs))
+        assert np.isin(cells[needs], part.nodes).all()
