@@ -152,8 +152,8 @@ PRESSWORK_INLINE Pinch<V> find_pinch(int n, const ToolAt& tool_at, const PairAt&
     for (int t = 0; t < n; ++t) {
       const RigidTool& tool = tool_at(t);
       const auto& p = pair_at(t);
+      if (!tool.grip.thickness || !any(invert(p.wake > V(tool.travel)))) continue;  // the rest of p is not looked at
       const Mask<V> awake = both(invert(p.wake > V(tool.travel)), dot(p.normal, p.normal) > V(0.5));
-      if (!tool.grip.thickness || !any(awake)) continue;
       V place[3], dx[3];
       for (int i = 0; i < 3; ++i) {
         place[i] = x[i] - V(tool.displacement[i]);

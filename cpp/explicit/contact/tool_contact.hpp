@@ -251,9 +251,11 @@ bool ToolContact::visit_pack(int slot, const View& sheet, int first_tool, int c,
   }
   for (int i = 0; i < 3; ++i) on_sheet[i] = Pack(0.0);
   bool located = false;
+  int n_awake = 0;
   Pack x[4], v[4];
   Pinch pinch;
   pinch.excess = pinch.force = Pack(0.0), pinch.tool[0] = pinch.tool[1] = Pack(-1.0);
+  pinch.room = pinch.next = Pack(std::numeric_limits<double>::infinity());
   const std::size_t pack = slot / width, ahead = std::min<std::size_t>(pack + 2, (n_nodes_ - 1) / width);
   const auto is_awake = [&](std::size_t t) { return pairs_[t].packs[pack].wake.v <= Pack(tools[t].travel).v; };
   const auto way_on = [&](std::size_t t, Pack dx[3]) {
@@ -287,11 +289,13 @@ bool ToolContact::visit_pack(int slot, const View& sheet, int first_tool, int c,
       load_records<4>(places, x), load_records<4>(speeds, v);
       located = true;
     }
+    ++n_awake;
     way_on(t, dx);
     follow(static_cast<int>(t), slot, awake, x, dx, sums_[c * tools.size() + t]);
   }
   if (located) {
-    if (ironing_) pinch = find_pinch(slot, x, v, sheet.dt), squeeze(slot, last, sheet, pinch);
+    if (ironing_ && n_awake + first_tool > 1) pinch = find_pinch(slot, x, v, sheet.dt);
+    if (ironing_) squeeze(slot, last, sheet, pinch);
     for (std::size_t t = first_tool; t < tools.size(); ++t) {
       if (!pairs_[t].may_be_awake(pack, tools[t].travel)) continue;
       const Mask awake = is_awake(t);
