@@ -2,7 +2,7 @@
 """What new meshes cost in a run in space: their share of its time, and what that is spent on.
 
 A new mesh counts all from the decision on, as in benchmarks.remeshing: skin and inside (MMG), transfer, a procedure of
-its own, equilibrium with the tools at rest, and meshes that are refused; looking whether one is due counts, too.
+its own, equilibrium with the tools at rest, and meshes that are refused; looking whether one is due stands beside it.
 
 Run: python -m benchmarks.remeshing_in_space [--case CASE.toml | --die SEED] [--profile]
 """

@@ -98,7 +98,8 @@ class ImplicitProcedure:
         for interaction in self.others:
             interaction.find_places(model.mesh)
         self.mechanics = make_mechanics(model, self.timing, self.world)
-        self.interactions = Interactions(model, self.mechanics, self.others)
+        interactions_n = before.interactions if before else None
+        self.interactions: Interactions = Interactions(model, self.mechanics, self.others, interactions_n)
         self.equilibrium = Equilibrium(model, self.mechanics, self.interactions.all, self.timing, threads)
         self.ram = Ram(model)
         self.heat: HeatOfIncrements | None = None

@@ -23,7 +23,14 @@ from presswork.model import Model
 class Interactions:
     """What acts on the nodes of a model, by name for those who ask, and as one list for Newton's method."""
 
-    def __init__(self, model: Model, cells: Mechanics | ShellMechanics, others: Sequence[Interaction] = ()) -> None:
+    def __init__(
+        self,
+        model: Model,
+        cells: Mechanics | ShellMechanics,
+        others: Sequence[Interaction] = (),
+        before: Interactions | None = None,
+    ) -> None:
+        """others: of one's own. before: of the same run on the mesh before."""
         self.loads: Loads | ShellLoads
         if isinstance(cells, ShellMechanics):
             self.supports = Supports(model, cells.directors.smooth, cells.directors.node)
@@ -33,7 +40,10 @@ class Interactions:
             self.loads = Loads(model, self.supports)
         self.bodies = BodyContacts(model, cells)
         self.tools = PlaneTools(model, cells, self.supports)
-        self.space_tools = SpaceTools(model, cells) if model.space_tools or model.beads else None
+        tools_n = before.space_tools if before else None
+        self.space_tools: SpaceTools | None = (
+            SpaceTools(model, cells, tools_n) if model.space_tools or model.beads else None
+        )
         self.inertia = Inertia(model) if model.solver.inertia > 0.0 else None
         self.all: tuple[Interaction, ...] = (
             self.supports,

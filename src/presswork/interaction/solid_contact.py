@@ -64,8 +64,8 @@ Touched = tuple[IndexArray, FloatArray, FloatArray]
 class SolidContact(SpaceContact):
     """The tools in space of a solid; what persists lies in the State."""
 
-    def __init__(self, model: Model, cells: Mechanics) -> None:
-        super().__init__(model, math.inf)
+    def __init__(self, model: Model, cells: Mechanics, before: SpaceContact | None = None) -> None:
+        super().__init__(model, math.inf, before)
         self._cells = cells
         self._young = max(material.young for material in model.materials)
         self._needs_shear = any(t.friction.law in ("shear", "coulomb_capped") for t in model.space_tools)

@@ -250,10 +250,16 @@ class SpaceForces(Forces):
 class SpaceContact:
     """The tools in space of one run; what persists lies in the State."""
 
-    def __init__(self, model: Model, depth: float) -> None:
-        """Take the tools of a model. depth: that a node of a guess may lie in a tool and be found [mm]."""
+    def __init__(self, model: Model, depth: float, before: SpaceContact | None = None) -> None:
+        """Take the tools of a model.
+
+        depth: that a node of a guess may lie in a tool and be found [mm]. before: the same tools of the run on the mesh
+        before, whose surfaces are taken over.
+        """
         self._model = model
-        self._surfaces = [self._make_surface(tool, depth) for tool in model.space_tools]
+        self._surfaces: list[_core.ToolSurface | RoundedSurface] = (
+            before._surfaces if before else [self._make_surface(tool, depth) for tool in model.space_tools]
+        )
         self._law_gap: FloatArray | None = None
 
     def _make_surface(self, tool: Tool, depth: float) -> _core.ToolSurface | RoundedSurface:

@@ -31,9 +31,13 @@ TOO_DEEP = 1e-3
 class SpaceTools(Interaction):
     """Contact of nodes with tools in space."""
 
-    def __init__(self, model: Model, cells: Mechanics | ShellMechanics) -> None:
+    def __init__(self, model: Model, cells: Mechanics | ShellMechanics, before: SpaceTools | None = None) -> None:
+        """before: the same tools of the run on the mesh before, whose surfaces a solid's contact takes over."""
         self._model = model
-        self.contact = SolidContact(model, cells) if isinstance(cells, Mechanics) else SheetContact(model)
+        contact_n = before.contact if before else None
+        self.contact: SolidContact | SheetContact = (
+            SolidContact(model, cells, contact_n) if isinstance(cells, Mechanics) else SheetContact(model)
+        )
         self.floating = FloatingSpaceTools(model)
         self._course = ToolCourse(model.space_tools, model.stages, 3)
 

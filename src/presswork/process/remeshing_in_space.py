@@ -19,7 +19,7 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.checks import MeshError
-from presswork.model import FloatArray, Limits, Model, Remeshing, Tool, Triangulation, change_mesh
+from presswork.model import FloatArray, IndexArray, Limits, Mesh, Model, Remeshing, Tool, Triangulation, change_mesh
 from presswork.process.bodies_in_space import add_neighbours, hold_on_tools, join_bodies, mark_joints, take_places
 from presswork.process.carrying import carry_state, carry_surface, find_undeclared
 from presswork.process.epochs import NamedArrays
@@ -28,7 +28,7 @@ from presswork.process.mesh_reasons import LAST_CUT
 from presswork.process.remeshing import RemeshedForming
 from presswork.process.space_surfaces import draw_tool
 from presswork.remesh.carrier import Carrier
-from presswork.remesh.space.body import NewBody, OldBody
+from presswork.remesh.space.body import NewBody, OldBody, Topology
 from presswork.remesh.space.fill import REMEDY
 from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.size_field import OF_WIDTH, EdgeSizes
@@ -67,6 +67,7 @@ class RemeshedSpaceForming(RemeshedForming):
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         assert model.remeshing is not None
         self._shapes = [draw_shape(tool, model, model.remeshing) for tool in model.space_tools]
+        self._topologies: tuple[Mesh, dict[int, tuple[Topology, dict[str, IndexArray]]]] = model.mesh, {}
         super().__init__(model, threads=threads)
         self._left = [Left() for _ in self._bodies()]
         """What was wrong with the present mesh of each body when it was made."""
@@ -100,14 +101,28 @@ class RemeshedSpaceForming(RemeshedForming):
                 tools.append(shape.place(surface, surface.pose))
         position, found = model.mesh.points + state.nodes.moved, []
         for number, body in enumerate(self._bodies()):
-            own, (block,) = slice(body.points.start, body.points.stop), body.blocks
-            cells = model.mesh.blocks[block].connectivity.astype(np.intp) - body.points.start
-            places, lost = take_places(model, body), self._lost_volume(body, number)
-            found.append(OldBody(position[own], cells, on_tool[:, own], fixed[own], places, tools, lost))
+            own = slice(body.points.start, body.points.stop)
+            topology, places = self._find_topology(number)
+            lost, cells = self._lost_volume(body, number), topology.cells
+            found.append(
+                OldBody(position[own], cells, on_tool[:, own], fixed[own], places, tools, lost, topology=topology)
+            )
         if InterfaceArrays not in state:
             return found
         pushed = np.asarray((state[InterfaceArrays].force != 0.0).any(axis=1))
         return add_neighbours(found, model, [pushed[list(body.points)] for body in self._bodies()])
+
+    def _find_topology(self, number: int) -> tuple[Topology, dict[str, IndexArray]]:
+        """Return what of a body stays as long as the mesh does: its skin, and the faces in places (m, 3)."""
+        mesh, known = self._topologies
+        if mesh is not self.model.mesh:
+            mesh, known = self._topologies = self.model.mesh, {}
+        if number not in known:
+            body = self._bodies()[number]
+            (block,) = body.blocks
+            cells = mesh.blocks[block].connectivity.astype(np.intp) - body.points.start
+            known[number] = Topology(cells), take_places(self.model, body)
+        return known[number]
 
     def _reason_of(self, number: int, old: OldBody, wait: float) -> str | None:
         left = self._left[number]

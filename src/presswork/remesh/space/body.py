@@ -19,6 +19,24 @@ FLAT = 1e-9
 
 
 @dataclass(frozen=True)
+class Topology:
+    """What of a body of tetrahedra stays as long as its mesh does."""
+
+    cells: IndexArray
+    """(m, 4)."""
+
+    @cached_property
+    def faces(self) -> IndexArray:
+        """Its skin (k, 3), counter-clockwise seen from outside."""
+        return find_skin(self.cells)[0]
+
+    @cached_property
+    def edges(self) -> IndexArray:
+        """Edges of its skin (e, 2)."""
+        return list_edges(self.faces)
+
+
+@dataclass(frozen=True)
 class OldBody:
     """A deformed body of tetrahedra."""
 
@@ -37,6 +55,8 @@ class OldBody:
     """Part of the volume that was lost so far, and is given back."""
     others: Mapping[int, PlacedTool] = field(default_factory=dict)
     """Skins of the bodies that it may touch, by their numbers."""
+    topology: Topology | None = None
+    """That of its cells, where it is known from an increment before."""
 
     @property
     def obstacles(self) -> list[PlacedTool]:
@@ -44,9 +64,13 @@ class OldBody:
         return [*self.tools, *self.others.values()]
 
     @cached_property
+    def _topology(self) -> Topology:
+        return self.topology or Topology(self.cells)
+
+    @property
     def faces(self) -> IndexArray:
         """Its skin (k, 3), counter-clockwise seen from outside."""
-        return find_skin(self.cells)[0]
+        return self._topology.faces
 
     @cached_property
     def normals(self) -> FloatArray:
@@ -87,26 +111,24 @@ class OldBody:
         middles = self.points[self.faces].mean(axis=1)
         return cKDTree(np.concatenate([self.points[np.unique(self.faces)], middles]))
 
-    @cached_property
+    @property
     def edges(self) -> IndexArray:
         """Edges of its skin (e, 2)."""
-        return list_edges(self.faces)
+        return self._topology.edges
 
     @cached_property
-    def edge_gaps(self) -> FloatArray:
-        """Gap of the middle of each edge from each tool (n_tools, e) [mm]; infinite beyond the longest edge."""
-        ends = self.points[self.edges]
-        return self._find_gaps(ends.mean(axis=1), np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+    def edge_depths(self) -> FloatArray:
+        """How deep the middle of each edge lies in each tool (n_tools, e) [mm]."""
+        return self._find_depths(self.points[self.edges].mean(axis=1))
 
     @cached_property
-    def face_gaps(self) -> FloatArray:
-        """The same of the middle of each face (n_tools, k) [mm]; infinite beyond the longest side."""
-        corners = self.points[self.faces]
-        return self._find_gaps(corners.mean(axis=1), np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2))
+    def face_depths(self) -> FloatArray:
+        """The same of the middle of each face (n_tools, k) [mm]."""
+        return self._find_depths(self.points[self.faces].mean(axis=1))
 
-    def _find_gaps(self, places: FloatArray, length: FloatArray) -> FloatArray:
-        gaps = [tool.touch(places, float(length.max()))[0] for tool in self.tools]
-        return np.array(gaps).reshape(len(self.tools), len(places))
+    def _find_depths(self, places: FloatArray) -> FloatArray:
+        gaps = [np.minimum(tool.touch(places, 0.0)[0], 0.0) for tool in self.tools]
+        return -np.array(gaps).reshape(len(self.tools), len(places))
 
     @cached_property
     def references(self) -> tuple[IndexArray, BoolArray]:

@@ -56,17 +56,23 @@ def locate_on_skin(
     corners = points[faces]
     outwards = area_vectors(points, faces)
     n_near = min(_NEAREST, len(faces))
-    _, near = cKDTree(corners.mean(axis=1)).query(wanted, k=n_near)
-    near = near.reshape(len(wanted), n_near)
+    middle = corners.mean(axis=1)
+    radius = np.linalg.norm(corners - middle[:, None], axis=2).max(axis=1)
+    distance, near = cKDTree(middle).query(wanted, k=n_near)
+    distance, near = distance.reshape(len(wanted), n_near), near.reshape(len(wanted), n_near)
     best = np.full(len(wanted), np.inf)
     face, share = near[:, 0].copy(), np.full((len(wanted), 3), 1.0 / 3.0)
-    for candidate in near.T:
-        found = _nearest_shares(corners[candidate], wanted)
-        away = np.linalg.norm(np.einsum("nk,nki->ni", found, corners[candidate]) - wanted, axis=1)
+    for number, all_candidates in enumerate(near.T):
+        asked = np.flatnonzero(distance[:, number] - radius[all_candidates] < best)  # others lie farther off
+        candidate = all_candidates[asked]
+        found = _nearest_shares(corners[candidate], wanted[asked])
+        away = np.linalg.norm(np.einsum("nk,nki->ni", found, corners[candidate]) - wanted[asked], axis=1)
         if normals is not None:
-            away = np.where(np.einsum("ni,ni->n", outwards[candidate], normals) < 0.0, away + _OTHER_SIDE, away)
-        better = away < best * (1.0 - 1e-12)
-        best[better], face[better], share[better] = away[better], candidate[better], found[better]
+            looks = np.einsum("ni,ni->n", outwards[candidate], normals[asked])
+            away = np.where(looks < 0.0, away + _OTHER_SIDE, away)
+        better = away < best[asked] * (1.0 - 1e-12)
+        row = asked[better]
+        best[row], face[row], share[row] = away[better], candidate[better], found[better]
     return FacePlaces(face, share)
 
 

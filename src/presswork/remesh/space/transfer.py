@@ -27,6 +27,8 @@ _CANDIDATES = (4, 32)
 """Nearest cells that are asked whether they contain a point, then those of points that none of these contains."""
 _FARTHER = 4
 """Times as many points among which donors are looked for where the nearest ones lie beyond a fold."""
+_FIRST = 6
+"""Donors that are looked at first where a peak is sought."""
 _MISSED = 1e-6
 """Part of a value that a fit may miss without a peak being lost."""
 
@@ -80,6 +82,10 @@ class PointsInSpace:
 
         home: the old cell in or beside which each new point lies (n_new,).
         """
+        return self._fit(new, *self._find_donors(new, home))
+
+    def _find_donors(self, new: FloatArray, home: IndexArray) -> tuple[IndexArray, FloatArray, BoolArray]:
+        """Return the donors of new points, how far they are [mm], and which of them count, each (n_new, n_donors)."""
         n_donors = min(DONORS, len(self.position))
         distance, donor = self._tree.query(new, k=n_donors)
         distance, donor = distance.reshape(len(new), -1), donor.reshape(len(new), -1)
@@ -94,6 +100,10 @@ class PointsInSpace:
             is_donor[lacking] = good[row, first]
             is_donor[lacking, 0] = True
             donor[lacking] = np.where(is_donor[lacking], donor[lacking], donor[lacking, :1])
+        return donor, distance, is_donor
+
+    def _fit(self, new: FloatArray, donor: IndexArray, distance: FloatArray, is_donor: BoolArray) -> FitInSpace:
+        """Return the fit over donors."""
         parts = [slice(i, i + _AT_ONCE) for i in range(0, len(new), _AT_ONCE)]
         weights = [_fit(self.position, new[part], donor[part], distance[part], is_donor[part]) for part in parts]
         quadratic, linear = (np.concatenate(w) for w in zip(*weights, strict=True))
@@ -101,14 +111,26 @@ class PointsInSpace:
 
     def find_peaks(self, given: FloatArray) -> IndexArray:
         """Return the points whose value (n_old,) is above those of all their donors, and which the fit misses."""
-        candidates = np.flatnonzero(given > 0.0)
+        candidates: IndexArray = np.flatnonzero(given > 0.0)
         if not len(candidates):
             return candidates
-        fit = self.find_transfer(self.position[candidates], self.cell_of[candidates])
-        others = np.where(fit.donor != candidates[:, None], given[fit.donor], -np.inf)
+        # the nearest of the donors alone leave few candidates
+        _, nearest = self._tree.query(self.position[candidates], k=min(_FIRST, len(self.position)))
+        nearest = nearest.reshape(len(candidates), -1)
+        counts = self._are_near(self.cell_of[candidates], self.cell_of[nearest]) & (nearest != candidates[:, None])
+        highest = np.where(counts, given[nearest], -np.inf).max(axis=1)
+        candidates = candidates[given[candidates] > highest]
+        if not len(candidates):
+            return candidates
+        donors = self._find_donors(self.position[candidates], self.cell_of[candidates])
+        others = np.where(donors[0] != candidates[:, None], given[donors[0]], -np.inf)
         above = given[candidates] > others.max(axis=1, initial=-np.inf)
-        missed = given[candidates] - fit.apply(given[:, None])[:, 0] > _MISSED * given[candidates]
-        return np.asarray(candidates[above & missed])
+        top = np.asarray(candidates[above])
+        if not len(top):
+            return top
+        fit = self._fit(self.position[top], *(of[above] for of in donors))
+        missed = given[top] - fit.apply(given[:, None])[:, 0] > _MISSED * given[top]
+        return np.asarray(top[missed])
 
 
 def _fit(

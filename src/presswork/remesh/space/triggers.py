@@ -99,8 +99,8 @@ def _find_deepest(body: OldBody, smallest: float, sharp_counts: bool) -> tuple[f
     ends = body.points[body.edges]
     middle, length = ends.mean(axis=1), np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     worst = 0.0, middle[0], 0.0
-    for tool, gap in zip(body.tools, body.edge_gaps, strict=True):
-        part = np.where(np.isfinite(gap), -gap / length, 0.0)
+    for tool, depth in zip(body.tools, body.edge_depths, strict=True):
+        part = depth / length
         cut = np.flatnonzero(part > worst[2])
         tight = tool.tight_edges(smallest / (8.0 * TOO_DEEP))  # a chord c of a radius r is c^2 / 8 r deep
         if len(cut) and len(tight) and not sharp_counts:
@@ -108,7 +108,7 @@ def _find_deepest(body: OldBody, smallest: float, sharp_counts: bool) -> tuple[f
             part[cut[away < BESIDE * length[cut]]] = 0.0
         deepest = int(np.argmax(part))
         if part[deepest] > worst[2]:
-            worst = float(-gap[deepest]), middle[deepest], float(part[deepest])
+            worst = float(depth[deepest]), middle[deepest], float(part[deepest])
     return worst
 
 
@@ -117,9 +117,7 @@ def _find_deepest_in_faces(body: OldBody) -> tuple[float, FloatArray, float]:
     corners = body.points[body.faces]
     middle = corners.mean(axis=1)
     length = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2).max(axis=1)
-    depth = np.zeros(len(middle))
-    for gap in body.face_gaps:
-        depth = np.maximum(depth, np.where(np.isfinite(gap), -gap, 0.0))
+    depth = body.face_depths.max(axis=0, initial=0.0)
     deepest = int(np.argmax(depth / length))
     return float(depth[deepest]), middle[deepest], float(depth[deepest] / length[deepest])
 

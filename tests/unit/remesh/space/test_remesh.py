@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from presswork import _core
 from presswork.geometry.pose import SpacePose
@@ -167,6 +168,20 @@ def test_no_face_turns_over_beside_the_end_of_a_contact_at_a_sharp_edge_of_the_b
     before, after = area_vectors(wanted, faces), area_vectors(placed.points, faces)
     assert (np.einsum("ki,ki->k", before, after) > 0.0).all()
     np.testing.assert_array_equal(placed.on_tool[0], wanted[:, 2] == 6.0)
+
+
+def test_points_are_located_on_the_nearest_face_of_all():
+    """Against points spread densely over every face of a skin with large and small faces."""
+    body = indented_block()
+    corners = body.points[body.faces]
+    share = np.random.default_rng(2).dirichlet(np.ones(3), 400)
+    spread = np.einsum("ps,ksi->kpi", share, corners).reshape(-1, 3)
+    wanted = spread[::997] + np.random.default_rng(3).uniform(-0.2, 0.2, (len(spread[::997]), 3))
+    found = locate_on_skin(body.points, body.faces, wanted)
+    away = np.linalg.norm(np.einsum("ns,nsi->ni", found.share, corners[found.face]) - wanted, axis=1)
+    nearest, _ = cKDTree(spread).query(wanted)
+    assert (away < nearest + 1e-12).all()
+    assert (away > nearest - 0.06).all()
 
 
 def test_the_same_mesh_comes_out_to_the_bit():

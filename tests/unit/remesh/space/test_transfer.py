@@ -106,6 +106,18 @@ def test_peaks_of_single_points_are_found():
     assert {100, 2000} <= set(found.tolist())
 
 
+def test_peaks_are_the_points_above_all_their_donors_that_the_fit_misses():
+    mesh = random_mesh(7)
+    middles = find_middles(mesh)
+    values = np.random.default_rng(3).uniform(0.5, 1.0, len(middles))
+    points = PointsInSpace(middles, np.arange(len(middles)), mesh[1])
+    fit = points.find_transfer(middles, points.cell_of)
+    others = np.where(fit.donor == np.arange(len(middles))[:, None], 0.0, values[fit.donor]).max(axis=1)
+    expected = np.flatnonzero((values > others) & (values > fit.apply(values[:, None])[:, 0]))
+    np.testing.assert_array_equal(points.find_peaks(values), expected)
+    assert 50 < len(expected) < 0.1 * len(middles)
+
+
 def test_fields_that_are_zero_have_no_peaks():
     points, cells = random_mesh(7)
     middles = find_middles((points, cells))
