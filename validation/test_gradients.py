@@ -91,7 +91,14 @@ def test_derivatives_on_new_meshes_are_those_on_a_finer_first_mesh(tmp_path: Pat
 
 def check(data: dict[str, Any], by: dict[str, float], of: list[str], folder: Path) -> None:
     apart = {
-        key: 1e-4 if key.startswith("materials") else 1e-3 if key.endswith(("mu", "force")) else 2e-5 for key in by
+        key: 1e-4
+        if key.startswith("materials")
+        else 1e-3
+        if key.endswith(("mu", "force"))
+        else 1e-5
+        if key.endswith("radius")
+        else 2e-5
+        for key in by
     }
     found = differentiate(StampingCase, data, of, by, folder, apart=apart)
     report({(key, name): largest_error(*both) for key, columns in found.items() for name, both in columns.items()})

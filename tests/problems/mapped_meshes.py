@@ -17,6 +17,7 @@ from presswork.model import FloatArray, Mesh, Model
 from presswork.process.begin import begin
 from presswork.process.carrying import carry_state, carry_surface
 from presswork.process.increments import find_position
+from presswork.process.mesh_reasons import DUE
 from presswork.process.new_epoch import NewEpoch
 from presswork.process.recording import Row
 from presswork.process.remeshing import RemeshedForming
@@ -33,6 +34,8 @@ class MadeMesh:
     carrier: Carrier
     position: FloatArray
     """Of the nodes of the mesh before (n_points, 2) [mm]."""
+    number: int
+    """Of the increment after which it was made."""
 
 
 class RunWithMeshes(RemeshedForming):
@@ -48,9 +51,23 @@ class RunWithMeshes(RemeshedForming):
         self.made: list[MadeMesh] = []
         self._given = given
 
+    def _reason(self, wait: float = 1.0) -> tuple[str, set[int]] | None:
+        """Return why there is a new mesh now: where the other run has had one, and nowhere else."""
+        if self._given is None:
+            return super()._reason(wait)
+        return (DUE, {0}) if self._next_is_due() else None
+
+    def _may_wait(self) -> bool:
+        return self._given is None and super()._may_wait()
+
+    def _next_is_due(self) -> bool:
+        given = self._given or ()
+        return self.epoch < len(given) and given[self.epoch].number == self.number
+
     def _make_epoch(self, old: Any, own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
         if self._given is None:
             return super()._make_epoch(old, own, part)
+        assert self._next_is_due(), f"increment {self.number + 1} fails here, which it does not in the other run"
         given, before = self._given[self.epoch], self.procedure
         position = find_position(before)
         points = given.mesh.points + given.carrier.motion(position - given.position)
@@ -61,7 +78,8 @@ class RunWithMeshes(RemeshedForming):
         return after, carrier
 
     def _go_on(self, new: NewEpoch) -> None:
-        self.made.append(MadeMesh(new.procedure.model.mesh, new.carrier, find_position(self.procedure)))
+        position = find_position(self.procedure)
+        self.made.append(MadeMesh(new.procedure.model.mesh, new.carrier, position, self.number))
         super()._go_on(new)
 
 
@@ -92,6 +110,8 @@ def differentiate_with_meshes(
         change = APART * abs(value)
         changed = (Case.model_validate(set_value(data, key, value + way)) for way in (change, -change))
         more, less = (_go_through(RunWithMeshes(build_model(case), base.made)) for case in changed)
+        counts = [len(run) for run in (rows, more, less)]
+        assert len(set(counts)) == 1, f"runs of {counts} increments by {key} cannot be compared"
         for name in of:
             apart = [(float(m[name]) - float(s[name])) / (2.0 * change) for m, s in zip(more, less, strict=True)]
             found[key, name] = np.array([row[name_derivative(name, key)] for row in rows]), np.array(apart)

@@ -9,13 +9,13 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Mesh, Model
-from presswork.process.derivatives import Derivatives
+from presswork.process.derivatives import WithDerivatives
 from presswork.process.differentiated_remeshing import DifferentiatedRemeshing
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.implicit_stamping import ImplicitStamping
-from presswork.process.recording import Recording, Row
+from presswork.process.recording import Recording
 from presswork.process.released_part import Released
 from presswork.process.springback import FORMING, ReleasedStamping
 
@@ -31,48 +31,22 @@ def begin_differentiated(model: Model, threads: int) -> Recording:
     return DifferentiatedForming(model, threads=threads)
 
 
-class DifferentiatedForming(ImplicitRecording):
+class DifferentiatedForming(WithDerivatives[ImplicitRecording], ImplicitRecording):
     """An implicit procedure at work beside its neighbours, whose rows give the derivatives. Raises StartError."""
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         super().__init__(model, threads=threads)
-        self.derivatives = Derivatives(model, super().columns, lambda m: ImplicitRecording(m, threads=threads))
+        self.begin_derivatives(lambda m: ImplicitRecording(m, threads=threads))
         self.derivatives.follow(self.procedure, lambda side: side.procedure)
 
-    @property
-    def columns(self) -> list[str]:
-        """Of history.csv."""
-        return [*super().columns, *self.derivatives.names]
 
-    def row(self, report: IncrementReport) -> Row:
-        """Return the row of the history."""
-        return self.derivatives.add(super().row(report), report)
-
-    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what summary.json says; of the derivatives those at the end."""
-        return self.derivatives.add_summary(super().summary(history), history)
-
-
-class DifferentiatedStamping(ImplicitStamping):
+class DifferentiatedStamping(WithDerivatives[ImplicitStamping], ImplicitStamping):
     """An implicit stamping at work beside its neighbours. Raises StartError."""
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         super().__init__(model, threads=threads)
-        self.derivatives = Derivatives(model, super().columns, lambda m: ImplicitStamping(m, threads=threads))
+        self.begin_derivatives(lambda m: ImplicitStamping(m, threads=threads))
         self.derivatives.follow(self.procedure, lambda side: side.procedure)
-
-    @property
-    def columns(self) -> list[str]:
-        """Of history.csv."""
-        return [*super().columns, *self.derivatives.names]
-
-    def row(self, report: IncrementReport) -> Row:
-        """Return the row of the history."""
-        return self.derivatives.add(super().row(report), report)
-
-    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what summary.json says; of the derivatives those at the end."""
-        return self.derivatives.add_summary(super().summary(history), history)
 
 
 class _Side(ReleasedStamping):
@@ -105,12 +79,12 @@ class _Side(ReleasedStamping):
         return self._released.implicit
 
 
-class DifferentiatedRelease(ReleasedStamping):
+class DifferentiatedRelease(WithDerivatives[_Side], ReleasedStamping):
     """An implicit stamping, and the springback of its part, at work beside their neighbours. Raises StartError."""
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         super().__init__(model, threads=threads)
-        self.derivatives = Derivatives(model, super().columns, lambda m: _Side(m, threads=threads))
+        self.begin_derivatives(lambda m: _Side(m, threads=threads))
         self.derivatives.follow(_forming(self), lambda side: side.forming_procedure)
 
     def _release(self) -> Released:
@@ -131,19 +105,6 @@ class DifferentiatedRelease(ReleasedStamping):
             self.forming.load_arrays(formed)
             self._release_sides(self._released.implicit)
         super()._load_state(arrays)
-
-    @property
-    def columns(self) -> list[str]:
-        """Of history.csv."""
-        return [*super().columns, *self.derivatives.names]
-
-    def row(self, report: Any) -> Row:
-        """Return the row of the history."""
-        return self.derivatives.add(super().row(report), report)
-
-    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what summary.json says; of the derivatives those at the end."""
-        return self.derivatives.add_summary(super().summary(history), history)
 
 
 def _forming(stamping: ReleasedStamping) -> ImplicitProcedure:

@@ -17,30 +17,29 @@ from numpy.typing import NDArray
 
 from presswork.implicit.epochs import new_epoch
 from presswork.implicit.neighbours import SensitivityArrays
-from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh.simplices import measure_shares
 from presswork.model import FloatArray, IndexArray, Mesh, Model
 from presswork.outcome import Failed, GaveUpError
 from presswork.process.carrying import carry_peaks, carry_state, carry_surface
-from presswork.process.derivatives import Derivatives
+from presswork.process.derivatives import WithDerivatives
 from presswork.process.epochs import NamedArrays
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.increments import find_position
 from presswork.process.new_balance import balance_new_mesh
 from presswork.process.new_epoch import NewEpoch, keep_held
-from presswork.process.recording import Row
 from presswork.process.remeshing import RemeshedForming
 
 POINTS, ORIGIN, SHARE = "slope.points", "slope.origin", "slope.share"
 """Names in a checkpoint: derivatives of the mesh, of its material's first places, and of marked points' shares."""
 
 
-class DifferentiatedRemeshing(RemeshedForming):
+class DifferentiatedRemeshing(WithDerivatives["_Side"], RemeshedForming):
     """An implicit procedure at work on bodies that are meshed anew, beside its neighbours. Raises StartError."""
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         super().__init__(model, threads=threads)
-        self.derivatives = Derivatives(model, super().columns, lambda m: _Side(m, threads=threads))
+        self.begin_derivatives(lambda m: _Side(m, threads=threads))
         self.derivatives.follow(self.procedure, lambda side: side.procedure)
         self._slopes: dict[str, FloatArray] = {}
 
@@ -111,19 +110,6 @@ class DifferentiatedRemeshing(RemeshedForming):
         super()._load_epoch(epoch)
         if self._slopes:
             self._place()
-
-    @property
-    def columns(self) -> list[str]:
-        """Of history.csv."""
-        return [*super().columns, *self.derivatives.names]
-
-    def row(self, report: IncrementReport) -> Row:
-        """Return the row of the history."""
-        return self.derivatives.add(super().row(report), report)
-
-    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what summary.json says; of the derivatives those at the end."""
-        return self.derivatives.add_summary(super().summary(history), history)
 
 
 class _Side(ImplicitRecording):

@@ -138,6 +138,19 @@ class ModelRecording:
         return self.model.mesh
 
     @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        raise NotImplementedError
+
+    def row(self, report: Any) -> Row:
+        """Return the row of the history."""
+        raise NotImplementedError
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return what summary.json says beyond status and wall time."""
+        raise NotImplementedError
+
+    @property
     def checkpoint_every(self) -> int:
         """Reports between checkpoints."""
         return self.model.output.checkpoint_every
