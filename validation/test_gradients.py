@@ -9,9 +9,18 @@ from typing import Any
 import pytest
 
 from presswork.case.solid.schema import Case
+from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.results.history import name_derivative
-from tests.problems.differentiated import bend_over_die, differentiate, draw_under_holder, largest_error, run_case
+from tests.problems.differentiated import (
+    bend_over_die,
+    differentiate,
+    draw_under_holder,
+    largest_error,
+    run_case,
+    upset_between_floating_tools,
+    upset_with_floating_tools,
+)
 from tests.problems.mapped_meshes import differentiate_with_meshes, upset_with_new_meshes
 
 pytestmark = pytest.mark.validation
@@ -64,6 +73,29 @@ def test_cylinder_upset_on_new_meshes() -> None:
     found, n_meshes = differentiate_with_meshes(upset_with_new_meshes(), [*of, "damage_cockcroft_latham_max"], by)
     assert n_meshes == 3
     report({names: largest_error(*both) for names, both in found.items()})
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "by"),
+    [
+        (
+            Case,
+            upset_between_floating_tools(),
+            {"stages.0.tools.punch.force": 1.3e5, "tools.low.spring.stiffness": 2e5, "tools.punch.m": 0.2},
+        ),
+        (
+            SpaceCase,
+            upset_with_floating_tools(),
+            {"tools.low.spring.preload": 2e3, "materials.steel.hardening.K": 700.0},
+        ),
+    ],
+    ids=["plane", "space"],
+)
+def test_upset_between_floating_tools(
+    kind: type[Case | SpaceCase], data: dict[str, Any], by: dict[str, float], tmp_path: Path
+) -> None:
+    found = differentiate(kind, data, ["punch.stroke"], by, tmp_path)
+    report({(key, name): largest_error(*both) for key, columns in found.items() for name, both in columns.items()})
 
 
 def test_derivatives_on_new_meshes_are_those_on_a_finer_first_mesh(tmp_path: Path) -> None:

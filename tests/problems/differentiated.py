@@ -88,6 +88,19 @@ def upset_with_floating_tools() -> dict[str, Any]:
     return data | {"tools": data["tools"] | {"low": low}, "boundary": held, "stages": [push], "solver": CALM}
 
 
+def upset_between_floating_tools() -> dict[str, Any]:
+    """Return the data of the whole cylinder under the same kinds of tools."""
+    data = upset_cylinder(solver=CALM)
+    spring = {"stiffness": 2e5, "preload": 2e3, "direction": [0, -1]}
+    low = {"profile": [[30, 0], [0, 0]], "contact": "shear", "m": 0.2, "spring": spring}
+    push = {"name": "push", "tools": {"punch": {"force": 1.3e5, "direction": [0, -1]}}}
+    return data | {
+        "tools": data["tools"] | {"low": low},
+        "boundary": {"axis": data["boundary"]["axis"]},
+        "stages": [push],
+    }
+
+
 def upset_in_press(press: Mapping[str, Any]) -> dict[str, Any]:
     """Return the data of the cylinder of a metal that feels the strain rate, upset by a press."""
     data = upset_cylinder(presses={"press": dict(press)}, solver=CALM)

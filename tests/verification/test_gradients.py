@@ -26,6 +26,7 @@ from tests.problems.differentiated import (
     draw_under_holder,
     largest_error,
     run_case,
+    upset_between_floating_tools,
     upset_block,
     upset_cylinder,
     upset_in_press,
@@ -113,10 +114,19 @@ def test_block_in_space_has_the_derivatives_of_whole_runs(
         assert largest_error(*columns["punch.force"]) < 1e-6, key
 
 
-def test_tools_that_float_in_space_have_the_derivatives_of_whole_runs(tmp_path: Path) -> None:
-    by = {"stages.0.tools.punch.force": 1.8e5, "tools.low.spring.preload": 2e3}
+@pytest.mark.parametrize(
+    ("kind", "data", "by"),
+    [
+        (Case, upset_between_floating_tools(), {"tools.low.spring.preload": 2e3}),
+        (SpaceCase, upset_with_floating_tools(), {"stages.0.tools.punch.force": 1.8e5}),
+    ],
+    ids=["plane", "space"],
+)
+def test_tools_that_float_have_the_derivatives_of_whole_runs(
+    kind: type[Case | SpaceCase], data: dict[str, Any], by: dict[str, float], tmp_path: Path
+) -> None:
     of = ["punch.stroke", "low.stroke"]
-    for key, columns in differentiate(SpaceCase, upset_with_floating_tools(), of, by, tmp_path).items():
+    for key, columns in differentiate(kind, data, of, by, tmp_path).items():
         for name, (own, other) in columns.items():
             assert largest_error(own, other) < 1e-6, (key, name)
 

@@ -101,10 +101,6 @@ def _keep_meshes(built: model.Model) -> model.Model:
 
 def _refuse(built: model.Model) -> list[Problem]:
     """Return the problems of what a run does that has no derivatives yet."""
-    motions = [motion for stage in built.stages for motion in stage.tool_motion.values()]
-    in_plane = built.dimension == 2
-    pushes = in_plane and any(motion.push is not None for motion in motions)
-    springs = in_plane and any(t.spring is not None for t in built.tools)
     ends_early = any(s.drive is not None and s.drive.may_end_early for s in built.stages)
     in_space = built.dimension == 3 and built.remeshing is not None and not built.remeshing.keeps_first
     refused = (
@@ -119,8 +115,6 @@ def _refuse(built: model.Model) -> list[Problem]:
         (built.solver.inertia > 0.0, "solver.inertia", "inertia", "a run without inertia has"),
         (bool(built.contacts), "contacts", "contact of bodies", "one body between tools has"),
         (built.cyclic is not None, "boundary", "cyclic sectors", "a sector between symmetry planes has"),
-        (springs, "tools", "tools on springs in the plane", "tools with strokes have"),
-        (pushes, "stages", "tools that forces push in the plane", "tools with strokes have"),
         (ends_early, "stages", "stages that a blow's energy or a limit of force ends", "a press by its way alone has"),
     )
     return [

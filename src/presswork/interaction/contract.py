@@ -150,6 +150,16 @@ class Factors(Protocol):
         """Return the matrix before constraints, in the nodes' own frames, both its halves."""
 
 
+class Tangent(Protocol):
+    """The whole tangent of a run in equilibrium, its constraints as there; vectors (n_points, freedoms) are global."""
+
+    def answer(self, force: FloatArray, moves: FloatArray | None = None) -> FloatArray:
+        """Return what nodes do under forces, where the held ones move as given (None: not at all)."""
+
+    def find_row(self, motion: FloatArray) -> FloatArray:
+        """Return the derivative of the work of internal forces along a motion by the nodes."""
+
+
 class Interaction:
     """Acts on nodes; by itself it does nothing."""
 
@@ -244,8 +254,8 @@ class Interaction:
         """Return what the equations of its own freedoms lack (n,) [N], held as hold_like() has them."""
         return np.zeros(0)
 
-    def find_border(self, trial: State, point: Point, own: Any, respond: Callable[[FloatArray], FloatArray]) -> Any:
-        """Return these equations (placing.Border). respond: what nodes do under forces (n_points, freedoms)."""
+    def find_border(self, trial: State, point: Point, own: Any, tangent: Tangent) -> Any:
+        """Return these equations (placing.Border)."""
         return None
 
     def find_area_blocks(self, point: Point, own: Any, resistance: Any) -> tuple[IntArray, FloatArray]:

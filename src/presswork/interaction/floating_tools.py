@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.interaction.contract import Constraints
+from presswork.interaction.contract import Constraints, Tangent, turn_back
 from presswork.interaction.friction import FrictionForces
 from presswork.interaction.placing import (
     Border,
@@ -30,6 +30,7 @@ from presswork.interaction.placing import (
 from presswork.interaction.tool_arrays import ToolArrays
 from presswork.interaction.tool_contact import Contact
 from presswork.model import FloatArray, Model
+from presswork.outcome import Step
 from presswork.state import State
 
 if TYPE_CHECKING:
@@ -75,6 +76,12 @@ class FloatingTools:
             if (motion := motions.get(tool.name)) is not None and motion.push is not None
         }
 
+    def ways(self, stage: int) -> dict[int, FloatArray]:
+        """Return the ways (2,) of the tools that forces push in a stage or that rest on springs, by their numbers."""
+        pushed, tools = self.pushed(stage), enumerate(self._model.plane_tools)
+        springs = {t: np.asarray(tool.spring.direction) for t, tool in tools if tool.spring is not None}
+        return dict(sorted((springs | {t: direction for t, (direction, _) in pushed.items()}).items()))
+
     def evaluate(
         self, trial: State, reaction: FloatArray, friction: FrictionForces | None, supports: Constraints, stage: int,
         fraction: float, *, near: bool,
@@ -89,16 +96,9 @@ class FloatingTools:
         changes = 0
         pushed = self.pushed(stage)
         for t, tool in enumerate(self._model.plane_tools):
-            if t in pushed:
-                direction, rows = pushed[t]
-                start = -float(placed.force_start[t] @ direction)
-                demand, k = -force_at(rows, start, fraction), 0.0
-            elif tool.spring is not None:
-                direction = np.asarray(tool.spring.direction)
-                k = tool.spring.stiffness * float(self._share[t])
-                demand = tool.spring.preload * float(self._share[t]) + k * float(placed.travel[t] @ direction)
-            else:
+            if t not in pushed and tool.spring is None:
                 continue
+            direction, demand, k = self._demand(placed, t, stage, fraction)
             motion = self._contact.follow(trial, t, direction, supports)
             lacks = self._force_along(t, direction, motion, reaction, friction) - demand
             if t not in pushed:
@@ -114,6 +114,16 @@ class FloatingTools:
         shape = np.array(directions).reshape(-1, 2)
         floating = Floating(tools, shape, np.array(missing), np.array(demands), np.array(stiffness), motions)
         return floating, changes
+
+    def _demand(self, placed: ToolArrays, t: int, stage: int, fraction: float) -> tuple[FloatArray, float, float]:
+        """Return the way of a tool, what it is to bear along it [N], and the slope of that over its travel [N/mm]."""
+        pushed, spring, share = self.pushed(stage), self._model.plane_tools[t].spring, float(self._share[t])
+        if t in pushed:
+            direction, rows = pushed[t]
+            return direction, -force_at(rows, -float(placed.force_start[t] @ direction), fraction), 0.0
+        assert spring is not None, "it floats"
+        direction, k = np.asarray(spring.direction), spring.stiffness * share
+        return direction, spring.preload * share + k * float(placed.travel[t] @ direction), k
 
     def _force_along(
         self, tool: int, direction: FloatArray, motion: Constraints, reaction: FloatArray,
@@ -141,12 +151,8 @@ class FloatingTools:
         for i, (t, direction, motion) in enumerate(
             zip(floating.tools, floating.directions, floating.motions, strict=True)
         ):
-            pull = np.zeros_like(correction)  # d (friction on the nodes) / d travel
-            if friction is not None:
-                rubs = friction.tools == t
-                along = friction.tangent[rubs] @ direction
-                pull[friction.nodes[rubs], 1] = friction.stiffness[rubs] * along
-                own[i] += float((friction.stiffness[rubs] * along**2).sum())
+            pull, more = _find_pull(friction, t, direction, correction)
+            own[i] += more
             rows.append(np.asarray(matrix.T @ motion.value.ravel()).reshape(-1, 2) - pull)
             responses.append(respond(motion.value, pull))
         border = Border(rows, own, responses)
@@ -156,3 +162,55 @@ class FloatingTools:
             raise LostWorkpieceError(f"the tool {lost!r} is pushed by a force, but touches nothing that would hold it")
         travel = border.find_travel(floating.missing, correction)
         return border.carry(correction, travel), travel
+
+    # --- of a neighbour of a run, by which its derivatives are found -----------------------------------------------
+
+    def find_missing(
+        self, trial: State, reaction: FloatArray, friction: FrictionForces | None, supports: Constraints, stage: int,
+        fraction: float,
+    ) -> FloatArray:  # fmt: skip
+        """Return what each pushed tool, and each on a spring that gives, lacks (n,) [N]; how far one whose spring rests
+        is from there [mm].
+        """
+        placed, pushed, found = trial[ToolArrays], self.pushed(stage), []
+        for t, way in self.ways(stage).items():
+            if t in pushed or placed.gives[t]:
+                motion = self._contact.follow(trial, t, way, supports)
+                demand = self._demand(placed, t, stage, fraction)[1]
+                found.append(self._force_along(t, way, motion, reaction, friction) - demand)
+            else:
+                found.append(-float(placed.travel[t] @ way))
+        return np.array(found)
+
+    def find_border(
+        self, trial: State, friction: FrictionForces | None, supports: Constraints, step: Step, tangent: Tangent
+    ) -> Border:
+        """Return the equations of find_missing, in the global frame."""
+        placed, pushed = trial[ToolArrays], self.pushed(step.stage)
+        rows, responses, own = [], [], []
+        for t, way in self.ways(step.stage).items():
+            motion = self._contact.follow(trial, t, way, supports)
+            if t in pushed or placed.gives[t]:
+                pull, more = _find_pull(friction, t, way, motion.value)
+                own.append(self._demand(placed, t, step.stage, step.fraction)[2] + more)
+                pull, moves = turn_back(motion, pull), turn_back(motion, motion.value.copy())
+                rows.append(tangent.find_row(moves) - pull)
+                responses.append(tangent.answer(pull, moves))
+            else:
+                rows.append(np.zeros_like(motion.value))
+                own.append(1.0)
+                responses.append(np.zeros_like(motion.value))
+        return Border(rows, np.array(own), responses)
+
+
+def _find_pull(friction: FrictionForces | None, t: int, way: FloatArray, nodes: FloatArray) -> tuple[FloatArray, float]:
+    """Return the friction on the nodes for each mm of a tool's travel, in their own frames and the form of `nodes`
+    (n_points, 2), and its share in the tool's own equation, both [N/mm].
+    """
+    pull = np.zeros_like(nodes)
+    if friction is None:
+        return pull, 0.0
+    own = friction.tools == t
+    along = friction.tangent[own] @ way
+    pull[friction.nodes[own], 1] = friction.stiffness[own] * along
+    return pull, float((friction.stiffness[own] * along**2).sum())

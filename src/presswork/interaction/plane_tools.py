@@ -12,10 +12,10 @@ import numpy as np
 from presswork.body.contract import Cells
 from presswork.geometry.pose import ToolPose, start_centre, start_profile, to_tool_frame, turn_vectors
 from presswork.geometry.segments import find_touch
-from presswork.interaction.contract import Constraints, Factors, Forces, Interaction, Point
+from presswork.interaction.contract import Constraints, Factors, Forces, Interaction, Point, Tangent
 from presswork.interaction.floating_tools import Floating, FloatingTools
 from presswork.interaction.friction import Friction, FrictionForces
-from presswork.interaction.placing import move_tools
+from presswork.interaction.placing import Border, Placed, move_tools
 from presswork.interaction.supports import Supports
 from presswork.interaction.tool_arrays import SLIDING, ContactArrays, ToolArrays
 from presswork.interaction.tool_contact import Contact
@@ -40,6 +40,7 @@ class PlaneTools(Interaction):
         self.floating = FloatingTools(model, self.contact)
         self._course = ToolCourse(model.plane_tools, model.stages, 2)
         self._held_by_supports: Constraints | None = None
+        self._rubs: FrictionForces | None = None
 
     @property
     def softness(self) -> float:
@@ -139,7 +140,41 @@ class PlaneTools(Interaction):
         """Hold the nodes that another run holds, and let the same part of constant shear act on them."""
         own, found = trial[ContactArrays], held[ContactArrays]
         own.status, own.shear_part = found.status.copy(), found.shear_part.copy()
+        trial[ToolArrays].gives = held[ToolArrays].gives.copy()
         self.contact.search(trial, displacement)
+
+    def find_travel(self, state_n: State, trial: State, step: Step) -> FloatArray:
+        """Return how far the tools that float have gone along their ways in an increment (n,) [mm]."""
+        return self._along(trial[ToolArrays].travel - state_n[ToolArrays].travel, step.stage)
+
+    def find_last_travel(self, state: State, step: Step) -> FloatArray:
+        """Return how far they went in the increment that has led to a state (n,) [mm]."""
+        return self._along(state[ToolArrays].travel_increment, step.stage)
+
+    def _along(self, ways: FloatArray, stage: int) -> FloatArray:
+        return np.array([float(ways[t] @ way) for t, way in self.floating.ways(stage).items()])
+
+    def travel_like(self, state_n: State, trial: State, step: Step, travel: FloatArray) -> None:
+        """Put the tools that float where they have gone so far along their ways in the increment (n,) [mm]."""
+        floating = self.floating.ways(step.stage)
+        ways = np.array(list(floating.values())).reshape(-1, 2)
+        further = travel - self.find_travel(state_n, trial, step)
+        move_tools(trial[ToolArrays], Placed(list(floating), ways, further), further)
+
+    def find_missing(self, trial: State, point: Point, own: Any) -> FloatArray:
+        """Return what the tools that float lack (n,) [N]; constraints and friction are those found last."""
+        if not self.floating.is_needed:
+            return np.zeros(0)
+        step, supports = point.guess.step, self._held_by_supports
+        assert supports is not None
+        return self.floating.find_missing(trial, point.reaction, self._rubs, supports, step.stage, step.fraction)
+
+    def find_border(self, trial: State, point: Point, own: Any, tangent: Tangent) -> Border | None:
+        """Return the equations of the tools that float."""
+        if not self.floating.ways(point.guess.step.stage):
+            return None
+        assert self._held_by_supports is not None
+        return self.floating.find_border(trial, self._rubs, self._held_by_supports, point.guess.step, tangent)
 
     def hold_anew(self, state: State, held: State) -> None:
         """Hold the nodes that another run holds on its new mesh, where they are."""
@@ -156,7 +191,8 @@ class PlaneTools(Interaction):
         if not self.friction.is_needed:
             return None
         free = constraints.turned == 1
-        return self.friction.evaluate(state_n, trial, point.guess.displacement, point.reaction, free)
+        self._rubs = self.friction.evaluate(state_n, trial, point.guess.displacement, point.reaction, free)
+        return self._rubs
 
     def find_area_blocks(
         self, point: Point, own: Forces | None, resistance: FrictionForces | None

@@ -12,7 +12,7 @@ import numpy as np
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
 from presswork.geometry.touch_in_space import Nearest, find_touch_in_space
-from presswork.interaction.contract import Factors, Guess, Interaction, Point, turn, turn_back
+from presswork.interaction.contract import Factors, Guess, Interaction, Point, Tangent, turn, turn_back
 from presswork.interaction.floating_space_tools import FloatingInSpace, FloatingSpaceTools
 from presswork.interaction.placing import Border, Placed, move_tools
 from presswork.interaction.sheet_contact import SheetContact
@@ -157,14 +157,12 @@ class SpaceTools(Interaction):
         step = point.guess.step
         return self.floating.find_missing(trial, own, step.stage, step.fraction)
 
-    def find_border(
-        self, trial: State, point: Point, own: Any, respond: Callable[[FloatArray], FloatArray]
-    ) -> Border | None:
+    def find_border(self, trial: State, point: Point, own: Any, tangent: Tangent) -> Border | None:
         """Return the equations of the tools that float."""
         stage = point.guess.step.stage
         if not self.floating.ways(stage):
             return None
-        return self.floating.find_border(trial, own, stage, point.reaction, respond)
+        return self.floating.find_border(trial, own, stage, point.reaction, tangent.answer)
 
     def find_area_blocks(self, point: Point, own: Any, resistance: Any) -> tuple[IntArray, FloatArray]:
         """Return how friction depends on the areas of faces."""

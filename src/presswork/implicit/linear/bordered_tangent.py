@@ -26,7 +26,7 @@ class BorderedTangent:
     def __init__(self, whole: WholeTangent, interactions: Sequence[Interaction], trial: State, point: Point) -> None:
         self._whole = whole
         found = (
-            interaction.find_border(trial, point, forces, self._answer)
+            interaction.find_border(trial, point, forces, self)
             for interaction, forces in zip(interactions, point.forces, strict=True)
         )
         self._border: Border | None = next((border for border in found if border is not None), None)
@@ -36,8 +36,15 @@ class BorderedTangent:
         """Back-substitutions so far, one for each right-hand side."""
         return self._whole.rounds
 
-    def _answer(self, force: FloatArray) -> FloatArray:
-        return self._whole.respond([force], [np.zeros_like(force)], [DIGITS * float(np.abs(force).max())])[0]
+    def answer(self, force: FloatArray, moves: FloatArray | None = None) -> FloatArray:
+        """Return what nodes do under forces, where the held ones move as given, by the whole tangent alone."""
+        moves = np.zeros_like(force) if moves is None else moves
+        size = self._whole.find_largest(force, moves)
+        return self._whole.respond([force], [moves], [DIGITS * size])[0]
+
+    def find_row(self, motion: FloatArray) -> FloatArray:
+        """Return the derivative of the work of internal forces along a motion by the nodes (n_points, freedoms)."""
+        return self._whole.find_row(motion)
 
     def respond(
         self, forces: Sequence[FloatArray], moves: Sequence[FloatArray], goals: Sequence[float]

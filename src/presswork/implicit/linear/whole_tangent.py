@@ -54,6 +54,19 @@ class WholeTangent:
         found = self._solve(rest, np.asarray(goals)) + given
         return [turn_back(held, each.reshape(held.mask.shape)) for each in found]
 
+    def find_largest(self, force: FloatArray, moves: FloatArray) -> float:
+        """Return the largest of given forces, and of those by which given moves of held nodes pull at free ones."""
+        held = self._constraints
+        given = np.where(self._free, 0.0, turn(held, moves)).ravel()
+        pulls = self._multiply(given[None])[0] * self._weight
+        return float(max(np.abs(force).max(), np.abs(pulls).max()))
+
+    def find_row(self, motion: FloatArray) -> FloatArray:
+        """Return K^T times a motion (n_points, freedoms)."""
+        held = self._constraints
+        row = np.asarray(self._matrix.T @ turn(held, motion).ravel()).reshape(motion.shape)
+        return turn_back(held, row)
+
     def _multiply(self, ways: FloatArray) -> FloatArray:
         """Return the forces (k, n) of ways (k, n), without those where nodes are held."""
         return np.where(self._free.ravel(), np.asarray(self._matrix @ ways.T).T, 0.0)
