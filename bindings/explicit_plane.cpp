@@ -48,7 +48,7 @@ RigidWall& wall_of(const PlaneLoop& self, int wall) {
 PlaneSolidLaw choose_law(std::variant<const Owned<AdiabaticMises>*, const Owned<PlaneLaw>*, const Umat*> given,
                          double young, double poisson) {
   if (const auto* mises = std::get_if<const Owned<AdiabaticMises>*>(&given)) return **mises;
-  if (const auto* umat = std::get_if<const Umat*>(&given)) return OwnedUmat{**umat, young, poisson};
+  if (const auto* umat = std::get_if<const Umat*>(&given)) return own_umat<4>(**umat, young, poisson);
   Owned<PlaneLaw> law = *std::get<const Owned<PlaneLaw>*>(given);
   tabulate(law);
   return law;

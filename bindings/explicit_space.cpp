@@ -123,25 +123,42 @@ void set_hanging(SpaceLoop<Real>& self, Ints hanging) {
   self.set_hanging(std::move(nodes));
 }
 
+using GivenSolidLaw = std::variant<const Owned<VonMises>*, const Owned<SolidLaw>*, const Umat*>;
+
+// A SolidLaw looks its hardening up in a table.
+SpaceSolidLaw choose_solid_law(GivenSolidLaw given, std::array<double, 2> elastic) {
+  if (const auto* mises = std::get_if<const Owned<VonMises>*>(&given)) return **mises;
+  if (const auto* umat = std::get_if<const Umat*>(&given)) {
+    require(elastic[0] > 0.0, "a law from a shared library needs its young and poisson");
+    return own_umat<6>(**umat, elastic[0], elastic[1]);
+  }
+  Owned<SolidLaw> law = *std::get<const Owned<SolidLaw>*>(given);
+  tabulate(law);
+  return law;
+}
+
 // Positions are those of the nodes when the block is added.
-void add_solids(SpaceLoop<double>& self, const std::string& element, Ints cells,
-                std::variant<const Owned<VonMises>*, const Owned<SolidLaw>*> law, double density,
-                double hourglass_fraction, Ints around) {
+void add_solids(SpaceLoop<double>& self, const std::string& element, Ints cells, GivenSolidLaw given, double density,
+                double hourglass_fraction, Ints around, const std::vector<double>& kept, std::array<double, 2> elastic,
+                std::vector<int> number) {
   std::vector<int> list(cells.data(), cells.data() + cells.size());
   for (int node : list) require(node >= 0 && node < self.nodes.n, "cells name a node that is not there");
-  SpaceSolidLaw own = std::visit([](const auto* given) -> SpaceSolidLaw { return *given; }, law);
-  if (auto* general = std::get_if<Owned<SolidLaw>>(&own)) tabulate(*general);
+  SpaceSolidLaw law = choose_solid_law(given, elastic);
+  std::unique_ptr<SpaceSolids> made;
   if (element == "tet4_nodal") {
     require(!list.empty() && list.size() % 4 == 0, "cells must have shape (n > 0, 4)");
     std::vector<int> measured(around.data(), around.data() + around.size());
     require(measured.size() % 4 == 0, "around must have shape (n, 4)");
     for (int node : measured) require(node >= 0 && node < self.nodes.n, "around names a node that is not there");
     const auto& volumes = self.add_nodal_volumes(measured.empty() ? list : measured);
-    self.add_solids(
-        make_nodal_tetrahedra(std::move(list), self.nodes, std::move(own), density, hourglass_fraction, volumes));
-    return;
+    made = make_nodal_tetrahedra(std::move(list), self.nodes, std::move(law), density, hourglass_fraction, volumes);
+  } else {
+    made = make_space_solids(element, std::move(list), self.nodes, std::move(law), density, hourglass_fraction);
   }
-  self.add_solids(make_space_solids(element, std::move(list), self.nodes, std::move(own), density, hourglass_fraction));
+  require(number.empty() || int(number.size()) == made->n(), "number must have shape (n)");
+  made->start_law(kept);
+  made->number = std::move(number);
+  self.add_solids(std::move(made));
 }
 
 NewDoubles point_measures(SpaceLoop<double>& self, int number) {
@@ -399,11 +416,15 @@ void bind_explicit_space(nb::module_& m) {
   loop.def("point_measures", &point_measures, nb::arg("block"),
            "Stress (6), equivalent plastic strain and, of a law that heats, its rise of temperature at the points of a "
            "block of solids (n, points, 7 or 8).");
-  loop.def("add_solids", &add_solids, nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"),
-           nb::arg("hourglass_fraction"), nb::arg("around"),
-           "Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. "
-           "hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal. around (n, 4): cells whose volumes "
-           "nodes of tet4_nodal have, these and others; empty: these.");
+  loop.def(
+      "add_solids", &add_solids, nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"),
+      nb::arg("hourglass_fraction"), nb::arg("around"), nb::kw_only(), nb::arg("kept"),
+      nb::arg("elastic") = std::array<double, 2>{0.0, 0.0}, nb::arg("number") = std::vector<int>{},
+      "Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. "
+      "hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal. around (n, 4): cells whose volumes "
+      "nodes of tet4_nodal have, these and others; empty: these. kept: what the law keeps at every point behind the "
+      "equivalent plastic strain, before the first cycle. elastic: Young's modulus and Poisson's ratio of "
+      "a law from a shared library, which is told of the cells by number (n), from 0.");
   bind_space<float>(m, "SpaceLoopSingle",
                     "SpaceLoop in single precision, positions and work excepted; it has shells alone.");
 }

@@ -32,7 +32,9 @@ inline std::string find_lack_of_shells(const ShellSection& section, int corners)
 }
 
 inline std::string find_lack_of_solids(const SpaceSolids* solids) {
-  if (solids && solids->section().kind != SpaceSection::Kind::integrated) return "";
+  const auto kind = solids ? solids->section().kind : SpaceSection::Kind::integrated;
+  if (kind == SpaceSection::Kind::by_umat) return "laws of shared libraries (UMAT)";
+  if (kind != SpaceSection::Kind::integrated) return "";
   return "solids other than hex8_1pt and tet4_nodal";
 }
 

@@ -16,6 +16,7 @@
 #pragma once
 
 #include "element/solid_space.hpp"
+#include "element/space_cycle.hpp"
 
 namespace presswork {
 
@@ -184,18 +185,13 @@ struct HexOnePoint {
     LawInput<6, T> in;
     in.dt = dt, in.temperature = given;
     for (int i = 0; i < 6; ++i) in.strain[i] = motion.strain[i];
-    law.flow_at_rest(s0[6], point_temperature(law, given, s0), flow, slope);
+    find_flow(law, given, s0, flow, slope);
     const T elastic(law.shear_modulus());
     const T modulus = select(s0[6] > T(0.0), smaller(flow + slope * T(1.0 / 3), elastic), elastic);
-    failed = space::call_law(law, in, s0, s1, static_cast<T(*)[6]>(nullptr));
     T unturned[6], done(0.0);
-    for (int i = 0; i < 6; ++i) {
-      unturned[i] = s1[i];
-      done += T(0.5) * (s0[i] + motion.jacobian * unturned[i]) * in.strain[i];
-    }
-    stretch::turn_tensor(motion.rotation, unturned, s1);
-    space::turn_axes(law, motion.rotation, s0, s1);
-    for (int i = 0; i < 7 + kept_values(law); ++i) s0[i] = s1[i];
+    failed = advance_point(law, in, motion.H, motion.rotation, s0, s1, unturned);
+    for (int i = 0; i < 6; ++i) done += T(0.5) * (s0[i] + motion.jacobian * unturned[i]) * in.strain[i];
+    keep_point(law, s1, s0);
     state[work] += done * g.volume;
 
     // 3. hourglass forces, turned with the material

@@ -7,9 +7,8 @@
 // control.
 #pragma once
 
-#include <vector>
-
 #include "element/solid2d_forces.hpp"
+#include "element/umat_cycle.hpp"
 #include "element/umat_response.hpp"
 #include "material/adiabatic_mises.hpp"
 
@@ -19,12 +18,6 @@ namespace presswork {
 // and of the hourglass forces [N mm].
 struct CycleRow {
   enum : int { stress = 0, eqps = 4, rise = 5, hourglass = 6, work = 8, hourglass_work = 9, count = 10 };
-};
-
-// A law from a shared library, and what it is told of the cycle.
-struct CycleUmat {
-  const Umat* umat;
-  double young, poisson;  // of its first tangent
 };
 
 // Which cells a pack has, when, and what the calls of their law told.
@@ -40,7 +33,7 @@ struct CyclePlace {
 
 inline int extra_rows(const AdiabaticMises&) { return 0; }
 inline int extra_rows(const PlaneLaw& law) { return kept_values(law) - (law.flow.thermal.heats() ? 1 : 0); }
-inline int extra_rows(const CycleUmat& law) { return law.umat->n_state + UmatHistory<4>::size; }
+inline int extra_rows(const CycleUmat<4>& law) { return kept_values(law); }
 
 struct IsotropicModuli {
   double shear, bulk;
@@ -48,9 +41,9 @@ struct IsotropicModuli {
 inline IsotropicModuli moduli_of(const AdiabaticMises& law) {
   return {law.mises.shear_modulus(), law.mises.bulk_modulus()};
 }
-inline IsotropicModuli moduli_of(const PlaneLaw& law) { return {law.shear_modulus(), law.bulk_modulus()}; }
-inline IsotropicModuli moduli_of(const CycleUmat& law) {
-  return {law.young / (2.0 * (1.0 + law.poisson)), law.young / (3.0 * (1.0 - 2.0 * law.poisson))};
+template <class Law>
+IsotropicModuli moduli_of(const Law& law) {
+  return {law.shear_modulus(), law.bulk_modulus()};
 }
 
 template <class Forces>
@@ -94,36 +87,29 @@ void advance_stress(const PlaneLaw& law, const Pack*, const Increment<Pack>& inc
 
 // Its hourglass control takes the effective stress for a flow stress once there is plastic strain.
 template <class Forces>
-void advance_stress(const CycleUmat& law, const Pack* F, const Increment<Pack>& inc, double dt, CyclePlace& place,
+void advance_stress(const CycleUmat<4>& law, const Pack* F, const Increment<Pack>& inc, double dt, CyclePlace& place,
                     Pack* state, Pack stress[4], Pack& modulus) {
   using T = Pack;
   const int extra = extra_rows(law);
-  thread_local std::vector<double> kept;
-  kept.assign(std::size_t(2) * extra * pack_width, 0.0);
-  UmatLanes lanes;
-  lanes.count = place.used;
+  thread_local UmatRows rows;
+  rows.take(state + CycleRow::count, extra, place.used);
   for (int lane = 0; lane < place.used; ++lane) {
-    UmatPlace& at = lanes.place[lane];
+    UmatPlace& at = rows.lanes.place[lane];
     at.coordinates[0] = place.at[0][lane], at.coordinates[1] = place.at[1][lane], at.length = place.length[lane];
     at.cell = place.first + lane + 1;
     at.time[0] = at.time[1] = place.time, at.dt = dt;
-    if (place.temperature) at.temperature[0] = (*place.temperature)[lane];
-    lanes.history_n[lane] = &kept[std::size_t(lane) * extra];
-    lanes.history[lane] = &kept[std::size_t(pack_width + lane) * extra];
-    for (int i = 0; i < extra; ++i) kept[std::size_t(lane) * extra + i] = state[CycleRow::count + i][lane];
+    at.temperature[0] = place.temperature ? (*place.temperature)[lane] : 0.0;
   }
   T s1[5];
-  const T elastic(moduli_of(law).shear);
+  const T elastic(law.shear_modulus());
   modulus = Forces::hourglass_modulus(elastic, state[CycleRow::eqps], von_mises::effective_of<4>(state), T(0.0));
   PointSettings settings;
   settings.tangent = TangentKind::none;
   PointResponse<T> response;
-  respond(settings, *law.umat, lanes, place.first, F, state, s1, response, place.fault);
+  respond(settings, *law.umat, rows.lanes, place.first, F, state, s1, response, place.fault);
   turn_stress(inc.cosine, -inc.sine, s1, stress);
   state[CycleRow::eqps] = s1[4];
-  for (int lane = 0; lane < pack_width; ++lane)
-    for (int i = 0; i < extra; ++i)
-      state[CycleRow::count + i].set(lane, lanes.history[std::min(lane, place.used - 1)][i]);
+  umat::keep_rows(rows.lanes, extra, state + CycleRow::count);
 }
 
 }  // namespace presswork

@@ -47,7 +47,7 @@ struct OnePointSolid {
     // 2. strain of the increment, stress at its end, in the frame that has not turned; work by the mean stress
     Increment<T> inc;
     measure_increment(g.F, StrainMeasure::log, false, inc);
-    if constexpr (std::is_same_v<Law, CycleUmat>) {
+    if constexpr (std::is_same_v<Law, CycleUmat<4>>) {
       for (int i = 0; i < 2; ++i) {
         place.at[i] = T(0.0);
         for (int a = 0; a < nodes; ++a) place.at[i] += T(1.0 / nodes) * x[a][i];

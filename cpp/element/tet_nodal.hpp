@@ -4,6 +4,7 @@
 
 #include "element/solid2d_forces.hpp"
 #include "element/solid_space.hpp"
+#include "element/space_cycle.hpp"
 #include "reference/tet.hpp"
 
 namespace presswork {
@@ -71,7 +72,7 @@ struct NodalTetrahedron {
     for (int i = 0; i < 9; ++i) F[i] = g.F[i];
     Body::use_mean_dilatation({}, exponential(mean), g, false, F);
     const T eqps_n = s0[6];
-    law.flow_at_rest(eqps_n, point_temperature(law, given, s0), flow, slope);
+    find_flow(law, given, s0, flow, slope);
     PointSettings settings;
     settings.tangent = TangentKind::none;
     SpaceResponse<T> response;
@@ -100,7 +101,7 @@ struct NodalTetrahedron {
     state[work] += done - lost;
     state[held_work] += lost;
     state[pressure] = held;
-    for (int i = 0; i < 7 + kept_values(law); ++i) s0[i] = s1[i];
+    keep_point(law, s1, s0);
     return bad;
   }
 };

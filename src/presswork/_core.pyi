@@ -1321,9 +1321,9 @@ class SpaceLoop:
         Stress (6), equivalent plastic strain and, of a law that heats, its rise of temperature at the points of a block of solids (n, points, 7 or 8).
         """
 
-    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: VonMises | SolidLaw, density: float, hourglass_fraction: float, around: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
+    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: VonMises | SolidLaw | Umat, density: float, hourglass_fraction: float, around: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, kept: Sequence[float], elastic: Sequence[float] = [0.0, 0.0], number: Sequence[int] = []) -> None:
         """
-        Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal. around (n, 4): cells whose volumes nodes of tet4_nodal have, these and others; empty: these.
+        Add cells (n, nodes) of hex8, hex8_fbar, hex8_1pt or tet4_nodal; they are numbered as they come. hourglass_fraction: of the shear modulus, of hex8_1pt and tet4_nodal. around (n, 4): cells whose volumes nodes of tet4_nodal have, these and others; empty: these. kept: what the law keeps at every point behind the equivalent plastic strain, before the first cycle. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the cells by number (n), from 0.
         """
 
 class SpaceLoopSingle:

@@ -20,11 +20,13 @@ from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids
+from presswork.explicit.space_solids import ExplicitSpaceSolids
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.law.elastic_plastic import make_plane_law, make_sheet_law, make_solid_law
 from presswork.law.umat import SheetUmat, open_sheet_law
 from presswork.onestep.law import find_metric
 from presswork.onestep.law import make_law as make_deformation_law
+from presswork.process.space_impact import ExplicitSpaceImpact
 
 TABLE = Path(__file__).parents[1] / "data" / "hot_curves.csv"
 DOCS = Path(__file__).parents[2] / "docs" / "theory" / "material.md"
@@ -134,7 +136,8 @@ FEATURES: dict[str, dict[str, Any]] = {
     "jaumann_kirchhoff": {"umat": "laws"},
 }
 ONE_POINT = "implicit quad4_1pt"
-SOLIDS = ("implicit plane strain", "implicit axisymmetric", ONE_POINT, "explicit solids", "implicit space")
+SPACE = ("implicit space", "explicit space")
+SOLIDS = ("implicit plane strain", "implicit axisymmetric", ONE_POINT, "explicit solids", *SPACE)
 SHELLS = ("implicit shells", "explicit shells")
 FAMILIES = (*SOLIDS, *SHELLS, "one step")
 BULK = "is a yield function of plane stress alone"
@@ -194,16 +197,18 @@ def solid_case(table: dict[str, Any], family: str) -> dict[str, Any]:
     return case
 
 
-def space_case(table: dict[str, Any]) -> dict[str, Any]:
+def space_case(table: dict[str, Any], family: str = "implicit space") -> dict[str, Any]:
+    explicit = family == "explicit space"
     return {
+        **({"procedure": "explicit"} if explicit else {}),
         "title": "cell",
         "analysis": "solid",
         "workpiece": {
             "material": "metal",
-            "element": "hex8_fbar",
+            "element": "hex8_1pt" if explicit else "hex8_fbar",
             "mesh": {"size": [1, 1, 1], "cells": [1, 1, 1]},
         },
-        "materials": {"metal": table},
+        "materials": {"metal": {"density": "2700 kg/m^3", **table} if explicit else table},
         "boundary": {"end": {"set": "left", "fix": ["x", "y", "z"]}},
         "stages": [
             {"name": "pull", "duration": 1.0, "displacement": [{"set": "right", "component": "x", "value": 0.05}]}
@@ -231,8 +236,8 @@ def shell_case(table: dict[str, Any]) -> dict[str, Any]:
 
 def build(feature: str, family: str, libraries: tuple[Path, Path]) -> Any:
     table = material(feature, family, libraries)
-    if family == "implicit space":
-        return build_model(SpaceCase.model_validate(space_case(table)))
+    if family in SPACE:
+        return build_model(SpaceCase.model_validate(space_case(table, family)))
     if family in SOLIDS:
         return build_model(Case.model_validate(solid_case(table, family)))
     if family in SHELLS:
@@ -317,6 +322,33 @@ def run_explicit_solid(model: Any) -> None:
     np.testing.assert_allclose(run.stress[0], stress[0], rtol=1e-6, atol=1e-6)
 
 
+def stretch_in_space(model: Any) -> ExplicitSpaceSolids:
+    """Stretch a cell along y evenly by 2 % in a hundred cycles."""
+    run = ExplicitSpaceImpact(model).solids
+    run.release()
+    run.fix("all", "uw", 0.0)
+    run.fix("all", "v", 100.0 * model.mesh.points[:, 1])
+    run.dt = 2e-6
+    run.advance(100)
+    return run
+
+
+def run_explicit_space(model: Any) -> None:
+    """Stretch a cell evenly: its stress is that of the law at the same strains."""
+    data, run = model.materials[0], stretch_in_space(model)
+    if data.umat is not None:
+        assert np.isfinite(run.stress).all()
+        assert run.stress[0, 1] > 100
+        return
+    assert run.equivalent_plastic_strain[0] > 0.005
+    law = make_solid_law(data)
+    stress, history = np.zeros((1, 6)), np.zeros((1, law.history_size))
+    for change in np.diff(np.log(1 + 100.0 * run.dt * np.arange(101))):
+        strain = np.array([[0.0, change, 0.0, 0.0, 0.0, 0.0]])
+        stress, history, *_ = law.update(strain, stress, history, dt=run.dt, tangent=False)
+    np.testing.assert_allclose(run.stress[0], stress[0], rtol=1e-6, atol=1e-6)
+
+
 def run_explicit_shell(model: Any) -> None:
     """Stretch a cell evenly: its stress is that of the law at the same strains, to the order of the step."""
     data, points = model.materials[0], np.array([[0, 0, 0], [5, 0, 0], [5, 5, 0], [0, 5, 0]], dtype=float)
@@ -363,6 +395,8 @@ def test_a_feature_works_in_a_family_or_is_refused(
         assert error < 2e-6
     elif family == "explicit solids":
         run_explicit_solid(model)
+    elif family == "explicit space":
+        run_explicit_space(model)
     elif family == "explicit shells":
         run_explicit_shell(model)
     else:
@@ -400,7 +434,7 @@ ANGLE = 30.0
 DIRECTIONS = {
     "implicit plane strain": ANGLE,
     "explicit solids": ANGLE,
-    "implicit space": [np.cos(np.radians(ANGLE)), np.sin(np.radians(ANGLE)), 0.0],
+    **{family: [np.cos(np.radians(ANGLE)), np.sin(np.radians(ANGLE)), 0.0] for family in SPACE},
 }
 
 
@@ -409,8 +443,8 @@ def test_a_solid_answers_along_its_own_rolling_direction(family: str) -> None:
     """A cell stretched along y has the stress of the law at the strain seen from the rolling direction."""
     table = {**BASE, "yield_function": {"law": "hill1948", "r00": 0.8, "r45": 2.0, "r90": 0.4}, "density": 2.7e-9}
     table["rolling_direction"] = DIRECTIONS[family]
-    size = 6 if family == "implicit space" else 4
-    case = space_case(table) if size == 6 else solid_case(table, family)
+    size = 6 if family in SPACE else 4
+    case = space_case(table, family) if size == 6 else solid_case(table, family)
     model = build_model((SpaceCase if size == 6 else Case).model_validate(case))
     law = (make_solid_law if size == 6 else make_plane_law)(model.materials[0])
     stretch = 0.02
@@ -421,6 +455,8 @@ def test_a_solid_answers_along_its_own_rolling_direction(family: str) -> None:
         run.dt = 2e-6
         run.advance(100)
         found, steps = run.stress[0], np.diff(np.log(1 + stretch * np.linspace(0, 1, 101)))
+    elif family == "explicit space":
+        found, steps = stretch_in_space(model).stress[0], np.diff(np.log(1 + stretch * np.linspace(0, 1, 101)))
     else:
         mechanics = ImplicitProcedure(model).mechanics
         state = mechanics.at_rest()

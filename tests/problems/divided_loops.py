@@ -18,6 +18,7 @@ import numpy as np
 
 from presswork import build_model, read_case
 from presswork.explicit.input_checks import ExplicitError
+from presswork.law.umat import compile_law
 from presswork.model import Model
 from presswork.process.begin import begin_formed_part
 from presswork.process.press_line import PressLine
@@ -28,6 +29,7 @@ from presswork.ranks.world import World, find_world
 from tests.problems.square_cup import describe_cup
 from tests.problems.upset_block import describe_block
 
+UMATS = Path(__file__).parents[1] / "data" / "umat" / "laws.cpp"
 HEX = 'element = "hex8_1pt"\nmesh = {size = [4, 4, 3], cells = [4, 4, 3]}'
 TET = 'element = "tet4_nodal"\nmesh = {size = [4, 4, 3], cells = [3, 3, 2]}'
 TIED = 'element = "{}"\nmesh = {{kind = "cylinder", radius = 4, height = 3, angle = 60, cells = [3, 2, 3]}}'
@@ -101,6 +103,15 @@ def describe_explicit_block(workpiece: str, stage: str) -> str:
     text = describe_block(workpiece, 3, 0.3, stage, tail=OUTPUT)
     text = text.replace("poisson = 0.3", 'poisson = 0.3\ndensity = "7850 kg/m^3"')
     return text.replace('analysis = "solid"', 'analysis = "solid"\nprocedure = "explicit"')
+
+
+def describe_user_law(folder: Path) -> str:
+    """Return the text of a block whose UMAT, compiled into a folder, keeps what it is told of each cell."""
+    library = compile_law(UMATS, folder / "laws.so")
+    text = describe_explicit_block(HEX, MOVED)
+    start, end = text.index("young"), text.index("[tools.die]")
+    law = f'umat = "{library}"\nprops = [5, 200e3, 0.3]\nstate_variables = 12\ndensity = "7850 kg/m^3"\n'
+    return text[:start] + law + text[end:]
 
 
 def describe_explicit_sector() -> str:
@@ -211,7 +222,7 @@ def main() -> None:
     assert world is not None
     with tempfile.TemporaryDirectory() as folder:
         formed = describe_formed(Path(folder))
-        runs = {"formed": compare(formed, world)}
+        runs = {"formed": compare(formed, world), "user_law": compare(describe_user_law(Path(folder)), world)}
     runs |= {
         "hexahedra": compare(describe_explicit_block(HEX, MOVED), world),
         "pushed": compare(describe_explicit_block(HEX, PUSHED), world),

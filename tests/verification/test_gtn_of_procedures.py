@@ -5,19 +5,27 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.case.errors import CaseError
+from presswork.explicit.input_checks import ExplicitError
+from presswork.explicit.space_solids import EQPS
+from presswork.mesh.box import node_volumes
+from presswork.model import POROSITY
+from presswork.outcome import StartError
+from presswork.process.on_ranks import begin_on_ranks
+from presswork.process.space_impact import ExplicitSpaceImpact
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 from tests.verification.test_gtn import NECK, notch, pull_notched, read
 
 DENSITY = 'density = "7800 kg/m^3"'
 
 
-def read_explicit(folder, *, duration: float = 3e-4, element: str = "quad4_1pt", **given):
+def read_explicit(folder, *, duration: float = 3e-4, element: str = "quad4_1pt", rows: int = 50, **given):
     """Return the case of test_gtn.read, computed by explicit dynamics in `duration` [s], a fifth of it a ramp."""
     text = read(folder, **given).source.read_text()
     text = text.replace("analysis =", 'procedure = "explicit"\nanalysis =', 1).replace("quad4_fbar", element)
@@ -25,7 +33,7 @@ def read_explicit(folder, *, duration: float = 3e-4, element: str = "quad4_1pt",
     text = text.replace('name = "pull"', f'name = "pull"\nduration = {duration}\nramp = {0.2 * duration}')
     start, end = text.index("[solver]"), text.index("[output]")
     path = folder / "explicit.toml"
-    path.write_text(text[:start] + text[end:])
+    path.write_text(text[:start] + text[end:].replace("[output]", f"[output]\nrows = {rows}"))
     return read_case(path)
 
 
@@ -47,7 +55,7 @@ def test_pores_of_an_explicit_bar_grow_as_in_the_implicit_one(tmp_path, analysis
 def test_an_explicit_notched_strip_softens_as_the_implicit_one(tmp_path) -> None:
     """To an elongation of 0.8 mm, where the notch carries 5 % less than at its most; porosity averaged once a row."""
     implicit = pull_notched(tmp_path, "[8, 12]", 1.0)
-    case = read_explicit(tmp_path, analysis="plane_strain", cells="[8, 12]", porosity=0.01)
+    case = read_explicit(tmp_path, analysis="plane_strain", cells="[8, 12]", porosity=0.01, rows=100)
     path = case.source
     path.write_text(path.read_text().replace("value = 0.4", "value = 0.8"))
     model = build_model(read_case(path))
@@ -60,7 +68,7 @@ def test_an_explicit_notched_strip_softens_as_the_implicit_one(tmp_path) -> None
 def test_an_explicit_porous_bar_goes_on_where_it_stopped(tmp_path) -> None:
     model = build_model(read_explicit(tmp_path, duration=1e-4))
     whole = run_to_end(model, tmp_path / "whole")
-    parts = run_in_two_parts(model, tmp_path / "cut", 50, threads=(1, 2))
+    parts = run_in_two_parts(model, tmp_path / "cut", 12, threads=(1, 2))
     assert_same_bits(parts.folder, whole.folder)
 
 
@@ -139,10 +147,106 @@ def test_pores_of_a_bar_in_space_grow_as_in_axisymmetry(tmp_path) -> None:
     assert square.history["front.force_z"][-1] / 16.0 == pytest.approx(stress, rel=1e-4)
 
 
+def write_explicit_in_space(folder: Path, element: str = "hex8_1pt", duration: float = 3e-4) -> Path:
+    """Return the path of the bar of write_in_space, computed by explicit dynamics in `duration` [s]."""
+    text = write_in_space(folder, element).read_text()
+    text = text[: text.index("[solver]")].replace("analysis =", 'procedure = "explicit"\nanalysis =')
+    text = text.replace("poisson = 0.3", f"poisson = 0.3\n{DENSITY}")
+    path = folder / "explicit.toml"
+    text = text.replace('name = "pull"', f'name = "pull"\nduration = {duration}\nramp = {0.2 * duration}')
+    path.write_text(text + "[output]\nrows = 50\n")
+    return path
+
+
+@pytest.mark.parametrize("element", ["hex8_1pt", "tet4_nodal", "hex8_fbar"])
+def test_pores_of_an_explicit_bar_in_space_grow_as_in_the_implicit_one(tmp_path, element: str) -> None:
+    """Porosity and force of the implicit procedure, and the balance of the metal's volume."""
+    implicit = run_model(build_model(read_case(write_in_space(tmp_path))), tmp_path / "implicit", threads=1).result
+    model = build_model(read_case(write_explicit_in_space(tmp_path, element)))
+    explicit = run_model(model, tmp_path / "explicit", threads=1).result
+    porosity, exact = explicit.field("porosity"), implicit.field("porosity")[0]
+    assert exact > 0.0107
+    np.testing.assert_allclose(porosity, exact, rtol=5e-4)
+    force = [result.history["front.force_z"][-1] for result in (implicit, explicit)]
+    assert force[1] == pytest.approx(force[0], rel=1e-3)
+    volume = node_volumes(explicit.points(), model.mesh.blocks[0].connectivity).sum()
+    elastic = explicit.field("stress")[:, :3].sum(axis=1).mean() * (1.0 - 2.0 * 0.3) / 200e3
+    assert porosity.mean() == pytest.approx(1.0 - 0.99 / (volume / 96.0 * np.exp(-elastic)), rel=1e-4)
+    energy = explicit.summary["energy"]
+    assert energy["internal"] + energy["hourglass"] + energy["kinetic"] == pytest.approx(energy["external"], rel=1e-3)
+
+
+def test_pores_in_space_are_averaged_over_their_length(tmp_path) -> None:
+    """Cells of two porosities grow by the same mean where the length is that of the bar, each by its own below it."""
+    grown = []
+    for length in (30.0, 0.1):
+        path = write_explicit_in_space(tmp_path)
+        path.write_text(path.read_text().replace("length = 3", f"length = {length}"))
+        run = ExplicitSpaceImpact(build_model(read_case(path)))
+        solids = run.solids
+        state = solids._loop.state()
+        weak = solids.mesh.points[solids.mesh.blocks[0].connectivity].mean(axis=1)[:, 2] < 2.0
+        state["block_0"]["points"][solids._order(0).argsort()[weak], 0, EQPS + 1 + POROSITY] = 0.02
+        solids._loop.restore(state)
+        run._compute_row(0, 30)
+        now = solids.state_variables[0][:, POROSITY]
+        grown.append([now[weak].mean() - 0.02, now[~weak].mean() - 0.01])
+    assert grown[0][0] > 1e-5
+    assert grown[0][0] == pytest.approx(grown[0][1], rel=0.02)
+    assert grown[1][0] > 1.5 * grown[1][1]
+
+
+def test_an_explicit_porous_bar_in_space_goes_on_where_it_stopped(tmp_path) -> None:
+    model = build_model(read_case(write_explicit_in_space(tmp_path, duration=1e-4)))
+    whole = run_to_end(model, tmp_path / "whole")
+    parts = run_in_two_parts(model, tmp_path / "cut", 12, threads=(1, 2))
+    assert_same_bits(parts.folder, whole.folder)
+
+
+def test_new_meshes_of_an_explicit_bar_in_space_keep_its_pores(tmp_path) -> None:
+    """On its first mesh and on three new ones: force, least, largest and mean porosity."""
+    pytest.importorskip("mmgpy", reason="new meshes in space are made by mmgpy")
+    found = []
+    for number, more in enumerate(("enabled = false", "every = 0.25")):
+        path = write_explicit_in_space(tmp_path, "tet4_nodal")
+        text = path.read_text().replace("value = 0.4", "value = 1.0").replace("cells = [2, 2, 3]", "cells = [3, 3, 4]")
+        path.write_text(text.replace("rows = 50", "rows = 20") + f"[remesh]\n{more}\n")
+        result = run_model(build_model(read_case(path)), tmp_path / str(number), threads=1).result
+        porosity = result.field("porosity")
+        found.append((result.history["front.force_z"][-1], porosity.min(), porosity.max(), porosity.mean()))
+    assert result.summary["remeshes"] == 3
+    assert found[0][3] > 0.0115
+    np.testing.assert_allclose(found[1], found[0], rtol=0.005)
+
+
+def test_a_hot_matrix_is_softer_in_space_too(tmp_path) -> None:
+    """Halfway to melting the stress is that of half the flow stress, cold."""
+    found = []
+    for old, new in (
+        ("poisson = 0.3", "poisson = 0.3\nheating = {reference = 20, melting = 1520, exponent = 1, start = 770}"),
+        ("K = 800", "K = 400"),
+    ):
+        path = write_explicit_in_space(tmp_path, duration=1e-4)
+        path.write_text(path.read_text().replace(old, new))
+        run = ExplicitSpaceImpact(build_model(read_case(path)))
+        for row in range(20):
+            run._compute_row(0, row)
+        found.append((run.solids.stress[:, 2], run.solids.state_variables[0][:, POROSITY]))
+    assert found[0][0].min() > 100.0
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
+
+
+def test_devices_and_ranks_refuse_pores_in_space_by_name(tmp_path) -> None:
+    model = build_model(read_case(write_explicit_in_space(tmp_path)))
+    with pytest.raises(StartError, match=r"asks for porous metals \(GTN\): ranks of MPI share"):
+        begin_on_ranks(model, 1, SimpleNamespace(rank=0, size=2))
+    with pytest.raises(ExplicitError, match=r"'host' does not compute porous metals \(GTN\): take device"):
+        ExplicitSpaceImpact(replace(model, explicit=replace(model.explicit, device="host")))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "key"),
     [
-        ('analysis = "solid"', 'analysis = "solid"\nprocedure = "explicit"', "materials.steel.gtn"),
         ('element = "hex8_fbar"', 'element = "tet4_mini"', "workpiece.element"),
         ('name = "pull"', 'name = "pull"\nduration = 1\n[heat]\ninitial_temperature = 20', "materials.steel.gtn"),
         ("poisson = 0.3", "poisson = 0.3\nrate = {law = 'cowper_symonds', D = 40, q = 5}", "materials.steel.rate"),

@@ -10,11 +10,6 @@ namespace presswork::explicit_dynamics {
 
 namespace {
 
-// What kernels see of a law, and the law that is kept for it.
-auto view(const Owned<AdiabaticMises>& law) { return law.view; }
-auto view(const Owned<PlaneLaw>& law) { return law.view; }
-auto view(const OwnedUmat& law) { return CycleUmat{&law.umat, law.young, law.poisson}; }
-
 // Positions of a pack's nodes and their moves in the cycle, lane by lane; node: [node][lane].
 template <int count>
 [[gnu::always_inline]] inline void gather(const double* nodes, const int* node, Pack x[count][2], Pack du[count][2]) {
@@ -34,7 +29,7 @@ class Block final : public PlaneSolids {
 
  public:
   Block(std::vector<int> cells, const double* points, Law law, double density, const SolidSection& section)
-      : PlaneSolids(count, std::move(cells), CycleRow::count + extra_rows(view(law))),
+      : PlaneSolids(count, std::move(cells), CycleRow::count + extra_rows(law.view)),
         law_(std::move(law)),
         section_(section) {
     start_law();
@@ -51,11 +46,7 @@ class Block final : public PlaneSolids {
       place.first = pack * lanes, place.used = std::min(lanes, n_ - pack * lanes), place.time = time;
       place.temperature = pack_temperature(pack);
       Pack* state = pack_state(pack);
-      Pack::Mask bad;
-      if constexpr (std::is_same_v<Law, OwnedUmat>)
-        bad = OnePointSolid<Cell>::advance(view(law_), section_, dt, x, du, place, state, nodal);
-      else
-        bad = OnePointSolid<Cell>::advance(law_.view, section_, dt, x, du, place, state, nodal);
+      const Pack::Mask bad = OnePointSolid<Cell>::advance(law_.view, section_, dt, x, du, place, state, nodal);
       for (int lane = 0; failed < 0 && lane < lanes && any(bad); ++lane)
         if (bad[lane]) failed = reasons * std::min(pack * lanes + lane, n_ - 1);
       if (failed < 0 && place.fault.status != LawStatus::done)
@@ -69,7 +60,7 @@ class Block final : public PlaneSolids {
   }
 
   void bound_frequencies(const PlaneNodes& nodes, double* squared) const override {
-    const IsotropicModuli moduli = moduli_of(view(law_));
+    const IsotropicModuli moduli = moduli_of(law_.view);
 #pragma omp parallel for schedule(static) if (n_ > 4000)
     for (int pack = 0; pack < n_packs(); ++pack) {
       Pack x[count][2], du[count][2], nodal_mass[count];
@@ -109,8 +100,8 @@ class Block final : public PlaneSolids {
   void start_law() {
     std::vector<int> ones;
     if constexpr (std::is_same_v<Law, Owned<PlaneLaw>>) ones = {n_rows_ - 2};
-    if constexpr (std::is_same_v<Law, OwnedUmat>)
-      for (int i : {0, 4, 8}) ones.push_back(CycleRow::count + law_.umat.n_state + UmatHistory<4>::F + i);
+    if constexpr (std::is_same_v<Law, Owned<CycleUmat<4>>>)
+      for (int i : {0, 4, 8}) ones.push_back(CycleRow::count + law_.view.umat->n_state + UmatHistory<4>::F + i);
     for (int e = 0; e < n_; ++e)
       for (int row : ones) set_value(e, row, 1.0);
   }

@@ -12,12 +12,7 @@
 
 namespace presswork::explicit_dynamics {
 
-// The laws of a block; a law from a shared library with the elastic constants of its first tangent.
-struct OwnedUmat {
-  Umat umat;
-  double young, poisson;
-};
-using PlaneSolidLaw = std::variant<Owned<AdiabaticMises>, Owned<PlaneLaw>, OwnedUmat>;
+using PlaneSolidLaw = std::variant<Owned<AdiabaticMises>, Owned<PlaneLaw>, Owned<CycleUmat<4>>>;
 
 class PlaneSolids : public ElementBlock<PlaneNodes> {
  public:

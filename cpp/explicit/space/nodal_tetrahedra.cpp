@@ -64,16 +64,17 @@ class NodalBlock final : public SpaceSolids {
         law_(std::move(law)),
         fraction_(fraction),
         volumes_(volumes) {
-    if constexpr (std::is_same_v<Law, SolidLaw>) set_axes();
     set_masses<Tet4, 1>(nodes, density);
   }
 
-  int advance(const Nodes& nodes, double dt, double, int first, int last, double* force) override {
+  int advance(const Nodes& nodes, double dt, double time, int first, int last, double* force) override {
     int failed = -1;
+    LawOfPack<Law, 1> law(law_.view);
     for (int pack = first; pack < last; ++pack, force += record * lanes) {
       Pack x[count][3], du[count][3], spin[count][3], nodal[record];
       gather_positions<count>(nodes, pack_nodes(pack), x);
       gather_motion<count>(nodes, pack_nodes(pack), du, spin);
+      law.template begin<Tet4>(place_of(pack, time, dt), x);
       for (int a = 0; a < count; ++a)
         for (int i = 0; i < 3; ++i) du[a][i] *= Pack(dt), x[a][i] -= du[a][i];
       const Pack* degrees = pack_temperature(pack);
@@ -81,9 +82,9 @@ class NodalBlock final : public SpaceSolids {
       Pack* state = pack_state(pack);
       Pack::Mask no_stress = Pack(1.0) < Pack(0.0);
       const Pack::Mask bad =
-          Kernel::advance(law_.view, fraction_, dt, given, x, du, mean_change(pack), state, no_stress);
+          Kernel::advance(law.at(0), fraction_, dt, given, x, du, mean_change(pack), state, no_stress);
       if (any(bad) || any(no_stress)) {
-        if (failed < 0) failed = name_failed(pack, any(bad) ? bad : no_stress, any(bad));
+        if (failed < 0) failed = name_failed(pack, bad, no_stress, law.told());
         continue;
       }
       for (int a = 0; a < count; ++a)
@@ -98,7 +99,7 @@ class NodalBlock final : public SpaceSolids {
     return failed;
   }
 
-  SpaceSection section() const override { return {SpaceSection::Kind::nodal, law_.view, fraction_}; }
+  SpaceSection section() const override { return make_section(SpaceSection::Kind::nodal, law_.view, fraction_); }
 
   void bound_frequencies(const Nodes& nodes, double* squared) const override {
     const double bulk = law_.view.bulk_modulus(), shear = law_.view.shear_modulus();

@@ -17,12 +17,12 @@ class OnePointBlock final : public SpaceSolids {
                     Kernel::hourglass_work),
         law_(std::move(law)),
         fraction_(fraction) {
-    if constexpr (std::is_same_v<Law, SolidLaw>) set_axes();
     set_masses<Hex8, 8>(nodes, density);
   }
 
-  int advance(const Nodes& nodes, double dt, double, int first, int last, double* force) override {
+  int advance(const Nodes& nodes, double dt, double time, int first, int last, double* force) override {
     int failed = -1;
+    LawOfPack<Law, 1> law(law_.view);
     for (int pack = first; pack < last; ++pack, force += record * lanes) {
       Pack x[count][3], du[count][3], spin[count][3], nodal[record];
       gather_positions<count>(nodes, pack_nodes(pack), x);
@@ -32,10 +32,11 @@ class OnePointBlock final : public SpaceSolids {
       const Pack* degrees = pack_temperature(pack);
       const Pack given = degrees ? *degrees : Pack(start_temperature(law_.view));
       Pack::Mask no_stress = Pack(1.0) < Pack(0.0);
+      law.template begin<Hex8>(place_of(pack, time, dt), x);
       const Pack::Mask bad =
-          Kernel::advance(law_.view, fraction_, dt, given, x, du, pack_state(pack), nodal, freedoms, no_stress);
+          Kernel::advance(law.at(0), fraction_, dt, given, x, du, pack_state(pack), nodal, freedoms, no_stress);
       if (any(bad) || any(no_stress)) {
-        if (failed < 0) failed = name_failed(pack, any(bad) ? bad : no_stress, any(bad));
+        if (failed < 0) failed = name_failed(pack, bad, no_stress, law.told());
         continue;
       }
       double* to[lanes];
@@ -45,7 +46,7 @@ class OnePointBlock final : public SpaceSolids {
     return failed;
   }
 
-  SpaceSection section() const override { return {SpaceSection::Kind::one_point, law_.view, fraction_}; }
+  SpaceSection section() const override { return make_section(SpaceSection::Kind::one_point, law_.view, fraction_); }
 
   void bound_frequencies(const Nodes& nodes, double* squared) const override {
     const double bulk = law_.view.bulk_modulus(), shear = law_.view.shear_modulus();

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "element/solid.hpp"
-#include "material/umat.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -13,8 +12,9 @@ namespace {
 // The points of a pack of cells: their state is kept in the rows of the pack, and replaced when all has gone well.
 template <class Body, int n_points, class Law>
 struct PackPoints {
-  const Law& law;
+  LawOfPack<Law, n_points>& law;
   double dt;
+  Pack start;                       // temperature where none is given
   const Pack *temperature, *state;  // given to the points, or null; of the first point
   int rows;
   Pack next[n_points][most_point_values<6>];
@@ -22,10 +22,10 @@ struct PackPoints {
 
   [[gnu::always_inline]] inline void advance(int q, const Pack[][3], const Pack[][3], const typename Body::Point*,
                                              const Pack* F, typename Body::Response& response) {
-    const Pack given = temperature ? temperature[q] : Pack(start_temperature(law));
+    const Pack given = temperature ? temperature[q] : start;
     PointSettings settings;
     settings.tangent = TangentKind::none;
-    failed = either(failed, respond(settings, law, F, dt, given, state + q * rows, next[q], response));
+    failed = either(failed, respond(settings, law.at(q), F, dt, given, state + q * rows, next[q], response));
   }
   void keep(int, Pack) const {}
 };
@@ -47,24 +47,31 @@ class Block final : public SpaceSolids {
   Block(std::vector<int> cells, const Nodes& nodes, Owned<Law> law, double density)
       : SpaceSolids(count, std::move(cells), first_point, n_points, kept_values(law.view), work_row, -1),
         law_(std::move(law)) {
-    if constexpr (std::is_same_v<Law, SolidLaw>) set_axes();
     set_masses<Cell, n_points>(nodes, density);
   }
 
-  int advance(const Nodes& nodes, double dt, double, int first, int last, double* force) override {
+  int advance(const Nodes& nodes, double dt, double time, int first, int last, double* force) override {
     int failed = -1;
+    LawOfPack<Law, n_points> law(law_.view);
     for (int pack = first; pack < last; ++pack, force += record * lanes) {
       Pack x[count][3], du[count][3], spin[count][3], now[3 * count], nodal[record];
       gather_positions<count>(nodes, pack_nodes(pack), x);
       gather_motion<count>(nodes, pack_nodes(pack), du, spin);
+      law.template begin<Cell>(place_of(pack, time, dt), x);
       for (int a = 0; a < count; ++a)
         for (int i = 0; i < 3; ++i) du[a][i] *= Pack(dt), x[a][i] -= du[a][i];
       Pack* state = pack_state(pack);
-      PackPoints<Body, n_points, Law> points{law_.view,   dt, pack_temperature(pack), state + first_point,
-                                             point_rows_, {}, Pack(1.0) < Pack(0.0)};
+      PackPoints<Body, n_points, Law> points{law,
+                                             dt,
+                                             Pack(start_temperature(law_.view)),
+                                             pack_temperature(pack),
+                                             state + first_point,
+                                             point_rows_,
+                                             {},
+                                             Pack(1.0) < Pack(0.0)};
       const Pack::Mask bad = Kernel::evaluate({}, {}, x, du, points, now, nullptr);
       if (any(bad) || any(points.failed)) {
-        if (failed < 0) failed = name_failed(pack, any(bad) ? bad : points.failed, any(bad));
+        if (failed < 0) failed = name_failed(pack, bad, points.failed, law.told());
         continue;
       }
       Pack done(0.0);
@@ -75,8 +82,7 @@ class Block final : public SpaceSolids {
           nodal[freedoms * a + 3 + i] = Pack(0.0);
         }
       state[work_row] += Pack(0.5) * done;
-      for (int q = 0; q < n_points; ++q)
-        std::copy_n(points.next[q], point_rows_, state + first_point + q * point_rows_);
+      for (int q = 0; q < n_points; ++q) keep_point(law.at(q), points.next[q], state + first_point + q * point_rows_);
       double* to[lanes];
       for (int lane = 0; lane < lanes; ++lane) to[lane] = force + record * lane;
       store_records<record>(nodal, to);

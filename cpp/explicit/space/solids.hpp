@@ -13,6 +13,7 @@
 #include <variant>
 
 #include "element/solid_space.hpp"
+#include "element/umat_space_cycle.hpp"
 #include "explicit/element_block.hpp"
 #include "explicit/gather.hpp"
 #include "explicit/space/nodes.hpp"
@@ -24,12 +25,20 @@ namespace presswork::explicit_dynamics {
 
 // How a block of solids is computed, as a device takes it.
 struct SpaceSection {
-  enum class Kind { integrated, one_point, nodal } kind = Kind::integrated;
+  enum class Kind { integrated, one_point, nodal, by_umat } kind = Kind::integrated;
   std::variant<VonMises, SolidLaw> law;
   double fraction = 0.0;  // of the shear modulus, of what holds motions that the points do not see
 };
 
-using SpaceSolidLaw = std::variant<Owned<VonMises>, Owned<SolidLaw>>;
+using SpaceSolidLaw = std::variant<Owned<VonMises>, Owned<SolidLaw>, Owned<CycleUmat<6>>>;
+
+template <class Law>
+SpaceSection make_section(SpaceSection::Kind kind, const Law& law, double fraction) {
+  if constexpr (std::is_same_v<Law, CycleUmat<6>>)
+    return {SpaceSection::Kind::by_umat, {}, 0.0};
+  else
+    return {kind, law, fraction};
+}
 
 class SpaceSolids : public ElementBlock<SpaceNodes<double>> {
  public:
@@ -54,6 +63,16 @@ class SpaceSolids : public ElementBlock<SpaceNodes<double>> {
   virtual SpaceSection section() const { return {}; }
   PointLayout layout() const override { return {first_point_, point_rows_, n_points_, 6, 6}; }
   void list_state(const std::string& owner, std::vector<StateField>& fields) override;
+  // What the law keeps behind the equivalent plastic strain at every point, before the first cycle. Throws
+  // std::invalid_argument for another number of values.
+  void start_law(const std::vector<double>& kept) {
+    if (int(kept.size()) != point_rows_ - 7)
+      throw std::invalid_argument("kept must have " + std::to_string(point_rows_ - 7) + " values for this law");
+    for (int e = 0; e < n_; ++e)
+      for (int q = 0; q < n_points_; ++q)
+        for (int i = 7; i < point_rows_; ++i) set_value(e, first_point_ + q * point_rows_ + i, kept[i - 7]);
+  }
+  std::vector<int> number;  // (n) of the cells, from 0, as a law from a shared library is told; empty: as they come
 
  protected:
   // Rows from first_point on: of each point stress (6), equivalent plastic strain and what the law keeps.
@@ -71,17 +90,18 @@ class SpaceSolids : public ElementBlock<SpaceNodes<double>> {
   // inside out.
   template <class Cell, int n>
   void set_masses(const Nodes& nodes, double density);
-  // Let a law begin whose x and y are those of space.
-  void set_axes() {
-    for (int e = 0; e < n_; ++e)
-      for (int q = 0; q < n_points_; ++q)
-        for (int axis = 0; axis < 2; ++axis) set_value(e, first_point_ + (q + 1) * point_rows_ - 6 + 4 * axis, 1.0);
+  PackPlace place_of(int pack, double time, double dt) const {
+    const int first = pack * lanes;
+    return {first, std::min(lanes, n_ - first), number.empty() ? nullptr : number.data(), time,
+            dt,    pack_temperature(pack),      pack_state(pack) + first_point_,          point_rows_};
   }
-  int name_failed(int pack, const Pack::Mask& bad, bool inside_out) const {
+  // The first of a pack's cells that is turned inside out, or whose law has told why it finds no stress.
+  int name_failed(int pack, const Pack::Mask& turned, const Pack::Mask& no_stress, LawStatus told) const {
+    const bool inside_out = any(turned);
+    const Pack::Mask& bad = inside_out ? turned : no_stress;
     int lane = 0;
     while (!bad[lane]) ++lane;
-    const auto why = inside_out ? LawStatus::done : LawStatus::no_stress;
-    return reasons * std::min(pack * lanes + lane, n_ - 1) + static_cast<int>(why);
+    return reasons * std::min(pack * lanes + lane, n_ - 1) + static_cast<int>(inside_out ? LawStatus::done : told);
   }
   // Masses of the nodes of a pack's cells [t].
   void load_masses(int pack, Pack* mass) const {
@@ -106,7 +126,7 @@ void SpaceSolids::set_masses(const Nodes& nodes, double density) {
       typename Body::Point g;
       const Pack::Mask bad = Body::measure_reference({}, x, q, g);
       if (any(bad))
-        throw std::invalid_argument("cell " + std::to_string(name_failed(pack, bad, true) / reasons) +
+        throw std::invalid_argument("cell " + std::to_string(name_failed(pack, bad, bad, LawStatus::done) / reasons) +
                                     " is turned inside out: give its nodes in the order of the element");
       for (int lane = 0; lane < std::min(lanes, n_ - pack * lanes); ++lane)
         for (int a = 0; a < Cell::nodes; ++a)

@@ -15,13 +15,14 @@ from presswork.body.contract import Look, Near
 from presswork.body.heat_of_umat import find_heat
 from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.law_window import LawWindow, note_rates
-from presswork.body.laws_of_solids import history_at_rest, make_law, make_point_settings
+from presswork.body.laws_of_solids import make_law, make_point_settings
 from presswork.body.nodal_pressure import describe_freedom, find_scale
 from presswork.body.solid_energy import elastic_energy, stress_in_axes
 from presswork.evolution.points import find_evolved
 from presswork.fields.contact_stress import BodyTraction, ContactForces
 from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import effective_stress, find_contact
+from presswork.law.at_rest import history_at_rest
 from presswork.law.elastic_plastic import (
     heats,
     plastic_work_density,
@@ -29,7 +30,7 @@ from presswork.law.elastic_plastic import (
     temperature,
     temperature_at_rest,
 )
-from presswork.model import POROSITY, FloatArray, IntArray, MaskArray, Material, Model
+from presswork.model import FloatArray, IntArray, MaskArray, Material, Model
 from presswork.outcome import BadGuess, Step
 from presswork.ranks.assembler import DividedAssembler
 from presswork.state import CellArrays, NodeArrays, State
@@ -152,18 +153,18 @@ class Mechanics:
             eqps=[np.zeros(size) for size in sizes],
             temperature=[temperature_at_rest(self._material(i), size) for i, size in enumerate(sizes)],
             rate=[rate_at_rest(self._material(i), size) for i, size in enumerate(sizes)],
-            history=[
-                history_at_rest(law, size, components, np.asarray(self._material(i).rolling_direction))
-                for i, (law, size) in enumerate(zip(self._laws, sizes, strict=True))
-            ],
+            history=[self._keep_at_rest(i, size) for i, size in enumerate(sizes)],
             volume=[np.zeros(size) for size in sizes],
             hourglass=[np.zeros((size[0], 2)) for size in sizes],
         )
-        for i, history in enumerate(cells.history):
-            if (gtn := self._material(i).gtn) is not None:
-                history[..., POROSITY] = gtn.initial
         nodes = NodeArrays.at_rest(len(self._model.mesh.points), self.freedoms)
         return State(nodes, cells, LawWindow.at_rest(self._model.materials))
+
+    def _keep_at_rest(self, block: int, size: tuple[int, int]) -> FloatArray:
+        material, components = self._material(block), 6 if self._model.dimension == 3 else 4
+        porosity = material.gtn.initial if material.gtn else 0.0
+        rolling = material.rolling_direction
+        return history_at_rest(self._laws[block], size, components, rolling=rolling, porosity=porosity)
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Keep which increment this is, for laws that ask."""

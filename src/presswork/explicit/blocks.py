@@ -13,6 +13,7 @@ from presswork import _core
 from presswork.evolution.damage import DamageLaw
 from presswork.explicit.input_checks import check_density, check_shells, check_space_solids
 from presswork.explicit.options import ShellOptions, layer_rule
+from presswork.law.at_rest import history_at_rest
 from presswork.law.umat import SheetLaw, SheetUmat
 from presswork.mesh.topology import is_triangle, with_four_nodes
 from presswork.model import ELEMENTS
@@ -102,14 +103,18 @@ class Solids:
 
     connectivity (n, 8 | 4), as cpp/reference has the nodes; law in space; density [t/mm3]. hourglass_fraction: of the
     shear modulus, that resists hourglass modes of hex8_1pt, and cells of tet4_nodal whose volume changes while that of
-    their nodes stays. Tools do not touch them.
+    their nodes stays. elastic: Young's modulus and Poisson's ratio of a UMAT's first tangent; rolling: unit vector
+    along the law's x; porosity: at the start, of a metal with pores. Tools do not touch them.
     """
 
     connectivity: npt.ArrayLike
-    law: _core.VonMises | _core.SolidLaw
+    law: _core.VonMises | _core.SolidLaw | _core.Umat
     density: float
     element: Literal["hex8", "hex8_fbar", "hex8_1pt", "tet4_nodal"] = "hex8_fbar"
     hourglass_fraction: float = 0.05
+    elastic: tuple[float, float] = (0.0, 0.0)
+    rolling: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    porosity: float = 0.0
 
     @property
     def cells(self) -> Ints:
@@ -145,4 +150,15 @@ class Solids:
             raise ValueError("solids in space are computed in double precision")
         cells = np.ascontiguousarray(place[self.cells[part]])
         measured = np.ascontiguousarray(place[self.cells[part if around is None else around]])
-        loop.add_solids(self.element, cells, self.law, self.density, self.hourglass_fraction, measured)
+        kept = history_at_rest(self.law, (), 6, rolling=self.rolling, porosity=self.porosity)
+        loop.add_solids(
+            self.element,
+            cells,
+            self.law,
+            self.density,
+            self.hourglass_fraction,
+            measured,
+            kept=kept.tolist(),
+            elastic=self.elastic,
+            number=part.tolist() if isinstance(self.law, _core.Umat) else [],
+        )

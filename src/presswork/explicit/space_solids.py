@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -22,12 +23,15 @@ from presswork import _core
 from presswork.evolution.damage import DamageLaw
 from presswork.explicit.blocks import Solids
 from presswork.explicit.body_contacts import TouchingBodies
-from presswork.explicit.device import Device
+from presswork.explicit.device import Device, refuse
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space import SpaceDynamics
 from presswork.explicit.space_walls import NOT_TURNED, SpaceWall, WallStart
 from presswork.model import Mesh
 from presswork.ranks.world import World
+
+if TYPE_CHECKING:
+    from presswork.evolution.porosity import NonlocalPorosity
 
 Array = npt.NDArray[np.float64]
 EQPS, HEAT_RISE = 6, 7
@@ -42,9 +46,15 @@ SAME_DIRECTION = 1e-6
 class SpaceMaterial:
     """What a block of solids in space is made of."""
 
-    law: _core.VonMises | _core.SolidLaw
+    law: _core.VonMises | _core.SolidLaw | _core.Umat
     density: float
     """[t/mm3]"""
+    elastic: tuple[float, float] = (0.0, 0.0)
+    """Young's modulus [MPa] and Poisson's ratio of a UMAT's first tangent."""
+    rolling: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    """Unit vector along the law's x."""
+    porosity: float | None = None
+    """At the start, of a metal with pores."""
     damage: tuple[DamageLaw, ...] = ()
     """Criteria whose damage grows."""
     start: float = 20.0
@@ -83,6 +93,9 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
     ) -> None:
         if len(mesh.blocks) != len(materials):
             raise ExplicitError(f"materials: give one for each of the {len(mesh.blocks)} blocks of the mesh")
+        has_pores = any(material.porosity is not None for material in materials)
+        if has_pores:
+            refuse(device, "porous metals (GTN)")
         self.mesh, self._materials = mesh, tuple(materials)
         blocks = [
             Solids(
@@ -91,6 +104,9 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
                 density=material.density,
                 element=block.element,  # type: ignore[arg-type]
                 hourglass_fraction=hourglass_fraction,
+                elastic=material.elastic,
+                rolling=material.rolling,
+                porosity=material.porosity or 0.0,
             )
             for block, material in zip(mesh.blocks, materials, strict=True)
         ]
@@ -107,6 +123,8 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
         self._degrees: list[Array] | None = None
         self._normals: list[tuple[npt.NDArray[np.intp], Array]] = []
         self._holds_normals = True
+        if has_pores:
+            self.degrees = [material.start for material in materials]
 
     @property
     def velocity(self) -> Array:
@@ -166,6 +184,35 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
             state[f"block_{block}"]["points"][..., EQPS] *= own[self._order(block)][:, None]
             first += len(own)
         self._loop.restore(state)
+
+    def average_pores(self, pores: NonlocalPorosity, volumes: Sequence[Array]) -> None:
+        """Let pores grow by what their neighbourhoods have since the last call; volumes (n_cells,) of each block.
+
+        Points of a cell stand for equal parts of it.
+        """
+        state = self._loop.state()
+        kept, shares = [], []
+        for block, volume in enumerate(volumes):
+            points = state[f"block_{block}"]["points"][..., EQPS + 1 :]
+            ordered = np.empty_like(points)
+            ordered[self._order(block)] = points
+            kept.append(ordered)
+            shares.append(np.repeat(volume[:, None], points.shape[1], axis=1))
+        pores.advance(kept, shares)
+        for block, values in enumerate(kept):
+            state[f"block_{block}"]["points"][..., EQPS + 1 :] = values[self._order(block)]
+        self._loop.restore(state)
+
+    @property
+    def state_variables(self) -> list[Array]:
+        """What the laws of each block keep behind stress and plastic strain (n_cells, n), mean of the cell's points."""
+        state, found = self._loop.state(), []
+        for block in range(len(self.mesh.blocks)):
+            points = state[f"block_{block}"]["points"][..., EQPS + 1 :]
+            ordered = np.empty((len(points), points.shape[2]))
+            ordered[self._order(block)] = points.mean(axis=1)
+            found.append(ordered)
+        return found
 
     @property
     def rise_at_points(self) -> list[Array]:

@@ -107,10 +107,14 @@ class ExplicitImpact(RowRecording):
         ]
         self.contacts = ContactsOfRows(model, self.solids)
         self._reaction = np.zeros((len(model.mesh.points), 2))
-        if any(material.gtn for material in model.materials):
+        self._find_neighbourhoods()
+
+    def _find_neighbourhoods(self) -> None:
+        """Find the neighbourhoods over which pores are averaged."""
+        if any(material.gtn for material in self.model.materials):
             from presswork.evolution.porosity import NonlocalPorosity  # loads scipy, which dense metals do without
 
-            self._pores = NonlocalPorosity(model, self.mesh.points)
+            self._pores = NonlocalPorosity(self.model, self.mesh.points)
 
     def _make_heat(self, threads: int) -> HeatOfRows:
         return HeatOfRows(self.model, self.solids, self.walls, self.contacts, threads)

@@ -143,14 +143,15 @@ class RemeshedImpact(ExplicitImpact):
         on_tool = np.abs(np.array(gaps).reshape(len(profiles), len(position))) < near
         on_tool &= np.isin(np.arange(len(position)), mesh.boundary_edges)
         ring = self.model.analysis == "axisymmetric"
-        lost = 0.0 if self._pores is not None else self._find_loss()  # pores grow
+        lost, power = self._find_loss(), self._find_power()
         return OldSection(
-            mesh, position, on_tool, self._find_held(), profiles, ring, range(len(position)), lost, self._find_power(),
-            ELEMENT,
-        )  # fmt: skip
+            mesh, position, on_tool, self._find_held(), profiles, ring, range(len(position)), lost, power, ELEMENT
+        )
 
     def _find_loss(self) -> float:
         """Return the part of the volume that is lost and can be given back."""
+        if self._pores is not None:  # they grow
+            return 0.0
         return float(np.clip(self._first_volume / self._measure_volume() - 1.0, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
 
     def _make_mesh(self) -> tuple[Mesh, SurfacePlaces | SkinPlaces, Sequence[FloatArray]]:

@@ -106,7 +106,8 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
         points[:, 0, peaks] = keep_peaks(
             carrier, "eqps", dump[POINTS][:, 0, peaks], np.ascontiguousarray(points[:, 0, peaks]), self._find_volumes()
         )
-        if points.shape[2] > EQPS + 1:  # the law's axes, the last six
+        material = self.model.materials[self.model.mesh.blocks[0].material]
+        if points.shape[2] > EQPS + 1 and material.umat is None:  # the law's axes, the last six
             for axis in (points[:, 0, -6:-3], points[:, 0, -3:]):
                 axis /= np.maximum(np.linalg.norm(axis, axis=1, keepdims=True), 1e-300)
 

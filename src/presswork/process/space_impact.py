@@ -33,7 +33,7 @@ from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself
 from presswork.process.heat_of_space_rows import HeatOfSpaceRows
 from presswork.process.impact import ExplicitImpact
-from presswork.process.limits import Measure, Watched, measure_hydrostatic_stress, measure_mean_pressure
+from presswork.process.limits import Watched, measure_hydrostatic_stress
 from presswork.process.peaks import find_peaks
 from presswork.process.penetration import Penetration
 from presswork.process.recording import Row, Snapshot
@@ -100,17 +100,21 @@ class ExplicitSpaceImpact(ExplicitImpact):
         self.solids.check_device()
         self._reaction = np.zeros(model.mesh.points.shape)
         self._shear = ShearFriction(model.space_tools, model.mesh)
+        self._find_neighbourhoods()
 
     def _make_material(self, number: int, density: float) -> SpaceMaterial:
         """Return what a block of one of the materials is made of; density: factor on the material's."""
         model = self.model
         material = heat_by_itself(model, model.materials[number])
         return SpaceMaterial(
-            make_law(material, model.solver, 6),  # type: ignore[arg-type]
-            density * material.density,
-            make_damage(material.damage, None, is_solid=True),
-            material.heating.start if material.heating else 20.0,
-            heats(material),
+            law=make_law(material, model.solver, 6),  # type: ignore[arg-type]
+            density=density * material.density,
+            elastic=(material.young, material.poisson),
+            rolling=material.rolling_direction,
+            porosity=material.gtn.initial if material.gtn else None,
+            damage=make_damage(material.damage, material.umat, is_solid=True),
+            start=material.heating.start if material.heating else 20.0,
+            heats=heats(material),
         )
 
     def _make_heat(self, threads: int) -> HeatOfRows:
@@ -227,12 +231,6 @@ class ExplicitSpaceImpact(ExplicitImpact):
         return Watched(
             (hydrostatic, *self._measure_pressure(mean, flow), *([deepest] if deepest else [])), damage=peaks
         )
-
-    def _measure_pressure(self, stress: FloatArray, flow_stress: FloatArray) -> list[Measure]:
-        if not self.model.space_tools:
-            return []
-        volume = np.concatenate(self._measure_volumes())
-        return [measure_mean_pressure("workpiece", stress, flow_stress, volume)]
 
     def _measure_volumes(self) -> list[FloatArray]:
         return [node_volumes(self.solids.position, block.connectivity).sum(axis=1) for block in self.model.mesh.blocks]

@@ -2,8 +2,8 @@
 // UMATs for the tests, in the calling convention of compiled Fortran; PROPS(1) says which:
 //   1  von Mises with Swift hardening K (e0 + p)^n: PROPS 1, E, nu, K, e0, n; one state variable p
 //   2  neo-Hookean of the whole deformation gradient: PROPS 2, mu, kappa; DDSDDE of the Jaumann rate of Kirchhoff
-//   stress 3  von Mises with Prager's back stress, which it turns by ROTSIG: PROPS 3, E, nu, yield stress, H; six state
-//      variables: back stress 11, 22, 33, 12, plastic strain, and 1 at the first call
+//   stress 3  von Mises with Prager's back stress, which it turns by ROTSIG: PROPS 3, E, nu, yield stress, H; state
+//      variables: back stress (NTENS), plastic strain, and 1 at the first call
 //   4  elastic, and asks for PNEWDT = PROPS(4) where a strain increment is above PROPS(5): PROPS 4, E, nu, factor,
 //   limit 5  elastic; writes what it is called with into twelve state variables 6  elastic; calls XIT where PROPS(4) is
 //   negative, gives no number where STRAN(2) is below -PROPS(5) 7  elastic, writes one state variable more than it has
@@ -107,14 +107,14 @@ extern "C" void umat_(double* stress, double* statev, double* ddsdde, double* ss
     });
   } else if (law == 3) {
     const int kind = 1;
-    double back[4];
+    double back[6];
     rotsig_(statev, drot, back, &kind, ndi, nshr);
-    radial_return(n, E, nu, stress, ddsdde, back, props[4], statev[4], [&](double, double& flow, double& slope) {
+    radial_return(n, E, nu, stress, ddsdde, back, props[4], statev[n], [&](double, double& flow, double& slope) {
       flow = props[3];
       slope = 0.0;
     });
-    std::copy_n(back, 4, statev);
-    statev[5] = 1.0;
+    std::copy_n(back, n, statev);
+    statev[n + 1] = 1.0;
   } else if (law == 4) {
     if (*std::max_element(dstran, dstran + 4) > props[4]) *pnewdt = props[3];
   } else if (law == 5) {

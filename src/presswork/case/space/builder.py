@@ -190,9 +190,6 @@ def _check_pores_in(case: SpaceCase, name: str, material: Material) -> list[Prob
     if material.gtn is None:
         return []
     problems, key = [], f"materials.{name}.gtn"
-    if case.procedure == "explicit":
-        remedy = 'set procedure = "implicit"'
-        problems.append(Problem(key, "in space pores are for the implicit procedure alone, so far", remedy))
     if case.heat is not None:
         problems.append(Problem(key, "in space a metal with pores knows no heat, so far", "leave [heat] out"))
     for place, body in list_space_bodies(case).values():

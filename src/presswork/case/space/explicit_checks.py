@@ -15,7 +15,6 @@ from presswork.case.explicit_checks import (
     check_target_step,
     check_time,
 )
-from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import check_in_explicit
 from presswork.case.space.schema import SpaceCase, SpaceStage, SpaceWorkpiece
 
@@ -53,7 +52,7 @@ def _list_bodies(case: SpaceCase) -> dict[str, SpaceWorkpiece]:
 
 
 def _check_explicit(case: SpaceCase) -> list[Problem]:
-    problems = [*_check_umat(case), *check_material(case), *check_target_step(case)]
+    problems = [*check_material(case), *check_target_step(case)]
     for name, tool in case.tools.items():
         problems += check_friction(f"tools.{name}", tool, (*CONTACTS, "shear", "coulomb_capped"))
     for index, stage in enumerate(case.stages):
@@ -62,16 +61,6 @@ def _check_explicit(case: SpaceCase) -> list[Problem]:
             press, blows = case.presses[stage.press.name], not stage.displacement
             problems += check_in_explicit(f"stages.{index}", press, stage.press, blows=blows)
     return problems + check_explicit_keys(case)
-
-
-def _check_umat(case: SpaceCase) -> list[Problem]:
-    fault = "the explicit procedure calls no UMAT in space, so far"
-    names = dict.fromkeys(body.material for body in _list_bodies(case).values())
-    return [
-        Problem(f"materials.{name}.umat", fault, "give a law of presswork")
-        for name in names
-        if isinstance(case.materials.get(name), UmatMaterial)
-    ]
 
 
 def _check_stage(key: str, stage: SpaceStage) -> list[Problem]:
