@@ -96,7 +96,7 @@ void bind_parts(nb::class_<Loop>& loop) {
       .def_prop_rw(
           "sheet_sizes", [](const Loop& self) { return self.measure_sheet(); },
           [](Loop& self, std::array<double, 3> sizes) { self.sheet_sizes = sizes; },
-          "Least thickness, widest shell and longest edge [mm], by which contact looks for what is near; those of the "
+          "Least thickness, widest shell and mean edge [mm], by which contact looks for what is near; those of the "
           "whole sheet are to be given to its parts, before there are tools.");
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "arrays.hpp"
+#include "contact/sharp_places.hpp"
 #include "contact/tool_surface.hpp"
 
 namespace presswork::bindings {
@@ -114,6 +115,15 @@ void bind_tool_surface(nb::module_& m) {
            "call.")
       .def("distance_bound", &find_distance_bound, nb::arg("points"), nb::arg("reach") = far,
            "The gap, or where nothing is closer than reach how far each point is from the surface at least (n,) [mm].")
+      .def(
+          "is_sharp",
+          [](const ToolSurface& self, double edge) {
+            const std::shared_ptr<const ToolSurface> borrowed(std::shared_ptr<void>(), &self);
+            return contact::SharpPlaces(borrowed, edge).any();
+          },
+          nb::arg("edge"),
+          "Whether edges of a sheet of this mean length [mm] touch the tool between their nodes: it turns by more than "
+          "29 degrees within half of it.")
       .def("slopes", &find_slopes, nb::arg("points"), nb::arg("reach") = far,
            "Derivatives of the gap (n, 3) and of the normal (n, 3, 3: component, direction) [1/mm] to points (n, 3); "
            "zero where nothing is near, and of the normal on triangles that are not smooth.")

@@ -16,11 +16,11 @@ def lines(tmp_path_factory):
     return run_line(folder / "explicit"), run_line(folder / "implicit", IMPLICIT)
 
 
-FLANGE = pytest.mark.xfail(strict=True, reason="the flange differs: thickness 0.018, mean force 21 %; cause not found")
+FLANGE = pytest.mark.xfail(strict=True, reason="3.9 %, of which one-point shells make 1.5 %")
 
 
 @pytest.mark.parametrize(
-    "stage", ["draw_form", "draw_springback", "pierce_springback", pytest.param("flange_down", marks=FLANGE)]
+    "stage", ["draw_form", "draw_springback", "pierce_springback", "flange_down", "flange_springback"]
 )
 def test_outline_and_thickness_are_alike(lines, stage) -> None:
     """Rim, so draw-in, within 0.3 mm, thickness within 0.01 of the blank's."""
@@ -29,9 +29,14 @@ def test_outline_and_thickness_are_alike(lines, stage) -> None:
     assert found.thickness < 0.01
 
 
+@pytest.mark.parametrize("punch", ["draw_punch", "flange_punch"])
+def test_largest_forces_are_alike(lines, punch) -> None:
+    explicit, implicit = (largest_forces(line)[punch] for line in lines)
+    assert explicit == pytest.approx(implicit, rel=0.03)
+
+
 @pytest.mark.parametrize("punch", ["draw_punch", pytest.param("flange_punch", marks=FLANGE)])
-def test_forces_are_alike(lines, punch) -> None:
-    """Largest, and mean over the second half of the stroke, within 3 %."""
-    for find in (largest_forces, mean_forces):
-        explicit, implicit = (find(line)[punch] for line in lines)
-        assert explicit == pytest.approx(implicit, rel=0.03)
+def test_mean_forces_are_alike(lines, punch) -> None:
+    """Over the second half of the stroke."""
+    explicit, implicit = (mean_forces(line)[punch] for line in lines)
+    assert explicit == pytest.approx(implicit, rel=0.03)

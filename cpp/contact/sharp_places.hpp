@@ -8,6 +8,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "contact/fold_tree.hpp"
@@ -17,6 +18,11 @@ namespace presswork::contact {
 
 class SharpPlaces {
  public:
+  static constexpr double turn = 0.5053605102841573;  // 29 degrees: 2 asin(1/4)
+
+  // Of a tool that edges of this length touch [mm].
+  SharpPlaces(std::shared_ptr<const ToolSurface> surface, double edge)
+      : SharpPlaces(std::move(surface), 0.5 * edge, turn) {}
   // length [mm], angle [rad]
   SharpPlaces(std::shared_ptr<const ToolSurface> surface, double length, double angle);
   SharpPlaces(const SharpPlaces&) = delete;  // the search knows where they lie

@@ -693,6 +693,11 @@ class ToolSurface:
         The gap, or where nothing is closer than reach how far each point is from the surface at least (n,) [mm].
         """
 
+    def is_sharp(self, edge: float) -> bool:
+        """
+        Whether edges of a sheet of this mean length [mm] touch the tool between their nodes: it turns by more than 29 degrees within half of it.
+        """
+
     def slopes(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float = float('inf')) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """
         Derivatives of the gap (n, 3) and of the normal (n, 3, 3: component, direction) [1/mm] to points (n, 3); zero where nothing is near, and of the normal on triangles that are not smooth.
@@ -1154,7 +1159,7 @@ class SpaceLoop:
     @property
     def sheet_sizes(self) -> list[float]:
         """
-        Least thickness, widest shell and longest edge [mm], by which contact looks for what is near; those of the whole sheet are to be given to its parts, before there are tools.
+        Least thickness, widest shell and mean edge [mm], by which contact looks for what is near; those of the whole sheet are to be given to its parts, before there are tools.
         """
 
     @sheet_sizes.setter
@@ -1565,7 +1570,7 @@ class SpaceLoopSingle:
     @property
     def sheet_sizes(self) -> list[float]:
         """
-        Least thickness, widest shell and longest edge [mm], by which contact looks for what is near; those of the whole sheet are to be given to its parts, before there are tools.
+        Least thickness, widest shell and mean edge [mm], by which contact looks for what is near; those of the whole sheet are to be given to its parts, before there are tools.
         """
 
     @sheet_sizes.setter

@@ -49,7 +49,7 @@ EdgeContact::EdgeContact(int n_nodes, const std::vector<int>& cell_start, const 
 
 void EdgeContact::add(const Tool& tool) {
   Pairs of;
-  if (tool.grip.edges) of.sharp = std::make_unique<contact::SharpPlaces>(tool.surface, 0.5 * length_, turn);
+  if (tool.grip.edges) of.sharp = std::make_unique<contact::SharpPlaces>(tool.surface, length_);
   if (of.sharp && !of.sharp->any()) of.sharp.reset();
   if (of.sharp) {
     of.at.assign(n_edges(), EdgeTouching{});

@@ -12,11 +12,11 @@
 // them rest on a tool there, they add 4 share penalty/dt^2 to the node's own penalty/dt^2: with a second tool on the
 // other side w^2 dt^2 <= (0.9 x 2)^2 + 3.6 penalty < 4 if penalty < 0.21.
 //
-// Search. A tool is sharp where it turns by more than `turn` within half the longest edge: there the edge would sink in
-// by an eighth of its length L, be it over a corner of that angle or a radius of L. A tool without such places costs
-// nothing. An edge sleeps until the tool's `travel` has grown by 0.9 of what it is off them: no part of it can have
-// reached them before. Once pressed it stays awake until it lifts off. What nodes alone let it sink in before it came
-// to a sharp place, some 1e-3 mm, is spared: no force starts with a jump.
+// Search. A tool is sharp where it turns by more than SharpPlaces::turn within half the mean edge: there the edge would
+// sink in by an eighth of its length L, be it over a corner of that angle or a radius of L. A tool without such places
+// costs nothing. An edge sleeps until the tool's `travel` has grown by 0.9 of what it is off them: no part of it can
+// have reached them before. Once pressed it stays awake until it lifts off. What nodes alone let it sink in before it
+// came to a sharp place, some 1e-3 mm, is spared: no force starts with a jump.
 //
 // Those of a chunk that are awake are taken together into packs of SIMD width, in the order of their numbers; sums run
 // over eight lanes whatever the width, as those of nodes.
@@ -40,10 +40,9 @@ namespace presswork::explicit_dynamics {
 class EdgeContact {
  public:
   static constexpr int chunk = 256;
-  static constexpr double turn = 0.5053605102841573;  // 29 degrees: 2 asin(1/4)
 
   // The nodes of cell i, in turn round it, are cell_node[cell_start[i]] to cell_node[cell_start[i + 1] - 1]. length: of
-  // the longest edge; memory: slip after which the surface is asked again; reach: how far away it is looked for [mm].
+  // the mean edge; memory: slip after which the surface is asked again; reach: how far away it is looked for [mm].
   EdgeContact(int n_nodes, const std::vector<int>& cell_start, const std::vector<int>& cell_node, double length,
               double memory, double reach);
 

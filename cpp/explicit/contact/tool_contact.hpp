@@ -60,7 +60,7 @@ class ToolContact {
   static constexpr int refresh_cycles = 8;  // after which all points learn the thickness anew
 
   // The nodes of cell i, in turn round it, are cell_node[cell_start[i]] to cell_node[cell_start[i + 1] - 1]. The least
-  // thickness, the largest width of a cell and its longest edge [mm] set what is near. ironing: tools squeeze the
+  // thickness, the largest width of a cell and the mean edge [mm] set what is near. ironing: tools squeeze the
   // sheet.
   ToolContact(int n_nodes, const std::vector<int>& cell_start, const std::vector<int>& cell_node, double thickness,
               double width, double edge, bool ironing);

@@ -298,7 +298,7 @@ std::array<double, 3> SpaceLoop<Real>::measure_sheet() const {
   if (sheet_sizes) return *sheet_sizes;
   const auto& nodes = this->nodes;
   const Sheet sheet = list_cells();
-  double widest = 0.0, edge = 0.0;
+  double widest = 0.0, round = 0.0;
   const auto apart = [&](int i, int j) {
     const double *a = nodes.position.data() + std::size_t(nodes.position_stride) * i,
                  *b = nodes.position.data() + std::size_t(nodes.position_stride) * j;
@@ -308,9 +308,9 @@ std::array<double, 3> SpaceLoop<Real>::measure_sheet() const {
     const int* corner = &sheet.node[sheet.start[c]];
     const int each = sheet.start[c + 1] - sheet.start[c];
     if (each > 0) widest = std::max(widest, apart(corner[0], corner[2]));
-    for (int a = 0; a < each; ++a) edge = std::max(edge, apart(corner[a], corner[(a + 1) % each]));
+    for (int a = 0; a < each; ++a) round += apart(corner[a], corner[(a + 1) % each]);
   }
-  return {sheet.thinnest, widest, edge};
+  return {sheet.thinnest, widest, sheet.node.empty() ? 0.0 : round / static_cast<double>(sheet.node.size())};
 }
 
 template <class Real>

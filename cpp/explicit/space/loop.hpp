@@ -60,7 +60,7 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   contact::SheetUnder find_cells() const;
 
   bool ironing = true;  // tools squeeze the sheet; to be set before there are any
-  // Least thickness, widest shell, longest edge [mm]; those of a part are given to it.
+  // Least thickness, widest shell, mean edge [mm]; those of a part are given to it.
   std::optional<std::array<double, 3>> sheet_sizes;
   std::array<double, 3> measure_sheet() const;
   std::unique_ptr<ToolContact> contact;  // none without tools

@@ -173,7 +173,7 @@ class ToolsOfRun:
         """Let the sheet touch a rigid tool from now on.
 
         mu: Coulomb's coefficient. penalty: contact stiffness over nodal mass/dt^2. damping: of contact, over critical.
-        edges: where the tool turns by more than 29 degrees within half the sheet's longest edge, edges touch between
+        edges: where the tool turns by more than 29 degrees within half the sheet's mean edge, edges touch between
         their nodes, too. thickness: the sheet touches with its surface, half the present thickness off the mid-surface,
         and not with that. Raises ExplicitError.
         """

@@ -17,9 +17,11 @@ from presswork import _core
 from presswork.geometry.pose import turn_about
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.sheet_contact import share_surface
+from presswork.mesh.faces import nodal_normals
 from presswork.mesh.tool_clearance import find_closing, sample_tool
 from presswork.mesh.topology import list_cell_edges
 from presswork.model import Closing, FloatArray, Operation, PartPlace, Stage, Tool, ToolMotion
+from presswork.process.refinement import sag_of_sides
 from presswork.process.tipping import TippingError, tip_part
 from presswork.process.transfer import SheetState
 
@@ -69,16 +71,22 @@ def find_half_thickness(state: SheetState) -> FloatArray:
 
 
 def sample_part(state: SheetState) -> tuple[FloatArray, FloatArray]:
-    """Return the nodes of a part and points on the edges between them (n, 3), and half the thickness there (n,) [mm].
+    """Return the nodes of a part and points between them (n, 3), and half the thickness there (n,) [mm].
 
-    Tools of small radii touch edges before nodes.
+    Tools of small radii touch there before they touch nodes. The points lie on the arcs that the normals at the ends
+    of an edge give it: its chord lies off a part that is bent with few elements, on the inside of the bend.
     """
     half = find_half_thickness(state)
     edges = np.unique(np.sort(np.concatenate([list_cell_edges(b.connectivity) for b in state.blocks]), axis=1), axis=0)
+    first, last = edges.T
+    normals = sum((nodal_normals(state.position, b.connectivity) for b in state.blocks), np.zeros_like(state.position))
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    sag = sag_of_sides(state.position, normals, first, last)
     points, halves = [state.position], [half]
     for part in ON_EDGES:
-        for found, values in ((points, state.position), (halves, half)):
-            found.append((1.0 - part) * values[edges[:, 0]] + part * values[edges[:, 1]])
+        on_chord = (1.0 - part) * state.position[first] + part * state.position[last]
+        points.append(on_chord + 4.0 * part * (1.0 - part) * sag)
+        halves.append((1.0 - part) * half[first] + part * half[last])
     return np.concatenate(points), np.concatenate(halves)
 
 
@@ -152,18 +160,26 @@ def _farthest(motions: Mapping[str, ToolMotion]) -> float:
 def lay_tools(operation: Operation, state: SheetState, *, with_edges: bool) -> tuple[Tool, ...]:
     """Return the operation's tools where they start on a part. Raises LayingError, naming the key of the case.
 
-    with_edges: whether contact may look at edges of the mesh, as in explicit dynamics, beside nodes.
+    with_edges: whether contact looks at edges of the mesh, too, where a tool is sharp, as in explicit dynamics.
     """
-    points, half = sample_part(state) if with_edges else (state.position, find_half_thickness(state))
-    placed: dict[str, Tool] = {}
+    samples = state.position, find_half_thickness(state)
+    with_those_between = sample_part(state) if with_edges else samples
+    edge, placed = _mean_edge(state), dict[str, Tool]()
     for tool in operation.tools:
+        points, half = with_those_between if make_surface(tool.surface).is_sharp(edge) else samples
         placed[tool.name] = _touch(operation, tool, points, half) if tool.name in operation.laid else tool
     for name, (other, above) in operation.spaced.items():
         x, y, _ = placed[name].position
         placed[name] = replace(placed[name], position=(x, y, placed[other].position[2] + above))
     for tool in placed.values():
-        _check_clear(operation, tool, state.position, half[: len(state.position)])
+        _check_clear(operation, tool, *samples)
     return tuple(placed.values())
+
+
+def _mean_edge(state: SheetState) -> float:
+    """Return the mean length of the edges round the cells of a part [mm], as explicit contact takes it."""
+    ways = [state.position[b.connectivity] - state.position[np.roll(b.connectivity, -1, axis=1)] for b in state.blocks]
+    return float(np.concatenate([np.linalg.norm(way, axis=2).ravel() for way in ways]).mean())
 
 
 def _touch(operation: Operation, tool: Tool, points: FloatArray, half: FloatArray) -> Tool:

@@ -87,7 +87,7 @@ class Explicit(Part):
     contact_points: Literal["nodes", "edges"] = Field(
         default=_EXPLICIT.contact_points,
         description="what of the blank touches tools: nodes alone, or edges between them, too, where a tool's "
-        "radius is less than the longest edge",
+        "radius is less than their mean length",
     )
     ironing: bool = Field(
         default=_EXPLICIT.ironing,
