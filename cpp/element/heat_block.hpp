@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string_view>
+#include <vector>
 
 #include "element/heat_conduction.hpp"
 
@@ -24,9 +25,8 @@ struct HeatCellType {
   void (*lump)(const HeatBlock&, double* volume);
 };
 
-// Fill N (n_points, nodes), the shape functions of a cell at the points of a rule. Returns whether there is such a
-// rule.
-bool find_shapes(std::string_view cell, int n_points, double* N);
+// The shape functions of a cell at the points of a rule (n_points, nodes); empty if there is no such rule.
+std::vector<double> find_shapes(std::string_view cell, int n_points);
 
 // By the cell's name, as ElementRow::cell has it; null if there is none.
 const HeatCellType* find_heat_cell(std::string_view cell);

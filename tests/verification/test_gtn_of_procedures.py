@@ -139,9 +139,10 @@ def write_in_space(folder: Path, element: str = "hex8_fbar") -> Path:
     return path
 
 
-def test_pores_of_a_bar_in_space_grow_as_in_axisymmetry(tmp_path) -> None:
+@pytest.mark.parametrize("element", ["hex8_fbar", "tet10"])
+def test_pores_of_a_bar_in_space_grow_as_in_axisymmetry(tmp_path, element: str) -> None:
     round_bar = run_model(build_model(read(tmp_path, porosity=0.01)), tmp_path / "round", threads=1).result
-    square = run_model(build_model(read_case(write_in_space(tmp_path))), tmp_path / "square", threads=1).result
+    square = run_model(build_model(read_case(write_in_space(tmp_path, element))), tmp_path / "square", threads=1).result
     np.testing.assert_allclose(square.field("porosity"), round_bar.field("porosity")[0], rtol=1e-4)
     stress = round_bar.history["top.force_y"][-1] / (16.0 * np.pi)
     assert square.history["front.force_z"][-1] / 16.0 == pytest.approx(stress, rel=1e-4)
