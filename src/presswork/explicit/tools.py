@@ -33,6 +33,8 @@ class RigidTool:
         self._force: tuple[Array, Array] | None = None
         self.mass: float | None = None
         """Mass [t] of a pushed tool; None of one that is moved."""
+        self.sag = 0.0
+        """Depth that an edge of the sheet may begin in it [mm]."""
 
     @property
     def velocity(self) -> Array:
@@ -169,19 +171,22 @@ class ToolsOfRun:
         damping: float = 0.1,
         edges: bool = True,
         thickness: bool = True,
+        sag: float = 0.0,
     ) -> RigidTool:
         """Let the sheet touch a rigid tool from now on.
 
         mu: Coulomb's coefficient. penalty: contact stiffness over nodal mass/dt^2. damping: of contact, over critical.
         edges: where the tool turns by more than 29 degrees within half the sheet's mean edge, edges touch between
         their nodes, too. thickness: the sheet touches with its surface, half the present thickness off the mid-surface,
-        and not with that. Raises ExplicitError.
+        and not with that. sag: depth [mm] that an edge between nodes may begin in the tool, as far as the chord of a
+        bent sheet lies off its surface; it is spared that depth. Raises ExplicitError.
         """
         check_grip(name, list(self.tools), mu, penalty, damping)
         number = self._loop.add_tool(
             surface, friction=mu, penalty=penalty, damping=damping, edges=edges, thickness=thickness
         )
         tool = RigidTool(self._loop, number, name, penalty)
+        tool.sag = sag
         self.tools[name] = tool
         self._new_tools.append(tool)
         self._reference = None
@@ -214,7 +219,8 @@ class ToolsOfRun:
             self._loop.set_contact_stiffness(self._contact_step)
         for tool in self._new_tools:
             depth, point = self._loop.deepest(tool.number)
-            if depth > DEEPEST_START * float(self._loop.thickness(0).min()):
+            spared = tool.sag if point >= len(self._nodes) else 0.0
+            if depth > DEEPEST_START * float(self._loop.thickness(0).min()) + spared:
                 raise ExplicitError(
                     f"the sheet starts in tool {tool.name!r}: {self._name_point(point)} is {depth:.4g} mm deep, half "
                     "the thickness counted; move the tool or the sheet by that"

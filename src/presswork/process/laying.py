@@ -20,7 +20,7 @@ from presswork.interaction.sheet_contact import share_surface
 from presswork.mesh.faces import nodal_normals
 from presswork.mesh.tool_clearance import find_closing, sample_tool
 from presswork.mesh.topology import list_cell_edges
-from presswork.model import Closing, FloatArray, Operation, PartPlace, Stage, Tool, ToolMotion
+from presswork.model import Closing, FloatArray, IntArray, Operation, PartPlace, Stage, Tool, ToolMotion
 from presswork.process.refinement import sag_of_sides
 from presswork.process.tipping import TippingError, tip_part
 from presswork.process.transfer import SheetState
@@ -70,6 +70,14 @@ def find_half_thickness(state: SheetState) -> FloatArray:
     return np.asarray(0.5 * total / np.maximum(count, 1.0))
 
 
+def find_sag(state: SheetState) -> tuple[IntArray, FloatArray]:
+    """Return the edges of a part (n, 2), and how far the middles of their arcs lie off their chords (n, 3) [mm]."""
+    edges = np.unique(np.sort(np.concatenate([list_cell_edges(b.connectivity) for b in state.blocks]), axis=1), axis=0)
+    normals = sum((nodal_normals(state.position, b.connectivity) for b in state.blocks), np.zeros_like(state.position))
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    return edges, sag_of_sides(state.position, normals, *edges.T)
+
+
 def sample_part(state: SheetState) -> tuple[FloatArray, FloatArray]:
     """Return the nodes of a part and points between them (n, 3), and half the thickness there (n,) [mm].
 
@@ -77,11 +85,8 @@ def sample_part(state: SheetState) -> tuple[FloatArray, FloatArray]:
     of an edge give it: its chord lies off a part that is bent with few elements, on the inside of the bend.
     """
     half = find_half_thickness(state)
-    edges = np.unique(np.sort(np.concatenate([list_cell_edges(b.connectivity) for b in state.blocks]), axis=1), axis=0)
+    edges, sag = find_sag(state)
     first, last = edges.T
-    normals = sum((nodal_normals(state.position, b.connectivity) for b in state.blocks), np.zeros_like(state.position))
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    sag = sag_of_sides(state.position, normals, first, last)
     points, halves = [state.position], [half]
     for part in ON_EDGES:
         on_chord = (1.0 - part) * state.position[first] + part * state.position[last]

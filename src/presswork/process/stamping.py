@@ -28,6 +28,7 @@ from presswork.mesh.split import SplitMesh
 from presswork.model import BoolArray, ExplicitSheet, FloatArray, Model, Refinement, Stage
 from presswork.process.epochs import NamedArrays
 from presswork.process.explicit_heat import ExplicitHeat, names_of_heat
+from presswork.process.laying import find_sag
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.reactions import Reactions
 from presswork.process.refinement import choose_shells, find_planes, place_nodes
@@ -89,7 +90,8 @@ class ExplicitStamping(StampingRecording):
         check_damping(self.settings.damping, self._longest_step())
         if model.self_contact is not None:
             self.shells.touch_itself(mu=model.self_contact.mu, undeformed=model.mesh.points)
-        self.tools = StampingTools(model, self.shells)
+        sag = 0.0 if begin is None else float(np.linalg.norm(find_sag(begin)[1], axis=1).max())
+        self.tools = StampingTools(model, self.shells, sag=sag)
         self.heat = ExplicitHeat(model, self.shells, self.tools.at_work) if model.heat else None
         self.layers = SheetHistory(model, self.shells)
         if begin is not None:

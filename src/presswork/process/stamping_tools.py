@@ -36,15 +36,22 @@ FORCE_TIMES = 100
 class StampingTools:
     """Adds a model's tools and beads to the shells, and moves them."""
 
-    def __init__(self, model: Model, shells: ExplicitShells, before: StampingTools | None = None) -> None:
-        """before: the same tools on another mesh of the blank, whose surfaces and masses are taken over."""
+    def __init__(
+        self, model: Model, shells: ExplicitShells, before: StampingTools | None = None, *, sag: float = 0.0
+    ) -> None:
+        """before: the same tools on another mesh of the blank, whose surfaces and masses are taken over.
+
+        sag: of the arcs of a bent part's edges off their chords, at most [mm].
+        """
         self._model = model
         self._surfaces: list[_core.ToolSurface] = (
             before._surfaces if before else [make_surface(t.surface) for t in model.tools]
         )
         assert isinstance(model.explicit, ExplicitSheet)
         edges, each = model.explicit.contact_points == "edges", zip(model.tools, self._surfaces, strict=True)
-        self._tools = [shells.add_tool(t.name, surface, mu=float(t.friction.mu), edges=edges) for t, surface in each]
+        self._tools = [
+            shells.add_tool(t.name, surface, mu=float(t.friction.mu), edges=edges, sag=sag) for t, surface in each
+        ]
         for tool, at_work in zip(model.tools, self._tools, strict=True):
             at_work.position = tool.position
         # a resumed run takes the same

@@ -9,8 +9,10 @@ import pytest
 from presswork.geometry.swept_tool import draw_ring
 from presswork.geometry.tool_surface import make_surface
 from presswork.model import Operation, Tool
+from presswork.process.begin import begin
 from presswork.process.laying import lay_tools, sample_part
 from presswork.process.transfer import SheetBlock, SheetState
+from tests.problems.divided_loops import describe_line, read
 
 RADIUS, THICKNESS, SIDE = 6.0, 0.8, 2.0
 
@@ -64,3 +66,8 @@ def test_a_sharp_tool_touches_between_nodes(ridge) -> None:
 def test_a_tool_is_sharp_where_its_radius_is_less_than_an_edge(edge_radius) -> None:
     surface = make_surface(draw_ring((0.0, 0.0), (5.0, edge_radius), 10.0, works_up=True))
     assert surface.is_sharp(2.0) == (edge_radius < 2.0)
+
+
+def test_a_coarse_part_begins_in_the_tools_that_formed_it() -> None:
+    """Chords of its edges lie in their radii, by less than they lie off the arcs by which it is laid."""
+    assert len(list(begin(read(describe_line()), 1).advance())) == 5, "two rows of each, and one between them"
