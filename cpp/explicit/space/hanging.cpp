@@ -42,7 +42,7 @@ void HangingNodes<Real>::set(Nodes& nodes, std::vector<HangingNode> hanging) {
     end_entry_.insert(end_entry_.end(), entries[node].begin(), entries[node].end());
     end_start_.push_back(static_cast<int>(end_entry_.size()));
   }
-  hanging_ = std::move(hanging), nodes.follows = std::move(hangs);
+  hanging_ = std::move(hanging), hangs_ = std::move(hangs), nodes.follows = hangs_;
   side_.assign(hanging_.size(), {}), given_.assign(hanging_.size(), {});
 }
 

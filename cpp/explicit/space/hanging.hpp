@@ -40,6 +40,7 @@ class HangingNodes final : public Interaction<SpaceNodes<Real>> {
   int n() const { return static_cast<int>(hanging_.size()); }
   int n_ends() const { return static_cast<int>(end_.size()); }
   const std::vector<HangingNode>& all() const { return hanging_; }
+  bool hangs(int node) const { return !hangs_.empty() && hangs_[node]; }
 
   Phase phase() const override { return Phase::nodes; }
   void begin(Nodes& nodes, int) override { measure(nodes, 0, n()); }
@@ -77,6 +78,7 @@ class HangingNodes final : public Interaction<SpaceNodes<Real>> {
     double force[3], moment[2][3];  // to each end, to the first and to the second
   };
   std::vector<HangingNode> hanging_;
+  std::vector<char> hangs_;  // (n_nodes), or none
   std::vector<Side> side_;
   std::vector<Given> given_;
   std::vector<int> end_, end_start_, end_entry_;  // ends, and what they get: twice the hanging node, plus 1 of a second

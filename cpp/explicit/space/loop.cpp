@@ -128,7 +128,9 @@ SpaceLoop<Real>::~SpaceLoop() = default;
 template <class Real>
 void SpaceLoop<Real>::join(std::unique_ptr<Neighbours> of) {
   if (contact) throw std::invalid_argument("a part joins the others before it has tools");
-  this->nodes.follows = of->is_ghost;
+  auto& follows = this->nodes.follows;
+  follows.resize(this->nodes.n, 0);
+  for (int node : of->ghosts) follows[node] = 1;
   Base::join(std::move(of));
 }
 
@@ -157,7 +159,7 @@ void SpaceLoop<Real>::move_ghosts(double dt) {
   for (int node : from.ghosts) {
     Real* motion = this->nodes.motion.data() + std::size_t(this->nodes.motion_stride) * node;
     for (int i = 0; i < freedoms; ++i) motion[i] = static_cast<Real>(record[i]);
-    this->nodes.step_on(node, dt);
+    if (!hanging.hangs(node)) this->nodes.step_on(node, dt);
     if (contact) contact->half(node) = record[Neighbours::half], contact->room_at(node) = record[Neighbours::room];
     record += Neighbours::record;
   }

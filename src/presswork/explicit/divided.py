@@ -288,11 +288,16 @@ class DividedLoop:
         own = np.searchsorted(self._part.nodes, node[mine]).astype(np.int32)
         self._own.hold_along(own, np.ascontiguousarray(along[mine]), np.ascontiguousarray(velocity[mine]))
 
+    def inherit(self, other: DividedLoop, *given: Any) -> None:
+        """Begin with the state of another loop, some elements of which are split here."""
+        other.bring_together()
+        self._whole.inherit(other._whole, *given)
+        self._own_is_old = True
+
     def tie(self, pairs: npt.NDArray[np.int32], angle: float) -> None:
         """Let the second nodes of pairs (n, 2), which the parts know, follow the first, turned about z [rad]."""
         self._whole.tie(pairs, angle)
-        mine = pairs[np.isin(pairs, self._part.nodes).all(axis=1)]
-        self._own.tie(np.searchsorted(self._part.nodes, mine).astype(np.int32), angle)
+        self._own.tie(self._part.number(pairs[np.isin(pairs[:, 1], self._part.nodes)]), angle)
         self._own_is_old = True
 
     def set_temperature(self, block: int, temperature: Array) -> None:

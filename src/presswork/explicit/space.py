@@ -137,7 +137,8 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         self._resident = None if device == "cpu" else ResidentLoop(loop, device)
         whole: Any = self._resident or loop
         if world:
-            whole = _divide(loop, precision, pieces, x, nodes, place, None if tied is None else place[tied], world)
+            rows, leaders = (follow, 2) if tied is None else (tied[:, ::-1], 1)
+            whole = _divide(loop, precision, pieces, x, nodes, place, (place[rows], leaders), world)
         super().__init__(whole, nodes, np.concatenate(elements))
 
     @property
@@ -303,14 +304,14 @@ def _divide(
     x: Array,
     nodes: npt.NDArray[np.intp],
     place: npt.NDArray[np.int32],
-    tied: npt.NDArray[np.int32] | None,
+    following: tuple[npt.NDArray[np.int32], int],
     world: World,
 ) -> DividedLoop:
-    """Return a loop whose cycles ranks share; the arguments are those of the whole loop; tied: its nodes (n, 2)."""
+    """Return a loop whose cycles ranks share; the arguments are those of the whole loop; following: as of make_part."""
     cells = [place[block.cells[part]] for block, part in pieces]
     measures = [block.measures_nodes for block, _ in pieces]
     try:
-        mine = make_part(x[nodes], cells, world.size, world.rank, measures, tied=tied)
+        mine = make_part(x[nodes], cells, world.size, world.rank, measures, following=following)
     except ValueError as error:
         raise ExplicitError(f"{error}: start fewer ranks") from None
     kept = [number for number, elements in enumerate(mine.elements) if len(elements)]
@@ -319,6 +320,9 @@ def _divide(
     of_own = np.full(len(x), -1, dtype=np.int32)
     of_own[nodes[mine.nodes]] = np.arange(len(mine.nodes))
     loop = _make_loop(precision, x[nodes[mine.nodes]], own, of_own, near)
+    rows, leaders = following
+    if leaders == 2 and len(rows):  # those of hanging nodes
+        loop.set_hanging(mine.number(rows[np.isin(rows[:, 0], mine.nodes)]))
     return DividedLoop(whole, loop, mine, world)
 
 

@@ -66,7 +66,6 @@ def _find_undivided_explicit(model: Model) -> str:
     asked = {
         "new meshes (remesh)": model.remeshing is not None,
         "contact of bodies": bool(model.contacts),
-        "refinement of the blank": model.refinement is not None,
         "contact of the sheet with itself": model.self_contact is not None,
     }
     assert model.explicit is not None

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse import csgraph
 
 from presswork.model import FloatArray, IndexArray, IntArray
 from presswork.ranks.division import bisect
@@ -40,6 +41,10 @@ class Part:
         before = np.cumsum([0, *(len(of) for of in self.element_owner)])
         return np.concatenate([kept + n for kept, n in zip(self.elements, before[:-1], strict=True)]).astype(np.int32)
 
+    def number(self, nodes: IntArray) -> IntArray:
+        """Return the numbers of nodes in the rank's own loop, which has them all."""
+        return np.searchsorted(self.nodes, nodes).astype(np.int32)
+
 
 def own_nodes(points: FloatArray, blocks: Sequence[IntArray], size: int) -> IntArray:
     """Return the rank of each node (n_nodes,): bisected by coordinates; nodes without elements are of rank 0.
@@ -61,31 +66,31 @@ def make_part(
     rank: int,
     measures_nodes: Sequence[bool],
     *,
-    tied: IntArray | None = None,
+    following: tuple[IntArray, int] | None = None,
 ) -> Part:
     """Return what a rank has of a mesh divided over ranks.
 
-    measures_nodes: of each block, whether its cells depend on all cells round their nodes. tied: pairs of nodes (n, 2)
-    whose second follows the first, and gives its forces to it: both have one owner, and a part with the second has the
-    first.
+    measures_nodes: of each block, whether its cells depend on all cells round their nodes. following: rows (n, k) of a
+    node that follows others and those that it needs for it, and to how many of these, the first, it gives its forces:
+    with them it has one owner, and a part that has it has all that it needs.
     """
-    pairs = np.zeros((0, 2), dtype=np.int32) if tied is None else tied
-    owner = own_nodes(points, blocks, size)
-    owner[pairs[:, 1]] = owner[pairs[:, 0]]
-    n = len(points)
-    leads = sparse.csr_matrix((np.ones(len(pairs), dtype=bool), (pairs[:, 0], pairs[:, 1])), shape=(n, n))
+    owner, n = own_nodes(points, blocks, size), len(points)
+    rows, leaders = following or (np.zeros((0, 1), dtype=np.int32), 0)
+    needs = _link(rows, n)
+    chain = csgraph.connected_components(_link(rows[:, : 1 + leaders], n), directed=False)[1]
+    owner = owner[np.unique(chain, return_index=True)[1]][chain]
     has = sparse.csr_matrix((np.ones(n, dtype=bool), (np.arange(n), owner)), shape=(n, size))
     touches = [_touch(block, n) for block in blocks]
     computes = [(touch @ has).astype(bool) for touch in touches]
     has_first = sum((touch.T @ of for touch, of in zip(touches, computes, strict=True)), start=has)
-    has_first = has_first + leads @ has_first
+    has_first = _close(has_first, needs)
     has = has_first
     around = []
     for touch, measures in zip(touches, measures_nodes, strict=True):
         of = (touch @ has_first).astype(bool)
         around.append(of.getcol(rank).nonzero()[0] if measures else None)
         has = has + touch.T @ of if measures else has
-    has = has + leads @ has
+    has = _close(has, needs)
     nodes = np.flatnonzero(has.getcol(rank).toarray().ravel())
     place = np.full(n, -1, dtype=np.intp)
     place[nodes] = np.arange(len(nodes))
@@ -106,6 +111,18 @@ def _touch(block: IntArray, n: int) -> sparse.csr_matrix:
     """Return which elements (rows) have which nodes."""
     rows = np.repeat(np.arange(len(block)), block.shape[1])
     return sparse.csr_matrix((np.ones(block.size, dtype=bool), (rows, block.ravel())), shape=(len(block), n))
+
+
+def _link(rows: IntArray, n: int) -> sparse.csr_matrix:
+    """Return which nodes (rows) are named behind which (columns)."""
+    named, by = rows[:, 1:].ravel(), rows[:, 0].repeat(rows.shape[1] - 1)
+    return sparse.csr_matrix((np.ones(len(named), dtype=bool), (named, by)), shape=(n, n))
+
+
+def _close(has: sparse.csr_matrix, needs: sparse.csr_matrix) -> sparse.csr_matrix:
+    """Return which nodes ranks have, with all that these need, and all that those need."""
+    more = (has + needs @ has).astype(bool)
+    return more if more.nnz == has.astype(bool).nnz else _close(more, needs)
 
 
 def _by_rank(rank: IntArray, node: IndexArray) -> dict[int, IndexArray]:

@@ -53,7 +53,7 @@ def test_a_node_that_follows_another_has_its_owner_and_no_part_has_it_without_th
     cells, pairs = mesh.blocks[0].connectivity, np.column_stack([first, last])
     assert (own_nodes(mesh.points, [cells], 3)[pairs] != own_nodes(mesh.points, [cells], 3)[first][:, None]).any()
     for rank in range(3):
-        part = make_part(mesh.points, [cells], 3, rank, [False], tied=pairs)
+        part = make_part(mesh.points, [cells], 3, rank, [False], following=(pairs[:, ::-1], 1))
         assert np.array_equal(part.owner[first], part.owner[last])
         assert np.isin(first, part.nodes)[np.isin(last, part.nodes)].all()
         needs = np.isin(cells, np.flatnonzero(part.owner == rank)).any(axis=1)
