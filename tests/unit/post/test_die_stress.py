@@ -36,7 +36,7 @@ def test_the_pressure_on_a_die_bears_its_force(upset):
     area = 0.5 * np.linalg.norm(
         np.cross(found.corners[:, 1] - found.corners[:, 0], found.corners[:, 2] - found.corners[:, 0]), axis=1
     )
-    touched = found.pressure > 0.0
+    touched = found.pressure > 1e-9  # what is less is rounding of a node that just touches
     np.testing.assert_allclose(found.pressure[touched], 500.0, rtol=5e-3)
     assert 4.0 * (area * found.pressure).sum() == pytest.approx(upset.history["die.force"][-1], rel=0.2)
     assert area[touched].sum() == pytest.approx(np.prod(upset.points(-1).max(axis=0)[:2]), rel=0.2)
