@@ -314,11 +314,15 @@ def run_explicit_solid(model: Any) -> None:
         assert run.stress[0, 1] > 100
         return
     assert run.equivalent_plastic_strain[0] > 0.005
-    law = make_plane_law(data)
-    stress, history = np.zeros((1, 4)), np.zeros((1, law.history_size))
-    heights = 1 + speed * run.dt * np.arange(101)
-    for change in np.diff(np.log(heights)):
-        stress, history, *_ = law.update(np.array([[0.0, change, 0.0, 0.0]]), stress, history, dt=run.dt, tangent=False)
+    compare_with_law(run, make_plane_law(data), components=4)
+
+
+def compare_with_law(run: ExplicitSolids | ExplicitSpaceSolids, law: Any, components: int) -> None:
+    """The law alone, along y at 100 mm/s on 1 mm through a hundred cycles, has the stress of the run."""
+    stress, history = np.zeros((1, components)), np.zeros((1, law.history_size))
+    for change in np.diff(np.log(1 + 100.0 * run.dt * np.arange(101))):
+        strain = change * np.eye(components)[[1]]
+        stress, history, *_ = law.update(strain, stress, history, dt=run.dt, tangent=False)
     np.testing.assert_allclose(run.stress[0], stress[0], rtol=1e-6, atol=1e-6)
 
 
@@ -341,12 +345,7 @@ def run_explicit_space(model: Any) -> None:
         assert run.stress[0, 1] > 100
         return
     assert run.equivalent_plastic_strain[0] > 0.005
-    law = make_solid_law(data)
-    stress, history = np.zeros((1, 6)), np.zeros((1, law.history_size))
-    for change in np.diff(np.log(1 + 100.0 * run.dt * np.arange(101))):
-        strain = np.array([[0.0, change, 0.0, 0.0, 0.0, 0.0]])
-        stress, history, *_ = law.update(strain, stress, history, dt=run.dt, tangent=False)
-    np.testing.assert_allclose(run.stress[0], stress[0], rtol=1e-6, atol=1e-6)
+    compare_with_law(run, make_solid_law(data), components=6)
 
 
 def run_explicit_shell(model: Any) -> None:
