@@ -28,7 +28,8 @@ import numpy as np
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
 from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
-from presswork.interaction.space_contact import SpaceForces, limit_friction
+from presswork.interaction.space_contact import SpaceForces
+from presswork.interaction.space_touch import limit_friction
 from presswork.outcome import Converged
 from presswork.process.implicit_stamping import make_shell_model
 

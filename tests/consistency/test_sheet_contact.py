@@ -8,7 +8,7 @@ from presswork.geometry.pose import SpacePose, turn_about
 from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_punch
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.sheet_contact import ROUNDING, sheet_nodes
-from presswork.interaction.space_contact import NodesOnTool, PlacedSurface, TouchingNodes, find_touched, touch_tool
+from presswork.interaction.space_touch import NodesOnTool, PlacedSurface, TouchingNodes, find_touched, touch_tool
 from presswork.model import Friction
 
 THICKNESS = 0.8

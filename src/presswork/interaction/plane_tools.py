@@ -12,14 +12,15 @@ import numpy as np
 from presswork.body.contract import Cells
 from presswork.geometry.pose import ToolPose, start_centre, start_profile, to_tool_frame, turn_vectors
 from presswork.geometry.segments import find_touch
-from presswork.interaction.contract import Constraints, Factors, Forces, Interaction, Point, Tangent
+from presswork.interaction.contract import Constraints, Factors, Forces, Point, Tangent
 from presswork.interaction.floating_tools import Floating, FloatingTools
 from presswork.interaction.friction import Friction, FrictionForces
-from presswork.interaction.placing import Border, Placed, move_tools
+from presswork.interaction.placing import Border, move_tools
 from presswork.interaction.supports import Supports
 from presswork.interaction.tool_arrays import SLIDING, ContactArrays, ToolArrays
 from presswork.interaction.tool_contact import Contact
 from presswork.interaction.tool_course import ToolCourse
+from presswork.interaction.travelling import TravellingTools
 from presswork.model import FloatArray, IntArray, Model, ToolMotion, find_direction
 from presswork.outcome import GaveUpError, Step
 from presswork.state import Arrays, State
@@ -28,8 +29,10 @@ TOO_DEEP = 1e-3
 """Of the workpiece's size: how deep a stage may put a tool into it."""
 
 
-class PlaneTools(Interaction):
+class PlaneTools(TravellingTools):
     """Exact contact with rigid tools, as constraints of the nodes that they hold."""
+
+    _arrays = ToolArrays
 
     def __init__(self, model: Model, cells: Cells, supports: Supports) -> None:
         self._model = model
@@ -143,23 +146,8 @@ class PlaneTools(Interaction):
         trial[ToolArrays].gives = held[ToolArrays].gives.copy()
         self.contact.search(trial, displacement)
 
-    def find_travel(self, state_n: State, trial: State, step: Step) -> FloatArray:
-        """Return how far the tools that float have gone along their ways in an increment (n,) [mm]."""
-        return self._along(trial[ToolArrays].travel - state_n[ToolArrays].travel, step.stage)
-
-    def find_last_travel(self, state: State, step: Step) -> FloatArray:
-        """Return how far they went in the increment that has led to a state (n,) [mm]."""
-        return self._along(state[ToolArrays].travel_increment, step.stage)
-
-    def _along(self, ways: FloatArray, stage: int) -> FloatArray:
-        return np.array([float(ways[t] @ way) for t, way in self.floating.ways(stage).items()])
-
-    def travel_like(self, state_n: State, trial: State, step: Step, travel: FloatArray) -> None:
-        """Put the tools that float where they have gone so far along their ways in the increment (n,) [mm]."""
-        floating = self.floating.ways(step.stage)
-        ways = np.array(list(floating.values())).reshape(-1, 2)
-        further = travel - self.find_travel(state_n, trial, step)
-        move_tools(trial[ToolArrays], Placed(list(floating), ways, further), further)
+    def _ways(self, stage: int) -> dict[int, FloatArray]:
+        return self.floating.ways(stage)
 
     def find_missing(self, trial: State, point: Point, own: Any) -> FloatArray:
         """Return what the tools that float lack (n,) [N]; constraints and friction are those found last."""

@@ -16,7 +16,8 @@ import numpy as np
 
 from presswork.body.shell_arrays import ShellArrays
 from presswork.interaction.drawbeads import SheetBeads
-from presswork.interaction.space_contact import SpaceContact, SpaceForces, TouchingNodes, find_touched
+from presswork.interaction.space_contact import SpaceContact, SpaceForces
+from presswork.interaction.space_touch import TouchingNodes, find_touched
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.topology import count_corners
 from presswork.model import FloatArray, IndexArray, IntArray, Model

@@ -34,7 +34,8 @@ from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.floating_space_tools import FloatingSpaceTools
 from presswork.interaction.resting import SOFT, RestingBody, find_loose
-from presswork.interaction.space_contact import STEEPEST, SpaceContact, SpaceForces, TouchingNodes, limit_friction
+from presswork.interaction.space_contact import SpaceContact, SpaceForces
+from presswork.interaction.space_touch import STEEPEST, TouchingNodes, limit_friction
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.faces import nodal_normals, press_faces, take_bearing
 from presswork.model import FloatArray, IndexArray, IntArray, Model, Tool, Triangulation

@@ -12,14 +12,15 @@ import numpy as np
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
 from presswork.geometry.touch_in_space import Nearest, find_touch_in_space
-from presswork.interaction.contract import Factors, Guess, Interaction, Point, Tangent, turn, turn_back
+from presswork.interaction.contract import Factors, Guess, Point, Tangent, turn, turn_back
 from presswork.interaction.floating_space_tools import FloatingInSpace, FloatingSpaceTools
-from presswork.interaction.placing import Border, Placed, move_tools
+from presswork.interaction.placing import Border, move_tools
 from presswork.interaction.sheet_contact import SheetContact
 from presswork.interaction.solid_contact import SolidContact
 from presswork.interaction.space_contact import SpaceForces
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.interaction.tool_course import ToolCourse
+from presswork.interaction.travelling import TravellingTools
 from presswork.model import FloatArray, IndexArray, IntArray, Model, ToolMotion, find_direction
 from presswork.outcome import GaveUpError, Step
 from presswork.state import Arrays, State
@@ -28,8 +29,10 @@ TOO_DEEP = 1e-3
 """Of the workpiece's size: how deep a stage may put a tool into it."""
 
 
-class SpaceTools(Interaction):
+class SpaceTools(TravellingTools):
     """Contact of nodes with tools in space."""
+
+    _arrays = SpaceToolArrays
 
     def __init__(self, model: Model, cells: Mechanics | ShellMechanics, before: SpaceTools | None = None) -> None:
         """before: the same tools of the run on the mesh before, whose surfaces a solid's contact takes over."""
@@ -134,23 +137,8 @@ class SpaceTools(Interaction):
         self.contact.touch_like(other.contact)
         trial[SpaceToolArrays].gives = held[SpaceToolArrays].gives.copy()
 
-    def find_travel(self, state_n: State, trial: State, step: Step) -> FloatArray:
-        """Return how far the tools that float have gone along their ways in an increment (n,) [mm]."""
-        return self._along(trial[SpaceToolArrays].travel - state_n[SpaceToolArrays].travel, step.stage)
-
-    def find_last_travel(self, state: State, step: Step) -> FloatArray:
-        """Return how far they went in the increment that has led to a state (n,) [mm]."""
-        return self._along(state[SpaceToolArrays].travel_increment, step.stage)
-
-    def _along(self, ways: FloatArray, stage: int) -> FloatArray:
-        return np.array([float(ways[t] @ way) for t, way in self.floating.ways(stage).items()])
-
-    def travel_like(self, state_n: State, trial: State, step: Step, travel: FloatArray) -> None:
-        """Put the tools that float where they have gone so far along their ways in the increment (n,) [mm]."""
-        floating = self.floating.ways(step.stage)
-        ways = np.array(list(floating.values())).reshape(-1, 3)
-        further = travel - self.find_travel(state_n, trial, step)
-        move_tools(trial[SpaceToolArrays], Placed(list(floating), ways, further), further)
+    def _ways(self, stage: int) -> dict[int, FloatArray]:
+        return self.floating.ways(stage)
 
     def find_missing(self, trial: State, point: Point, own: Any) -> FloatArray:
         """Return what the tools that float lack (n,) [N]. Raises GaveUpError where one stands on its stop."""

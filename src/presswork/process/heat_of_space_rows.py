@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from presswork.interaction.forming_instant import Poses
-from presswork.interaction.space_contact import PlacedSurface
+from presswork.interaction.space_touch import PlacedSurface
 from presswork.model import FloatArray, Model
 from presswork.process.contacts_of_rows import ContactsOfRows
 from presswork.process.heat_of_rows import HeatOfRows

@@ -21,8 +21,8 @@ from presswork.fields.solid_fields import effective_stress
 from presswork.geometry.pose import find_axis, find_space_pose, start_centre_in_space, turn_about
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.placing import share_modelled
-from presswork.interaction.space_contact import PlacedSurface
 from presswork.interaction.space_tools import check_clear, find_way_to_touch
+from presswork.interaction.space_touch import PlacedSurface
 from presswork.interaction.tool_course import find_turning
 from presswork.law.elastic_plastic import heats
 from presswork.mesh.box import node_volumes
