@@ -37,6 +37,9 @@ SECTOR = 'element = "hex8_fbar"\nmesh = {kind = "cylinder", radius = 4, height =
 MOVED = 'velocity = "2 m/s"\ntools.die = {stroke = 0.4, direction = [0, 0, -1]}'
 TURNED = 'velocity = "2 m/s"\ntools.die = {stroke = 0.4, direction = [0, 0, -1], turn = 5}'
 PUSHED = 'duration = "2e-4 s"\ntools.die = {force = "14 kN", direction = [0, 0, -1]}'
+PULLED = """duration = "2e-4 s"
+displacement = [{set = "front", component = "z", value = 0.4}, {set = "back", component = "z", value = 0}]
+"""
 OUTPUT = "[output]\nsteps = 1\nrows = 10\n[remesh]\nenabled = false\n"
 STRIP = """
 title = "A strip pulled through two drawbeads"
@@ -112,6 +115,13 @@ def describe_user_law(folder: Path) -> str:
     start, end = text.index("young"), text.index("[tools.die]")
     law = f'umat = "{library}"\nprops = [5, 200e3, 0.3]\nstate_variables = 12\ndensity = "7850 kg/m^3"\n'
     return text[:start] + law + text[end:]
+
+
+def describe_porous_block() -> str:
+    """Return the text of a block with pores that is pulled; they are averaged once a row."""
+    head, _, tail = describe_explicit_block(HEX, "PULLED").partition("[tools.die]")
+    head += "gtn = {porosity = 0.01, length = 1.5, coalescence = 0.03, failure = 0.2}\n"
+    return head + tail[tail.index("[boundary.x]") :].replace("PULLED", PULLED)
 
 
 def describe_explicit_sector() -> str:
@@ -224,6 +234,7 @@ def main() -> None:
         formed = describe_formed(Path(folder))
         runs = {"formed": compare(formed, world), "user_law": compare(describe_user_law(Path(folder)), world)}
     runs |= {
+        "pores": compare(describe_porous_block(), world),
         "hexahedra": compare(describe_explicit_block(HEX, MOVED), world),
         "pushed": compare(describe_explicit_block(HEX, PUSHED), world),
         "eight_points": compare(describe_explicit_block(HEX.replace("hex8_1pt", "hex8"), MOVED), world),

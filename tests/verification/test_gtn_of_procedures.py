@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,8 +15,6 @@ from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space_solids import EQPS
 from presswork.mesh.box import node_volumes
 from presswork.model import POROSITY
-from presswork.outcome import StartError
-from presswork.process.on_ranks import begin_on_ranks
 from presswork.process.space_impact import ExplicitSpaceImpact
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 from tests.verification.test_gtn import NECK, notch, pull_notched, read
@@ -237,10 +234,8 @@ def test_a_hot_matrix_is_softer_in_space_too(tmp_path) -> None:
     np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
 
 
-def test_devices_and_ranks_refuse_pores_in_space_by_name(tmp_path) -> None:
+def test_devices_refuse_pores_in_space_by_name(tmp_path) -> None:
     model = build_model(read_case(write_explicit_in_space(tmp_path)))
-    with pytest.raises(StartError, match=r"asks for porous metals \(GTN\): ranks of MPI share"):
-        begin_on_ranks(model, 1, SimpleNamespace(rank=0, size=2))
     with pytest.raises(ExplicitError, match=r"'host' does not compute porous metals \(GTN\): take device"):
         ExplicitSpaceImpact(replace(model, explicit=replace(model.explicit, device="host")))
 

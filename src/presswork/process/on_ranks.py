@@ -72,8 +72,6 @@ def _find_undivided_explicit(model: Model) -> str:
     asked[f'device = "{model.explicit.device}"'] = model.explicit.device != "cpu"
     if model.analysis != "stamping" and model.dimension == 2:
         asked["explicit dynamics in the plane"] = True
-    elif model.analysis != "stamping":
-        asked["porous metals (GTN)"] = any(material.gtn for material in model.materials)
     return _list(asked)
 
 
