@@ -23,26 +23,32 @@ TRUE = {
 }
 
 
-def test_four_numbers_of_a_drawn_strip_are_found_from_its_punch_force(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("column", "keys"),
+    [("punch.force", list(TRUE)), ("end.draw_in", ["tools.die.mu", "blank.thickness"])],
+)
+def test_numbers_of_a_drawn_strip_are_found_from_its_punch_force_or_draw_in(
+    column: str, keys: list[str], tmp_path: Path
+) -> None:
     """First guesses are 4 to 17 % off; the curve has six digits."""
     data = draw_under_holder()
     data.pop("springback")
     data["implicit"] |= {"force_tolerance": 1e-8, "displacement_tolerance": 1e-7}
     case, curve = tmp_path / "case.toml", tmp_path / "curve.csv"
     case.write_text(tomli_w.dumps(data), encoding="utf-8")
-    for key, value in TRUE.items():
-        data = set_value(data, key, value)
+    for key in keys:
+        data = set_value(data, key, TRUE[key])
     history = run_case(StampingCase, data, tmp_path / "truth").history
-    points = np.column_stack([history["punch.stroke"], history["punch.force"]])
-    np.savetxt(curve, points, delimiter=",", header="punch.stroke,punch.force", comments="", fmt="%.6g")
+    points = np.column_stack([history["punch.stroke"], history[column]])
+    np.savetxt(curve, points, delimiter=",", header=f"punch.stroke,{column}", comments="", fmt="%.6g")
     fit = calibrate_curve(
         curve,
         case,
         tmp_path / "fit",
-        keys=list(TRUE),
+        keys=keys,
         on_run=lambda number, values, misfit: print(f"{number} {misfit:.1e} {values}"),
     )
     assert fit.runs <= 8
     assert fit.misfit < 1e-4
-    for key, value in TRUE.items():
-        assert fit.values[key] == pytest.approx(value, rel=1e-3), key
+    for key in keys:
+        assert fit.values[key] == pytest.approx(TRUE[key], rel=1e-3), key

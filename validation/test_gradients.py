@@ -56,7 +56,8 @@ def test_strip_drawn_from_under_a_holder_and_let_go(tmp_path: Path) -> None:
         "blank.thickness": 1.0,
         "tools.die.edge_radius": 6.0,
     }
-    check(draw_under_holder(), by, ["punch.force", "tip.x", "tip.z", "plastic_work", "friction_work"], tmp_path)
+    of = ["punch.force", "tip.x", "tip.z", "end.draw_in", "corner.draw_in", "plastic_work", "friction_work"]
+    check(draw_under_holder(), by, of, tmp_path)
 
 
 def test_cylinder_upset_on_new_meshes() -> None:

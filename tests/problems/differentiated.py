@@ -177,6 +177,7 @@ def draw_under_holder() -> dict[str, Any]:
         "blank": data["blank"] | {"size": [60, 4]},
         "tools": data["tools"] | {"die": data["tools"]["die"] | {"width": 20}, "holder": holder},
         "stages": [{"name": "draw", "tools": {"punch": {"stroke": 3.0}, "holder": {"force": 800.0}}}],
+        "draw_in": {"end": 0.0, "corner": 3.0},
     }
 
 

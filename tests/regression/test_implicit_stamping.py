@@ -13,6 +13,7 @@ from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model
 from presswork.geometry.swept_tool import triangulate
 from presswork.model import Triangulation
+from presswork.post.section import measure_draw_in
 from presswork.recorder import StartError, run_model
 from presswork.view.all_plots import plot_all
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_stamping, run_to_end
@@ -47,6 +48,7 @@ CUP: dict[str, Any] = {
                    "edge_radius": 1, "mu": 0.1},
     },
     "stages": [{"name": "draw", "tools": {"punch": {"stroke": 6}, "holder": {"force": HOLDER_FORCE}}}],
+    "draw_in": {"side": 0, "between": 30, "diagonal": 45},
     "output": {"rows": 40, "steps": 2, "checkpoint_every": 5},
     "implicit": {"max_increment": 0.05},
 }  # fmt: skip
@@ -97,6 +99,31 @@ def test_the_holder_pushes_with_its_force_and_forces_balance(cup) -> None:
     assert -0.2 < history["holder.stroke"][-1] < 0.0  # the flange thickens and lifts it
     assert abs(history["energy_error_percent"][-1]) < 0.5
     assert cup.summary["warnings"] == []
+
+
+def test_history_has_the_draw_in_that_sections_of_saved_steps_show(cup) -> None:
+    for name, angle in CUP["draw_in"].items():
+        column = cup.history[f"{name}.draw_in"]
+        for step, time in enumerate(cup.times[1:], start=1):
+            row = int(np.argmin(np.abs(cup.history["time"] - time)))
+            assert column[row] == pytest.approx(measure_draw_in(cup, np.radians(angle), step), rel=1e-9)
+    assert cup.history["side.draw_in"][-1] > cup.history["diagonal.draw_in"][-1] > 0.1
+
+
+def test_draw_in_where_no_blank_lies_is_refused() -> None:
+    with pytest.raises(CaseError, match=r"draw_in\.back = 100\.0: no edge of the blank lies in this direction"):
+        build_model(StampingCase.model_validate({**CUP, "draw_in": {"back": 100}}))
+
+
+def test_history_of_a_trimmed_part_keeps_what_forming_has_left_at_points_and_edges(tmp_path) -> None:
+    trim = {"sides": {"shape": "rectangle", "size": [14, 6]}}
+    stop = [{"name": "pull", "displacement": [{"set": "right", "component": "x", "value": 1}]}]
+    case = {**STRIP, "stages": stop, "draw_in": {"end": 0}, "points": {"middle": [5, 2, 0]}, "trim": trim}
+    history = run_stamping(case, tmp_path / "out").history
+    assert list(history["stage"][-2:]) == ["pull", "trim"]
+    for name in ("end.draw_in", "middle.x", "middle.thickness"):
+        assert history[name][-1] == history[name][-2]
+    assert history["end.draw_in"][-1] == pytest.approx(-1.0, abs=1e-9)
 
 
 def test_one_key_changed_gives_the_same_cup(cup, tmp_path) -> None:

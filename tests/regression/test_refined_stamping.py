@@ -37,6 +37,7 @@ def stretch(blank: dict[str, Any] | None = None, **changes: Any) -> dict[str, An
             "holder": {"kind": "holder", "shape": "strip", "width": 20, "edge_radius": 1},
         },
         "stages": [{"name": "draw", "velocity": "20 m/s", "tools": {"punch": {"stroke": 3}, "holder": {"force": 100}}}],
+        "draw_in": {"end": 0, "aside": 4},
         "output": {"rows": 25, "steps": 5, "checkpoint_every": 4},
         **changes,
     }  # fmt: skip
@@ -46,6 +47,15 @@ def stretch(blank: dict[str, Any] | None = None, **changes: Any) -> dict[str, An
 def formed(tmp_path_factory) -> Result:
     model = build_model(StampingCase.model_validate(stretch()))
     return run_to_end(model, tmp_path_factory.mktemp("refined") / "out")
+
+
+def test_history_has_the_draw_in_of_the_same_point_of_the_edge_however_its_mesh_is_split(formed) -> None:
+    for name, angle in (("end", 0.0), ("aside", 4.0)):
+        column = formed.history[f"{name}.draw_in"]
+        for step, time in enumerate(formed.times[1:], start=1):
+            row = int(np.argmin(np.abs(formed.history["time"] - time)))
+            assert column[row] == pytest.approx(measure_draw_in(formed, np.radians(angle), step), rel=1e-5)
+    assert column[-1] > 0.5
 
 
 def test_the_mesh_is_fine_where_the_sheet_is_bent_and_coarse_elsewhere(formed) -> None:

@@ -192,12 +192,13 @@ def test_curvature_left_by_springback_follows_bending_by_the_closed_form(degrees
 def test_stamping_has_the_derivatives_of_whole_runs_through_springback(
     data: dict[str, Any], by: dict[str, float], rows: int, tmp_path: Path
 ) -> None:
-    """Force, shape after release, thickness and energies; other numbers in validation/test_gradients.py.
+    """Force, shape after release, thickness, draw-in and energies; other numbers in validation/test_gradients.py.
 
     Runs of other thickness are so near that no node comes to a tool between them.
     """
     apart = {key: 2e-5 if key == "blank.thickness" else 1e-3 for key in by}
     of = ["punch.force", "tip.x", "tip.z", "wall.thickness", "plastic_work", "external_work"]
+    of += [f"{name}.draw_in" for name in data.get("draw_in", ())]
     for key, columns in differentiate(StampingCase, data, of, by, tmp_path, apart=apart).items():
         for name, (own, other) in columns.items():
             assert own.shape == (rows,)

@@ -8,6 +8,7 @@ Directions and boundaries have names, never integer tags. All names are imported
 
 from presswork.model.arrays import BoolArray, FloatArray, IndexArray, IntArray, MaskArray
 from presswork.model.contact import Body, BodyContact
+from presswork.model.draw_in import DrawInDirection
 from presswork.model.elements import (
     ELEMENTS,
     ElementName,
@@ -135,6 +136,7 @@ __all__ = [
     "Damage",
     "DieMesh",
     "Displacements",
+    "DrawInDirection",
     "Drawbead",
     "Drive",
     "Dwell",

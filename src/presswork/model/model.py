@@ -10,6 +10,7 @@ import numpy as np
 
 from presswork.model.arrays import IntArray
 from presswork.model.contact import Body, BodyContact
+from presswork.model.draw_in import DrawInDirection
 from presswork.model.elements import ELEMENTS
 from presswork.model.formed_sheet import FormedSheet
 from presswork.model.gradients import Gradients
@@ -85,6 +86,8 @@ class Model:
     limits: Limits = field(default_factory=Limits)
     points: tuple[MarkedPoint, ...] = ()
     """Points of the material whose path, stress and strain the history has."""
+    draw_in: tuple[DrawInDirection, ...] = ()
+    """Stampings: directions in which the history has the draw-in of the edge."""
     cyclic: CyclicSector | None = None
     """Solids in space: the sector that is modelled of a body of cyclic symmetry; None: it is whole, or mirrored."""
     remeshing: Remeshing | None = None

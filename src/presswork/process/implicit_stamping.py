@@ -30,6 +30,7 @@ from presswork.interaction.heat_of_sheet import SheetHeatArrays
 from presswork.interaction.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
+from presswork.process.draw_in import DrawIn
 from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.increments import IncrementRecording
@@ -140,6 +141,7 @@ class ImplicitStamping(IncrementRecording):
             check_held(self.procedure.model, self.procedure.interactions, self.procedure.state)
         self._judged = model.sheet[1].formability
         self.reactions = Reactions(model, 6, [t.name for t in model.tools])
+        self.edge = DrawIn(model)
 
     @property
     def columns(self) -> list[str]:
@@ -149,8 +151,8 @@ class ImplicitStamping(IncrementRecording):
         if (heat := self.procedure.sheet_heat) is not None:
             first += columns_of_sheet(heat.sheet, self.procedure.state[SheetHeatArrays])
         ram = RAM_COLUMNS if has_ram(self.model) else ()
-        points = self.marked.columns(self.show())
-        return [*first, *ram, *self.reactions.columns, *points, THINNING, *ENERGIES, "energy_error_percent"]
+        places = [*self.marked.columns(self.show()), *self.edge.columns]
+        return [*first, *ram, *self.reactions.columns, *places, THINNING, *ENERGIES, "energy_error_percent"]
 
     def begin_log(self) -> str:
         """Name the procedure and the linear solver."""
@@ -198,10 +200,18 @@ class ImplicitStamping(IncrementRecording):
             **peak_row(find_evolved(state)),
             **self._measure_heat(),
             **self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, state.nodes.displacement),
-            **(self.marked.measure(self.show()) if self.model.points else {}),
+            **self._measure_places(),
             THINNING: self._measure_thinning(),
             **{name: balance[name] for name in ENERGIES},
             "energy_error_percent": balance["error_percent"],
+        }
+
+    def _measure_places(self) -> Row:
+        """Return what marked points have seen, and how far the edge has come in."""
+        position = self.mesh.points + self.procedure.state.nodes.displacement[:, :3]
+        return {
+            **(self.marked.measure(self.show()) if self.model.points else {}),
+            **self.edge.measure(self.model, position),
         }
 
     def _measure_thinning(self) -> float:
@@ -291,6 +301,7 @@ class ImplicitStamping(IncrementRecording):
             **peak_row(find_evolved(self.procedure.state)),
             **self._measure_heat(),
             **self.reactions.nothing(),
+            **self._measure_places(),
             THINNING: self._measure_thinning(),
             **energies,
             "energy_error_percent": balance["error_percent"],

@@ -26,6 +26,7 @@ from presswork.law.elastic_plastic import first_flow_stress, heats
 from presswork.law.umat import open_sheet_law
 from presswork.mesh.split import SplitMesh
 from presswork.model import BoolArray, ExplicitSheet, FloatArray, Model, Refinement, Stage
+from presswork.process.draw_in import DrawIn
 from presswork.process.epochs import NamedArrays
 from presswork.process.explicit_heat import ExplicitHeat, names_of_heat
 from presswork.process.laying import find_sag
@@ -96,7 +97,7 @@ class ExplicitStamping(StampingRecording):
         self.layers = SheetHistory(model, self.shells)
         if begin is not None:
             self.layers.take(begin.blocks)
-        self.marked = MarkedPoints(model)
+        self.marked, self.edge = MarkedPoints(model), DrawIn(model)
         self._begin_stage()
         self.shells.find_contact()
 
@@ -232,7 +233,7 @@ class ExplicitStamping(StampingRecording):
         self.shells = self._make_shells()
         self._reaction = np.zeros((len(self.mesh.points), 6))
         self.tools = StampingTools(self.model, self.shells, self.tools)
-        self.marked = MarkedPoints(self.model)
+        self.marked, self.edge = MarkedPoints(self.model), DrawIn(self.model)
 
     def _longest_step(self) -> float:
         """Return the time step allowed now; add mass where the target asks for it."""

@@ -22,6 +22,7 @@ from presswork.fields.shell_fields import state_variable_field, temperature_fiel
 from presswork.fields.table import compute_fields
 from presswork.formability import Formability
 from presswork.model import ExplicitSheet, FloatArray, IntArray, Model
+from presswork.process.draw_in import DrawIn
 from presswork.process.explicit_heat import ExplicitHeat
 from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
 from presswork.process.held_flange import summarise_holders, warn_of_holders
@@ -56,6 +57,7 @@ class StampingRecording(RowRecording):
     heat: ExplicitHeat | None
     layers: SheetHistory
     marked: MarkedPoints
+    edge: DrawIn
     reactions: Reactions
     settings: ExplicitSheet
     _cells: IntArray
@@ -78,7 +80,7 @@ class StampingRecording(RowRecording):
         first += [OVERLAP] if self.model.self_contact else []
         if self.heat is not None:
             first += ["process_time", *columns_of_sheet(self.heat.sheet, self.heat.arrays)]
-        return [*first, *self.marked.columns(self.show()), *LAST_COLUMNS]
+        return [*first, *self.marked.columns(self.show()), *self.edge.columns, *LAST_COLUMNS]
 
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
@@ -111,6 +113,7 @@ class StampingRecording(RowRecording):
             **({OVERLAP: self.shells.find_overlap()[0]} if self.model.self_contact else {}),
             **(self._measure_heat() if self.heat else {}),
             **(self.marked.measure(self.show()) if self.model.points else {}),
+            **self.edge.measure(self.model, self.shells.position),
             **self._end_row(report),
         }
 

@@ -53,6 +53,7 @@ from presswork.mesh import MeshError
 from presswork.mesh.blanks import assign_section, mesh_circular_blank, mesh_rectangular_blank
 from presswork.mesh.cut import check_meets
 from presswork.mesh.dynain import is_dynain, read_dynain
+from presswork.mesh.outer_edge import find_outer_edge
 from presswork.mesh.outlined_blank import mesh_outlined_blank
 from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
@@ -149,7 +150,7 @@ def _build_first(case: StampingCase, stages: tuple[model.Stage, ...], run_user_c
     parts = _build_parts(case, stages, mesh, None, is_moved=False)
     taken = {*case.tools, *SYMMETRY_SETS, *case.boundary, *(e.set for stage in case.stages for e in stage.displacement)}
     points, problems = build_points(case.points, mesh, taken)
-    _stop_at(problems, case)
+    _stop_at(problems + _check_draw_in(case, mesh), case)
     blank = case.blank
     sheets = build_sheets(case.materials, blank.material, blank.thickness, case.source, run_user_code)
     angle = radians(blank.rolling_direction)
@@ -169,9 +170,23 @@ def _build_first(case: StampingCase, stages: tuple[model.Stage, ...], run_user_c
         heat=build_sheet_heat(case),
         limits=case.limits.build(),
         points=points,
+        draw_in=tuple(model.DrawInDirection(name, radians(angle)) for name, angle in case.draw_in.items()),
         case_text=case.text,
         **parts,
     )
+
+
+def _check_draw_in(case: StampingCase, mesh: model.Mesh) -> list[Problem]:
+    """Return the problems of directions in which no edge of a flat blank lies."""
+    if case.draw_in and isinstance(case.blank, BlankFile) and is_dynain(case.blank.path):
+        fault = "a formed blank has been drawn in before the run begins"
+        return [Problem("draw_in", fault, "leave it out; [points] follow places of the edge")]
+    remedy = "take an angle at which a part of the blank lies that is computed (blank.symmetry)"
+    return [
+        Problem(f"draw_in.{name}", "no edge of the blank lies in this direction", remedy, angle)
+        for name, angle in case.draw_in.items()
+        if find_outer_edge(mesh, radians(angle)) is None
+    ]
 
 
 def _stop_at(problems: list[Problem], case: StampingCase) -> None:

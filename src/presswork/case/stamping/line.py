@@ -57,6 +57,9 @@ def check_operations(case: StampingCase) -> list[Problem]:
     if case.points:
         fault = "points are not followed from one operation to the next"
         problems.append(Problem("points", fault, "leave them out, or compute one operation alone"))
+    if case.draw_in:
+        fault = "draw-in is not followed from one operation to the next"
+        problems.append(Problem("draw_in", fault, "leave it out, or compute one operation alone"))
     taken: dict[str, str] = {}
     for number, given in enumerate(case.operations):
         beads = {f"bead_{i + 1}": f"beads.{i}" for i in range(len(given.beads))}

@@ -26,7 +26,7 @@ from presswork.case.stamping.heat import StampingHeat
 from presswork.case.stamping.operation import Operation
 from presswork.case.stamping.stage import Hem, Springback, StampingBead, StampingStage, Trim, Whole
 from presswork.case.stamping.tools import Tool
-from presswork.case.units import Number, Point3, Rate, Time, fault
+from presswork.case.units import Angle, Number, Point3, Rate, Time, fault
 from presswork.model import ExplicitElement, ExplicitSheet, SolverSettings
 
 _EXPLICIT = ExplicitSheet()
@@ -216,6 +216,10 @@ class StampingCase(CaseFile):
         description="derivatives of the history by numbers of the case, found in the run itself (implicit)",
     )
     points: dict[Name, Point3] = Field(default={}, description=POINTS)
+    draw_in: dict[Name, Angle] = Field(
+        default={},
+        description="directions by name, as angles from x [degree]: the history has how far the edge has come in there",
+    )
     limits: Limits = Field(default=Limits(), description="beyond which a run stops")
 
     @model_validator(mode="before")
