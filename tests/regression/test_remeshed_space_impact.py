@@ -11,6 +11,7 @@ import pytest
 
 from presswork import build_model
 from presswork.case.space.schema import SpaceCase
+from presswork.process.begin import begin
 from tests.regression.whole_runs import compare_with_restart
 from tests.verification.test_explicit_tools_in_space import BLOCK, Data, run
 
@@ -64,6 +65,31 @@ def test_a_spike_goes_on_where_its_first_mesh_would_fail() -> None:
     assert taken._measure_volume() == pytest.approx(1440.0, rel=5e-3)
     gaps = taken._find_gaps(taken.solids.position[np.unique(taken.model.mesh.boundary_faces)])
     assert gaps.min() > -0.05
+
+
+def test_linear_velocities_and_stresses_come_to_a_new_mesh() -> None:
+    taken = begin(build_model(SpaceCase(**upset(every=1.0))), 1)
+    next(taken.advance())
+
+    def fields(points: np.ndarray) -> np.ndarray:
+        return 100.0 + points @ np.arange(1.0, 19.0).reshape(3, 6)
+
+    def place_cells() -> np.ndarray:
+        return taken.solids.position[taken.model.mesh.blocks[0].connectivity].mean(axis=1)
+
+    taken.solids.velocity = fields(taken.solids.position)[:, :3]
+    dump = taken.solids.dump_as_given()
+    dump["block_0.points"][:, 0, :6] = fields(place_cells())
+    taken.solids.restore_as_given(dump)
+    np.testing.assert_allclose(taken.solids.stress, fields(place_cells()), rtol=1e-12)
+    mean = np.average(taken.solids.velocity, axis=0, weights=taken.solids.mass)
+    assert taken._remesh("asked for")
+    np.testing.assert_allclose(taken.solids.stress, fields(place_cells()), rtol=1e-6)
+    shift = taken.solids.velocity - fields(taken.solids.position)[:, :3]
+    free = ~taken._find_held()
+    assert np.ptp(shift[free[:, 2], 2]) < 1e-6  # one for all nodes: the body goes on as fast
+    after = np.average(taken.solids.velocity, axis=0, weights=taken.solids.mass)
+    np.testing.assert_allclose(after[2], mean[2], rtol=1e-12)
 
 
 def test_a_restart_gives_the_same_bits() -> None:

@@ -189,7 +189,7 @@ class RemeshedImpact(ExplicitImpact):
             self._notes.append(f"not remeshed ({reason}): {error}")
             return False
         carrier = Carrier(self.model.mesh, position, mesh, [Part(first, range(len(mesh.points)), 0, surface)])
-        before, dump, volumes = self.solids, self.solids.dump(), self._find_volumes()
+        before, dump, volumes = self.solids, self.solids.dump_as_given(), self._find_volumes()
         evolved, heat = self.points.values, self.heat
         origin, places = carrier.material(self.mesh.points), self.marked.places(position)
         seams = self._seams.places(position)
@@ -201,7 +201,7 @@ class RemeshedImpact(ExplicitImpact):
         self._make_run(self._epoch_arrays())
         self._begin_stage()
         kept = self.solids.mass.sum() / before.mass.sum()  # added mass is not carried, nor the momentum that it has
-        self.solids.restore(self._carry(dump, carrier, volumes, kept * (before.mass @ before.velocity)))
+        self.solids.restore_as_given(self._carry(dump, carrier, volumes, kept * (before.mass @ before.velocity)))
         if heat is not None and self.heat is not None:
             self.heat.carry(heat, carrier)
         self.points.carry(evolved, lambda values: _carry_cells(carrier, values, self.solids.stress))
@@ -223,7 +223,7 @@ class RemeshedImpact(ExplicitImpact):
 
         volumes: of the old cells (n_cells,) [mm3]; momentum: of the old nodes (2,) [t mm/s].
         """
-        found: dict[str, FloatArray] = self.solids.dump()
+        found: dict[str, FloatArray] = self.solids.dump_as_given()
         for name, given in dump.items():
             owner, _, what = name.partition(".")
             if name in OF_THE_RUN or (owner.startswith("wall_") and what in OF_A_WALL):
