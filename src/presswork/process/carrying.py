@@ -17,6 +17,7 @@ from presswork.interaction.tool_arrays import ContactArrays
 from presswork.mesh.edges import edge_areas
 from presswork.mesh.faces import face_areas
 from presswork.model import FloatArray, IntArray
+from presswork.remesh.axes import straighten_axes
 from presswork.remesh.carrier import Carrier
 from presswork.state import Arrays, State
 
@@ -153,8 +154,8 @@ def _face(values: FloatArray, nodes: IntArray, run: ImplicitProcedure) -> None:
 def _return_to_law(after: Epoch, blocks: set[int]) -> None:
     """Bring what was fitted in blocks of cells back to what a law can have.
 
-    Deviators beyond the flow stress are scaled to it, of laws with isotropic hardening alone. The directions of other
-    laws' axes, their last two values, get their length back.
+    Deviators beyond the flow stress are scaled to it, of laws with isotropic hardening alone. The axes of other laws,
+    their last values, become axes again.
     """
     mechanics, state, model = after.run.mechanics, after.state, after.run.model
     assert isinstance(mechanics, Mechanics)
@@ -163,8 +164,8 @@ def _return_to_law(after: Epoch, blocks: set[int]) -> None:
         history, stress = state.cells.history[number], state.cells.stress[number]
         if history.shape[2] > 0:
             if model.materials[block.material].umat is None:
-                length = np.linalg.norm(history[..., -2:], axis=-1, keepdims=True)
-                history[..., -2:] /= np.where(length > 0.0, length, 1.0)
+                axes = history[..., -6 if model.dimension == 3 else -2 :]
+                axes[...] = straighten_axes(axes)
             continue
         flow = mechanics.flow_stress(number, state)
         mean = stress[..., :3].mean(axis=-1)

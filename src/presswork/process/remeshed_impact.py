@@ -32,6 +32,7 @@ from presswork.process.recording import Row
 from presswork.process.remeshing import MOST_GIVEN_BACK
 from presswork.process.rows import RowReport
 from presswork.process.seams import Seams
+from presswork.remesh.axes import straighten_axes
 from presswork.remesh.carrier import Carrier, Part, SkinPlaces, SurfacePlaces
 from presswork.remesh.section import OldSection, remesh_section
 from presswork.remesh.size_field import measure_power
@@ -244,8 +245,7 @@ class RemeshedImpact(ExplicitImpact):
         """Give carried values of laws (found) the form that laws need."""
         material = self.model.materials[self.model.mesh.blocks[0].material]
         if (kept := found[KEPT]).size and material.umat is None:  # the last two are the direction of the law's axes
-            length = np.linalg.norm(kept[:, -2:], axis=1, keepdims=True)
-            kept[:, -2:] /= np.where(length > 0.0, length, 1.0)
+            kept[:, -2:] = straighten_axes(kept[:, -2:])
 
     def _carry_velocity(self, velocity: FloatArray, momentum: FloatArray) -> FloatArray:
         """Return carried velocities (n_points, ...) with the momentum (d,) of the old ones, across an axis none."""

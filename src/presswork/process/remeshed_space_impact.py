@@ -29,6 +29,7 @@ from presswork.process.remeshing_in_space import (
     measure_left,
 )
 from presswork.process.space_impact import ExplicitSpaceImpact
+from presswork.remesh.axes import straighten_axes
 from presswork.remesh.carrier import Carrier, SkinPlaces
 from presswork.remesh.space.body import OldBody
 from presswork.remesh.space.fill import REMEDY
@@ -108,8 +109,7 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
         )
         material = self.model.materials[self.model.mesh.blocks[0].material]
         if points.shape[2] > EQPS + 1 and material.umat is None:  # the law's axes, the last six
-            for axis in (points[:, 0, -6:-3], points[:, 0, -3:]):
-                axis /= np.maximum(np.linalg.norm(axis, axis=1, keepdims=True), 1e-300)
+            points[:, 0, -6:] = straighten_axes(points[:, 0, -6:])
 
     def _find_volumes(self) -> FloatArray:
         return measure_volumes(self.solids.position, self.model.mesh.blocks[0].connectivity.astype(np.intp))
