@@ -14,6 +14,7 @@ void bind_element(nb::module_& m);
 void bind_shell(nb::module_& m);
 void bind_contact(nb::module_& m);
 void bind_face_contact(nb::module_& m);
+void bind_node_contact(nb::module_& m);
 void bind_tool_surface(nb::module_& m);
 void bind_sheet_under(nb::module_& m);
 void bind_assembly(nb::module_& m);
@@ -43,6 +44,7 @@ NB_MODULE(_core, m) {
   bind_shell(m);
   bind_contact(m);
   bind_face_contact(m);
+  bind_node_contact(m);
   bind_tool_surface(m);
   bind_sheet_under(m);
   bind_assembly(m);

@@ -668,6 +668,16 @@ def find_facing_faces(points: Annotated[NDArray[numpy.float64], dict(order='C', 
     Points of a rule on faces own (n, 3 | 4) that faces other (m, 3 | 4) face within reach (n,): the two faces of each, the shape functions there, gap [mm] and area [mm2].
     """
 
+def push_nodes(push: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], slope: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], normal: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rise: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], bend: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    Normal forces of a tool on nodes (n, 3) [N] and their tangent (n, 3, 3) [N/mm], as node_on_tool.hpp says. push (n,) and slope (n,) by the gap; derivatives of gap (n, 3) and normal (n, 3, 3) by the place.
+    """
+
+def rub_nodes(push: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], slope: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], normal: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rise: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], bend: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, hanging: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], pulled: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], limit: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], by_push: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], tangent: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')]) -> NDArray[numpy.float64]:
+    """
+    Friction on nodes that a tool pushes (n, 3) [N], as node_on_tool.hpp says; its part is added to the tangent.
+    """
+
 class ToolSurface:
     """Surface of a rigid tool in its own frame; see tool_surface.hpp."""
 

@@ -27,14 +27,14 @@ in Arrays that the interaction declares and returns from at_rest(): `state[Inert
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 import scipy
 
-from presswork.model import FloatArray, IntArray, MaskArray, Mesh
+from presswork.model import FloatArray, IndexArray, IntArray, MaskArray, Mesh
 from presswork.outcome import BadGuess, Step
 from presswork.state import Arrays, State
 
@@ -140,8 +140,9 @@ class Factors(Protocol):
     def constraints(self) -> Constraints:
         """What is prescribed of the nodes."""
 
-    def respond(self, force: FloatArray) -> FloatArray:
-        """Return the nodes' answer to forces, both in the global frame (n_points, freedoms)."""
+    @property
+    def responses(self) -> Sequence[FloatArray]:
+        """The nodes' answers to the forces of find_columns, in the global frame (n_points, freedoms)."""
 
     def respond_in_frames(self, value: FloatArray, force: FloatArray) -> FloatArray:
         """Return the answer to prescribed values and forces, all in the nodes' own frames."""
@@ -285,6 +286,14 @@ class Interaction:
         """Return its own freedoms at a guess, and how many have come or gone."""
         return None, 0
 
+    def find_columns(self, border: Any, own: Any) -> Sequence[FloatArray]:
+        """Return forces on the nodes, global frame (n_points, freedoms), whose answers `correct` asks the factors for.
+
+        They are found along with the correction, in one substitution. Without any `correct` may ask for
+        respond_in_frames() and matrix().
+        """
+        return ()
+
     def correct(
         self, border: Any, own: Any, resistance: Any, solution: FloatArray, factors: Factors
     ) -> tuple[FloatArray, FloatArray]:
@@ -325,18 +334,21 @@ class Interaction:
 def turn(constraints: Constraints, vector: FloatArray) -> FloatArray:
     """Take a nodal vector into the nodes' own frames."""
     result = vector.copy()
-    nodes = np.nonzero(constraints.turned)[0]
-    own = _in_frame(constraints, vector)
+    nodes, own = _find_turned(constraints), _in_frame(constraints, vector)
     result[nodes, own] = np.einsum("nij,nj->ni", constraints.frames[nodes], vector[nodes, own])
     return result
 
 
 def turn_back(constraints: Constraints, vector: FloatArray) -> FloatArray:
     """Take a nodal vector from the nodes' own frames into the global one, in place."""
-    nodes = np.nonzero(constraints.turned)[0]
-    own = _in_frame(constraints, vector)
+    nodes, own = _find_turned(constraints), _in_frame(constraints, vector)
     vector[nodes, own] = np.einsum("nji,nj->ni", constraints.frames[nodes], vector[nodes, own])
     return vector
+
+
+def _find_turned(constraints: Constraints) -> IndexArray | slice:
+    """Return the nodes that have frames of their own; a slice, which is faster, where all have, as in shells."""
+    return slice(None) if constraints.turned.all() else np.nonzero(constraints.turned)[0]
 
 
 def _in_frame(constraints: Constraints, vector: FloatArray) -> slice:

@@ -15,7 +15,7 @@ sheet bears less than F, the other bears the rest.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -134,33 +134,38 @@ class FloatingSpaceTools:
         way = placed.displacement[tool] - placed.displacement[other]
         return push.clearance - float(way @ np.array(push.direction))
 
+    def find_columns(self, floating: FloatingInSpace, contact: SpaceForces) -> Sequence[FloatArray]:
+        """Return the forces on the nodes for each mm of each tool's travel (n_points, freedoms) [N/mm]."""
+        along = zip(floating.tools, floating.directions, strict=True)
+        return [_spread(contact, t, contact.blocks[:, :3, :3] @ w) for t, w in along]
+
     def correct(
         self,
         floating: FloatingInSpace,
         contact: SpaceForces,
         correction: FloatArray,
-        respond: Callable[[FloatArray], FloatArray],
+        responses: Sequence[FloatArray],
     ) -> tuple[FloatArray, FloatArray]:
         """Return the correction with the tools' travel in it, and that travel (n,) [mm].
 
-        correction: with the tools held fast (n_points, 6), in the global frame. respond: solves for forces (n_points,
-        freedoms). Raises LostWorkpieceError for a tool that touches nothing and has neither spring nor stop to fall on.
+        correction: with the tools held fast (n_points, 6), in the global frame. responses: of the nodes to the forces
+        of find_columns. Raises LostWorkpieceError for a tool that touches nothing and has neither spring nor stop to
+        fall on.
         """
-        rows, responses = [], []
+        rows = []
         own_slope, missing = floating.stiffness.copy(), floating.missing.copy()
         for i, (t, w) in enumerate(zip(floating.tools, floating.directions, strict=True)):
-            column, row = _couple(contact, t, w, correction)
-            falls = not column.any() and floating.stiffness[i] == 0.0
+            pull = contact.blocks[contact.tool == t, :3, :3] @ w
+            falls = not pull.any() and floating.stiffness[i] == 0.0
             if falls and math.isinf(floating.room[i]):
                 name = self._model.space_tools[t].name
                 raise LostWorkpieceError(f"the tool {name!r} is pushed by a force, but touches nothing that holds it")
             if falls or floating.stands[i]:
-                row[:] = 0.0
+                rows.append(np.zeros_like(correction))
                 own_slope[i], missing[i] = 1.0, floating.room[i]
             else:
-                own_slope[i] += float((column[:, :3] @ w).sum())
-            responses.append(respond(column))
-            rows.append(row)
+                rows.append(_spread(contact, t, -(w @ contact.blocks[:, :3, :3])))
+                own_slope[i] += float((pull @ w).sum())
         border = Border(rows, own_slope, responses)
         travel = np.minimum(border.find_travel(missing, correction), floating.room)
         return border.carry(correction, travel), travel
@@ -189,15 +194,15 @@ class FloatingSpaceTools:
         trial: State,
         contact: SpaceForces,
         stage: int,
-        nodes: FloatArray,
         respond: Callable[[FloatArray], FloatArray],
     ) -> Border:
-        """Return the equations of find_missing; nodes: a vector of the system's form (n_points, freedoms)."""
+        """Return the equations of find_missing; respond: solves for forces (n_points, freedoms)."""
         placed, pushes = trial[SpaceToolArrays], self.pushes(stage)
         rows, responses, own = [], [], []
         for t, way in self.ways(stage).items():
             spring = self._model.space_tools[t].spring
-            column, row = _couple(contact, t, way, nodes)
+            column = _spread(contact, t, contact.blocks[:, :3, :3] @ way)
+            row = _spread(contact, t, -(way @ contact.blocks[:, :3, :3]))
             if t in pushes or placed.gives[t]:
                 k = self._resist(placed, t, spring)[1] if t not in pushes and spring is not None else 0.0
                 own.append(k + float((column[:, :3] @ way).sum()))
@@ -215,12 +220,9 @@ def _bear(contact: SpaceForces, t: int, direction: FloatArray) -> float:
     return -float(contact.by_tool[t].sum(axis=0) @ direction)
 
 
-def _couple(contact: SpaceForces, t: int, w: FloatArray, nodes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the forces on the nodes for each mm of a tool's travel along w (3,), and the derivative of its equation by
-    the nodes, both (n_points, freedoms) [N/mm]; nodes: a vector of this form.
-    """
+def _spread(contact: SpaceForces, t: int, values: FloatArray) -> FloatArray:
+    """Return a vector of the nodes (n_points, freedoms) with the values (n, 3) of the blocks of a tool."""
     own = contact.tool == t
-    at, k = contact.pairs[own, 0], contact.blocks[own, :3, :3]
-    column, row = np.zeros_like(nodes), np.zeros_like(nodes)
-    column[at, :3], row[at, :3] = k @ w, -(w @ k)
-    return column, row
+    vector = np.zeros_like(contact.force)
+    vector[contact.pairs[own, 0], :3] = values[own]
+    return vector

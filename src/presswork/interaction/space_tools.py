@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
@@ -120,12 +120,16 @@ class SpaceTools(TravellingTools):
         step = point.guess.step
         return self.floating.evaluate(trial, own, step.stage, step.fraction, near=near)
 
+    def find_columns(self, border: FloatingInSpace, own: Any) -> Sequence[FloatArray]:
+        """Return the forces on the nodes for each mm of travel of the floating tools."""
+        return self.floating.find_columns(border, own)
+
     def correct(
         self, border: FloatingInSpace, own: Any, resistance: Any, solution: FloatArray, factors: Factors
     ) -> tuple[FloatArray, FloatArray]:
         """Return the correction with the travel of the floating tools in it, and that travel [mm]."""
         held = factors.constraints
-        found, travel = self.floating.correct(border, own, turn_back(held, solution), factors.respond)
+        found, travel = self.floating.correct(border, own, turn_back(held, solution), factors.responses)
         return turn(held, found), travel
 
     def move(self, trial: State, border: FloatingInSpace, travel: FloatArray) -> None:
@@ -150,7 +154,7 @@ class SpaceTools(TravellingTools):
         stage = point.guess.step.stage
         if not self.floating.ways(stage):
             return None
-        return self.floating.find_border(trial, own, stage, point.reaction, tangent.answer)
+        return self.floating.find_border(trial, own, stage, tangent.answer)
 
     def find_area_blocks(self, point: Point, own: Any, resistance: Any) -> tuple[IntArray, FloatArray]:
         """Return how friction depends on the areas of faces."""

@@ -21,7 +21,6 @@ from presswork import _core
 from presswork.body.contract import Near
 from presswork.geometry.pose import SpacePose
 from presswork.geometry.rounded_surface import RoundedSurface
-from presswork.interaction.coulomb import return_to_limit
 from presswork.model import FloatArray, Friction, IndexArray
 
 TANGENTIAL = 0.1
@@ -174,28 +173,16 @@ def touch_tool(
     push, slope = touched.push, touched.slope
     rounded = k * (delta - np.maximum(g, -delta)) ** 3 / (12.0 * delta)
     energy = float((rounded + np.where(deep, 0.5 * k * (g**2 - delta**2), 0.0)).sum())
-    force = push[:, None] * n
-    stiffness = -_dyads(slope[:, None] * n, rise) - push[:, None, None] * bend
+    force, stiffness = _core.push_nodes(push, slope, n, rise, bend)
     if is_frictionless(law):
         return NodesOnTool(nodes, force, np.zeros_like(force), stiffness, energy)
-    # 2. friction: elastic trial in the tangent plane
+    # 2. friction
     hanging = TANGENTIAL * k
     pulled = friction_n[nodes] - hanging[:, None] * way[nodes]
-    out = np.einsum("ni,ni->n", n, pulled)
-    trial = pulled - out[:, None] * n
-    plane = np.eye(3) - _dyads(n, n)
-    d_trial = (
-        -hanging[:, None, None] * plane - _dyads(n, np.einsum("nij,nj->ni", bend, pulled)) - out[:, None, None] * bend
-    )
-    # 3. shortened to what the law allows where it slides
     limit, by_push = limit_friction(law, push, shear)
-    returned = return_to_limit(trial, limit)
-    slides, along, friction = returned.slides, returned.along, returned.force
-    d_slide = _dyads(along, (by_push * slope)[:, None] * rise)
-    d_slide += np.where(slides, limit / returned.size, 0.0)[:, None, None] * (
-        (np.eye(3) - _dyads(along, along)) @ d_trial
+    friction = _core.rub_nodes(
+        push, slope, n, rise, bend, hanging=hanging, pulled=pulled, limit=limit, by_push=by_push, tangent=stiffness
     )
-    stiffness -= np.where(slides[:, None, None], d_slide, d_trial)
     return NodesOnTool(nodes, force + friction, friction, stiffness, energy)
 
 
@@ -221,8 +208,3 @@ def limit_friction(law: Friction, push: FloatArray, shear: FloatArray | None) ->
     if law.law == "shear":  # the symmetric part of a derivative by so steep a law would be indefinite
         return np.minimum(limit, most), np.zeros_like(push)
     return np.minimum(limit, most), np.where(limit < most, by_push, 0.0)
-
-
-def _dyads(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Return a b^T of each row (n, 3, 3)."""
-    return np.asarray(a[:, :, None] * b[:, None, :], dtype=float)

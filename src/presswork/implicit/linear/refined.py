@@ -65,7 +65,7 @@ class RefinedPardiso:
         for _ in range(MOST_STEPS + 1):
             left = _largest(residual)
             solution += self._single.solve_all(residual / left) * left
-            residual = rhs - (self._matrix @ solution.T).T
+            residual = rhs - [self._matrix @ row for row in solution]
             if not np.isfinite(residual).all():
                 break
             if (np.abs(residual).max(axis=1, keepdims=True) <= ENOUGH * size).all():

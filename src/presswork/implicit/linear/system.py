@@ -162,13 +162,15 @@ class LinearSystem:
             self._analyse()
         own = [i for i, border in enumerate(balance.borders) if border and border.is_open]
         assert len(own) <= 1, "freedoms of two interactions would need one common system"
+        columns = [c for i in own for c in self._interactions[i].find_columns(balance.borders[i], point.forces[i])]
         rhs = balance.lacking.copy()
         if refactorise or is_new:
-            rhs = self.factorise(point, balance, keep=len(own) > 0)
+            rhs = self.factorise(point, balance, keep=len(own) > 0 and not columns)
         started = perf_counter()
-        solution = self.solver.solve(rhs.reshape(-1)).reshape(rhs.shape)
-        travel = np.zeros(0)
         self._constraints = balance.constraints
+        solution, *answers = self._solve_all([rhs, *map(self._load, columns)])
+        self._responses = [turn_back(self._constraints, each) for each in answers]
+        travel = np.zeros(0)
         for i in own:
             border, forces, resistance = balance.borders[i], point.forces[i], balance.resistances[i]
             solution, travel = self._interactions[i].correct(border, forces, resistance, solution, self)
@@ -180,18 +182,26 @@ class LinearSystem:
         """What is prescribed of the nodes in the present correction."""
         return self._constraints
 
-    def respond(self, force: FloatArray) -> FloatArray:
-        """Return the nodes' answer to forces, both in the global frame (n_points, freedoms)."""
-        rhs = turn(self._constraints, force)
-        rhs[self._constraints.mask == 1] = 0.0
-        return turn_back(self._constraints, self.solver.solve(rhs.reshape(-1)).reshape(rhs.shape))
+    @property
+    def responses(self) -> Sequence[FloatArray]:
+        """The nodes' answers to the columns of the present correction, in the global frame (n_points, freedoms)."""
+        return self._responses
 
     def respond_to_all(self, forces: Sequence[FloatArray]) -> list[FloatArray]:
-        """Return the nodes' answers to several forces at once, as respond() does."""
-        rhs = np.array([turn(self._constraints, force) for force in forces])
-        rhs[:, self._constraints.mask == 1] = 0.0
-        found = self.solver.solve_all(rhs.reshape(len(rhs), -1)).reshape(rhs.shape)
+        """Return the nodes' answers to several forces, all in the global frame (n_points, freedoms)."""
+        found = self._solve_all([self._load(force) for force in forces])
         return [turn_back(self._constraints, each) for each in found]
+
+    def _load(self, force: FloatArray) -> FloatArray:
+        """Return forces (n_points, freedoms) in the nodes' own frames, without those on prescribed freedoms."""
+        load = turn(self._constraints, force)
+        load[self._constraints.mask == 1] = 0.0
+        return load
+
+    def _solve_all(self, loads: Sequence[FloatArray]) -> FloatArray:
+        """Return the solutions (k, n_points, freedoms) for right-hand sides of that form, in one substitution."""
+        rhs = np.array(loads)
+        return self.solver.solve_all(rhs.reshape(len(rhs), -1)).reshape(rhs.shape)
 
     def find_whole(
         self, constraints: Constraints, point: Point, resistances: Sequence[Resistance | None]
