@@ -21,8 +21,11 @@ TABLE = np.loadtxt(DATA / "krieg_exact.csv", delimiter=",", skiprows=2)
 INTEGRATORS = ("backward_euler", "radial_return", "direct", "tangent_radial_return", "secant", "substepping")
 
 
-def angle_after(integrator, psi0, q, substeps=10):
-    """Angle [deg] between stress and strain rate after one increment, and the stress's length over the radius."""
+def angle_after(integrator, psi0, q, substeps=10, length=1.0):
+    """Angle [deg] between stress and strain rate after one increment, and the stress's length over the radius.
+
+    length: of the stress before, over the radius.
+    """
     law = _core.VonMises(
         YOUNG,
         POISSON,
@@ -34,7 +37,7 @@ def angle_after(integrator, psi0, q, substeps=10):
     along = np.array([1.0, -1.0, 0.0, 0.0]) / np.sqrt(2.0)  # unit deviators in xx, yy, zz, xy (tensor component)
     across = np.array([0.0, 0.0, 0.0, 1.0]) / np.sqrt(2.0)
     psi0, q = np.radians(np.atleast_1d(psi0)), np.atleast_1d(np.asarray(q, dtype=float))
-    stress = RADIUS * (np.cos(psi0)[:, None] * along + np.sin(psi0)[:, None] * across)
+    stress = length * RADIUS * (np.cos(psi0)[:, None] * along + np.sin(psi0)[:, None] * across)
     strain = (q * RADIUS / (2 * G))[:, None] * along  # no shear: engineering equals tensor
     result, _, _ = law.update(strain, stress, np.zeros(len(q)))
     x, y = result @ along, 2 * (result @ across)
@@ -78,6 +81,14 @@ def test_direct_integrator_leaves_the_yield_surface_by_the_second_order_term():
     psi0, q = TABLE[:, 0], TABLE[:, 1]
     _, length = angle_after("direct", psi0, q)
     np.testing.assert_allclose(length, np.hypot(1.0, q * np.sin(np.radians(psi0))), rtol=1e-10)
+
+
+@pytest.mark.parametrize("off", [-2e-15, 2e-15])
+def test_a_stress_that_rounding_keeps_off_the_surface_lies_on_it(off):
+    """Along the surface (psi0 = 90 degrees) the elastic part is a double root: an error e of the length makes sqrt(e)."""
+    psi0, q = np.full(5, 90.0), np.array([0.1, 0.5, 1.0, 2.0, 5.0])
+    _, length = angle_after("direct", psi0, q, length=1.0 + off)
+    np.testing.assert_allclose(length, np.hypot(1.0, q), rtol=1e-10)
 
 
 @pytest.mark.parametrize(
