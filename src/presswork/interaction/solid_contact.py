@@ -37,7 +37,7 @@ from presswork.interaction.resting import SOFT, RestingBody, find_loose
 from presswork.interaction.space_contact import SpaceContact, SpaceForces
 from presswork.interaction.space_touch import STEEPEST, TouchingNodes, limit_friction
 from presswork.interaction.tool_arrays import SpaceToolArrays
-from presswork.mesh.faces import nodal_normals, press_faces, take_bearing
+from presswork.mesh.faces import face_areas, nodal_normals, press_faces, take_bearing
 from presswork.model import FloatArray, IndexArray, IntArray, Model, Tool, Triangulation
 from presswork.state import State
 
@@ -109,8 +109,8 @@ class SolidContact(SpaceContact):
         """Take surface, shear flow stress and multipliers as they are when the increment begins."""
         places = self._model.mesh.points + state_n.nodes.moved
         faces = self._model.mesh.boundary_faces
-        normals = nodal_normals(places, faces)
-        self._length = np.where(self._inside, 1.0, np.sqrt(np.linalg.norm(normals, axis=1)))
+        shares = np.bincount(faces.ravel(), face_areas(places, faces).ravel(), minlength=len(places))
+        self._length = np.where(self._inside, 1.0, np.sqrt(np.maximum(shares, 0.0)))
         placed = state_n[SpaceToolArrays]
         self._multiplier = np.linalg.norm(placed.force - placed.friction, axis=2)
         for t in range(len(self._surfaces)) if self._resting is not None else self._sticking:

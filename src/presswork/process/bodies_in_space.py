@@ -75,9 +75,11 @@ def join_bodies(mesh: Mesh, bodies: Sequence[Body], made: Sequence[OldBody | New
     for body, own in zip(bodies, made, strict=True):
         points = range(first, first + len(own.points))
         surface = None
+        seams: tuple[FloatArray, ...] = ()
         if isinstance(own, NewBody):
             surface = SkinPlaces(own.skin + first, own.corners + body.points.start, own.share)
-        parts.append(Part(body.points, points, body.blocks.start, surface))
+            seams = (own.seam,) if len(own.seam) else ()
+        parts.append(Part(body.points, points, body.blocks.start, surface, seams))
         first = points.stop
     firsts = [part.new_points.start for part in parts]
     blocks = tuple(

@@ -54,7 +54,7 @@ def find_laps(mesh: Mesh, position: FloatArray, mark: FloatArray, seams: Seams) 
     along = [np.column_stack([np.full(len(nodes), nodes[0]), nodes]) for nodes in groups]
     _, part = find_parts([np.concatenate([edges[marked[edges].all(axis=1)], alone, *along])], len(position))
     first = np.concatenate([touching[:, 0], [nodes[0] for nodes in groups]]).astype(np.intp)
-    extents = np.concatenate([np.ravel(extent), seams.lengths(position)])
+    extents = np.concatenate([np.ravel(extent), seams.extents(position)])
     return [
         Lap(position[marked & (part == number)].mean(axis=0), float(extents[part[first] == number].sum()))
         for number in np.unique(part[marked])

@@ -25,7 +25,7 @@ class NewEpoch:
     """Largest change of a tool's force, of the largest force."""
     iterations: int
     seams: Sequence[FloatArray]
-    """Lines at which folds were left out (m, 2) [mm]."""
+    """Where folds were left out (m, 2 | 3) [mm], as process/seams.py takes them."""
     carrier: Carrier
     carried: State
     """Before equilibrium."""

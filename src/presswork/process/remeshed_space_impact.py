@@ -100,7 +100,7 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
         new = remesh_body(self._find_body(), list_sizes(self._remeshing))
         mesh, (part,) = join_bodies(self.model.mesh, list_bodies(self.model), [new])
         assert isinstance(part.surface, SkinPlaces)
-        return mesh, part.surface, []
+        return mesh, part.surface, part.seams
 
     def _mend(self, carrier: Carrier, dump: Mapping[str, FloatArray], found: dict[str, FloatArray]) -> None:
         points, peaks = found[POINTS], slice(EQPS, EQPS + 1)

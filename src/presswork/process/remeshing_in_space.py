@@ -30,6 +30,7 @@ from presswork.process.space_surfaces import draw_tool
 from presswork.remesh.carrier import Carrier
 from presswork.remesh.space.body import NewBody, OldBody, Topology
 from presswork.remesh.space.fill import REMEDY
+from presswork.remesh.space.notches import SHARP, measure_notch
 from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.size_field import OF_WIDTH, EdgeSizes
 from presswork.remesh.space.skins import draw_skin, find_outer
@@ -43,6 +44,7 @@ from presswork.remesh.space.triggers import (
     find_cut_face,
     find_flat_cell,
     find_long_edge,
+    find_notch,
     measure_cut,
     measure_cut_face,
     measure_edge,
@@ -205,11 +207,13 @@ class Left:
     """Of the worst cell."""
     edge: float = 0.0
     """Longest edge of the skin over the size wanted there, where another mesh was refused."""
+    notch: float = 180.0
+    """Sharpest void that a mesh would fill [degrees]."""
 
     def worsen(self, other: Left) -> Left:
         """Return the worse of both in each respect."""
         worse = [max(own, its) for own, its in zip(astuple(self), astuple(other), strict=True)]
-        return replace(Left(*worse), quality=min(self.quality, other.quality))
+        return replace(Left(*worse), quality=min(self.quality, other.quality), notch=min(self.notch, other.notch))
 
 
 def measure_left(body: OldBody, settings: Remeshing, moves: FloatArray | None = None) -> Left:
@@ -220,7 +224,8 @@ def measure_left(body: OldBody, settings: Remeshing, moves: FloatArray | None = 
     cuts = measure_cut(body, settings.smallest_size), measure_cut(body, sharp_counts=True), measure_cut_face(body)
     then = [body.points] if moves is None else [body.points, body.points + moves]
     quality = min(float(measure_quality(points, body.cells).min()) for points in then)
-    return Left(*cuts, quality, 0.0 if moves is None else measure_edge(body, list_sizes(settings)))
+    longest = 0.0 if moves is None else measure_edge(body, list_sizes(settings))
+    return Left(*cuts, quality, longest, measure_notch(body)[0])
 
 
 def find_reason(
@@ -232,7 +237,8 @@ def find_reason(
     """
     left = left or Left()
     return (
-        find_flat_cell(old, moves, min(settings.quality, left.quality / WORSE) / wait)
+        find_notch(old, min(SHARP, left.notch / WORSE) / wait)
+        or find_flat_cell(old, moves, min(settings.quality, left.quality / WORSE) / wait)
         or find_cut_edge(old, deepest=wait * max(TOO_DEEP, WORSE * left.cut), smallest=settings.smallest_size)
         or find_cut_edge(old, deepest=wait * max(LAST_CUT, WORSE * left.any_cut), sharp_counts=True)
         or find_long_edge(old, list_sizes(settings), longest=wait * max(TOO_LONG, WORSE * left.edge))

@@ -90,7 +90,7 @@ class Part:
     surface: SurfacePlaces | SkinPlaces | None
     """None: the mesh stays."""
     seams: Sequence[FloatArray] = ()
-    """Lines at which a fold was left out, and its two sides are one from now on (m, 2) [mm]."""
+    """Where a fold was left out, and its two sides are one from now on: lines (m, 2), in space faces (m, 3) [mm]."""
 
 
 @dataclass(frozen=True)

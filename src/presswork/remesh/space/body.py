@@ -172,3 +172,5 @@ class NewBody:
     """Of those corners (s, 3)."""
     offset: float
     """By which free nodes were moved outwards to give the volume back [mm]."""
+    seam: FloatArray
+    """Corners of the faces of the old skin that lie inside now, three of a face after the other (3 k, 3) [mm]."""

@@ -12,6 +12,7 @@ from presswork.model import BoolArray, FloatArray, IndexArray
 from presswork.remesh.space.body import NewBody, OldBody
 from presswork.remesh.space.fill import FilledBody, mesh_to_size
 from presswork.remesh.space.inside import improve_cells, spread_moves
+from presswork.remesh.space.notches import fill_notches
 from presswork.remesh.space.size_field import EdgeSizes, measure_sizes
 from presswork.remesh.space.sliding import slide_on_tools
 from presswork.remesh.space.surface import give_volume_back, locate_on_skin, place_skin
@@ -58,7 +59,8 @@ def _try_mesh(body: OldBody, sizes: EdgeSizes) -> tuple[NewBody, float]:
     """Return a mesh and the quality of its worst cell. Raises MeshError."""
     number, table = body.references
     size = measure_sizes(body, sizes)
-    present = FilledBody(body.points, body.cells, body.faces, number)
+    filling = fill_notches(body, number)
+    present, seam = filling.body, body.points[filling.left_out].reshape(-1, 3)
     found: list[tuple[NewBody, float]] = []
     for _ in range(_ROUNDS):
         largest, away = float(size.max()), AWAY * sizes.largest
@@ -79,7 +81,9 @@ def _try_mesh(body: OldBody, sizes: EdgeSizes) -> tuple[NewBody, float]:
         first_set = len(body.planes)
         sets = {name: made.faces[table[made.number, first_set + column]] for column, name in enumerate(body.sets)}
         corners = body.faces[places.face]
-        new = NewBody(points, made.cells, made.faces, sets, placed.on_tool, skin, corners, places.share, placed.offset)
+        new = NewBody(
+            points, made.cells, made.faces, sets, placed.on_tool, skin, corners, places.share, placed.offset, seam
+        )
         slow = bool(found) and worst < found[-1][1] + _PROGRESS
         found.append((new, worst))
         if worst >= LEAST_QUALITY or slow:

@@ -8,6 +8,7 @@ import numpy as np
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray
 from presswork.remesh.space.body import OldBody
+from presswork.remesh.space.notches import SHARP, measure_notch
 from presswork.remesh.space.size_field import EdgeSizes, measure_sizes
 from presswork.remesh.space.surface import nearest_on_segments
 from presswork.remesh.space.tetrahedra import measure_quality
@@ -31,6 +32,12 @@ def find_flat_cell(body: OldBody, increment: FloatArray, least: float) -> str | 
         return None
     where = _name_place(body.points[body.cells[worst]].mean(axis=0))
     return f"a cell near {where} of quality {expected[worst]:.2g} after the next increment"
+
+
+def find_notch(body: OldBody, sharpest: float = SHARP) -> str | None:
+    """Say where the skin is about to fold onto itself: a void that a new mesh fills is sharper than an angle."""
+    angle, middle = measure_notch(body)
+    return f"a notch of {angle:.2g} degrees near {_name_place(middle)}" if angle < sharpest else None
 
 
 def find_long_edge(body: OldBody, sizes: EdgeSizes, *, longest: float = TOO_LONG) -> str | None:
