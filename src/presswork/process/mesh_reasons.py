@@ -31,13 +31,16 @@ EARLY = 1.15
 """Factor by which edges are too long earlier just before a tool lands: a new mesh changes no force then."""
 DUE, FAILS, STEP = "due", "the next increment fails", "the stable step is below"
 """Reasons that procedures know."""
-CAUSES = (DUE, FAILS, "of quality", "deep in an edge", "too long", "cells across", STEP, "narrow for", "")
-"""What reasons say, by the number that `remesh_cause` has in the history, from 1 on; the last: others."""
+CAUSES = {
+    DUE: 1, FAILS: 2, "of quality": 3, "deep in": 4, "too long": 5, "cells across": 6, STEP: 7, "narrow for": 8,
+    "a notch of": 10, "": 9,
+}  # fmt: skip
+"""What reasons say, with the number that `remesh_cause` has in the history; the last: others."""
 
 
 def find_cause(reason: str) -> int:
     """Return the number by which the history names the reason of a new mesh."""
-    return next(number for number, words in enumerate(CAUSES, 1) if words in reason)
+    return next(number for words, number in CAUSES.items() if words in reason)
 
 
 def find_reason(
