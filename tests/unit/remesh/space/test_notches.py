@@ -97,8 +97,9 @@ def test_a_seam_in_space_moves_with_the_metal_and_is_a_lap_with_the_area_of_one_
     mesh = Mesh(points, (block,), {}, {}, np.zeros((0, 2), np.int32), boundary_faces=faces.astype(np.int32))
     side = np.array([[2.0, 1.0, 1.0], [2.0, 2.0, 1.0], [2.0, 1.0, 2.0]])
     seams = Seams()
-    seams.go_on(mesh, seams.places(points), [np.concatenate([side, side[::-1]])], 0.5)
-    seams.go_on(mesh, seams.places(points), [np.concatenate([side, side[::-1]]) + [0.0, 0.5, 0.0]], 0.6)
+    both = np.concatenate([side, side[::-1]])
+    seams.go_on(mesh, seams.places(points), [both], 0.5)
+    seams.go_on(mesh, seams.places(points), [both + np.array([0.0, 0.5, 0.0])], 0.6)
     assert len(seams.groups()) == 1, "one lap that has grown"
     assert seams.extents(points) == pytest.approx([1.0])
     assert seams.extents(2.0 * points) == pytest.approx([4.0])
