@@ -191,8 +191,8 @@ PRESSWORK_CALLED void update_by_rate(const VonMises& law, const T strain[N], con
 
   // 1. the part of the increment that is elastic: |s + f 2G de| = R_y; all of it where the trial stress is admissible
   T a = T(4.0 * G * G) * contract<N>(de, de), b = T(2.0 * G) * contract<N>(s, de);
-  // A stress that rounding alone keeps off the surface lies on it: where the increment runs along the surface, b = 0, an
-  // error e of c would become sqrt(e) of the fraction.
+  // A stress that rounding alone keeps off the surface lies on it: where the increment runs along the surface, b = 0,
+  // an error e of c would become sqrt(e) of the fraction.
   T surface = T(2.0 / 3) * flow * flow, c = contract<N>(s, s) - surface;
   c = select(value_of(larger(c, -c)) < value_of(T(1e-14) * surface), T(0.0), c);
   T root = square_root(larger(b * b - a * c, T(0.0)));

@@ -85,7 +85,7 @@ def test_direct_integrator_leaves_the_yield_surface_by_the_second_order_term():
 
 @pytest.mark.parametrize("off", [-2e-15, 2e-15])
 def test_a_stress_that_rounding_keeps_off_the_surface_lies_on_it(off):
-    """Along the surface (psi0 = 90 degrees) the elastic part is a double root: an error e of the length makes sqrt(e)."""
+    """Along the surface (psi0 = 90 degrees) the elastic part is a double root: an error e becomes sqrt(e)."""
     psi0, q = np.full(5, 90.0), np.array([0.1, 0.5, 1.0, 2.0, 5.0])
     _, length = angle_after("direct", psi0, q, length=1.0 + off)
     np.testing.assert_allclose(length, np.hypot(1.0, q), rtol=1e-10)
