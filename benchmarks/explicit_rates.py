@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What several rates of time would leave of the work of a refined blank: small shells at part of the step of the others.
+"""What several rates of time would leave of the work of a refined blank: small shells at part of the others' step.
 
     python -m benchmarks.explicit_rates                 the square cup and the hemispherical punch, split twice
     python -m benchmarks.explicit_rates square_cup blank.element_size=1
 
-At the rows of the draw each shell takes the largest step h, 2 h, 4 h that it bears by itself, h the best at most as long
-as the shortest of all; the mean share of evaluations, weighted by shells and cycles. Nodes and contact count as nothing.
+At the rows of the draw each shell takes the largest step of h, 2 h, 4 h that it bears by itself, h the best of those at
+most as long as the shortest of all; printed is the share of evaluations, weighted by shells and cycles. Nodes and
+contact count as nothing.
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ def main() -> None:
             left += cost * np.array([share_left(step, rates) for rates in RATES])
             small.append(float((step < 2.0 * step.min()).mean()))
         parts = ", ".join(f"{n} rates {share:.3f}" for n, share in zip(RATES, left / work, strict=True))
-        print(f"{name}: {parts}; shells that bear less than twice the shortest step {min(small):.2f} to {max(small):.2f}")
+        print(f"{name}: {parts}; less than twice the shortest step: {min(small):.2f} to {max(small):.2f}")
 
 
 if __name__ == "__main__":
