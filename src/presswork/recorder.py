@@ -8,20 +8,21 @@ import logging
 import platform
 import resource
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass, fields
 from pathlib import Path
 from time import perf_counter
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork import __version__, stop
 from presswork.model import Mesh, Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
-from presswork.process.recording import Recording, Report, Snapshot
+from presswork.process.recording import Meta, Recording, Report, Snapshot
 from presswork.process.watch import Watch
 from presswork.ranks.world import LeadFailed, World
 from presswork.results import (
@@ -104,10 +105,11 @@ def run_model(
             path = open_output_folder(folder, overwrite=overwrite, resume=resume)
             stack.enter_context(occupy(path))
             run = _Run(recording, path, fingerprint(model), Watch(model.limits), world)
-            if resume:
-                run.load()
-            else:
+            found = run.read_checkpoint() if resume else None
+            if found is None:
                 run.begin(model.case_text)
+        if found is not None:
+            run.take_up(*found)
         return run.complete(on_increment)
 
 
@@ -122,8 +124,12 @@ def _follow(recording: Recording, folder: Path, world: World, *, resume: bool) -
         world.follow()
         if resume:
             arrays, meta = load_checkpoint(folder / CHECKPOINT)
-            recording.load_arrays(arrays)
+            try:
+                recording.load_arrays(arrays)
+            except ValueError:  # as on rank 0, which tells it
+                return Outcome("gave_up", folder)
             recording.load_meta(meta)
+            world.follow()
         status = _follow_rows(recording, world)
         world.follow()
     except LeadFailed:
@@ -352,8 +358,8 @@ class _Run:
         meta["watch"] = self.watch.to_text()
         save_checkpoint(self.folder / CHECKPOINT, self.recording.to_arrays(), meta)
 
-    def load(self) -> None:
-        """Take up the checkpoint: state, history and saved steps as they were then."""
+    def read_checkpoint(self) -> tuple[dict[str, NDArray[Any]], Meta]:
+        """Return the arrays of the checkpoint, and what it tells beside. Raises OutputError."""
         arrays, meta = load_checkpoint(self.folder / CHECKPOINT)
         if meta["model"] != self.model:
             raise OutputError(
@@ -362,11 +368,20 @@ class _Run:
                 "output.at). Resume with the case and the --set as they were (case.toml beside it has both), or use "
                 "--overwrite"
             )
+        return arrays, meta
+
+    def take_up(self, arrays: Mapping[str, NDArray[Any]], meta: Meta) -> None:
+        """Go on from a checkpoint: state, history and saved steps as they were then; all ranks take up the state."""
         try:
             self.recording.load_arrays(arrays)
         except ValueError as error:
             raise OutputError(f"{self.folder / CHECKPOINT}: {error}; use --overwrite to start anew") from error
         self.recording.load_meta(meta)
+        with _leading(self.world):
+            self._go_back(meta)
+
+    def _go_back(self, meta: Meta) -> None:
+        """Cut what is on disk back to a checkpoint."""
         self.watch.from_text(str(meta["watch"]))
         self.saved_steps = int(meta["saved_steps"])
         self.recorded = int(meta["increments"])

@@ -28,6 +28,10 @@ class MeshError(Exception):
         self.remedy = remedy
         super().__init__(f"{fault}; {remedy}")
 
+    def __reduce__(self) -> tuple[type[MeshError], tuple[str, str]]:
+        """Let an error pass from process to process."""
+        return MeshError, (self.fault, self.remedy)
+
 
 def check_coordinates(points: FloatArray) -> None:
     """Refuse coordinates [mm] of any shape that are no numbers, or that no workpiece has."""

@@ -93,21 +93,26 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.series import SeriesForming
 
         return SeriesForming(model, threads=threads)
+    return begin_forming(model, threads)
+
+
+def begin_forming(model: Model, threads: int, world: World | None = None) -> Recording:
+    """Return the implicit procedure of bodies that tools or loads form. world: ranks that share it."""
     if model.remeshing is not None and model.analysis == "solid":
         from presswork.process.remeshing_in_space import RemeshedSpaceForming
 
-        return RemeshedSpaceForming(model, threads=threads)
+        return RemeshedSpaceForming(model, threads=threads, world=world)
     if model.remeshing is not None:
         from presswork.process.remeshing import RemeshedForming
 
-        return RemeshedForming(model, threads=threads)
+        return RemeshedForming(model, threads=threads, world=world)
     if model.analysis == "solid" and model.solver.displacements == "large":
         from presswork.process.folding import FoldingRecording
 
-        return FoldingRecording(model, threads=threads)
+        return FoldingRecording(model, threads=threads, world=world)
     from presswork.process.implicit_recording import ImplicitRecording
 
-    return ImplicitRecording(model, threads=threads)
+    return ImplicitRecording(model, threads=threads, world=world)
 
 
 def check_start(model: Model) -> None:

@@ -3,15 +3,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import TypeVar
 
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.mesh.checks import MeshError
 from presswork.mesh.joined import join_parts
 from presswork.model import FloatArray, Mesh, Model
+from presswork.ranks.world import World
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.section import NewSection, OldSection
 from presswork.state import State
+
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -31,6 +37,12 @@ class NewEpoch:
     """Before equilibrium."""
     may_yield: bool
     """Whether the metal has followed its law on the way to it."""
+
+
+def make_on_lead(world: World | None, remesh: Callable[..., Made], *given: object, part: float) -> Made:
+    """Return the new mesh that `remesh` makes of a body; of ranks the first makes it for all. Raises MeshError."""
+    make = partial(remesh, *given, part=part)
+    return make() if world is None else world.share(make, MeshError)
 
 
 def join_sections(old: Sequence[OldSection], new: Sequence[NewSection | None]) -> tuple[Mesh, list[Part]]:

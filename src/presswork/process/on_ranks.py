@@ -8,12 +8,11 @@ from collections.abc import Mapping
 from presswork.explicit.input_checks import ExplicitError
 from presswork.model import Model, Stage
 from presswork.outcome import StartError
-from presswork.process.folding import FoldingRecording
-from presswork.process.implicit_recording import ImplicitRecording
+from presswork.process.begin import begin_formed_part, begin_forming
 from presswork.process.recording import Recording
 from presswork.ranks.world import RanksError, World, start_petsc
 
-SHARED = "the implicit forming of solids on one mesh, explicit stampings, and explicit solids in space"
+SHARED = "the implicit forming of solids, explicit stampings, and explicit solids in space"
 REMEDY = "compute it without mpiexec, by one process with --threads"
 
 
@@ -34,13 +33,10 @@ def begin_on_ranks(model: Model, threads: int, world: World) -> Recording:
         start_petsc(world)
     except RanksError as error:
         raise StartError(str(error)) from error
-    folds = model.analysis == "solid" and model.solver.displacements == "large"
-    kind = FoldingRecording if folds else ImplicitRecording
-    return kind(model, threads=threads or 1, world=world)
+    return begin_forming(model, threads or 1, world)
 
 
 def _begin_explicit(model: Model, threads: int, world: World) -> Recording:
-    from presswork.process.begin import begin_formed_part
     from presswork.process.press_line import PressLine
     from presswork.process.space_impact import ExplicitSpaceImpact
     from presswork.process.springback import ReleasedStamping
@@ -81,7 +77,6 @@ def _find_undivided(model: Model) -> str:
         return "the case forms a sheet of shells"
     asked = {
         "heat alone": model.heat is not None and model.heat.alone,
-        "new meshes (remesh)": model.remeshing is not None,
         "a series of parts (series)": model.series is not None,
         "derivatives (gradients)": model.gradients is not None,
         "a UMAT": any(material.umat is not None for material in model.materials),

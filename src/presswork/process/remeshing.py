@@ -44,9 +44,10 @@ from presswork.process.mesh_reasons import (
     will_land,
 )
 from presswork.process.new_balance import balance_new_mesh, measure_jump
-from presswork.process.new_epoch import NewEpoch, join_sections, keep_held
+from presswork.process.new_epoch import NewEpoch, join_sections, keep_held, make_on_lead
 from presswork.process.recording import Row
 from presswork.process.seams import Seams
+from presswork.ranks.world import World
 from presswork.remesh.carrier import Carrier
 from presswork.remesh.landing import find_closing
 from presswork.remesh.section import OldSection, check_budget, draw_outlines, remesh_section
@@ -74,8 +75,9 @@ class RemeshedForming(FoldingRecording):
     waits_first = False
     """Whether a mesh that changes a force too much is rather put off than followed by another try."""
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
-        super().__init__(model, threads=threads)
+    def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
+        """world: ranks that share the cells; rank 0 makes new meshes for all."""
+        super().__init__(model, threads=threads, world=world)
         assert model.remeshing is not None
         self.settings: Remeshing = model.remeshing
         volume = self.procedure.state.cells.volume
@@ -321,7 +323,7 @@ class RemeshedForming(FoldingRecording):
         """
         before = self.procedure
         new = [
-            remesh_section(section, self._settings_of(i), part=part) if i in own else None
+            make_on_lead(before.world, remesh_section, section, self._settings_of(i), part=part) if i in own else None
             for i, section in enumerate(old)
         ]
         position = before.model.mesh.points + before.state.nodes.displacement

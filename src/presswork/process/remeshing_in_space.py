@@ -25,8 +25,10 @@ from presswork.process.carrying import carry_state, carry_surface, find_undeclar
 from presswork.process.epochs import NamedArrays
 from presswork.process.joints import fit_joints
 from presswork.process.mesh_reasons import LAST_CUT
+from presswork.process.new_epoch import make_on_lead
 from presswork.process.remeshing import RemeshedForming
 from presswork.process.space_surfaces import draw_tool
+from presswork.ranks.world import World
 from presswork.remesh.carrier import Carrier
 from presswork.remesh.space.body import NewBody, OldBody, Topology
 from presswork.remesh.space.fill import REMEDY
@@ -66,11 +68,11 @@ class RemeshedSpaceForming(RemeshedForming):
     parts = PARTS
     waits_first = True
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
+    def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
         assert model.remeshing is not None
         self._shapes = [draw_shape(tool, model, model.remeshing) for tool in model.space_tools]
         self._topologies: tuple[Mesh, dict[int, tuple[Topology, dict[str, IndexArray]]]] = model.mesh, {}
-        super().__init__(model, threads=threads)
+        super().__init__(model, threads=threads, world=world)
         self._left = [Left() for _ in self._bodies()]
         """What was wrong with the present mesh of each body when it was made."""
 
@@ -165,7 +167,8 @@ class RemeshedSpaceForming(RemeshedForming):
         for number in sorted(own):  # each beside the others as they are by then
             others = {i: draw_skin(made[i].points, find_outer(old[i], made[i])) for i in old[number].others}
             body = replace(old[number], others=others)
-            made[number] = remesh_body(body, list_sizes(self._settings_of(number)), part=part)
+            sizes = list_sizes(self._settings_of(number))
+            made[number] = make_on_lead(before.world, remesh_body, body, sizes, part=part)
         mesh, parts = join_bodies(before.model.mesh, self._bodies(), made)
         if any(body.others for body in old):
             mesh = replace(mesh, points=fit_joints(change_mesh(before.model, mesh), *mark_joints(old, made, parts)))

@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar, cast
 from weakref import WeakValueDictionary
 
 import numpy as np
@@ -21,6 +21,9 @@ NO_PETSC = (
     "on Debian and Ubuntu: apt install python3-petsc4py python3-mpi4py openmpi-bin; elsewhere: "
     "pip install petsc4py, which compiles PETSc where there is none; or run without mpiexec"
 )
+
+
+Made = TypeVar("Made")
 
 
 class RanksError(Exception):
@@ -154,6 +157,20 @@ class World:
         """Return any object of each rank. For what seldom happens."""
         self.traffic.collectives += 1
         return list(self._comm.allgather(own))
+
+    def share(self, make: Callable[[], Made], fault: type[Exception]) -> Made:
+        """Return what rank 0 makes, while the others wait, or raise its error of a kind. For what seldom happens."""
+        found: Made | Exception | None = None
+        if self.rank == 0:
+            try:
+                found = make()
+            except fault as error:
+                found = error
+        found = self._comm.bcast(found, root=0)
+        self.traffic.collectives += 1
+        if isinstance(found, fault):
+            raise found
+        return cast(Made, found)
 
     @contextmanager
     def leading(self, gave_up: type[Exception] | tuple[()] = ()) -> Iterator[None]:
