@@ -17,7 +17,7 @@ struct BlockView {
   SolidSection section;
   const double* stress_n;     // (n_cells, q, c) [MPa]
   const double* eqps_n;       // (n_cells, q)
-  const double* hourglass_n;  // (n_cells, 2) one_point: forces [N]; mixed: how far flow relaxes the bubble, 0
+  const double* hourglass_n;  // (n_cells, 2) one_point: forces [N]; mixed: how fast flow relaxes the bubble [1/s], 0
   double* stress;
   double* eqps;
   double* hourglass;

@@ -91,11 +91,14 @@ struct BlockPoints {
     return T(0.0);
   }
   void begin_bubble(T& relaxed) const {
-    for (int lane = 0; lane < pack_width; ++lane) relaxed.set(lane, 1.0 + b.hourglass_n[2 * cells[lane]]);
+    for (int lane = 0; lane < pack_width; ++lane) relaxed.set(lane, 1.0 + b.dt * b.hourglass_n[2 * cells[lane]]);
   }
   void keep_bubble(double shear_modulus) {
     const T relaxed = relaxed_by_flow(shear_modulus, s1, s1[components] - s0[components]);
-    for (int lane = 0; lane < count; ++lane) b.hourglass[2 * cells[lane]] = relaxed[lane];
+    for (int lane = 0; lane < count; ++lane) {
+      const int place = 2 * cells[lane];
+      b.hourglass[place] = b.dt > 0.0 ? relaxed[lane] / b.dt : b.hourglass_n[place];
+    }
   }
 
   // Where the lanes of point q are, for a law from a shared library.

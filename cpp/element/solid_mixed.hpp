@@ -19,8 +19,9 @@
 //
 // p is the sum of all changes. The bubble's own stress balances grad p; plastic flow relaxes it as it relaxes every
 // deviatoric stress, to 1/s of its elastic trial, s = 1 + 3 G d eqps / sigma_eq. So the bubble moves by
-// B^-1 (s grad p - grad p_n): elastic where nothing flows, viscous where everything does. s is that of the increment
-// before, which leaves the equations linear in p and the tangent exact.
+// B^-1 (s grad p - grad p_n): elastic where nothing flows, viscous where everything does. d eqps and sigma_eq are those
+// of the increment before, d eqps in proportion to the time, which leaves the equations linear in p and the tangent
+// exact.
 //
 // Derivatives: with the law's tangent in q = (a : I - 2 sigma)/3 as in F-bar (de Souza Neto et al. 1996), whose mean
 // divergence is that of the pressure. Small displacements: J - Jbar becomes the difference of the traces.

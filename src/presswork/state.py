@@ -171,7 +171,8 @@ class CellArrays(Arrays):
     volume: list[FloatArray]
     """Volume of each point (n_cells, p) [mm3]."""
     hourglass: list[FloatArray]
-    """Hourglass forces of solids (n_cells, 2) [N]; zero except for quad4_1pt."""
+    """Of solids (n_cells, 2): hourglass forces of quad4_1pt [N]; how fast flow relaxes the bubble of tet4_mini [1/s]
+    and 0; else zero."""
 
 
 class State:

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import build_model, read_case, run_model
+from presswork.process.begin import begin
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 TEXT = """
@@ -108,6 +109,19 @@ def test_steel_of_the_die_stays_warm_behind_a_new_mesh(result):
     just_after = np.flatnonzero(np.diff(meshes) > 0) + 1
     assert len(just_after) == meshes[-1] >= 1
     assert (warmest[just_after] > warmest[just_after - 1]).all()
+
+
+def test_cells_have_the_pressure_of_their_nodes_on_new_meshes(model):
+    recording = begin(model, 1)
+    meshes: set[int] = set()
+    for _ in recording.advance():
+        procedure = recording.procedure
+        state, mechanics = procedure.state, procedure.mechanics
+        (block,), (stress,) = procedure.model.mesh.blocks, state.cells.stress
+        pressure = mechanics.pressure_scale * state.nodes.displacement[:, 3][block.connectivity].mean(axis=1)
+        np.testing.assert_allclose(stress[:, 0, :3].mean(axis=1), pressure, atol=1e-6)
+        meshes = {len(stress)} | meshes
+    assert len(meshes) > 1
 
 
 def test_a_resumed_run_and_two_threads_give_the_same_bits(model, result, tmp_path):

@@ -79,8 +79,12 @@ def test_pressure_and_shear_pass_to_the_surface_that_is_the_slave_now(size):
     again = after.interactions.bodies.total_forces(after.state)["joint"]
     assert again[2] == pytest.approx(passed[2], rel=0.06)
     assert again[:2] == pytest.approx(passed[:2], abs=0.02 * passed[2])
-    # no slot that presses is open, or deeper in than what its pressure takes
-    assert after.state[InterfaceArrays].pressure.max() < 1500.0
+    # no slot that presses is open, or deeper in than what its pressure takes; those that hang over the master's edge
+    # touch it with hundredths of a mm2
+    joint = after.state[InterfaceArrays]
+    nodes = np.concatenate(after.interactions.bodies.surface_nodes())
+    bears = np.linalg.norm(joint.force[nodes], axis=1) > 0.005 * again[2]
+    assert joint.pressure[bears].max() < 500.0
 
 
 def test_sizes_of_a_body_that_there_is_not_are_refused():

@@ -178,8 +178,9 @@ class RemeshedSpaceForming(RemeshedForming):
             carry_state(epoch, next_epoch, carrier)
             nodes_n, nodes = epoch.state.nodes, next_epoch.state.nodes
             scale = _find_scale(epoch) / _find_scale(next_epoch)
-            nodes.displacement[:, 3:] = scale * carrier.nodes(nodes_n.displacement[:, 3:])
+            nodes.displacement[:, 3:] = scale * carrier.linear(nodes_n.displacement[:, 3:])
             nodes.increment[:, 3:] *= scale
+            _carry_bubbles(epoch, next_epoch, carrier)
 
         after = new_epoch(before, mesh, fill)
         carry_surface(before, after, carrier)
@@ -188,6 +189,20 @@ class RemeshedSpaceForming(RemeshedForming):
                 if isinstance(new, NewBody):
                     hold_on_tools(after.state[SpaceToolArrays], place, new, old[0].tools)
         return after, carrier
+
+
+def _carry_bubbles(before: Epoch, after: Epoch, carrier: Carrier) -> None:
+    """Give new cells the pressure of their nodes, as every increment does, and how fast flow relaxes their bubbles."""
+    cells, model = after.state.cells, after.run.model
+    rates = carrier.points(*([each[:, None] for each in of.hourglass] for of in (before.state.cells, cells)))
+    cells.hourglass = [np.ascontiguousarray(rate[:, 0]) for rate in rates]
+    pressure = _find_scale(after) * after.state.nodes.displacement[:, 3]
+    for part in carrier.parts:
+        block = after.mesh.blocks[part.block]
+        if part.surface is None or model.materials[block.material].umat is not None:
+            continue
+        stress, wanted = cells.stress[part.block], pressure[block.connectivity].mean(axis=1)
+        stress[..., :3] += (wanted[:, None] - stress[..., :3].mean(axis=2))[..., None]
 
 
 def _find_scale(epoch: Epoch) -> float:

@@ -202,6 +202,15 @@ class Carrier:
             result[own] = kept if sources is None else sources.places.interpolate(values)
         return result
 
+    def linear(self, values: FloatArray) -> FloatArray:
+        """Carry a field that is linear in the old cells (n_old_points, m), within its range in each."""
+        result = self.motion(values)
+        for part, sources in zip(self.parts, self._sources, strict=True):
+            if sources is not None:
+                own, donors = slice(part.new_points.start, part.new_points.stop), values[sources.places.nodes]
+                result[own] = np.clip(result[own], donors.min(axis=1), donors.max(axis=1))
+        return result
+
     def nodes(self, values: FloatArray) -> FloatArray:
         """Carry a field given at the old nodes (n_old_points, ...)."""
         result = np.zeros((self._n_points, *values.shape[1:]))
