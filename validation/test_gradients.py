@@ -27,7 +27,10 @@ pytestmark = pytest.mark.validation
 
 
 def test_strip_bent_over_a_die_and_let_go(tmp_path: Path) -> None:
-    """Whole runs differ so little that no node comes to a tool, and no layer yields, between them."""
+    """Whole runs differ so little that no node comes to a tool, and no layer yields, between them.
+
+    With radii 1e-5 apart their punch forces differ by 8e-5 of 33 N, and round-off is 9e-7 of that.
+    """
     by = {
         "materials.steel.hardening.K": 565.0,
         "materials.steel.hardening.n": 0.26,
@@ -44,6 +47,7 @@ def test_strip_bent_over_a_die_and_let_go(tmp_path: Path) -> None:
         by,
         ["punch.force", "tip.x", "tip.z", "plastic_work", "friction_work", "external_work"],
         tmp_path,
+        radius=8e-5,
     )
 
 
@@ -122,13 +126,14 @@ def test_derivatives_on_new_meshes_are_those_on_a_finer_first_mesh(tmp_path: Pat
     assert max(errors.values()) < 0.1
 
 
-def check(data: dict[str, Any], by: dict[str, float], of: list[str], folder: Path) -> None:
+def check(data: dict[str, Any], by: dict[str, float], of: list[str], folder: Path, *, radius: float = 1e-5) -> None:
+    """radius: part of it by which whole runs differ."""
     apart = {
         key: 1e-4
         if key.startswith("materials")
-        else 1e-3
+        else 5e-4
         if key.endswith(("mu", "force"))
-        else 1e-5
+        else radius
         if key.endswith("radius")
         else 2e-5
         for key in by

@@ -14,8 +14,8 @@ from presswork.case.solid.schema import Case
 from presswork.implicit.epochs import new_epoch
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Mesh, Model
-from presswork.process.begin import begin
 from presswork.process.carrying import carry_state, carry_surface
+from presswork.process.differentiated_remeshing import DifferentiatedRemeshing
 from presswork.process.increments import find_position
 from presswork.process.mesh_reasons import DUE
 from presswork.process.new_epoch import NewEpoch
@@ -38,35 +38,42 @@ class MadeMesh:
     """Of the increment after which it was made."""
 
 
+class NotingRun(DifferentiatedRemeshing):
+    """A run with derivatives that notes its new meshes."""
+
+    def __init__(self, model: Model) -> None:
+        super().__init__(model, threads=1)
+        self.made: list[MadeMesh] = []
+
+    def _go_on(self, new: NewEpoch) -> None:
+        position = find_position(self.procedure)
+        self.made.append(MadeMesh(new.procedure.model.mesh, new.carrier, position, self.number))
+        super()._go_on(new)
+
+
 class RunWithMeshes(RemeshedForming):
-    """A run that notes its new meshes, or takes those of another run.
+    """A run that takes the new meshes of another run.
 
     A node of such a mesh keeps its place in its old cell, and values come from the same points.
     """
 
     parts = (1.0,)
 
-    def __init__(self, model: Model, given: Sequence[MadeMesh] | None = None) -> None:
+    def __init__(self, model: Model, given: Sequence[MadeMesh]) -> None:
         super().__init__(model, threads=1)
-        self.made: list[MadeMesh] = []
         self._given = given
 
     def _reason(self, wait: float = 1.0) -> tuple[str, set[int]] | None:
         """Return why there is a new mesh now: where the other run has had one, and nowhere else."""
-        if self._given is None:
-            return super()._reason(wait)
         return (DUE, {0}) if self._next_is_due() else None
 
     def _may_wait(self) -> bool:
-        return self._given is None and super()._may_wait()
+        return False
 
     def _next_is_due(self) -> bool:
-        given = self._given or ()
-        return self.epoch < len(given) and given[self.epoch].number == self.number
+        return self.epoch < len(self._given) and self._given[self.epoch].number == self.number
 
     def _make_epoch(self, old: Any, own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
-        if self._given is None:
-            return super()._make_epoch(old, own, part)
         assert self._next_is_due(), f"increment {self.number + 1} fails here, which it does not in the other run"
         given, before = self._given[self.epoch], self.procedure
         position = find_position(before)
@@ -76,11 +83,6 @@ class RunWithMeshes(RemeshedForming):
         after = new_epoch(before, mesh, lambda old, new: carry_state(old, new, carrier))
         carry_surface(before, after, carrier)
         return after, carrier
-
-    def _go_on(self, new: NewEpoch) -> None:
-        position = find_position(self.procedure)
-        self.made.append(MadeMesh(new.procedure.model.mesh, new.carrier, position, self.number))
-        super()._go_on(new)
 
 
 def upset_with_new_meshes(stroke: float = 4.0, increment: float = 0.1) -> dict[str, Any]:
@@ -101,22 +103,20 @@ def differentiate_with_meshes(
     new meshes there were.
     """
     asked = {"gradients": {"of": list(of), "by": list(by)}}
-    own = begin(build_model(Case.model_validate(data | asked)), threads=1)
-    rows = [own.row(report) for report in own.advance()]
-    base = RunWithMeshes(build_model(Case.model_validate(data)))
-    _go_through(base)
+    own = NotingRun(build_model(Case.model_validate(data | asked)))
+    rows = _go_through(own)
     found = {}
     for key, value in by.items():
         change = APART * abs(value)
         changed = (Case.model_validate(set_value(data, key, value + way)) for way in (change, -change))
-        more, less = (_go_through(RunWithMeshes(build_model(case), base.made)) for case in changed)
+        more, less = (_go_through(RunWithMeshes(build_model(case), own.made)) for case in changed)
         counts = [len(run) for run in (rows, more, less)]
         assert len(set(counts)) == 1, f"runs of {counts} increments by {key} cannot be compared"
         for name in of:
             apart = [(float(m[name]) - float(s[name])) / (2.0 * change) for m, s in zip(more, less, strict=True)]
             found[key, name] = np.array([row[name_derivative(name, key)] for row in rows]), np.array(apart)
-    return found, len(base.made)
+    return found, len(own.made)
 
 
-def _go_through(run: RunWithMeshes) -> list[Row]:
+def _go_through(run: RemeshedForming) -> list[Row]:
     return [run.row(report) for report in run.advance()]
