@@ -13,12 +13,16 @@ from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.results.history import name_derivative
 from tests.problems.differentiated import (
+    CALM,
+    COLD,
     bend_over_die,
     differentiate,
     draw_under_holder,
     largest_error,
     run_case,
     upset_between_floating_tools,
+    upset_hot,
+    upset_hot_block,
     upset_with_floating_tools,
 )
 from tests.problems.mapped_meshes import differentiate_with_meshes, upset_with_new_meshes
@@ -101,6 +105,67 @@ def test_upset_between_floating_tools(
 ) -> None:
     found = differentiate(kind, data, ["punch.stroke"], by, tmp_path)
     report({(key, name): largest_error(*both) for key, columns in found.items() for name, both in columns.items()})
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "by"),
+    [
+        (
+            Case,
+            upset_hot(),
+            {
+                "tools.punch.heat.conductance": 5.0,
+                "heat.initial_temperature": 1000.0,
+                "heat.plastic_fraction": 0.9,
+                "heat.surroundings.emissivity": 0.8,
+                "materials.steel.hardening.K": 400.0,
+                "tools.punch.m": 0.3,
+                "stages.0.tools.punch.stroke": 2.0,
+                "stages.0.duration": 0.2,
+            },
+        ),
+        (
+            SpaceCase,
+            upset_hot_block(),
+            {
+                "materials.steel.hardening.n": 0.2,
+                "stages.0.duration": 0.2,
+                "tools.punch.mu": 0.1,
+                "stages.0.tools.punch.stroke": 0.8,
+            },
+        ),
+    ],
+    ids=["plane", "space"],
+)
+def test_hot_forming(kind: type[Case | SpaceCase], data: dict[str, Any], by: dict[str, float], tmp_path: Path) -> None:
+    apart = {key: 1e-3 if "heat.s" in key or "conduct" in key else 3e-4 for key in by}
+    of = ["punch.force", "core.temperature", "core.effective_stress", "rim.temperature"]
+    found = differentiate(kind, data, of, by, tmp_path, apart=apart)
+    report({(key, name): largest_error(*both) for key, columns in found.items() for name, both in columns.items()})
+
+
+@pytest.mark.parametrize(
+    "tool", [{"warms_up": True}, {"mesh": {"size": 2.0, "depth": 10.0}}], ids=["warms up", "meshed"]
+)
+def test_hot_forming_between_tools_that_warm_up(tool: dict[str, Any], tmp_path: Path) -> None:
+    data = upset_hot()
+    steel = {"conductivity": 30, "specific_heat": "600 J/(kg*K)", "density": "7850 kg/m^3"}
+    data["tools"]["punch"] = {**data["tools"]["punch"], "heat": COLD | steel | tool}
+    by = {"tools.punch.heat.conductance": 5.0, "tools.punch.m": 0.3}
+    apart = {"tools.punch.heat.conductance": 1e-3, "tools.punch.m": 3e-4}
+    found = differentiate(Case, data, ["punch.force", "core.temperature", "rim.x"], by, tmp_path, apart=apart)
+    report({(key, name): largest_error(*both) for key, columns in found.items() for name, both in columns.items()})
+
+
+def test_hot_forming_on_new_meshes() -> None:
+    data = upset_hot(remesh={"every": 0.4, "size": 1.6}, points={"rim": [9.5, 0], "core": [3.1, 4.2]})
+    data["stages"][0]["tools"]["punch"]["stroke"] = 4.0
+    data["solver"] = CALM | {"initial_increment": 0.05, "max_increment": 0.1}
+    data["heat"] = data["heat"] | {"tolerance": 2.0}
+    by = {"materials.steel.thermal.conductivity": 30.0, "tools.punch.heat.conductance": 5.0, "tools.punch.m": 0.3}
+    found, n_meshes = differentiate_with_meshes(data, ["punch.force", "rim.x", "core.temperature"], by)
+    assert n_meshes == 3
+    report({names: largest_error(*both) for names, both in found.items()})
 
 
 def test_derivatives_on_new_meshes_are_those_on_a_finer_first_mesh(tmp_path: Path) -> None:

@@ -101,6 +101,46 @@ def upset_between_floating_tools() -> dict[str, Any]:
     }
 
 
+HOT: dict[str, Any] = {
+    "materials": {
+        "steel": {
+            "young": 150e3,
+            "poisson": 0.3,
+            "density": "7850 kg/m^3",
+            "hardening": {"law": "swift", "K": 400.0, "e0": 0.01, "n": 0.2},
+            "heating": {"melting": 1500, "exponent": 0.8, "reference": 20},
+            "thermal": {"conductivity": 30, "specific_heat": "600 J/(kg*K)"},
+        }
+    },
+    "heat": {
+        "initial_temperature": 1000,
+        "surroundings": {"ambient": 20, "emissivity": 0.8, "coefficient": 0.02},
+        "plastic_fraction": 0.9,
+        "max_change": 500,
+        "tolerance": 0.05,
+    },
+    "solver": CALM | {"initial_increment": 0.125, "max_increment": 0.125, "target_iterations": 60},
+}
+"""Steel that softens as it warms; equilibrium and heat are found several times in an increment."""
+COLD = {"temperature": 200, "conductance": 5.0}
+"""Of a tool."""
+
+
+def upset_hot(**changes: Any) -> dict[str, Any]:
+    """Return the data of the cylinder of hot steel under a cold punch, without derivatives."""
+    data = upset_cylinder(points={"core": [3.1, 4.2], "rim": [9.5, 0.5]}, **HOT)
+    stage = {"name": "upset", "duration": 0.2, "tools": {"punch": {"stroke": 2.0, "direction": [0, -1]}}}
+    tools = {"punch": {**data["tools"]["punch"], "m": 0.3, "heat": COLD}}
+    return data | {"tools": tools, "stages": [stage]} | changes
+
+
+def upset_hot_block() -> dict[str, Any]:
+    """Return the data of the block in space of the same steel, with Coulomb's friction."""
+    data = upset_block("hex8_fbar", {"contact": "coulomb", "mu": 0.1, "heat": COLD})
+    data["stages"][0]["duration"] = 0.2
+    return data | HOT | {"points": {"core": [3, 4, 4], "rim": [9.5, 9.5, 0.5]}}
+
+
 def upset_in_press(press: Mapping[str, Any]) -> dict[str, Any]:
     """Return the data of the cylinder of a metal that feels the strain rate, upset by a press."""
     data = upset_cylinder(presses={"press": dict(press)}, solver=CALM)

@@ -29,6 +29,8 @@ from tests.problems.differentiated import (
     upset_between_floating_tools,
     upset_block,
     upset_cylinder,
+    upset_hot,
+    upset_hot_block,
     upset_in_press,
     upset_with_floating_tools,
 )
@@ -127,6 +129,25 @@ def test_tools_that_float_have_the_derivatives_of_whole_runs(
 ) -> None:
     of = ["punch.stroke", "low.stroke"]
     for key, columns in differentiate(kind, data, of, by, tmp_path).items():
+        for name, (own, other) in columns.items():
+            assert largest_error(own, other) < 1e-6, (key, name)
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "by"),
+    [
+        (Case, upset_hot(), {"materials.steel.thermal.conductivity": 30.0, "materials.steel.heating.exponent": 0.8}),
+        (SpaceCase, upset_hot_block(), {"tools.punch.heat.conductance": 5.0}),
+    ],
+    ids=["plane", "space"],
+)
+def test_hot_forming_has_the_derivatives_of_whole_runs(
+    kind: type[Case | SpaceCase], data: dict[str, Any], by: dict[str, float], tmp_path: Path
+) -> None:
+    """Forces, places and temperatures of steel that softens as it warms, staggered with its heat."""
+    apart = {key: 3e-4 if key.endswith("exponent") else 1e-3 for key in by}
+    of = ["punch.force", "core.temperature", "rim.x"]
+    for key, columns in differentiate(kind, data, of, by, tmp_path, apart=apart).items():
         for name, (own, other) in columns.items():
             assert largest_error(own, other) < 1e-6, (key, name)
 

@@ -21,6 +21,8 @@ STEP = 1e-4
 """Of a number: by how much the neighbours of a run differ from it. The error is h^2 and that of round-off over h."""
 OF_LAWS = 3e-4
 """The same of numbers of the materials of solids: a modulus changes damage so little that round-off counts for more."""
+OF_HEAT = 1e-3
+"""The same of what conducts and exchanges heat, which changes forces less still."""
 NEAR, NEAREST = 1e-5, 1e-4
 """The same of sizes and places in a stamping, and the largest step over the sheet's thickness: contact begins within a
 thousandth of that (sheet_contact.py)."""
@@ -106,7 +108,7 @@ def _refuse(built: model.Model) -> list[Problem]:
     refused = (
         (built.explicit is not None, "procedure", "dynamics", "implicit runs alone have"),
         (in_space, "remesh", "new meshes in space", "a run on one mesh has"),
-        (built.heat is not None, "heat", "heat", "a run without heat has"),
+        (built.heat is not None and built.analysis == "stamping", "heat", "heat of sheets", "a run without heat has"),
         (bool(built.trim), "trim", "trimming", "a part that keeps its outline has"),
         (bool(built.following), "operations", "lines of operations", "a single operation has"),
         (built.formed is not None, "blank", "formed blanks", "a flat blank has"),
@@ -126,7 +128,9 @@ def _refuse(built: model.Model) -> list[Problem]:
 
 def _find_step(built: model.Model, key: str, value: float) -> float:
     """Return by how much neighbours on both sides differ from a number."""
-    *_, name = key.split(".")
+    *path, name = key.split(".")
+    if name != "initial_temperature" and not {"thermal", "heat"}.isdisjoint(path):
+        return OF_HEAT * value
     is_place = not key.startswith("materials.") and name not in ("mu", "force")
     if built.analysis == "stamping" and is_place:
         return min(NEAR * value, NEAREST * built.sheet[0].thickness)
@@ -145,6 +149,8 @@ def _look_up(data: Any, key: str) -> float | Problem:
             above = f"keys of `{'.'.join(names[:depth])}` in the case" if depth else "keys of the case"
             return Problem("", f"the case does not say `{key}`", suggest(name, choices, above), key)
         here = here[name] if isinstance(here, dict) else here[int(name)]
+    if isinstance(here, list) and len(here) == 1 and isinstance(here[0], list) and len(here[0]) == 2:
+        here = here[0][1]  # a table of one row, for which a case may give a number
     if isinstance(here, bool) or not isinstance(here, int | float):
         return Problem("", f"`{key}` is not a number", "name a key with one number", key)
     return float(here)

@@ -8,6 +8,8 @@ equilibrium is found again with the new ones.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from presswork.body.solids import Mechanics
@@ -21,6 +23,8 @@ from presswork.outcome import Failed, Step
 from presswork.state import State
 from presswork.timing import Timing
 
+AugmentedAt = Sequence[tuple[FloatArray, FloatArray]]
+"""As in newton.py: increments of the nodes, and of freedoms that interactions own."""
 MOST_PASSES = 5
 """Times that equilibrium and heat are found in an increment."""
 
@@ -38,6 +42,9 @@ class HeatOfIncrements:
         """What conducts and stores the heat."""
         self.tolerance = model.heat.tolerance
         """By how much temperatures given to laws may be off [K]."""
+        self.passes: list[tuple[State, AugmentedAt]] = []
+        """Where the last increment was in equilibrium, each time before heat was found, and where it took multipliers
+        over on the way; kept for those who follow the run."""
         self._fraction = model.heat.plastic_fraction
         self._across = {name: tool.gap for name, tool in model.heat.tools.items()}
         self._contacts = {contact.name: contact for contact in model.contacts}

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.linear.bordered_tangent import BorderedTangent
 from presswork.implicit.linear.system import Lacking
 from presswork.implicit.linear.whole_tangent import WholeTangent
@@ -15,7 +16,7 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.contract import Point, turn_back
 from presswork.model import FloatArray
-from presswork.outcome import BadGuess, GaveUpError, Step
+from presswork.outcome import BadGuess, Failed, GaveUpError, Step
 from presswork.state import Arrays, State
 
 
@@ -57,7 +58,11 @@ class Neighbour:
         if step.fraction_n == 0.0 and step.stage > 0:
             for interaction in procedure.interactions.all:
                 interaction.begin_stage(beside, step.stage)
+            if procedure.heat is not None:
+                procedure.heat.forming.begin_stage(beside[HeatArrays])
         trial = beside.duplicate()
+        if procedure.heat is not None and not step.is_at_rest:
+            procedure.heat.begin_increment(beside, trial, step.dt)
         for interaction in [] if step.is_at_rest else procedure.interactions.all:
             interaction.place(beside, trial, step, 1.0)
         procedure.equilibrium.begin(beside, step)
@@ -109,6 +114,22 @@ class Neighbour:
     def augment(self) -> None:
         """Take multipliers over where the run has."""
         self.procedure.equilibrium.augment_like(self.now.trial, self.now.point)
+
+    def conduct(self) -> None:
+        """Take the heat of its increment in equilibrium to the end; equilibrium may be looked for again then.
+
+        Raises GaveUpError.
+        """
+        now, procedure = self.now, self.procedure
+        assert procedure.heat is not None
+        procedure.equilibrium.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
+        off = procedure.heat.advance(now.state_n, now.trial, now.step, now.step.dt)
+        if isinstance(off, Failed):
+            raise GaveUpError(f"no derivatives here: {off.reason}")
+
+    def begin_again(self) -> None:
+        """Look for equilibrium anew with the temperatures that heat has found, as the run does."""
+        self.procedure.equilibrium.begin(self.now.state_n, self.now.step)
 
     def settle(self, progress: Progress, next_stage: int | None) -> None:
         """Complete its state at the end of an increment; the run's progress goes with it."""

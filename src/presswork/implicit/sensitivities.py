@@ -119,14 +119,27 @@ class Sensitivities:
         for course in courses:
             for side in course.each.own:
                 side.begin(state_n, course.number, step)
-        for nodes, travel in self._procedure.equilibrium.augmented_at:
-            self._solve(courses, join(nodes, travel))
-            for side in [self._same, *(side for c in courses if not c.is_lost for side in c.each.own)]:
-                side.augment()
-        for course in courses:
-            course.predict(state_n, step)
-        travel = self._same.find_travel(self._held)
-        self._solve(courses, join(self._held.nodes.increment, travel))
+        heat = None if step.is_at_rest else self._procedure.heat
+        once = [(self._held, self._procedure.equilibrium.augmented_at)]
+        for number, (held, augmented_at) in enumerate(heat.passes if heat else once):
+            self._held = held
+            for side in self._sides(courses) if number else []:
+                side.begin_again()
+            for nodes, travel in augmented_at:
+                self._solve(courses, join(nodes, travel))
+                for side in self._sides(courses):
+                    side.augment()
+            for course in courses if number == 0 else []:
+                course.predict(state_n, step)
+            self._solve(courses, join(held.nodes.increment, self._same.find_travel(held)))
+            if heat is not None:
+                self._same.conduct()
+                for course in courses:
+                    course.conduct()
+
+    def _sides(self, courses: Sequence[_Course]) -> list[Neighbour]:
+        """Return all neighbours that still count."""
+        return [self._same, *(side for c in courses if not c.is_lost for side in c.each.own)]
 
     def _solve(self, courses: Sequence[_Course], increment: FloatArray) -> None:
         """Find the derivatives of the increment; leaves the neighbours there, or their courses lost.
@@ -197,6 +210,7 @@ class _Course:
         # 1. what the way leaves
         left, lack = self._lack.find(self.each), self._lack
         if lack.size(left, self._slope + way) < enough:
+            self._slope = self._slope + way
             return False
         # 2. the ways so far, combined so that the least is left: what is lacking is linear in the slope
         self._ways.append(way)
@@ -210,6 +224,15 @@ class _Course:
             self._evaluate(slope, evaluate)
             return False
         return True
+
+    def conduct(self) -> None:
+        """Take the neighbours' heat to the end of the increment; equilibrium that is found again begins from here."""
+        self._start = self._slope
+        try:
+            for side in [] if self.is_lost else self.each.own:
+                side.conduct()
+        except GaveUpError:
+            self.is_lost = True
 
     def _evaluate(self, slope: FloatArray, evaluate: Evaluate) -> bool:
         try:

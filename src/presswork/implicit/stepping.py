@@ -321,7 +321,10 @@ class ImplicitProcedure:
     def _conduct(self, heat: HeatOfIncrements, trial: State, step: Step, found: Converged) -> Converged | Failed:
         """Take the heat of an increment in equilibrium to its end; repeat both where temperatures given were off."""
         state_n, log = self._start, found.log
+        heat.passes = []
         for _ in range(MOST_PASSES):
+            if self.followers:
+                heat.passes.append((trial.duplicate(), self.equilibrium.augmented_at))
             off = heat.advance(state_n, trial, step, step.dt)
             if isinstance(off, Failed):
                 return Failed(log, off.reason, off.factor)

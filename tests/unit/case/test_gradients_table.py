@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +23,11 @@ from presswork.process import folding
 from presswork.process.begin import begin
 from presswork.process.self_contact import touches_itself
 from presswork.recorder import run_model
-from tests.problems.differentiated import bend_over_die, run_case, upset_block, upset_cylinder
+from tests.problems.differentiated import bend_over_die, run_case, upset_block, upset_cylinder, upset_hot
 from tests.problems.mapped_meshes import upset_with_new_meshes
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
+HOT_ROWS = {"conductivity": [[20, 30], [1000, 25]], "specific_heat": "600 J/(kg*K)"}
 LOOSE = {"initial_increment": 0.25, "max_increment": 0.25}
 
 
@@ -43,6 +45,21 @@ def test_key_that_the_case_does_not_have_is_refused_with_the_nearest() -> None:
 
 def test_key_without_a_number_is_refused() -> None:
     assert "is not a number" in refuse({"by": ["tools.punch.contact"]})
+
+
+def test_quantity_by_temperature_that_the_case_gives_as_a_number_is_one() -> None:
+    key = "materials.steel.thermal.conductivity"
+    gradients = build_model(Case.model_validate(upset_hot(gradients={"by": [key]}))).gradients
+    assert gradients is not None
+    less, more = gradients.by[0].less, gradients.by[0].more
+    assert less is not None
+    given = [side.materials[0].thermal for side in (less, more)]
+    assert [t.conductivity.tolist() for t in given if t] == [[[0.0, 29.97]], [[0.0, pytest.approx(30.03)]]]
+    rows = upset_hot(gradients={"by": [key]})
+    rows["materials"] = {"steel": {**rows["materials"]["steel"], "thermal": {**HOT_ROWS}}}
+    with pytest.raises(CaseError, match="is not a number"):
+        build_model(Case.model_validate(rows))
+    build_model(Case.model_validate({**rows, "gradients": {"by": [f"{key}.1.1"]}}))
 
 
 def test_number_without_room_on_both_sides_is_refused() -> None:
@@ -75,8 +92,9 @@ def test_column_that_the_history_does_not_have_is_refused_before_the_run() -> No
         begin(model, threads=1)
 
 
-def test_resumed_run_has_the_same_derivatives_to_the_bit(tmp_path: Path) -> None:
-    data = upset_cylinder(solver=LOOSE, gradients={"by": ["tools.punch.m"]})
+@pytest.mark.parametrize("upset", [upset_cylinder, upset_hot], ids=["cold", "hot"])
+def test_resumed_run_has_the_same_derivatives_to_the_bit(upset: Callable[..., dict[str, Any]], tmp_path: Path) -> None:
+    data = upset(solver=LOOSE, gradients={"by": ["tools.punch.m"]})
     data["output"] = {"steps": 1, "checkpoint_every": 1}
     whole = run_case(Case, data, tmp_path / "whole").history
     model = build_model(Case.model_validate(data))
