@@ -41,7 +41,10 @@ equilibrium is not so near, over its tolerance."""
 ENOUGH = 1e-4
 """The same, above which it is not, if it becomes no less."""
 NOTHING = 1e-7
-"""Part of the largest nodal force that it changes by between two neighbours at least, for what is out of balance."""
+"""Part of the largest nodal force, and of the largest way, that these change by between two neighbours at least, for
+what is out of balance: a number that moves the body as a whole changes no force at all."""
+ROUND_OFF = 1e-10
+"""Of the largest nodal force: what neighbours may differ by out of balance, if it becomes no less."""
 INNER = 0.3
 """Part of what is enough to which K is solved."""
 MOST_ROUNDS = 30
@@ -195,7 +198,7 @@ class _Course:
     def begin(self, increment: FloatArray, length: FloatArray, evaluate: Evaluate) -> bool:
         """Begin with what was predicted, or nodes that do not move by the parameter; return whether to go on."""
         first = np.zeros_like(increment) if self._start is None else self._start
-        self._lack, self._begin, self._slope = _Lack(length), first, first
+        self._lack, self._begin, self._slope = _Lack(length, increment, self.each.apart), first, first
         self._ways: list[FloatArray] = []
         self._taken: list[FloatArray] = []
         if not self._evaluate(self._slope, evaluate):
@@ -209,13 +212,15 @@ class _Course:
             return False
         # 1. what the way leaves
         left, lack = self._lack.find(self.each), self._lack
-        if lack.size(left, self._slope + way) < enough:
-            self._slope = self._slope + way
+        reached = self._slope + way
+        stays = lack.size(left, reached) > 0.5 * lack.size(self.rest, reached)
+        if lack.size(left, reached) < enough or (stays and lack.is_round_off(left, reached)):
+            self._slope = reached
             return False
         # 2. the ways so far, combined so that the least is left: what is lacking is linear in the slope
         self._ways.append(way)
         self._taken.append(np.subtract(self.rest, left))
-        share = lack.combine(self._first, self._taken, self._slope + way)
+        share = lack.combine(self._first, self._taken, reached)
         slope = self._begin + np.tensordot(share, self._ways, axes=1)
         rest = np.subtract(self._first, np.tensordot(share, self._taken, axes=1))
         stagnates = lack.size(rest, slope) > 0.5 * lack.size(self.rest, slope)
@@ -246,8 +251,9 @@ class _Course:
 class _Lack:
     """What is out of balance in a derivative, and what nodes that are held still have to move: two nodal vectors."""
 
-    def __init__(self, length: FloatArray) -> None:
+    def __init__(self, length: FloatArray, increment: FloatArray, apart: float) -> None:
         self._length = length
+        self._least_way = max(NOTHING * float(np.abs(increment * length).max()) / apart, 1e-300)
         self.force = 0.0
         """Largest derivative of a nodal force that holds the nodes so far, made a force."""
 
@@ -257,11 +263,17 @@ class _Lack:
         change = np.abs((more.point.reaction - less.point.reaction) / self._length).max()
         least = NOTHING * np.abs(more.point.reaction / self._length).max()
         self.force = max(self.force, float(max(change, least)) / each.apart, 1e-300)
+        self._round_off = ROUND_OFF / NOTHING * float(least) / each.apart
         return np.array([more.force - less.force, more.missing - less.missing]) / each.apart
 
     def size(self, lack: FloatArray, slope: FloatArray) -> float:
         """Return the larger of both over the forces and ways of the derivative."""
         return float(np.abs(self._weigh(lack, slope)).max())
+
+    def is_round_off(self, lack: FloatArray, slope: FloatArray) -> bool:
+        """Say whether forces and ways lack no more than round-off leaves."""
+        forces, ways = np.abs(self._weigh(lack, slope)).max(axis=(1, 2))
+        return bool(forces * self.force <= self._round_off and ways <= ENOUGH)
 
     def combine(self, first: FloatArray, taken: Sequence[FloatArray], slope: FloatArray) -> FloatArray:
         """Return the shares of what ways have taken (n, 2, n_points, freedoms) that leave the least of the first."""
@@ -269,7 +281,7 @@ class _Lack:
         return np.asarray(np.linalg.lstsq(columns, self._weigh(first, slope).ravel(), rcond=None)[0])
 
     def _weigh(self, lack: FloatArray, slope: FloatArray) -> FloatArray:
-        way = max(float(np.abs(slope * self._length).max()), 1e-300)
+        way = max(float(np.abs(slope * self._length).max()), self._least_way)
         return np.array([lack[0] / self._length / self.force, lack[1] * self._length / way])
 
 
