@@ -9,14 +9,19 @@ are one from then on: a lap. A void that a tool fills stays.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.model import FloatArray, IndexArray
+from presswork.model import BoolArray, FloatArray, IndexArray
 from presswork.remesh.space.body import FLAT, OldBody
 from presswork.remesh.space.fill import FilledBody
 from presswork.remesh.space.tetrahedra import area_vectors, measure_volumes
+from presswork.remesh.space.tools import PlacedTool
+
+Plane = tuple[int, float, BoolArray]
+"""Axis, coordinate [mm], and which numbers of faces lie in it (n_numbers,)."""
 
 SHARP, FILLED = 30.0, 60.0
 """Angle of the void below which it counts as a fold and a new mesh is asked for, and below which a new mesh fills it
@@ -46,8 +51,11 @@ class Filling:
     """A body without its notches."""
 
     body: FilledBody
-    left_out: IndexArray
-    """Faces of the old skin that were the two sides of a fold, and lie inside now (k, 3)."""
+    seam: FloatArray
+    """Corners of the faces that were the two sides of a fold and lie inside now, three of a face after the other
+    (3 k, 3) [mm]."""
+    added: int
+    """Tetrahedra that fill them."""
 
 
 def find_notches(points: FloatArray, faces: IndexArray, widest: float) -> Notches:
@@ -72,21 +80,30 @@ def find_notches(points: FloatArray, faces: IndexArray, widest: float) -> Notche
     return Notches(corners[found], pair[found], np.degrees(np.arccos(np.minimum(cosine[found], 1.0))))
 
 
+def list_planes(body: OldBody) -> list[Plane]:
+    """Return the planes of symmetry of a body, by the numbers of its faces."""
+    _, table = body.references
+    return [(axis, level, table[:, column]) for column, (axis, level, _) in enumerate(body.planes)]
+
+
 def measure_notch(body: OldBody) -> tuple[float, FloatArray]:
     """Return the angle of the sharpest void that a new mesh would fill [degrees], and where it is (3,)."""
     notches = find_notches(body.points, body.faces, FILLED)
     if not len(notches.angle):
         return 180.0, np.zeros(3)
-    filler = _Filler(body, body.references[0])
+    present = FilledBody(body.points, body.cells, body.faces, body.references[0])
+    filler = _Filler(present, list_planes(body), body.obstacles)
     for corners, faces, angle in zip(notches.corners, notches.faces, notches.angle, strict=True):
         if filler.may_fill(corners, faces):
             return float(angle), body.points[corners[:2]].mean(axis=0)
     return 180.0, np.zeros(3)
 
 
-def fill_notches(body: OldBody, number: IndexArray) -> Filling:
-    """Return a body whose notches are filled; number: of its faces (k,)."""
-    filler = _Filler(body, number)
+def fill_notches(body: FilledBody, planes: Sequence[Plane], obstacles: Sequence[PlacedTool]) -> Filling:
+    """Return a body whose notches are filled where no obstacle lies in them."""
+    if not len(find_notches(body.points, body.faces, FILLED).angle):
+        return Filling(body, np.zeros((0, 3)), 0)
+    filler = _Filler(body, planes, obstacles)
     for _ in range(_ROUNDS):
         if not filler.fill_once():
             break
@@ -96,11 +113,10 @@ def fill_notches(body: OldBody, number: IndexArray) -> Filling:
 class _Filler:
     """A skin to which tetrahedra are added one by one."""
 
-    def __init__(self, body: OldBody, number: IndexArray) -> None:
-        self._body, self._points = body, body.points
+    def __init__(self, body: FilledBody, planes: Sequence[Plane], obstacles: Sequence[PlacedTool]) -> None:
+        self._body, self._points, self._planes, self._obstacles = body, body.points, planes, obstacles
         self._faces: list[tuple[int, int, int] | None] = [(int(a), int(b), int(c)) for a, b, c in body.faces]
-        self._number = number.tolist()
-        self._plane = body.in_plane.tolist()
+        self._number = body.number.tolist()
         self._face_at = {edge: f for f, face in enumerate(body.faces.tolist()) for edge in _list_ends(face)}
         self._added: list[tuple[int, int, int, int]] = []
         self._folded: set[int] = set()
@@ -121,7 +137,9 @@ class _Filler:
     def may_fill(self, corners: IndexArray, pair: IndexArray) -> bool:
         """Say whether the void between two faces can be filled, and no tool fills it."""
         first, second = pair.tolist()
-        if self._faces[first] is None or self._faces[second] is None or self._plane[first] or self._plane[second]:
+        if self._faces[first] is None or self._faces[second] is None:
+            return False
+        if any(own[self._number[first]] or own[self._number[second]] for _, _, own in self._planes):
             return False
         _, _, c, d = corners.tolist()
         closes = any(self._find_opposite(face) is not None for face in _list_walls(*corners.tolist()))
@@ -132,7 +150,7 @@ class _Filler:
         if float(measure_volumes(x, np.arange(4)[None])[0]) < THIN * size**3:
             return False
         middle, width = x[2:].mean(axis=0)[None], float(np.linalg.norm(x[3] - x[2]))
-        if any(tool.touch(middle, size)[0][0] < -IN_TOOL * width for tool in self._body.obstacles):
+        if any(tool.touch(middle, size)[0][0] < -IN_TOOL * width for tool in self._obstacles):
             return False
         return not self._holds_nodes(corners)
 
@@ -159,10 +177,8 @@ class _Filler:
             if opposite is not None:
                 self._drop(opposite)
                 continue
-            plane = self._find_plane(wall)
+            self._number.append(self._find_number_in_plane(wall, number))
             self._faces.append(wall)
-            self._plane.append(plane is not None)
-            self._number.append(number if plane is None else self._number[plane])
             for edge in _list_ends(wall):
                 self._face_at[edge] = len(self._faces) - 1
         self._added.append((a, b, c, d))
@@ -175,23 +191,26 @@ class _Filler:
                 del self._face_at[edge]
         self._faces[face] = None
 
-    def _find_plane(self, wall: tuple[int, int, int]) -> int | None:
-        """Return a face of the old skin in the plane in which a new one lies; None: in no plane."""
+    def _find_number_in_plane(self, wall: tuple[int, int, int], number: int) -> int:
+        """Return the number of a new face: that of the face beside it where both lie in a plane."""
         scale = float(np.ptp(self._points, axis=0).max())
-        for axis, level, own in self._body.planes:
+        for axis, level, own in self._planes:
             if (np.abs(self._points[list(wall), axis] - level) < FLAT * scale).all():
-                return int(np.argmax(own))
-        return None
+                beside = [self._face_at.get((b, a)) for a, b in _list_ends(wall)]
+                found = [self._number[f] for f in beside if f is not None and own[self._number[f]]]
+                return found[0] if found else int(np.argmax(own))
+        return number
 
     def make(self) -> Filling:
         """Return the body as it is now."""
         body, first = self._body, len(self._body.faces)
         kept = [f for f, face in enumerate(self._faces) if face is not None]
-        gone = sorted(f for f in self._folded if f < first)
         cells = np.concatenate([body.cells, np.array(self._added, dtype=body.cells.dtype).reshape(-1, 4)])
         faces = np.array([self._faces[f] for f in kept], dtype=body.faces.dtype)
         number = np.array([self._number[f] for f in kept], dtype=np.intp)
-        return Filling(FilledBody(body.points, cells, faces, number), body.faces[gone])
+        sides = body.faces[sorted(f for f in self._folded if f < first)]
+        seam = body.points[sides].reshape(-1, 3)
+        return Filling(FilledBody(body.points, cells, faces, number), seam, len(self._added))
 
 
 def _list_walls(a: int, b: int, c: int, d: int) -> tuple[tuple[int, int, int], tuple[int, int, int]]:

@@ -12,7 +12,7 @@ from presswork.model import BoolArray, FloatArray, IndexArray
 from presswork.remesh.space.body import NewBody, OldBody
 from presswork.remesh.space.fill import FilledBody, mesh_to_size
 from presswork.remesh.space.inside import improve_cells, spread_moves
-from presswork.remesh.space.notches import fill_notches
+from presswork.remesh.space.notches import fill_notches, list_planes
 from presswork.remesh.space.size_field import EdgeSizes, measure_sizes
 from presswork.remesh.space.sliding import slide_on_tools
 from presswork.remesh.space.surface import give_volume_back, locate_on_skin, place_skin
@@ -27,6 +27,8 @@ _ATTEMPTS, _FINER = 3, 0.8
 """Where no mesh can be made cells are made smaller by a factor, and it is tried again."""
 _ROUNDS, _HALVINGS = 4, 8
 """In which the skin comes to its place where cells would turn inside out on its way, and halvings of that way."""
+_FILLINGS = 4
+"""Times that a mesh is made because the one before had notches."""
 _PROGRESS = 0.05
 """Of the quality of the worst cell: a round that brings less than the one before is the last."""
 _BETTER, _LEAST_AT_ALL = 1.3, 0.01
@@ -59,12 +61,11 @@ def _try_mesh(body: OldBody, sizes: EdgeSizes) -> tuple[NewBody, float]:
     """Return a mesh and the quality of its worst cell. Raises MeshError."""
     number, table = body.references
     size = measure_sizes(body, sizes)
-    filling = fill_notches(body, number)
-    present, seam = filling.body, body.points[filling.left_out].reshape(-1, 3)
+    present, seams = FilledBody(body.points, body.cells, body.faces, number), [np.zeros((0, 3))]
     found: list[tuple[NewBody, float]] = []
     for _ in range(_ROUNDS):
-        largest, away = float(size.max()), AWAY * sizes.largest
-        made = mesh_to_size(present, size, smallest=sizes.smallest, largest=largest, away=away, keeps_skin=bool(found))
+        made, seam = _mesh_without_notches(body, present, size, sizes, keeps_skin=bool(found))
+        seams.append(seam)
         points, in_plane = _keep_planes(body, made, table)
         skin = np.unique(made.faces)
         normals = nodal_areas(points, made.faces)[skin]
@@ -80,10 +81,11 @@ def _try_mesh(body: OldBody, sizes: EdgeSizes) -> tuple[NewBody, float]:
             worst = float(measure_quality(points, made.cells).min())
         first_set = len(body.planes)
         sets = {name: made.faces[table[made.number, first_set + column]] for column, name in enumerate(body.sets)}
-        corners = body.faces[places.face]
+        all_seams = np.concatenate(seams)
         new = NewBody(
-            points, made.cells, made.faces, sets, placed.on_tool, skin, corners, places.share, placed.offset, seam
-        )
+            points, made.cells, made.faces, sets, placed.on_tool, skin, body.faces[places.face], places.share,
+            placed.offset, all_seams,
+        )  # fmt: skip
         slow = bool(found) and worst < found[-1][1] + _PROGRESS
         found.append((new, worst))
         if worst >= LEAST_QUALITY or slow:
@@ -93,6 +95,31 @@ def _try_mesh(body: OldBody, sizes: EdgeSizes) -> tuple[NewBody, float]:
         present = FilledBody(points, made.cells, made.faces, made.number)
         size = measure_sizes(body, sizes, points)
     return max(found, key=lambda own: own[1])
+
+
+def _mesh_without_notches(
+    body: OldBody, present: FilledBody, size: FloatArray, sizes: EdgeSizes, *, keeps_skin: bool
+) -> tuple[FilledBody, FloatArray]:
+    """Return a mesh to size, its notches filled, and the corners of the faces that lie inside now (3 k, 3).
+
+    A skin that overlaps itself where it has folded comes out with new notches, which are filled in turn.
+    """
+    planes, seams = list_planes(body), [np.zeros((0, 3))]
+    for attempt in range(_FILLINGS):
+        if not keeps_skin:
+            filling = fill_notches(present, planes, body.obstacles)
+            if attempt and not filling.added:
+                break
+            present = filling.body
+            seams.append(filling.seam)
+            size = measure_sizes(body, sizes, present.points) if attempt else size
+        largest, away = float(size.max()), AWAY * sizes.largest
+        present = mesh_to_size(
+            present, size, smallest=sizes.smallest, largest=largest, away=away, keeps_skin=keeps_skin
+        )
+        if keeps_skin:
+            break
+    return present, np.concatenate(seams)
 
 
 def _keep_planes(body: OldBody, made: FilledBody, table: BoolArray) -> tuple[FloatArray, BoolArray]:

@@ -8,8 +8,11 @@ from presswork.model import CellBlock, Mesh, Remeshing
 from presswork.process.laps import find_laps, mark_laps
 from presswork.process.remeshing_in_space import find_reason, measure_left
 from presswork.process.seams import Seams
+from presswork.remesh.space import fill as fill_module
+from presswork.remesh.space import remesh
 from presswork.remesh.space.body import OldBody
-from presswork.remesh.space.notches import FILLED, fill_notches, find_notches, measure_notch
+from presswork.remesh.space.fill import FilledBody
+from presswork.remesh.space.notches import FILLED, fill_notches, find_notches, list_planes, measure_notch
 from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.size_field import EdgeSizes
 from presswork.remesh.space.tetrahedra import find_skin, measure_quality, measure_volumes
@@ -38,6 +41,11 @@ def notched_block(angle, tools=()):
     return OldBody(points, cells, np.zeros((len(tools), len(points)), dtype=bool), held, sets, list(tools))
 
 
+def fill(body):
+    present = FilledBody(body.points, body.cells, body.faces, body.references[0])
+    return fill_notches(present, list_planes(body), body.obstacles)
+
+
 def test_an_edge_between_faces_that_look_at_each_other_has_the_angle_of_the_void():
     body = notched_block(25.0)
     notches = find_notches(body.points, body.faces, 89.0)
@@ -52,7 +60,7 @@ def test_an_edge_between_faces_that_look_at_each_other_has_the_angle_of_the_void
 @pytest.mark.parametrize("angle", [5.0, 25.0])
 def test_a_body_whose_notch_is_filled_is_whole(angle):
     body = notched_block(angle)
-    filling = fill_notches(body, body.references[0])
+    filling = fill(body)
     skin, _ = find_skin(filling.body.cells)
     assert {tuple(sorted(f)) for f in skin.tolist()} == {tuple(sorted(f)) for f in filling.body.faces.tolist()}
     assert measure_volumes(body.points, filling.body.cells).min() > 0.0
@@ -73,10 +81,10 @@ def test_a_new_mesh_has_no_notch_keeps_the_volume_and_tells_the_seam():
 
 
 def test_a_wide_void_stays_and_so_does_one_that_a_tool_fills():
-    assert len(fill_notches(notched_block(70.0), notched_block(70.0).references[0]).left_out) == 0
+    assert fill(notched_block(70.0)).added == 0
     ridge = place_block((3.85, -1.0, ROOT + 0.2), (4.15, WIDTH + 1.0, 9.0))
     body = notched_block(25.0, [ridge])
-    assert len(fill_notches(body, body.references[0]).body.cells) == len(body.cells)
+    assert fill(body).added == 0
     assert measure_notch(body)[0] == 180.0
 
 
@@ -111,3 +119,20 @@ def test_a_seam_in_space_moves_with_the_metal_and_is_a_lap_with_the_area_of_one_
     again.load_arrays(seams.to_arrays())
     assert again.extents(points) == seams.extents(points)
     assert again.begun == 0.5
+
+
+def test_a_mesh_that_comes_out_with_a_notch_is_made_again(monkeypatch):
+    """MMG leaves new ones where the old skin overlaps itself."""
+    body = notched_block(5.0)
+    made = []
+
+    def mesh_to_size(present, size, **keys):
+        made.append(len(present.cells))
+        if len(made) == 1:
+            return FilledBody(body.points, body.cells, body.faces, body.references[0])
+        return fill_module.mesh_to_size(present, size, **keys)
+
+    monkeypatch.setattr(remesh, "mesh_to_size", mesh_to_size)
+    new = remesh_body(body, EdgeSizes(1.0, 0.8, 20_000))
+    assert made[0] == made[1] > len(body.cells)
+    assert not len(find_notches(new.points, new.faces, FILLED).angle)
