@@ -376,6 +376,17 @@ auto bind_space(nb::module_& m, const char* name, const char* text) {
            nb::arg("share"), nb::arg("dt"),
            "Begin at positions (n_nodes, 3) with the state of another loop some shells of which are split here: share "
            "(n) of the parent (n) of each element, parents (n_nodes, 4) of each node; dt [s]: for beads.")
+      .def(
+          "take_shape",
+          [](Loop& self, const Loop& other) {
+            require(self.nodes.n == other.nodes.n && self.blocks.size() == other.blocks.size() &&
+                        self.n_elements() == other.n_elements(),
+                    "the mesh must be that of the other loop");
+            self.take_shape(other);
+          },
+          nb::arg("other"),
+          "Lie at rest and without stress where a loop of the same shells is, with its masses: what is left is "
+          "elastic.")
       .def("restore", &restore<Real>, nb::arg("state"), "Take over what state gave.")
       .def_prop_ro(
           "inverse_mass",

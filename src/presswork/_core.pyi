@@ -1190,6 +1190,11 @@ class SpaceLoop:
         Begin at positions (n_nodes, 3) with the state of another loop some shells of which are split here: share (n) of the parent (n) of each element, parents (n_nodes, 4) of each node; dt [s]: for beads.
         """
 
+    def take_shape(self, other: SpaceLoop) -> None:
+        """
+        Lie at rest and without stress where a loop of the same shells is, with its masses: what is left is elastic.
+        """
+
     def restore(self, state: Mapping[str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]]) -> None:
         """Take over what state gave."""
 
@@ -1599,6 +1604,11 @@ class SpaceLoopSingle:
     def inherit(self, other: SpaceLoopSingle, position: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], node_parents: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], parent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], dt: float) -> None:
         """
         Begin at positions (n_nodes, 3) with the state of another loop some shells of which are split here: share (n) of the parent (n) of each element, parents (n_nodes, 4) of each node; dt [s]: for beads.
+        """
+
+    def take_shape(self, other: SpaceLoopSingle) -> None:
+        """
+        Lie at rest and without stress where a loop of the same shells is, with its masses: what is left is elastic.
         """
 
     def restore(self, state: Mapping[str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]]) -> None:

@@ -95,6 +95,8 @@ def test_what_ranks_do_not_share_is_refused(tmp_path):
         _begin(tmp_path, self_contact=touch)
     with pytest.raises(StartError, match='asks for device = "host"'):
         _begin(tmp_path, explicit=replace(model.explicit, device="host"))
+    with pytest.raises(StartError, match=r'asks for explicit\.step_bound = "mesh"'):
+        _begin(tmp_path, explicit=replace(model.explicit, step_bound="mesh"))
     solid = read(describe_explicit_block(HEX, MOVED))
     with pytest.raises(StartError, match='asks for device = "host"'):
         begin_on_ranks(replace(solid, explicit=replace(solid.explicit, device="host")), 1, SimpleNamespace(rank=0))

@@ -125,6 +125,19 @@ def test_a_resumed_run_with_other_threads_gives_the_same_bits(formed, tmp_path: 
     assert_same_bits(tmp_path / "out", formed.folder)
 
 
+def test_by_the_step_of_its_mesh_it_takes_fewer_cycles_to_the_same_shape_and_the_same_bits(
+    formed, tmp_path: Path
+) -> None:
+    model = build_model(StampingCase.model_validate(stretch(explicit={"step_bound": "mesh"})))
+    whole = run_to_end(model, tmp_path / "whole")
+    run_in_two_parts(model, tmp_path / "parts", 14, threads=2)
+    assert_same_bits(tmp_path / "parts", tmp_path / "whole")
+    assert whole.history["cycles"][-1] < 0.95 * formed.history["cycles"][-1]
+    assert np.abs(whole.history["energy_error_percent"]).max() < 0.2
+    assert whole.history["shells"][-1] == pytest.approx(formed.history["shells"][-1], rel=0.1)
+    assert measure_draw_in(whole, 0.0) == pytest.approx(measure_draw_in(formed, 0.0), rel=0.02)
+
+
 def test_springback_begins_from_a_mesh_without_hanging_nodes(tmp_path: Path) -> None:
     case = stretch({"refine": {"levels": 1}}, springback={"increments": 2})
     case["stages"][0]["tools"]["punch"]["stroke"] = 2

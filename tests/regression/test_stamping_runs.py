@@ -172,6 +172,7 @@ def test_a_step_beyond_stability_ends_with_a_reason_and_the_last_good_state(tmp_
     ({"precision": "single"}, "internal_energy"),
     ({"damping": 2e3}, "damping_energy"),
     ({"safety": 0.5}, "time_step"),
+    ({"step_bound": "mesh"}, "time_step"),
 ])  # fmt: skip
 def test_every_setting_of_the_explicit_procedure_changes_the_run_and_not_the_answer(
     pulled, tmp_path, explicit, column

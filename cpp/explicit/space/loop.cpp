@@ -283,6 +283,20 @@ void SpaceLoop<Real>::inherit(const SpaceLoop& from, const int* node_parents, co
 }
 
 template <class Real>
+void SpaceLoop<Real>::take_shape(const SpaceLoop& from) {
+  auto& nodes = this->nodes;
+  std::copy_n(from.nodes.position.data(), nodes.position.size(), nodes.position.data());
+  std::fill_n(nodes.internal_force.data(), nodes.internal_force.size(), Real(0));
+  for (int i = 0; i < nodes.n; ++i)
+    std::fill_n(nodes.motion.data() + std::size_t(nodes.motion_stride) * i, freedoms, Real(0));
+  for (std::size_t b = 0; b < sheets_.size(); ++b) {
+    if (!sheets_[b] || !from.sheets_[b]) throw std::invalid_argument("solids have no shape to take");
+    sheets_[b]->take_shape(*from.sheets_[b]);
+  }
+  this->set_masses();
+}
+
+template <class Real>
 contact::SheetUnder SpaceLoop<Real>::find_cells() const {
   std::vector<int> start{0}, corner;
   for (std::size_t b = 0; b < sheets_.size(); ++b) {

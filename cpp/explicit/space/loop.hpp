@@ -56,6 +56,9 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   // parents' (n_nodes, 4).
   void inherit(const SpaceLoop& from, const int* node_parents, const int* parent, const double* share);
 
+  // Lie at rest and without stress where a like loop is, with its masses: what is left is elastic.
+  void take_shape(const SpaceLoop& from);
+
   std::unique_ptr<Drawbeads> beads;  // none without beads
   contact::SheetUnder find_cells() const;
 

@@ -20,7 +20,8 @@ struct Mitc {
             .law = std::visit([](const auto& law) { return law.rows(); }, section.law),
             .pressure = int(shell4_mitc::first_point) + int(shell4_mitc::pressure),
             .pressure_step = shell4_mitc::point_rows,
-            .spring = shell4_mitc::spring};
+            .spring = shell4_mitc::spring,
+            .shear = int(shell4_mitc::first_point) + int(shell4_mitc::shear)};
   }
 
   // As that of the shell of one point.

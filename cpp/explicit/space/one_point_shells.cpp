@@ -22,7 +22,8 @@ struct OnePoint {
             .pressure = shell4::pressure,
             .spring = shell4::spring,
             .reference = shell4::reference,
-            .hourglass = shell4::hourglass};
+            .hourglass = shell4::hourglass,
+            .shear = shell4::shear_xz};
   }
 
   // p - q and p + q are the sides of the reference, of which the frame knows the inverse; p x q is `per_area` areas.

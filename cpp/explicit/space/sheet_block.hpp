@@ -21,6 +21,7 @@ struct StateRows {
   int pressure, pressure_step = 0, spring;
   // First rows of what the undeformed shape gives (4), of hourglass forces (6); -1 of shells that cannot be split.
   int reference = -1, hourglass = -1;
+  int shear = -1;  // of transverse shear stress (2) of the first point in the plane; pressure_step on the next's
 };
 
 struct ShellSection;
@@ -67,6 +68,21 @@ class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
     }
     mass_[element] = share * from.mass_[parent];
     this->damage.inherit(element, from.damage, parent);
+  }
+
+  // Take over mass and shape of the elements of a like block; their layers stay as they are, without stress.
+  void take_shape(const SheetBlock& from) {
+    mass_ = from.mass_;
+    for (int e = 0; e < this->n_; ++e) {
+      for (int r = 0; r < rows_.layers; ++r) this->set_value(e, r, from.value(e, r));
+      for (int r = 0; rows_.hourglass >= 0 && r < 6; ++r) this->set_value(e, rows_.hourglass + r, 0.0);
+      for (int q = 0; q < rows_.in_plane; ++q) {
+        for (int r = 0; r < 2; ++r) this->set_value(e, rows_.shear + q * rows_.pressure_step + r, 0.0);
+        this->set_value(e, rows_.pressure + q * rows_.pressure_step, 0.0);
+      }
+      for (int k = 0; k < rows_.in_plane * rows_.across; ++k)
+        for (int r = 0; r < 3; ++r) this->set_value(e, rows_.layers + k * rows_.law + r, 0.0);
+    }
   }
 
   PointLayout layout() const override { return {rows_.layers, rows_.law, rows_.in_plane * rows_.across, 3, 3}; }

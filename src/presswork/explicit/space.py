@@ -127,7 +127,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
             self._young, self._poisson = shells.law.young, shells.law.poisson
             self._damage_names = tuple(law.name for law in shells.damage)
             self.connectivity, self.axis, self.options = shells.cells, shells.axes, shells.options
-        follow = np.array(hanging, dtype=np.int32).reshape(-1, 7)
+        self.hanging = follow = np.array(hanging, dtype=np.int32).reshape(-1, 7)
         if len(follow):
             loop.set_hanging(place[follow])
         self._start_tools()

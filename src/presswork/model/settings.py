@@ -131,6 +131,8 @@ class ExplicitSheet:
     """Time step [s] that mass is added for; None: no mass is added, the step follows from the mesh."""
     safety: float = 0.9
     """Time step over the bound of the stable step."""
+    step_bound: Literal["shells", "mesh"] = "shells"
+    """Whose stable step that is: the worst shell's by itself, or that of the mesh as a whole, which is longer."""
     damping: float = 0.0
     """Mass damping [1/s]."""
     precision: Literal["double", "single"] = "double"

@@ -66,6 +66,7 @@ def _find_undivided_explicit(model: Model) -> str:
     }
     assert model.explicit is not None
     asked[f'device = "{model.explicit.device}"'] = model.explicit.device != "cpu"
+    asked['explicit.step_bound = "mesh"'] = getattr(model.explicit, "step_bound", "shells") == "mesh"
     if model.analysis != "stamping" and model.dimension == 2:
         asked["explicit dynamics in the plane"] = True
     return _list(asked)

@@ -19,6 +19,7 @@ from presswork.evolution.damage import make_damage
 from presswork.explicit.device import refuse
 from presswork.explicit.energy import YIELD_OFFSET, EnergyBalance, MassScaling
 from presswork.explicit.input_checks import check_damping
+from presswork.explicit.mesh_step import MeshStep
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import PHASES, SAFETY, ExplicitShells
 from presswork.fields.explicit_fields import OnePointFields
@@ -35,7 +36,7 @@ from presswork.process.reactions import Reactions
 from presswork.process.refinement import choose_shells, find_planes, place_nodes
 from presswork.process.rows import STAGE
 from presswork.process.sheet_history import SheetHistory
-from presswork.process.stamping_recording import ADDED_MASS, CYCLES, SHELL_CYCLES, StampingRecording
+from presswork.process.stamping_recording import ADDED_MASS, CYCLES, MESH_FACTOR, SHELL_CYCLES, StampingRecording
 from presswork.process.stamping_tools import StampingTools, mean_speeds
 from presswork.process.transfer import SheetState, ShellStart, fill_layers, keep_heated, sheet_of_explicit
 from presswork.ranks.world import World
@@ -47,7 +48,7 @@ SAMPLES = 10
 START = "start."
 """Prefix in a checkpoint of what the shells of a later operation start from."""
 LOOKS = 50
-"""A stage, at shells that may have to be split: once in 2 % of it."""
+"""A stage, at shells that may have to be split, and at the step of the mesh: once in 2 % of it."""
 
 
 class ExplicitStamping(StampingRecording):
@@ -78,6 +79,7 @@ class ExplicitStamping(StampingRecording):
         self._judged = model.sheet[1].formability
         self._damage_laws = make_damage(model.sheet[1].damage, model.sheet[1].umat, is_solid=False)
         self.shells = self._make_shells()
+        self._mesh_step: MeshStep | None = None
         if begin is not None:
             fill_layers(self.shells, begin)
         self._mass = float(self.shells.mass[:, 0].sum())
@@ -134,8 +136,13 @@ class ExplicitStamping(StampingRecording):
 
     def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         stage, rows = self.model.stages[number], self.model.output.rows
-        if self.model.refinement and row % max(1, rows // LOOKS) == 0:
-            self._refine(self.model.refinement)
+        if row % max(1, rows // LOOKS) == 0:
+            if self.model.refinement:
+                self._refine(self.model.refinement)
+            if self.settings.step_bound == "mesh":
+                self._mesh_step = self._mesh_step or MeshStep(self.shells, self.settings.precision)
+                last = float(self._progress[MESH_FACTOR])
+                self._progress[MESH_FACTOR] = self._mesh_step.find_factor(self.shells, last)
         begin, end = (stage.duration * r / rows for r in (row, row + 1))
         if self.heat is not None:
             self.heat.begin_row()
@@ -200,6 +207,7 @@ class ExplicitStamping(StampingRecording):
     def _split(self, chosen: BoolArray) -> None:
         """Split the chosen shells (n,), and others as far as neighbours would be more than a level apart."""
         old, step = self.shells, self._sheet.split(chosen)
+        self._progress[MESH_FACTOR] = 0.0
         planes, tools = find_planes(self.mesh), self.tools.placed()
         position = place_nodes(self._sheet, step, old.position, old.thickness, planes, tools)
         self._sheet = step.mesh
@@ -230,14 +238,14 @@ class ExplicitStamping(StampingRecording):
 
     def _make_again(self) -> None:
         """Make shells and tools anew for the present mesh; pushed tools keep their masses."""
-        self.shells = self._make_shells()
+        self.shells, self._mesh_step = self._make_shells(), None
         self._reaction = np.zeros((len(self.mesh.points), 6))
         self.tools = StampingTools(self.model, self.shells, self.tools)
         self.marked, self.edge = MarkedPoints(self.model), DrawIn(self.model)
 
     def _longest_step(self) -> float:
         """Return the time step allowed now; add mass where the target asks for it."""
-        settings, bound = self.settings, self.shells.stable_step()
+        settings, bound = self.settings, self.shells.stable_step() * max(1.0, float(self._progress[MESH_FACTOR]))
         if settings.target_step is None:
             return settings.safety * bound
         if settings.safety * bound < settings.target_step * (1 - 1e-9):

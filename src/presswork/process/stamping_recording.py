@@ -38,9 +38,8 @@ from presswork.process.space_surfaces import cut_tools
 from presswork.process.stamping_tools import StampingTools, describe_stamping
 from presswork.process.transfer import ShellStart, law_axes
 
-CYCLES, ADDED_MASS, SHELL_CYCLES = range(2, 5)
-"""Of the progress, after stage and row."""
-
+CYCLES, ADDED_MASS, SHELL_CYCLES, MESH_FACTOR = range(2, 6)
+"""Of the progress, after stage and row; the last: stable step of the mesh over that of its shells, 0 until found."""
 
 OVERLAP = "overlap"
 """Column of the history: by how much two parts of the sheet overlap most [mm], their thickness counted."""

@@ -157,6 +157,8 @@ def test_times_follow_from_velocity_duration_and_ramp() -> None:
     ("tools.punch.direction", [1, 0, -1], ["tools.punch.direction", "give its position"]),
     ("explicit", {"safety": 1.2}, ["explicit.safety", "<= 1"]),
     ("explicit", {"target_step": -1}, ["explicit.target_step", "> 0"]),
+    ("explicit", {"step_bound": "mesh", "target_step": "0.4 us"}, ["explicit.step_bound", "give one of the two"]),
+    ("explicit", {"step_bound": "mesh", "device": "host"}, ["explicit.step_bound", "on the CPU", "take \"shells\""]),
     ("output", {"steps": 300}, ["output.steps", "no more than rows = 200"]),
     ("procedure", "implict", ["procedure", "explicit"]),
 ])  # fmt: skip

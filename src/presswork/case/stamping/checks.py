@@ -68,6 +68,7 @@ def check_names(case: StampingCase) -> list[Problem]:
         problems.append(Problem("explicit.element", fault, remedy, case.explicit.element))
     problems += _check_self_contact(case)
     problems += _check_device(case)
+    problems += _check_step_bound(case)
     names = [stage.name for stage in case.stages]
     for index, stage in enumerate(case.stages):
         key = f"stages.{index}"
@@ -265,6 +266,20 @@ def _check_device(case: StampingCase) -> list[Problem]:
         return []
     remedy = 'remove it, or set procedure = "explicit"'
     return [Problem("explicit.device", "computes cycles of the explicit procedure alone", remedy, device)]
+
+
+def _check_step_bound(case: StampingCase) -> list[Problem]:
+    """Return the problem of a mesh's step where another one is asked for, or where it is not found."""
+    explicit = case.explicit
+    if explicit.step_bound == "shells" or case.procedure != "explicit":
+        return []
+    if explicit.target_step is not None:
+        fault = "target_step adds mass by the shells' own steps"
+        return [Problem("explicit.step_bound", fault, "give one of the two", explicit.step_bound)]
+    if explicit.device != "cpu":
+        fault = f'the step of the mesh is found on the CPU, and device = "{explicit.device}"'
+        return [Problem("explicit.step_bound", fault, 'take "shells"', explicit.step_bound)]
+    return []
 
 
 def _check_umat(key: str, material: UmatMaterial, case: StampingCase) -> list[Problem]:

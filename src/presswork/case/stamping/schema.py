@@ -75,6 +75,10 @@ class Explicit(Part):
         "added. Kinetic energy, in the history, says how far one may go",
     )
     safety: Number = Field(default=_EXPLICIT.safety, gt=0, le=1, description="time step over its stable bound")
+    step_bound: Literal["shells", "mesh"] = Field(
+        default=_EXPLICIT.step_bound,
+        description="that bound: of the worst shell by itself, or of the mesh as a whole, which bears a longer step",
+    )
     damping: Rate = Field(default=_EXPLICIT.damping, ge=0, description="mass damping [1/s]")
     precision: Literal["double", "single"] = Field(
         default=_EXPLICIT.precision, description="single: about half the time and memory, seven digits"
