@@ -16,6 +16,7 @@ from tests.problems.differentiated import (
     CALM,
     COLD,
     bend_over_die,
+    bend_twice,
     differentiate,
     draw_under_holder,
     largest_error,
@@ -66,6 +67,24 @@ def test_strip_drawn_from_under_a_holder_and_let_go(tmp_path: Path) -> None:
     }
     of = ["punch.force", "tip.x", "tip.z", "end.draw_in", "corner.draw_in", "plastic_work", "friction_work"]
     check(draw_under_holder(), by, of, tmp_path)
+
+
+def test_strip_bent_by_two_operations_and_trimmed_between_them(tmp_path: Path) -> None:
+    by = {
+        "blank.thickness": 1.0,
+        "materials.steel.hardening.n": 0.26,
+        "operations.0.stages.0.tools.punch.stroke": 3.0,
+        "operations.1.tools.die.mu": 0.1,
+        "operations.1.tools.die.width": 21.0,
+    }
+    check(bend_twice(), by, ["elastic_energy", "external_work"], tmp_path)
+
+
+def test_trim_line_moves_the_edge_of_a_drawn_strip(tmp_path: Path) -> None:
+    """So less of the wall springs back."""
+    data = draw_under_holder() | {"trim": {"end": {"shape": "rectangle", "size": [24, 8]}}, "points": {}}
+    by = {"trim.end.size.0": 24.0, "materials.steel.hardening.K": 565.0}
+    check(data, by, ["elastic_energy", "external_work"], tmp_path)
 
 
 def test_cylinder_upset_on_new_meshes() -> None:
@@ -196,8 +215,10 @@ def check(data: dict[str, Any], by: dict[str, float], of: list[str], folder: Pat
     apart = {
         key: 1e-4
         if key.startswith("materials")
-        else 5e-4
-        if key.endswith(("mu", "force"))
+        else 2e-3
+        if key.endswith("mu")
+        else 1e-3
+        if key.endswith("force")
         else radius
         if key.endswith("radius")
         else 2e-5

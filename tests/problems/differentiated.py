@@ -209,6 +209,26 @@ def bend_over_die(**changes: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def bend_twice() -> dict[str, Any]:
+    """Return the data of the strip that is bent, trimmed and let go, and bent further by a second operation."""
+    data = bend_over_die()
+    first = {
+        "name": "bend",
+        "tools": data["tools"],
+        "stages": data["stages"],
+        "trim": {"end": {"shape": "rectangle", "size": [36, 8]}},
+        "springback": {"increments": 2},
+    }
+    second = {
+        "name": "again",
+        "tools": data["tools"],
+        "stages": [{"name": "draw", "tools": {"punch": {"stroke": 2.5}}}],
+        "springback": {"increments": 2},
+    }
+    rest = {key: value for key, value in data.items() if key not in ("tools", "stages", "springback", "points")}
+    return rest | {"operations": [first, second]}
+
+
 def draw_under_holder() -> dict[str, Any]:
     """Return the data of the same strip, longer, drawn from under a holder that a force pushes."""
     data = bend_over_die(points={"tip": [30, 2, 0], "wall": [9, 1, 0]})

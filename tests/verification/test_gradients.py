@@ -22,6 +22,7 @@ from presswork.process.begin import begin
 from tests.problems.differentiated import (
     bend_over_die,
     bend_strip,
+    bend_twice,
     differentiate,
     draw_under_holder,
     largest_error,
@@ -224,6 +225,16 @@ def test_stamping_has_the_derivatives_of_whole_runs_through_springback(
         for name, (own, other) in columns.items():
             assert own.shape == (rows,)
             assert largest_error(own, other) < 1e-6, (key, name)
+
+
+def test_line_of_operations_has_the_derivatives_of_whole_runs_through_trimming(tmp_path: Path) -> None:
+    """Forces of both operations, and energies; other numbers in validation/test_gradients.py."""
+    of = ["bend_punch.force", "again_punch.force", "elastic_energy", "external_work"]
+    by = {"materials.steel.hardening.K": 565.0}
+    found = differentiate(StampingCase, bend_twice(), of, by, tmp_path, apart=dict.fromkeys(by, 1e-4))
+    for name, (own, other) in found["materials.steel.hardening.K"].items():
+        assert own[-1] != 0.0 or name.endswith("force")
+        assert largest_error(own, other) < 1e-6, name
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

@@ -21,8 +21,8 @@ STEP = 1e-4
 """Of a number: by how much the neighbours of a run differ from it. The error is h^2 and that of round-off over h."""
 OF_LAWS = 3e-4
 """The same of numbers of the materials of solids: a modulus changes damage so little that round-off counts for more."""
-OF_HEAT = 1e-3
-"""The same of what conducts and exchanges heat, which changes forces less still."""
+WEAK = 1e-3
+"""The same of what conducts and exchanges heat, and of friction of sheets: they change forces less still."""
 NEAR, NEAREST = 1e-5, 1e-4
 """The same of sizes and places in a stamping, and the largest step over the sheet's thickness: contact begins within a
 thousandth of that (sheet_contact.py)."""
@@ -103,14 +103,13 @@ def _keep_meshes(built: model.Model) -> model.Model:
 
 def _refuse(built: model.Model) -> list[Problem]:
     """Return the problems of what a run does that has no derivatives yet."""
-    ends_early = any(s.drive is not None and s.drive.may_end_early for s in built.stages)
+    stages = [*built.stages, *(stage for operation in built.following for stage in operation.stages)]
+    ends_early = any(s.drive is not None and s.drive.may_end_early for s in stages)
     in_space = built.dimension == 3 and built.remeshing is not None and not built.remeshing.keeps_first
     refused = (
         (built.explicit is not None, "procedure", "dynamics", "implicit runs alone have"),
         (in_space, "remesh", "new meshes in space", "a run on one mesh has"),
         (built.heat is not None and built.analysis == "stamping", "heat", "heat of sheets", "a run without heat has"),
-        (bool(built.trim), "trim", "trimming", "a part that keeps its outline has"),
-        (bool(built.following), "operations", "lines of operations", "a single operation has"),
         (built.formed is not None, "blank", "formed blanks", "a flat blank has"),
         (built.series is not None, "series", "series of parts", "a run of one part has"),
         (built.solver.control == "arc_length", "solver.control", "paths by arc length", "load control has"),
@@ -130,7 +129,9 @@ def _find_step(built: model.Model, key: str, value: float) -> float:
     """Return by how much neighbours on both sides differ from a number."""
     *path, name = key.split(".")
     if name != "initial_temperature" and not {"thermal", "heat"}.isdisjoint(path):
-        return OF_HEAT * value
+        return WEAK * value
+    if name == "mu" and built.analysis == "stamping":
+        return WEAK * value
     is_place = not key.startswith("materials.") and name not in ("mu", "force")
     if built.analysis == "stamping" and is_place:
         return min(NEAR * value, NEAREST * built.sheet[0].thickness)

@@ -43,8 +43,9 @@ ENOUGH = 1e-4
 NOTHING = 1e-7
 """Part of the largest nodal force, and of the largest way, that these change by between two neighbours at least, for
 what is out of balance: a number that moves the body as a whole changes no force at all."""
-ROUND_OFF = 1e-10
-"""Of the largest nodal force: what neighbours may differ by out of balance, if it becomes no less."""
+ROUND_OFF = 1e-11
+"""Of the largest nodal force: what neighbours may differ by out of balance where no force changes by more than NOTHING,
+if it becomes no less."""
 INNER = 0.3
 """Part of what is enough to which K is solved."""
 MOST_ROUNDS = 30
@@ -254,6 +255,7 @@ class _Lack:
     def __init__(self, length: FloatArray, increment: FloatArray, apart: float) -> None:
         self._length = length
         self._least_way = max(NOTHING * float(np.abs(increment * length).max()) / apart, 1e-300)
+        self._round_off = 0.0
         self.force = 0.0
         """Largest derivative of a nodal force that holds the nodes so far, made a force."""
 
@@ -263,7 +265,7 @@ class _Lack:
         change = np.abs((more.point.reaction - less.point.reaction) / self._length).max()
         least = NOTHING * np.abs(more.point.reaction / self._length).max()
         self.force = max(self.force, float(max(change, least)) / each.apart, 1e-300)
-        self._round_off = ROUND_OFF / NOTHING * float(least) / each.apart
+        self._round_off = ROUND_OFF / NOTHING * float(least) / each.apart if change <= least else 0.0
         return np.array([more.force - less.force, more.missing - less.missing]) / each.apart
 
     def size(self, lack: FloatArray, slope: FloatArray) -> float:

@@ -84,6 +84,10 @@ class PressLine(ModelRecording):
             tools = lay_tools(operation, part.state, with_edges=with_edges)
             stages = close_tools(operation, tools, own.sheet[0].thickness)
             own = replace(own, mesh=mesh, tools=tools, stages=stages)
+        return self._make_operation(own, part)
+
+    def _make_operation(self, own: Model, part: LaidPart | None) -> ReleasedStamping:
+        """Return an operation with its part, on its mesh."""
         return ReleasedStamping(
             own, threads=self._threads, begin=part, shows_springback=self._releases, world=self._world
         )
@@ -220,6 +224,10 @@ class PressLine(ModelRecording):
 
     def to_arrays(self) -> NamedArrays:
         """Return the present operation, and the part that it has begun with."""
+        return self.line_arrays() | {f"{NOW}{name}": values for name, values in self._now.to_arrays().items()}
+
+    def line_arrays(self) -> NamedArrays:
+        """Return which operation is at work, and the part that it has begun with."""
         arrays: dict[str, NDArray[Any]] = {
             f"{LINE}{NUMBER}": np.array(self._operation),
             f"{LINE}{BEFORE}": np.array([self._before, self._time_before]),
@@ -228,24 +236,25 @@ class PressLine(ModelRecording):
             arrays |= {f"{LINE}{TURNED}": self._part.turned, f"{LINE}{LEVEL}": np.array(self._part.level)}
             arrays |= {f"{MESH}{name}": values for name, values in dump_mesh(self._now.first_mesh).items()}
             arrays |= {f"{SHEET}{name}": values for name, values in dump_sheet(self._part.state).items()}
-        return arrays | {f"{NOW}{name}": values for name, values in self._now.to_arrays().items()}
+        return arrays
 
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Go back to the operation and the state of these arrays. Raises ValueError if they belong to another model."""
+        self.go_to(arrays)
+        self._now.load_arrays(_under(NOW, arrays))
 
-        def under(prefix: str) -> dict[str, NDArray[Any]]:
-            return {name.removeprefix(prefix): v for name, v in arrays.items() if name.startswith(prefix)}
-
+    def go_to(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Begin the operation of these arrays with its part. Raises ValueError if they belong to another model."""
         if f"{LINE}{NUMBER}" not in arrays:
             raise ValueError("the checkpoint does not say which operation it is of")
         self._operation = int(arrays[f"{LINE}{NUMBER}"])
         before, self._time_before = (float(each) for each in arrays[f"{LINE}{BEFORE}"])
         self._before = int(before)
         if self._operation:
-            self._part = LaidPart(load_sheet(under(SHEET)), arrays[f"{LINE}{TURNED}"], int(arrays[f"{LINE}{LEVEL}"]))
-            self._now = self._make(self._operation, self._part, load_mesh(under(MESH)))
+            sheet = load_sheet(_under(SHEET, arrays))
+            self._part = LaidPart(sheet, arrays[f"{LINE}{TURNED}"], int(arrays[f"{LINE}{LEVEL}"]))
+            self._now = self._make(self._operation, self._part, load_mesh(_under(MESH, arrays)))
             self.timing = self._now.timing
-        self._now.load_arrays(under(NOW))
 
     def meta(self) -> Meta:
         """Return what is told of operations that are over, and how the present part was cut."""
@@ -271,6 +280,11 @@ class PressLine(ModelRecording):
             "operations": over,
             "warnings": [*warnings, *last["warnings"]],
         }
+
+
+def _under(prefix: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return the arrays whose names begin with a prefix, without it."""
+    return {name.removeprefix(prefix): v for name, v in arrays.items() if name.startswith(prefix)}
 
 
 def _tell(over: ReleasedStamping) -> dict[str, Any]:

@@ -18,12 +18,14 @@ from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.model import Model
 from presswork.outcome import StartError
 from presswork.process import folding
 from presswork.process.begin import begin
+from presswork.process.differentiated_release import ReleasedSide
 from presswork.process.self_contact import touches_itself
 from presswork.recorder import run_model
-from tests.problems.differentiated import bend_over_die, run_case, upset_block, upset_cylinder, upset_hot
+from tests.problems.differentiated import bend_over_die, bend_twice, run_case, upset_block, upset_cylinder, upset_hot
 from tests.problems.mapped_meshes import upset_with_new_meshes
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
@@ -149,10 +151,40 @@ def test_blows_are_refused() -> None:
         build_model(Case.model_validate({**data, "gradients": {"by": ["tools.punch.m"]}}))
 
 
-def test_trimmed_stamping_is_refused() -> None:
-    data = bend_over_die(trim={"edge": {"shape": "rectangle", "size": [40, 6]}})
-    with pytest.raises(CaseError, match="there are no derivatives of trimming yet"):
-        build_model(StampingCase.model_validate({**data, "gradients": {"by": ["tools.die.mu"]}}))
+def test_derivative_ends_where_neighbours_are_cut_into_other_cells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data = bend_over_die(trim={"end": {"shape": "rectangle", "size": [36, 6]}}, points={})
+    data["implicit"] = {"initial_increment": 0.1, "max_increment": 0.1, "force_tolerance": 1e-9}
+    data["stages"][0]["tools"]["punch"]["stroke"] = 1.0
+    data["gradients"] = {"by": ["tools.die.mu", "blank.thickness"], "of": ["elastic_energy"]}
+    let_go = ReleasedSide.let_go
+
+    def let_go_lamed(self: ReleasedSide, like: Model) -> bool:
+        return let_go(self, like) and self.model.tools[1].friction.mu == 0.1
+
+    monkeypatch.setattr(ReleasedSide, "let_go", let_go_lamed)
+    found = run_case(StampingCase, data, tmp_path / "out")
+    by_mu, by_thickness = (found.history[f"d(elastic_energy)/d({key})"] for key in data["gradients"]["by"])
+    assert np.isfinite(by_thickness).all()
+    first = list(found.history["stage"]).index("trim")
+    assert np.isfinite(by_mu).tolist() == [i < first for i in range(len(by_mu))]
+    assert any("derivative by tools.die.mu was not found" in warning for warning in found.summary["warnings"])
+
+
+@pytest.mark.parametrize("stage", ["bend_springback", "again_laid", "again_draw", "again_springback"])
+def test_line_resumed_in_any_stage_has_the_same_derivatives_to_the_bit(stage: str, tmp_path: Path) -> None:
+    data = bend_twice()
+    data["implicit"] = {"initial_increment": 0.25, "max_increment": 0.25, "force_tolerance": 1e-9}
+    data["operations"][0]["stages"][0]["tools"]["punch"]["stroke"] = 0.5
+    data["operations"][1]["stages"][0]["tools"]["punch"]["stroke"] = 0.3
+    data["output"] = {"steps": 1, "checkpoint_every": 1}
+    data["gradients"] = {"by": ["materials.steel.hardening.K"], "of": ["again_punch.force", "external_work"]}
+    model = build_model(StampingCase.model_validate(data))
+    whole = run_model(model, tmp_path / "whole").result
+    assert np.isfinite(whole.history["d(external_work)/d(materials.steel.hardening.K)"]).all()
+    run_in_two_parts(model, tmp_path / "cut", list(whole.history["stage"]).index(stage) + 1)
+    assert_same_bits(tmp_path / "cut", whole.folder)
 
 
 @pytest.mark.parametrize("before_the_end", [3, 1])
