@@ -172,8 +172,8 @@ def test_derivative_ends_where_neighbours_are_cut_into_other_cells(
     assert any("derivative by tools.die.mu was not found" in warning for warning in found.summary["warnings"])
 
 
-@pytest.mark.parametrize("stage", ["bend_springback", "again_laid", "again_draw", "again_springback"])
-def test_line_resumed_in_any_stage_has_the_same_derivatives_to_the_bit(stage: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("stage", ["bend_springback", "again_springback"])
+def test_line_resumed_in_springback_has_the_same_derivatives_to_the_bit(stage: str, tmp_path: Path) -> None:
     data = bend_twice()
     data["implicit"] = {"initial_increment": 0.25, "max_increment": 0.25, "force_tolerance": 1e-9}
     data["operations"][0]["stages"][0]["tools"]["punch"]["stroke"] = 0.5
