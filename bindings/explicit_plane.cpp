@@ -8,6 +8,7 @@
 #include "arrays.hpp"
 #include "explicit/plane/loop.hpp"
 #include "explicit_loop.hpp"
+#include "neighbours.hpp"
 
 namespace presswork::bindings {
 
@@ -139,6 +140,17 @@ void bind_walls(nb::class_<PlaneLoop>& c) {
           "begin_wall_sums", [](PlaneLoop& self, int wall) { wall_of(self, wall).begin_sums(); }, nb::arg("wall"),
           "Sum up anew what a wall presses and rubs.")
       .def(
+          "set_wall_sums",
+          [](PlaneLoop& self, int wall, Doubles pressed, Doubles rubbed) {
+            RigidWall& of = wall_of(self, wall);
+            require(pressed.size() == of.pressed.size() && rubbed.size() == of.rubbed.size(),
+                    "pressed and rubbed must have shape (n_nodes)");
+            std::copy_n(pressed.data(), pressed.size(), of.pressed.data());
+            std::copy_n(rubbed.data(), rubbed.size(), of.rubbed.data());
+          },
+          nb::arg("wall"), nb::arg("pressed"), nb::arg("rubbed"),
+          "Set those sums, as wall_pressed and wall_rubbed give them.")
+      .def(
           "wall_pressed",
           [](const PlaneLoop& self, int wall) {
             return copy(wall_of(self, wall).pressed, {std::size_t(self.nodes.n)});
@@ -203,6 +215,7 @@ void bind_explicit_plane(nb::module_& m) {
   bind_loop(c);
   bind_contacts(c);
   bind_walls(c);
+  bind_join(c);
   bind_cells<CycleRow::stress, 4>(c, "stress", "Stress xx, yy, zz, xy (n, 4) [MPa].");
   bind_cells<CycleRow::eqps, 1>(c, "eqps", "Equivalent plastic strain (n).");
   bind_cells<CycleRow::rise, 1>(c, "rise", "Rise of temperature since the start (n).");

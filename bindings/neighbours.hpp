@@ -47,13 +47,15 @@ class PythonNeighbours final : public Neighbours {
 template <class Loop>
 void join(Loop& self, const nb::object& messages, Ints sent, Ints ghosts, Buffer out, Buffer in, Buffer shared,
           bool leads) {
-  require(out.size() == Neighbours::record * sent.size() && in.size() == Neighbours::record * ghosts.size(),
-          "out and into must have shape (nodes, 8)");
+  require(out.ndim() == 2 && in.ndim() == 2 && out.shape(0) == sent.size() && in.shape(0) == ghosts.size() &&
+              out.shape(1) == in.shape(1),
+          "out and into must have shape (nodes, n)");
   require(shared.size() >= 1, "shared must have room for the largest speed");
   auto neighbours = std::make_unique<PythonNeighbours>(messages, out, in, shared);
   neighbours->sent.assign(sent.data(), sent.data() + sent.size());
   neighbours->ghosts.assign(ghosts.data(), ghosts.data() + ghosts.size());
   neighbours->is_ghost.assign(self.nodes.n, 0);
+  neighbours->record = static_cast<int>(out.shape(1));
   neighbours->leads = leads, neighbours->n_shared = static_cast<int>(shared.size());
   for (const auto& nodes : {neighbours->sent, neighbours->ghosts})
     for (int node : nodes) require(node >= 0 && node < self.nodes.n, "there is no node of this number");
@@ -74,17 +76,23 @@ auto list_edges(const Loop& self) {
 }  // namespace parts
 
 template <class Loop>
-void bind_parts(nb::class_<Loop>& loop) {
+void bind_join(nb::class_<Loop>& loop) {
   using namespace parts;
   loop.def("join", &join<Loop>, nb::arg("messages"), nb::arg("sent"), nb::arg("ghosts"), nb::kw_only(), nb::arg("out"),
            nb::arg("into"), nb::arg("shared"), nb::arg("leads"),
            "Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion "
            "goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has "
-           "send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, "
-           "8): what "
-           "is sent and has "
-           "come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.")
-      .def(
+           "send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, k), into (ghosts, "
+           "k): what is sent and has come, k = 8 where there is a sheet, 3 of solids in space, 2 in the plane; shared "
+           "(1 + 3 for each tool of a sheet + 4 for each of solids in space, 2 in the plane): the first becomes the "
+           "largest, the others the sums of all parts'.");
+}
+
+template <class Loop>
+void bind_parts(nb::class_<Loop>& loop) {
+  using namespace parts;
+  bind_join(loop);
+  loop.def(
           "set_tool_forces",
           [](Loop& self, Doubles force) {
             require(self.contact && force.size() == 3 * self.contact->tools.size(), "force must have shape (tools, 3)");

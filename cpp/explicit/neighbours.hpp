@@ -21,8 +21,9 @@ namespace presswork::explicit_dynamics {
 
 class Neighbours {
  public:
-  // Of a node: its six velocities; half the thickness of the sheet, and the room between its tools [mm].
-  static constexpr int record = 8, half = 6, room = 7;
+  // Of a node: its velocities, and of a sheet half its thickness and the room between its tools [mm].
+  static constexpr int half = 6, room = 7;
+  int record = 8;  // numbers of a node: 8 where there is a sheet, 3 of solids in space, 2 in the plane
   static constexpr int first_force = 1;  // in shared, behind the largest speed of a node, infinite where a part fails
 
   virtual ~Neighbours() = default;
@@ -36,7 +37,7 @@ class Neighbours {
   std::vector<int> sent, ghosts;         // nodes, those of each neighbour together
   std::vector<char> is_ghost;            // (n)
   double *out = nullptr, *in = nullptr;  // (sent, record), (ghosts, record)
-  // Largest of the first, sums of the others: (1 + 3 for each tool of a sheet + 4 for each of solids).
+  // Largest of the first, sums of the others: 1 + 3 for each tool of a sheet + 4 for each of solids, in the plane 2.
   double* shared = nullptr;
   int n_shared = 1;
   bool leads = false;  // counts what belongs to no node and no element

@@ -1156,7 +1156,7 @@ class SpaceLoop:
 
     def join(self, messages: object, sent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], ghosts: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], into: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], shared: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], leads: bool) -> None:
         """
-        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
+        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, k), into (ghosts, k): what is sent and has come, k = 8 where there is a sheet, 3 of solids in space, 2 in the plane; shared (1 + 3 for each tool of a sheet + 4 for each of solids in space, 2 in the plane): the first becomes the largest, the others the sums of all parts'.
         """
 
     def set_tool_forces(self, force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
@@ -1572,7 +1572,7 @@ class SpaceLoopSingle:
 
     def join(self, messages: object, sent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], ghosts: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], into: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], shared: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], leads: bool) -> None:
         """
-        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, 8), into (ghosts, 8): what is sent and has come; shared (1 + 3 for each tool): the first becomes the largest, the others the sums of all parts'.
+        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, k), into (ghosts, k): what is sent and has come, k = 8 where there is a sheet, 3 of solids in space, 2 in the plane; shared (1 + 3 for each tool of a sheet + 4 for each of solids in space, 2 in the plane): the first becomes the largest, the others the sums of all parts'.
         """
 
     def set_tool_forces(self, force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
@@ -1831,6 +1831,9 @@ class PlaneLoop:
     def begin_wall_sums(self, wall: int) -> None:
         """Sum up anew what a wall presses and rubs."""
 
+    def set_wall_sums(self, wall: int, pressed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rubbed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Set those sums, as wall_pressed and wall_rubbed give them."""
+
     def wall_pressed(self, wall: int) -> NDArray[numpy.float64]:
         """
         Impulse of a wall's pressure on the nodes since begin_wall_sums (n_nodes) [N s].
@@ -1843,6 +1846,11 @@ class PlaneLoop:
 
     def move_wall(self, wall: int, velocity: Sequence[float]) -> None:
         """Set a wall's velocity [mm/s]."""
+
+    def join(self, messages: object, sent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], ghosts: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], into: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], shared: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], leads: bool) -> None:
+        """
+        Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, k), into (ghosts, k): what is sent and has come, k = 8 where there is a sheet, 3 of solids in space, 2 in the plane; shared (1 + 3 for each tool of a sheet + 4 for each of solids in space, 2 in the plane): the first becomes the largest, the others the sums of all parts'.
+        """
 
     @property
     def stress(self) -> NDArray[numpy.float64]:

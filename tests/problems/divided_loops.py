@@ -20,9 +20,8 @@ from presswork import build_model, read_case
 from presswork.explicit.input_checks import ExplicitError
 from presswork.law.umat import compile_law
 from presswork.model import Model
-from presswork.process.begin import begin_formed_part
+from presswork.process.begin import begin_formed_part, begin_impact
 from presswork.process.press_line import PressLine
-from presswork.process.space_impact import ExplicitSpaceImpact
 from presswork.process.springback import ReleasedStamping
 from presswork.process.stamping import ExplicitStamping
 from presswork.ranks.world import World, find_world
@@ -124,6 +123,43 @@ def describe_porous_block() -> str:
     return head + tail[tail.index("[boundary.x]") :].replace("PULLED", PULLED)
 
 
+def describe_section(element: str = "quad4_1pt", analysis: str = "axisymmetric") -> str:
+    """Return the text of a cylinder or a strip that is thrown at an anvil and met by a die from above."""
+    return f"""
+title = "A section between two tools"
+analysis = "{analysis}"
+procedure = "explicit"
+[explicit]
+damping = 1e3
+[workpiece]
+material = "steel"
+element = "{element}"
+velocity = [0, "-100 m/s"]
+mesh = {{size = [4, 6], cells = [7, 9]}}
+[materials.steel]
+young = 200e3
+poisson = 0.3
+density = "7850 kg/m^3"
+hardening = {{law = "swift", K = 565, e0 = 0.007, n = 0.26}}
+heating = {{reference = 20, melting = 1500, exponent = 1, heat_capacity = "460 J/(kg*K)"}}
+[tools.die]
+profile = [[0, 6], [3, 6], [9, 9]]
+contact = "coulomb"
+mu = 0.1
+[tools.anvil]
+profile = [[9, 0], [0, 0]]
+contact = "coulomb"
+mu = 0.1
+[boundary.axis]
+set = "left"
+fix = ["x"]
+[[stages]]
+name = "press"
+duration = "4e-5 s"
+tools.die = {{stroke = 1.5, direction = [0, -1]}}
+{OUTPUT}"""
+
+
 def describe_explicit_sector() -> str:
     """Return the text of a sector between planes that stand askew, under a die that turns."""
     text = describe_explicit_block(SECTOR, TURNED).replace(
@@ -161,8 +197,9 @@ def begin(model: Model, world: World | None) -> Any:
         return begin_formed_part(model, 1, world)
     if model.following:
         return PressLine(model, threads=1, world=world)
-    kind = ExplicitStamping if model.analysis == "stamping" else ExplicitSpaceImpact
-    return kind(model, threads=1, world=world)
+    if model.analysis == "stamping":
+        return ExplicitStamping(model, threads=1, world=world)
+    return begin_impact(model, 1, world)
 
 
 def describe_line() -> str:
@@ -235,6 +272,12 @@ def main() -> None:
         runs = {"formed": compare(formed, world), "user_law": compare(describe_user_law(Path(folder)), world)}
     runs |= {
         "pores": compare(describe_porous_block(), world),
+        "section": compare(describe_section(), world),
+        "strip": compare(describe_section("tri3", "plane_strain"), world),
+        "new_sections": compare(describe_section().replace("enabled = false", "every = 0.2"), world, rows=5),
+        "new_bodies": compare(
+            describe_explicit_block(TET, MOVED).replace("enabled = false", "every = 0.2"), world, rows=3
+        ),
         "hexahedra": compare(describe_explicit_block(HEX, MOVED), world),
         "pushed": compare(describe_explicit_block(HEX, PUSHED), world),
         "eight_points": compare(describe_explicit_block(HEX.replace("hex8_1pt", "hex8"), MOVED), world),
@@ -247,7 +290,7 @@ def main() -> None:
         "tetrahedra": compare(describe_explicit_block(TET, MOVED), world),
         "mitc": compare(describe_cup(8) + '[explicit]\nelement = "shell4_mitc_plus"\n', world),
         "single": compare(describe_cup(8) + '[explicit]\nprecision = "single"\n', world),
-        "strip": compare(STRIP, world, rows=10),
+        "beads": compare(STRIP, world, rows=10),
         "line": compare(describe_line(), world, rows=5),
         "scaled": compare(describe_cup(8) + "[explicit]\ntarget_step = 2e-6\n", world),
     }

@@ -12,7 +12,16 @@ from presswork import build_model, read_case
 from presswork.outcome import StartError
 from presswork.process.on_ranks import begin_on_ranks
 from presswork.results import load_checkpoint, read_history
-from tests.problems.divided_loops import HEX, MOVED, PUSHED, SHARES, describe_explicit_block, heat_up, read
+from tests.problems.divided_loops import (
+    HEX,
+    MOVED,
+    PUSHED,
+    SHARES,
+    describe_explicit_block,
+    describe_section,
+    heat_up,
+    read,
+)
 from tests.problems.ranks import explain_no_mpi, run_module_on_ranks, run_on_ranks
 from tests.problems.square_cup import BEAD, describe_cup
 
@@ -69,6 +78,18 @@ def test_a_hot_block_under_a_pushed_die_has_the_bits_of_one_process_on_two_ranks
     assert 0 < len(read_history(tmp_path / "two" / "history.csv")["time"]) < 10
     run_on_ranks(3, case, tmp_path / "two", "--resume")
     _compare(tmp_path / "one", tmp_path / "two", ("die.force", "die.stroke", "anvil.force_x", "x.force_x", "x_max"))
+
+
+@pytest.mark.usefixtures("needs_mpi")
+def test_a_cylinder_that_gets_new_meshes_has_the_bits_of_one_process_on_two_ranks_and_when_three_go_on(tmp_path):
+    case = tmp_path / "section.toml"
+    case.write_text(describe_section().replace("enabled = false", "every = 0.3"))
+    run_on_ranks(1, case, tmp_path / "one")
+    run_on_ranks(2, case, tmp_path / "two", "--set", "limits.hydrostatic_stress=1.0", status=3)
+    one, two = (read_history(tmp_path / name / "history.csv") for name in ("one", "two"))
+    assert 0 < two["remeshes"][-1] < one["remeshes"][-1]
+    run_on_ranks(3, case, tmp_path / "two", "--resume")
+    _compare(tmp_path / "one", tmp_path / "two", ("die.force", "anvil.force", "remeshes", "x_max"))
 
 
 @pytest.mark.usefixtures("needs_mpi")

@@ -32,9 +32,37 @@ class PlaneLoop final : public Loop<PlaneNodes> {
     interactions.push_back(contacts.back().get());
   }
 
+  void join(std::unique_ptr<Neighbours> of) override {
+    nodes.leave(of->ghosts);
+    Loop::join(std::move(of));
+  }
+
   const SolidSection section;
   std::vector<std::unique_ptr<BodyContact<PlaneNodes>>> contacts;
   std::vector<std::unique_ptr<RigidWall>> walls;
+
+ protected:
+  void tell_neighbours() override {
+    double* record = neighbours_->out;
+    for (int node : neighbours_->sent)
+      for (int i = 0; i < 2; ++i) *record++ = nodes.velocity.data()[2 * std::size_t(node) + i];
+    double* share = neighbours_->shared + Neighbours::first_force;
+    for (const auto& wall : walls) wall->sum_chunks(share), share += 2;
+  }
+  void move_ghosts(double dt) override {
+    const double* record = neighbours_->in;
+    for (int node : neighbours_->ghosts) {
+      for (int i = 0; i < 2; ++i) nodes.velocity.data()[2 * std::size_t(node) + i] = *record++;
+      nodes.step_on(node, dt);
+    }
+  }
+  void take_shared() override {
+    const double* share = neighbours_->shared + Neighbours::first_force;
+    for (const auto& wall : walls) wall->of_all_parts = share, share += 2;
+  }
+  bool shares_enough() const override {
+    return neighbours_->n_shared >= Neighbours::first_force + 2 * static_cast<int>(walls.size());
+  }
 };
 
 }  // namespace presswork::explicit_dynamics

@@ -15,7 +15,8 @@ PlaneNodes::PlaneNodes(int n, const double* points, const std::uint8_t* contact)
       reaction_impulse(2 * std::size_t(n)),
       contact_(contact, contact + n),
       fixed_(2 * std::size_t(n)),
-      special_(padded() / 4),
+      kind_(padded()),
+      apart_(padded() / 4),
       inverse_mass_(2 * padded()),
       prescribed_(2 * std::size_t(n)) {
   for (int i = 0; i < n; ++i)
@@ -30,19 +31,27 @@ void PlaneNodes::set_masses(const std::vector<double>& sum) {
 
 void PlaneNodes::add_wall(RigidWall* wall) {
   walls.push_back(wall);
-  mark_special();
+  find_kinds();
 }
 
 void PlaneNodes::prescribe(const std::uint8_t* fixed, const double* velocity) {
   std::copy_n(fixed, fixed_.size(), fixed_.begin());
   std::copy_n(velocity, prescribed_.size(), prescribed_.begin());
-  mark_special();
+  find_kinds();
 }
 
-void PlaneNodes::mark_special() {
-  std::fill(special_.begin(), special_.end(), 0);
-  for (std::size_t i = 0; i < std::size_t(n); ++i)
-    if (fixed_[2 * i] || fixed_[2 * i + 1] || (contact_[i] && !walls.empty())) special_[i / 4] = 1;
+void PlaneNodes::leave(const std::vector<int>& nodes) {
+  for (int node : nodes) kind_[node] = led;
+  find_kinds();
+}
+
+void PlaneNodes::find_kinds() {
+  std::fill(apart_.begin(), apart_.end(), 0);
+  for (std::size_t i = 0; i < std::size_t(n); ++i) {
+    if (kind_[i] != led)
+      kind_[i] = fixed_[2 * i] || fixed_[2 * i + 1] || (contact_[i] && !walls.empty()) ? alone : plain;
+    if (kind_[i] != plain) apart_[i / 4] = 1;
+  }
 }
 
 Work PlaneNodes::step_node(int node, const Step& step, bool whole, double after[2]) const {
@@ -91,7 +100,7 @@ Work PlaneNodes::step_node(int node, const Step& step, bool whole, double after[
 
 void PlaneNodes::move_one(int node, const Step& step, Work& sum) {
   const std::size_t at = 2 * std::size_t(node);
-  double after[2], *x = position.data() + 2 * at;
+  double after[2];
   sum.add(step_node(node, step, true, after));
   const double mean[2] = {0.5 * (velocity.data()[at] + after[0]), 0.5 * (velocity.data()[at + 1] + after[1])};
   for (int i = 0; i < 2; ++i) {
@@ -100,9 +109,8 @@ void PlaneNodes::move_one(int node, const Step& step, Work& sum) {
           step.mean_dt * (internal_force.data()[at + i] - step.force_scale * force.data()[at + i] +
                           mass[node] * (after[i] - step.kept * velocity.data()[at + i]) / step.push);
     velocity.data()[at + i] = after[i];
-    x[2 + i] = step.dt * after[i];
-    x[i] += x[2 + i];
   }
+  step_on(node, step.dt);
   if (!contact_[node]) return;
   for (RigidWall* wall : walls) {
     const double w[2] = {step.velocity_scale * wall->velocity[0], step.velocity_scale * wall->velocity[1]};
@@ -111,22 +119,36 @@ void PlaneNodes::move_one(int node, const Step& step, Work& sum) {
   }
 }
 
-void PlaneNodes::move_four(int first, const Step& step, Record& external, Record& damped) {
+void PlaneNodes::move_four(int first, const Step& step, Record& external, Record& damped, Work& sum) {
   const std::size_t at = 2 * std::size_t(first);
   const Record before = load_record(velocity.data() + at), inverse = load_record(inverse_mass_.data() + at);
   const Record outer = step.force_scale * load_record(force.data() + at);
   const Record after = step.kept * before + step.push * inverse * (outer - load_record(internal_force.data() + at));
-  external += outer * (before + after);
+  Freedoms counts = {-1, -1, -1, -1, -1, -1, -1, -1};
+  const bool apart = apart_[first / 4];
+  for (int i = 0; apart && i < 8; ++i) counts[i] = kind_[first + i / 2] == plain ? -1 : 0;
+  external += counts ? outer * (before + after) : Record{};
   if (step.damping > 0.0) {
     const Record mean = 0.5 * (before + after);
-    damped += inverse > 0.0 ? mean * mean / inverse : Record{};
+    damped += (inverse > 0.0) & counts ? mean * mean / inverse : Record{};
   }
-  store_record<8>(after, velocity.data() + at);
   const Record move = step.dt * after, twice[2] = {__builtin_shufflevector(move, move, 0, 1, 0, 1, 2, 3, 2, 3),
                                                    __builtin_shufflevector(move, move, 4, 5, 4, 5, 6, 7, 6, 7)};
+  Record next[2];
   for (int half = 0; half < 2; ++half) {
-    double* x = position.data() + 2 * at + 8 * half;
-    store_record<8>(twice[half] + __builtin_shufflevector(load_record(x), Record{}, 0, 1, 8, 8, 4, 5, 8, 8), x);
+    const Record now = load_record(position.data() + 2 * at + 8 * half);
+    next[half] = twice[half] + __builtin_shufflevector(now, Record{}, 0, 1, 8, 8, 4, 5, 8, 8);
+  }
+  if (!apart) {
+    store_record<8>(after, velocity.data() + at);
+    for (int half = 0; half < 2; ++half) store_record<8>(next[half], position.data() + 2 * at + 8 * half);
+    return;
+  }
+  for (int i = 0; i < 4; ++i) {
+    if (kind_[first + i] == alone) move_one(first + i, step, sum);
+    if (kind_[first + i] != plain) continue;
+    for (int k = 0; k < 2; ++k) velocity.data()[at + 2 * i + k] = after[2 * i + k];
+    for (int k = 0; k < 4; ++k) position.data()[2 * at + 4 * i + k] = next[i / 2][4 * (i % 2) + k];
   }
 }
 
@@ -134,13 +156,7 @@ Moved PlaneNodes::move(int first, int last, const Step& step) {
   for (RigidWall* wall : walls) wall->open_chunk(first);
   Work sum;
   Record external{}, damped{};
-  for (int node = first; node < last; node += 4) {
-    if (!special_[node / 4]) {
-      move_four(node, step, external, damped);
-      continue;
-    }
-    for (int i = node; i < std::min(node + 4, last); ++i) move_one(i, step, sum);
-  }
+  for (int node = first; node < last; node += 4) move_four(node, step, external, damped, sum);
   for (int i = 0; i < 8; ++i) {
     sum.external += 0.5 * step.mean_dt * external[i];
     sum.damping += step.mean_dt * step.damping * damped[i];
@@ -150,6 +166,7 @@ Moved PlaneNodes::move(int first, int last, const Step& step) {
 
 void PlaneNodes::add_half_step(const Step& step, Energies& e) const {
   for (int node = 0; node < n; ++node) {
+    if (kind_[node] == led) continue;  // counted in another part
     double after[2];
     const Work done = step_node(node, step, false, after);
     e.external += done.external, e.damping += done.damping;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Nodes in the plane or in axisymmetry: two displacements each, lumped mass, rigid walls that none of them passes.
 //
-// Four nodes are moved at a time, as one vector; those that touch walls or are held, and their neighbours in the four,
-// one by one: walls correct their velocity.
+// Four nodes are moved at a time, as one vector; those that touch walls or are held once more, one by one: walls
+// correct their velocity. So the bits of a node do not depend on its neighbours in the four, nor on how a mesh is
+// divided.
 #pragma once
 
 #include <cstdint>
@@ -33,6 +34,16 @@ class PlaneNodes {
   void prescribe(const std::uint8_t* fixed, const double* velocity);
   // The wall must outlive the nodes.
   void add_wall(RigidWall* wall);
+  // Let other parts of the mesh move nodes.
+  void leave(const std::vector<int>& nodes);
+  // Move a node by its velocity.
+  void step_on(int node, double dt) {
+    double* x = position.data() + position_stride * std::size_t(node);
+    for (int i = 0; i < 2; ++i) {
+      x[2 + i] = dt * velocity.data()[2 * std::size_t(node) + i];
+      x[i] += x[2 + i];
+    }
+  }
   // Advance nodes [first, last), a chunk, by a step.
   Moved move(int first, int last, const Step& step);
   // Kinetic energy, and the work of the first half of the next step.
@@ -48,17 +59,20 @@ class PlaneNodes {
 
  private:
   std::size_t padded() const { return (std::size_t(n) + 3) / 4 * 4; }
-  void mark_special();
+  void find_kinds();
   // Velocity half a step on of one node, and what forces and walls do meanwhile: over the whole step, when the walls'
   // forces are kept too, or over its first half.
   Work step_node(int node, const Step& step, bool whole, double after[2]) const;
-  void move_four(int first, const Step& step, Record& external, Record& damped);
+  void move_four(int first, const Step& step, Record& external, Record& damped, Work& sum);
   void move_one(int node, const Step& step, Work& sum);
 
   std::vector<std::uint8_t> contact_, fixed_;  // (n); (n, 2): velocity is prescribed
-  std::vector<std::uint8_t> special_;          // of each four nodes: one touches walls or is held
-  AlignedArray<double> inverse_mass_;          // (n, 2) [1/t]
-  std::vector<double> prescribed_;             // (n, 2)
+  // Of each node: moved with its neighbours, by itself, as it touches walls or is held, or by another part.
+  enum Kind : std::uint8_t { plain, alone, led };
+  std::vector<std::uint8_t> kind_;     // (n)
+  std::vector<std::uint8_t> apart_;    // of each four nodes: one is not plain
+  AlignedArray<double> inverse_mass_;  // (n, 2) [1/t]
+  std::vector<double> prescribed_;     // (n, 2)
 };
 
 }  // namespace presswork::explicit_dynamics

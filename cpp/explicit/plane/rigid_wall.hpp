@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "contact/profile.hpp"
+#include "explicit/exact_sum.hpp"
 #include "explicit/interaction.hpp"
 #include "explicit/nodes.hpp"
 
@@ -38,10 +39,15 @@ class RigidWall final : public Interaction<PlaneNodes> {
   RigidWall(const RigidWall&) = delete;
   RigidWall& operator=(const RigidWall&) = delete;
 
-  // Nodes are moved in chunks; the force on those of each is summed up by itself.
+  // Nodes are moved in chunks; the force on those of each is summed up by itself, and then together.
   void open_chunk(int first_node) { std::fill_n(&chunk_force_[2 * std::size_t(first_node / chunk)], 2, 0.0); }
   void add_to_chunk(int node) {
-    for (int i = 0; i < 2; ++i) chunk_force_[2 * std::size_t(node / chunk) + i] += force[2 * std::size_t(node) + i];
+    for (int i = 0; i < 2; ++i)
+      chunk_force_[2 * std::size_t(node / chunk) + i] += round_force(force[2 * std::size_t(node) + i]);
+  }
+  void sum_chunks(double sum[2]) const {
+    sum[0] = sum[1] = 0.0;
+    for (std::size_t at = 0; at < chunk_force_.size(); ++at) sum[at % 2] += chunk_force_[at];
   }
   // Add what a node has got in a cycle over dt, in which it moved at v and the wall at w.
   void add_to_sums(int node, double dt, const double v[2], const double w[2]) {
@@ -54,9 +60,11 @@ class RigidWall final : public Interaction<PlaneNodes> {
     std::fill(rubbed.begin(), rubbed.end(), 0.0);
   }
   void move(const Step& step, int, double) override {
+    double own[2];
+    if (!of_all_parts) sum_chunks(own);
     for (int i = 0; i < 2; ++i) {
       offset[i] += step.dt * step.velocity_scale * velocity[i];
-      for (std::size_t at = i; at < chunk_force_.size(); at += 2) impulse[i] += step.mean_dt * chunk_force_[at];
+      impulse[i] += step.mean_dt * (of_all_parts ? of_all_parts : own)[i];
     }
   }
   void list_state(std::vector<StateField>& fields) override {
@@ -66,12 +74,13 @@ class RigidWall final : public Interaction<PlaneNodes> {
   }
 
   std::string name;
-  double mu;                        // Coulomb
-  double offset[2] = {0.0, 0.0};    // displacement since the start [mm]
-  double velocity[2] = {0.0, 0.0};  // [mm/s]
-  double impulse[2] = {0.0, 0.0};   // given to the nodes since the start [N s]
-  std::vector<double> force;        // (n_nodes, 2) on the nodes in the last cycle [N]
-  std::vector<double> friction;     // (n_nodes, 2) of that the friction [N]
+  double mu;                             // Coulomb
+  double offset[2] = {0.0, 0.0};         // displacement since the start [mm]
+  double velocity[2] = {0.0, 0.0};       // [mm/s]
+  double impulse[2] = {0.0, 0.0};        // given to the nodes since the start [N s]
+  std::vector<double> force;             // (n_nodes, 2) on the nodes in the last cycle [N]
+  std::vector<double> friction;          // (n_nodes, 2) of that the friction [N]
+  const double* of_all_parts = nullptr;  // force of this cycle (2), where the mesh is divided
   // (n_nodes) since begin_sums: impulse of the pressure [N s], work that friction has taken [N mm]
   std::vector<double> pressed, rubbed;
 

@@ -140,10 +140,12 @@ void SpaceLoop<Real>::tell_neighbours() {
   double* record = to.out;
   for (int node : to.sent) {
     const Real* motion = this->nodes.motion.data() + std::size_t(this->nodes.motion_stride) * node;
-    for (int i = 0; i < freedoms; ++i) record[i] = motion[i];
-    record[Neighbours::half] = contact ? contact->half(node) : 0.0;
-    record[Neighbours::room] = contact ? contact->room_at(node) : 0.0;
-    record += Neighbours::record;
+    for (int i = 0; i < std::min(to.record, freedoms); ++i) record[i] = motion[i];
+    if (to.record > Neighbours::room) {
+      record[Neighbours::half] = contact ? contact->half(node) : 0.0;
+      record[Neighbours::room] = contact ? contact->room_at(node) : 0.0;
+    }
+    record += to.record;
   }
   double* share = to.shared + Neighbours::first_force;
   if (contact)
@@ -158,10 +160,10 @@ void SpaceLoop<Real>::move_ghosts(double dt) {
   const double* record = from.in;
   for (int node : from.ghosts) {
     Real* motion = this->nodes.motion.data() + std::size_t(this->nodes.motion_stride) * node;
-    for (int i = 0; i < freedoms; ++i) motion[i] = static_cast<Real>(record[i]);
+    for (int i = 0; i < std::min(from.record, freedoms); ++i) motion[i] = static_cast<Real>(record[i]);
     if (!hanging.hangs(node)) this->nodes.step_on(node, dt);
     if (contact) contact->half(node) = record[Neighbours::half], contact->room_at(node) = record[Neighbours::room];
-    record += Neighbours::record;
+    record += from.record;
   }
 }
 

@@ -34,8 +34,6 @@ FOR_BOTH = {
     "remove_tool", "set_slower", "stop_tool",
 }  # fmt: skip
 """Calls that say the same to the whole loop and to parts."""
-PULLED = {"position", "thickness", "stress", "history", "pressure", "deepest"}
-"""What rank 0 asks for by itself; where it reads anything else, the whole state comes to it."""
 STATE = "state"
 ENERGIES = ("kinetic", "internal", "hourglass", "external", "damping", "contact", "friction")
 ARRAYS = ("velocity", "force", "internal_force")
@@ -43,14 +41,22 @@ ARRAYS = ("velocity", "force", "internal_force")
 
 
 class DividedLoop:
-    """A whole loop, and the rank's own loop on a part of it."""
+    """A whole loop, and the rank's own loop on a part of it; as it stands, of solids in the plane."""
 
-    def __init__(self, whole: Any, own: Any, part: Part, world: World) -> None:
-        """whole, own: loops with their blocks; own has part's nodes and elements, without the blocks that have none."""
+    sums_of_wall = 2
+    """Numbers of a wall that ranks sum up in each cycle."""
+    pulled: frozenset[str] = frozenset({"position"})
+    """What rank 0 asks for by itself; where it reads anything else, the whole state comes to it."""
+
+    def __init__(self, whole: Any, own: Any, part: Part, world: World, *, width: int) -> None:
+        """whole, own: loops with their blocks; own has part's nodes and elements, without the blocks that have none.
+
+        width: numbers that ranks tell each other of a node (cpp/explicit/neighbours.hpp).
+        """
         self._whole, self._own, self._part, self._world = whole, own, part, world
         self._state = SharedState(whole, own, part, world)
         sent, ghosts = (dict(sorted(of.items())) for of in (part.sent, part.ghosts))
-        self._channel = Channel(world, _count(sent), _count(ghosts), 4 * MOST_TOOLS)
+        self._channel = Channel(world, _count(sent), _count(ghosts), 4 * MOST_TOOLS, width)
         own.join(
             self._channel,
             _join(sent),
@@ -60,9 +66,7 @@ class DividedLoop:
             shared=self._channel.shared,
             leads=world.rank == 0,
         )
-        own.ironing = whole.ironing
-        self._pushed: set[int] = set()
-        self._tools = self._walls = self._beads = 0
+        self._walls = 0
         self._where: Literal["all", "lead", "parts"] = "all"
         """Which whole loops have the present state: of all ranks, of rank 0, or none."""
         self._own_is_old = True
@@ -70,7 +74,9 @@ class DividedLoop:
         self._shapes: dict[tuple[Any, ...], tuple[int, ...]] = {}
         self._number = world.register(self)
         self._told: Array = np.zeros((0, 0))
-        self._forces, self._restraints = np.zeros((0, 3)), np.zeros(0)
+        """What came of the last cycles on each rank: a row (6 + n) by rank."""
+        self._sums = np.zeros(0)
+        """Of the ranks' forces (n)."""
 
     def __getattr__(self, name: str) -> Any:
         """Return what the whole loop has, brought up to date."""
@@ -78,7 +84,7 @@ class DividedLoop:
             raise AttributeError(name)
         if name in FOR_BOTH:
             return partial(self._tell_both, name)
-        if name in PULLED and self._world.leads and self._where == "parts":
+        if name in self.pulled and self._world.leads and self._where == "parts":
             return self._pull(name) if name == "position" else partial(self._pull, name)
         self.bring_together()
         found = getattr(self._whole, name)
@@ -120,21 +126,11 @@ class DividedLoop:
             self._state.bring_together(to_all=False)
         elif name == "position":
             self._pulled[what] = self._state.gather_nodes(self._own.position)
-        elif name == "deepest":
-            self._pulled[what] = self._find_deepest(*given)
         else:
             if what not in self._shapes:
                 self._shapes[what] = getattr(self._whole, name)(*given).shape[1:]
             read: Callable[[int], Array] = getattr(self._own, name)
             self._pulled[what] = self._state.gather_elements(given[0], read, self._shapes[what])
-
-    def _find_deepest(self, tool: int) -> tuple[float, int]:
-        """Return how deep the deepest point of all ranks is in a tool [mm], and which."""
-        depth, point = self._own.deepest(tool)
-        own = np.array([depth, self._name_point(point) if point >= 0 else np.inf])
-        rows = self._world.gather(own, np.full(self._world.size, 2, dtype=np.int32)).reshape(-1, 2)
-        depth, point = min(rows.tolist(), key=lambda row: (-row[0], row[1]))
-        return depth, -1 if np.isinf(point) else int(point)
 
     def energies(self, dt: float, dt_before: float, **scales: float) -> _core.Energies:
         """Return the energies as a loop of the core does, of which each rank counts a share."""
@@ -150,11 +146,11 @@ class DividedLoop:
     def keep(self) -> Callable[[], dict[str, dict[str, Array]]]:
         """Keep the present state; return what goes back to it and gives it, which all ranks call."""
         self._enter()
-        own, told = self._own.state(), (self._told, self._forces, self._restraints)
+        own, told = self._own.state(), (self._told, self._sums)
 
         def give() -> dict[str, dict[str, Array]]:
             self._own.restore(own)
-            self._told, self._forces, self._restraints = told
+            self._told, self._sums = told
             self._where = "parts"
             self.bring_together()
             found: dict[str, dict[str, Array]] = self._whole.state()
@@ -169,7 +165,7 @@ class DividedLoop:
     ) -> tuple[int, _core.LawStatus, int]:
         """Advance as a loop of the core does; return the first failure of all ranks."""
         self._enter()
-        self._agree_on_radii()
+        self._prepare()
         failed, status, cycle = self._own.advance(time, dt, dt_before, force_scale, velocity_scale, damping=damping)
         self._where = "parts"
         self._pulled.clear()
@@ -183,39 +179,28 @@ class DividedLoop:
         """Let the rank's own loop have its part of the present state."""
         if self._own_is_old:
             self._own_is_old = False
-            self._whole.place_beads()
             self._state.hand_out()
 
-    def _agree_on_radii(self) -> None:
-        """Let walls that turn know how far the nodes of all ranks are from their centres."""
-        turning = [wall for wall in range(self._walls) if self._own.wall_radius(wall) >= 0.0]
-        if not turning:
-            return
-        own = np.array([self._own.wall_radius(wall) for wall in turning])
-        counts = np.full(self._world.size, len(turning), dtype=np.int32)
-        farthest = self._world.gather(own, counts).reshape(self._world.size, -1).max(axis=0)
-        for wall, radius in zip(turning, farthest.tolist(), strict=True):
-            self._own.set_wall_radius(wall, radius)
+    def _prepare(self) -> None:
+        """Let ranks agree on what the next cycles need."""
+
+    def _find_lost(self) -> float:
+        """Return the number in the whole loop of a point of this rank that has gone through a tool; infinity: none."""
+        return np.inf
+
+    def _list_forces(self) -> list[float]:
+        """Return this rank's part of forces that ranks sum up after cycles [N]."""
+        return []
 
     def _tell(self, failed: int, status: _core.LawStatus, cycle: int) -> None:
-        """Let all ranks know what came of cycles on each: a row (6 + 3 for each tool) by rank."""
-        own = self._own
-        lost, mine = own.lost_point, self._part.owner[self._part.nodes] == self._world.rank
+        """Let all ranks know what came of cycles on each."""
+        own, mine = self._own, self._part.owner[self._part.nodes] == self._world.rank
         failure = (cycle, self._name_element(failed), status.value) if failed >= 0 else (np.inf, 0, 0)
-        row = [
-            *failure,
-            self._name_point(lost) if lost >= 0 else np.inf,
-            np.isfinite(own.position[mine]).all(),
-            own.bound_frequencies().max(),
-        ]
-        forces = [force for tool in range(self._tools) for force in own.tool_state(tool)[2]]
-        forces += [own.bead_restraint(bead) for bead in range(self._beads)]
+        row = [*failure, self._find_lost(), np.isfinite(own.position[mine]).all(), own.bound_frequencies().max()]
+        forces = self._list_forces()
         counts = np.full(self._world.size, len(row) + len(forces), dtype=np.int32)
         self._told = self._world.gather(np.array([*row, *forces], dtype=float), counts).reshape(self._world.size, -1)
-        sums = self._told[:, len(row) :].sum(axis=0)  # of multiples of 2^-25 N: exact
-        self._forces, self._restraints = sums[: 3 * self._tools].reshape(-1, 3), sums[3 * self._tools :]
-        if self._tools:  # energies of pushed tools, which rank 0 counts, need the whole force
-            own.set_tool_forces(self._forces * (self._world.rank == 0))
+        self._sums = self._told[:, len(row) :].sum(axis=0)  # of multiples of 2^-25 N: exact
 
     @property
     def highest_frequency(self) -> float:
@@ -229,12 +214,6 @@ class DividedLoop:
         return bool(self._told[:, 4].all())
 
     @property
-    def lost_point(self) -> int:
-        """A point that has gone through a tool; -1: none."""
-        first = np.inf if self._where == "all" else self._told[:, 3].min()
-        return -1 if np.isinf(first) else int(first)
-
-    @property
     def seconds(self) -> tuple[float, float, float, float]:
         """Wall time of this rank's cycles [s]."""
         found: tuple[float, float, float, float] = self._own.seconds
@@ -244,21 +223,16 @@ class DividedLoop:
         """Return the number in the whole loop of an element of the rank's own."""
         return int(self._part.list_elements()[element])
 
-    def _name_point(self, point: int) -> int:
-        """Return the number in the whole loop of a node, or of the number of nodes + an edge."""
-        nodes = self._part.nodes
-        if point < len(nodes):
-            return int(nodes[point])
-        return len(self._part.owner) + int(self._state.find_edges()[1][point - len(nodes)])
-
     # --- what is said to both loops ---------------------------------------------------------------------------------
 
     def _tell_both(self, name: str, *given: Any, **named: Any) -> None:
         for loop in (self._whole, self._own):
             getattr(loop, name)(*given, **named)
-        if name in ("push_tool", "move_tool", "remove_tool"):
-            self._pushed = (self._pushed | {given[0]}) if name == "push_tool" else self._pushed - {given[0]}
-        self._channel.sums = 3 * self._tools + 4 * self._walls if self._pushed or self._walls else 0
+        self._channel.sums = self._count_sums()
+
+    def _count_sums(self) -> int:
+        """Return how many numbers ranks sum up in each cycle."""
+        return self.sums_of_wall * self._walls
 
     @property
     def reaction_impulse(self) -> Array:
@@ -281,25 +255,6 @@ class DividedLoop:
         self._whole.prescribe(fixed, velocity)
         self._own.prescribe(fixed[self._part.nodes], velocity[self._part.nodes])
 
-    def hold_along(self, node: npt.NDArray[np.int32], along: Array, velocity: Array) -> None:
-        """Prescribe velocities (k,) of nodes (k,), rising, along unit vectors (k, 3)."""
-        self._whole.hold_along(node, along, velocity)
-        mine = np.isin(node, self._part.nodes)
-        own = np.searchsorted(self._part.nodes, node[mine]).astype(np.int32)
-        self._own.hold_along(own, np.ascontiguousarray(along[mine]), np.ascontiguousarray(velocity[mine]))
-
-    def inherit(self, other: DividedLoop, *given: Any) -> None:
-        """Begin with the state of another loop, some elements of which are split here."""
-        other.bring_together()
-        self._whole.inherit(other._whole, *given)
-        self._own_is_old = True
-
-    def tie(self, pairs: npt.NDArray[np.int32], angle: float) -> None:
-        """Let the second nodes of pairs (n, 2), which the parts know, follow the first, turned about z [rad]."""
-        self._whole.tie(pairs, angle)
-        self._own.tie(self._part.number(pairs[np.isin(pairs[:, 1], self._part.nodes)]), angle)
-        self._own_is_old = True
-
     def set_temperature(self, block: int, temperature: Array) -> None:
         """Give the points of a block's elements temperatures (n, ...) [degrees C]."""
         self._whole.set_temperature(block, temperature)
@@ -314,75 +269,26 @@ class DividedLoop:
             self._own.add_damage(self._state.blocks.index(block), *law, **start)
         self._own_is_old = True
 
-    def add_tool(self, surface: _core.ToolSurface, **grip: Any) -> int:
-        """Add a rigid tool that a sheet touches; return its number."""
+    def add_wall(self, profile: Array, **motion: Any) -> None:
+        """Let a rigid tool hold the nodes of the boundary off."""
         self._refuse_more()
-        if self._tools == 0:
-            self._own.sheet_sizes = self._whole.sheet_sizes
-        self._own.add_tool(surface, **grip)
-        self._tools += 1
-        self._own_is_old = True
-        return int(self._whole.add_tool(surface, **grip))
+        self._whole.add_wall(profile, **motion)
+        self._own.add_wall(profile, **motion)
+        self._count_wall()
 
-    def add_wall(self, surface: _core.ToolSurface, touching: npt.NDArray[np.uint8], **motion: Any) -> None:
-        """Let a rigid tool hold the nodes marked (n_nodes,) off."""
-        self._refuse_more()
-        self._whole.add_wall(surface, touching, **motion)
-        self._own.add_wall(surface, touching[self._part.nodes], **motion)
+    def _count_wall(self) -> None:
         self._walls += 1
         self._state.n_walls = self._walls
         self._own_is_old = True
-        self._channel.sums = 3 * self._tools + 4 * self._walls
+        self._channel.sums = self._count_sums()
 
     def _refuse_more(self) -> None:
         self.bring_together()
-        if self._tools + self._walls == MOST_TOOLS:
+        if self._count_tools() == MOST_TOOLS:
             raise ExplicitError(f"ranks share at most {MOST_TOOLS} tools: compute the case without mpiexec")
 
-    def limit_wall_friction(self, wall: int, limit: Array) -> None:
-        """Limit the friction of a wall on each node (n_nodes,) [N]."""
-        self._whole.limit_wall_friction(wall, limit)
-        self._own.limit_wall_friction(wall, np.ascontiguousarray(limit[self._part.nodes]))
-
-    def add_bead(self, place: Array, across: Array, length: Array, *, force: float, tool: int) -> int:
-        """Add a drawbead; return its number."""
-        self.bring_together()
-        if self._beads == 0:
-            of_own = np.full(len(self._part.owner), -1, dtype=np.int32)
-            of_own[self._part.nodes] = np.arange(len(self._part.nodes))
-            self._own.share_beads(self._whole, of_own, self._part.list_elements())
-        self._own.add_bead(place, across, length, force=force, tool=tool)
-        self._beads += 1
-        self._own_is_old = True
-        return int(self._whole.add_bead(place, across, length, force=force, tool=tool))
-
-    def drive_bead(self, bead: int, share: Array) -> None:
-        """Say what share of its force a drawbead has in the next cycles."""
-        self._own.drive_bead(bead, share)
-
-    def bead_restraint(self, bead: int) -> float:
-        """Return the restraining force of a drawbead [N]."""
-        return float(self._whole.bead_restraint(bead) if self._where == "all" else self._restraints[bead])
-
-    def force_of_tool(self, tool: int) -> Array:
-        """Return the forces of a tool on the nodes (n_nodes, 3) [N]."""
-        if self._where == "parts" and not self._world.leads:
-            found = self._state.gather_nodes(self._own.force_of_tool(tool), to_all=True)
-        else:
-            self.bring_together()
-            found = self._whole.force_of_tool(tool)
-        return np.asarray(found)
-
-    def drive_tool(self, tool: int, drive: Array) -> None:
-        """Say what the next cycles do with a tool."""
-        self._own.drive_tool(tool, drive)
-
-    def tool_state(self, tool: int) -> tuple[Any, Any, Any]:
-        """Return displacement [mm], velocity [mm/s] and the sheet's force [N] of a tool."""
-        if self._where == "all":
-            return self._whole.tool_state(tool)  # type: ignore[no-any-return]
-        place, velocity, _ = self._own.tool_state(tool)
-        return place, velocity, self._forces[tool]
+    def _count_tools(self) -> int:
+        return self._walls
 
 
 def _join(lists: dict[int, Numbers]) -> npt.NDArray[np.int32]:

@@ -6,7 +6,7 @@ What runs in the plane (solids.py) and in space (space.py, shells.py) share. Uni
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -48,6 +48,8 @@ class Dynamics:
 
     FREEDOMS = ""
     """Letters of a node's freedoms."""
+    _resident: Any = None
+    """The loop on a device, where there is one."""
 
     def __init__(
         self,
@@ -370,6 +372,17 @@ class Dynamics:
     def restore_as_given(self, dump: Mapping[str, Array]) -> None:
         """Take over what dump_as_given gave. Raises ExplicitError as restore does."""
         self.restore(dump)
+
+    def keep(self) -> Callable[[], dict[str, Array]] | None:
+        """Keep the present state where the cycles are computed, if not here; return what gives it, until kept anew.
+
+        On a device, and on ranks, where a run is not restored otherwise until it has been given.
+        """
+        keeper = self._resident or self._parts
+        if not keeper:
+            return None
+        run, give = self._dump_run(), keeper.keep()
+        return lambda: name_arrays({**give(), RUN: run})
 
     def _dump_run(self) -> dict[str, Array]:
         """Return what the loop does not keep."""

@@ -159,8 +159,8 @@ class SharedState:
 
 
 def _rows(name: str, values: Array) -> Array:
-    """Return a view with a row for each node: walls keep the vectors of forces one after the other."""
-    return values.reshape(-1, 3) if name == "force" else values
+    """Return a view with a row for each node: walls in space keep the vectors of forces one after the other."""
+    return values.reshape(-1, 3) if name == "force" and values.ndim == 1 else values
 
 
 def _kind(owner: str) -> str:

@@ -14,7 +14,7 @@ Units are mm, s, t, N, MPa, degrees Celsius. A node has two freedoms: u along x 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,11 +22,14 @@ import numpy.typing as npt
 from presswork import _core
 from presswork.evolution.damage import make_damage
 from presswork.explicit.body_contacts import TouchingBodies
+from presswork.explicit.divided import DividedLoop
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.input_checks import ExplicitError, check_solids
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.walls import Wall as Wall
-from presswork.model import POROSITY, Mesh
+from presswork.model import POROSITY, CellBlock, Mesh
+from presswork.ranks.parts import make_part
+from presswork.ranks.world import World
 
 if TYPE_CHECKING:
     from presswork.evolution.porosity import NonlocalPorosity
@@ -41,7 +44,8 @@ class ExplicitSolids(TouchingBodies, Dynamics):
     """Solids of quad4_1pt or tri3 in explicit dynamics.
 
     mesh: points (n_nodes, 2) [mm], blocks of cells; materials: as the blocks number them. depth [mm]: of plane strain.
-    hourglass_fraction: of the shear modulus, that resists hourglass modes of quad4_1pt.
+    hourglass_fraction: of the shear modulus, that resists hourglass modes of quad4_1pt. world: ranks that share the
+    cycles.
     """
 
     FREEDOMS = FREEDOMS
@@ -55,25 +59,23 @@ class ExplicitSolids(TouchingBodies, Dynamics):
         axisymmetric: bool,
         depth: float = 1.0,
         hourglass_fraction: float = 0.05,
+        world: World | None = None,
     ) -> None:
         check_solids(mesh, len(materials), axisymmetric, depth, hourglass_fraction)
         self.mesh = mesh
         n = len(mesh.points)
         rim = np.zeros(n, dtype=np.uint8)
         rim[mesh.boundary_edges.ravel()] = 1
-        loop = _core.PlaneLoop(
-            np.ascontiguousarray(mesh.points, dtype=float),
-            rim,
-            axisymmetric=axisymmetric,
-            depth=depth,
-            hourglass_fraction=hourglass_fraction,
-        )
+        section: dict[str, Any] = {
+            "axisymmetric": axisymmetric,
+            "depth": depth,
+            "hourglass_fraction": hourglass_fraction,
+        }
+        loop: Any = _core.PlaneLoop(np.ascontiguousarray(mesh.points, dtype=float), rim, **section)
         for block in mesh.blocks:
-            material = materials[block.material]
-            cells = np.ascontiguousarray(block.connectivity, dtype=np.int32)
-            elastic = {"young": material.young, "poisson": material.poisson}
-            rolling = material.rolling_direction[:2]
-            loop.add_solids(block.element, cells, material.make_law(), material.density, rolling=rolling, **elastic)
+            _add_block(loop, block, materials, block.connectivity)
+        if world:
+            loop = _divide(loop, mesh, materials, rim, section, world)
         self._laws = [
             make_damage(materials[b.material].damage, materials[b.material].umat, is_solid=True) for b in mesh.blocks
         ]
@@ -226,3 +228,38 @@ class ExplicitSolids(TouchingBodies, Dynamics):
     def _restore_run(self, own: Mapping[str, Array]) -> None:
         super()._restore_run(own)
         self.given_temperature = own["temperature"]
+
+
+def _add_block(loop: Any, block: CellBlock, materials: Sequence[SolidMaterial], cells: npt.NDArray[np.int32]) -> None:
+    """Add cells (n, nodes), numbered as the loop numbers nodes, of a block of the mesh."""
+    material = materials[block.material]
+    loop.add_solids(
+        block.element,
+        np.ascontiguousarray(cells, dtype=np.int32),
+        material.make_law(),
+        material.density,
+        rolling=material.rolling_direction[:2],
+        young=material.young,
+        poisson=material.poisson,
+    )
+
+
+def _divide(
+    whole: _core.PlaneLoop,
+    mesh: Mesh,
+    materials: Sequence[SolidMaterial],
+    rim: npt.NDArray[np.uint8],
+    section: dict[str, Any],
+    world: World,
+) -> DividedLoop:
+    """Return a loop whose cycles ranks share; the arguments are those of the whole loop."""
+    cells = [block.connectivity for block in mesh.blocks]
+    try:
+        part = make_part(mesh.points, cells, world.size, world.rank, [False] * len(cells))
+    except ValueError as error:
+        raise ExplicitError(f"{error}: start fewer ranks") from None
+    own = _core.PlaneLoop(np.ascontiguousarray(mesh.points[part.nodes], dtype=float), rim[part.nodes], **section)
+    for block, elements in zip(mesh.blocks, part.elements, strict=True):
+        if len(elements):
+            _add_block(own, block, materials, part.number(block.connectivity[elements]))
+    return DividedLoop(whole, own, part, world, width=2)

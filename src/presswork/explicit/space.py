@@ -11,7 +11,7 @@ A node has six freedoms: displacements u, v, w and rotations p, q, r about x, y,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -21,9 +21,9 @@ import numpy.typing as npt
 from presswork import _core
 from presswork.explicit.blocks import Shells, Solids
 from presswork.explicit.device import DEVICES, Device, check_device
-from presswork.explicit.divided import DividedLoop
+from presswork.explicit.divided_space import DividedSpaceLoop
 from presswork.explicit.drawbeads import BeadsOfRun
-from presswork.explicit.dynamics import RUN, Dynamics, name_arrays
+from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.input_checks import ExplicitError, check_points
 from presswork.explicit.layers import LayersOfRun
 from presswork.explicit.resident import ResidentLoop, Traffic
@@ -219,24 +219,14 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
     def _energies(self, damping: float, force_scale: float, velocity_scale: float) -> _core.Energies:
         if self._resident and self.cycle > 0:
             scales = {"damping": damping, "force_scale": force_scale, "velocity_scale": velocity_scale}
-            return self._resident.measure_energies(self._last_step(), self._last_step(), **scales)
+            found: _core.Energies = self._resident.measure_energies(self._last_step(), self._last_step(), **scales)
+            return found
         return super()._energies(damping, force_scale, velocity_scale)
 
     @property
     def traffic(self) -> Traffic:
         """Copies of arrays to the device and back so far."""
         return self._resident.traffic if self._resident else Traffic()
-
-    def keep(self) -> Callable[[], dict[str, Array]] | None:
-        """Keep the present state where the cycles are computed, if not here; return what gives it, until kept anew.
-
-        On a device, and on ranks, where a run is not restored otherwise until it has been given.
-        """
-        keeper = self._resident or self._parts
-        if not keeper:
-            return None
-        run, give = self._dump_run(), keeper.keep()
-        return lambda: name_arrays({**give(), RUN: run})
 
     def _check(self) -> None:
         self._check_tools()
@@ -306,7 +296,7 @@ def _divide(
     place: npt.NDArray[np.int32],
     following: tuple[npt.NDArray[np.int32], int],
     world: World,
-) -> DividedLoop:
+) -> DividedSpaceLoop:
     """Return a loop whose cycles ranks share; the arguments are those of the whole loop; following: as of make_part."""
     cells = [place[block.cells[part]] for block, part in pieces]
     measures = [block.measures_nodes for block, _ in pieces]
@@ -323,7 +313,8 @@ def _divide(
     rows, leaders = following
     if leaders == 2 and len(rows):  # those of hanging nodes
         loop.set_hanging(mine.number(rows[np.isin(rows[:, 0], mine.nodes)]))
-    return DividedLoop(whole, loop, mine, world)
+    sheet = any(isinstance(block, Shells) for block, _ in pieces)
+    return DividedSpaceLoop(whole, loop, mine, world, width=8 if sheet else 3)
 
 
 def _order_nodes(n: int, used_in_turn: npt.NDArray[np.int32]) -> npt.NDArray[np.intp]:

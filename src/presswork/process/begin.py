@@ -71,29 +71,33 @@ def _begin(model: Model, threads: int) -> Recording:
         from presswork.process.heat_recording import HeatRecording
 
         return HeatRecording(model, threads=threads)
-    may_remesh = model.remeshing is not None and not model.remeshing.obstacle
-    may_remesh = may_remesh and not (model.explicit is not None and model.contacts)
-    if model.explicit is not None and model.dimension == 3 and may_remesh:
-        from presswork.process.remeshed_space_impact import RemeshedSpaceImpact
-
-        return RemeshedSpaceImpact(model, threads=threads)
-    if model.explicit is not None and model.dimension == 3:
-        from presswork.process.space_impact import ExplicitSpaceImpact
-
-        return ExplicitSpaceImpact(model, threads=threads)
-    if model.explicit is not None and may_remesh:
-        from presswork.process.remeshed_impact import RemeshedImpact
-
-        return RemeshedImpact(model, threads=threads)
     if model.explicit is not None:
-        from presswork.process.impact import ExplicitImpact
-
-        return ExplicitImpact(model, threads=threads)
+        return begin_impact(model, threads)
     if model.series is not None:
         from presswork.process.series import SeriesForming
 
         return SeriesForming(model, threads=threads)
     return begin_forming(model, threads)
+
+
+def begin_impact(model: Model, threads: int, world: World | None = None) -> Recording:
+    """Return the explicit procedure of solids. world: ranks that share it."""
+    may_remesh = model.remeshing is not None and not model.remeshing.obstacle and not model.contacts
+    if model.dimension == 3 and may_remesh:
+        from presswork.process.remeshed_space_impact import RemeshedSpaceImpact
+
+        return RemeshedSpaceImpact(model, threads=threads, world=world)
+    if model.dimension == 3:
+        from presswork.process.space_impact import ExplicitSpaceImpact
+
+        return ExplicitSpaceImpact(model, threads=threads, world=world)
+    if may_remesh:
+        from presswork.process.remeshed_impact import RemeshedImpact
+
+        return RemeshedImpact(model, threads=threads, world=world)
+    from presswork.process.impact import ExplicitImpact
+
+    return ExplicitImpact(model, threads=threads, world=world)
 
 
 def begin_forming(model: Model, threads: int, world: World | None = None) -> Recording:

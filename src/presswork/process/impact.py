@@ -6,7 +6,7 @@ It knows nothing of files: recorder.py records what it yields.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -43,6 +43,7 @@ from presswork.process.rows import LAST_COLUMNS, ROW, STAGE, STAGE_WAY, RowRecor
 from presswork.process.shear_friction import find_coefficient
 from presswork.process.stage_motion import find_motion
 from presswork.process.tool_quantities import describe_plane, find_way, force_on_whole, size_of_force, tool_columns
+from presswork.ranks.world import World
 from presswork.threads import available_threads
 
 if TYPE_CHECKING:
@@ -71,10 +72,11 @@ class ExplicitImpact(RowRecording):
     """Names in a checkpoint of what is neither of the loop nor of points and heat."""
     _pores: NonlocalPorosity | None = None
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
+    def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
+        """world: ranks that share the cycles."""
         assert isinstance(model.explicit, ExplicitSolid)
         super().__init__(model, threads, 4)
-        self.settings = model.explicit
+        self.settings, self._world = model.explicit, world
         self._materials = [SolidMaterial.from_model(heat_by_itself(model, material)) for material in model.materials]
         self._make_run({})
         self.solids.set_velocity(np.arange(len(model.mesh.points)), self.settings.velocity)
@@ -100,6 +102,7 @@ class ExplicitImpact(RowRecording):
             axisymmetric=model.analysis == "axisymmetric",
             depth=model.depth,
             hourglass_fraction=self.settings.hourglass_stiffness,
+            world=self._world,
         )
         self.walls = [
             self.solids.add_wall(t.name, start_profile(t), mu=find_coefficient(t.friction), is_at_start=not epoch)
@@ -376,6 +379,9 @@ class ExplicitImpact(RowRecording):
             tool_angle={t.name: 0.0 for t in model.plane_tools},
             info={**describe_plane(model), **self.reactions.gauges(model)},
         )
+
+    def _keep_run(self) -> Callable[[], Mapping[str, NDArray[Any]]] | None:
+        return self.solids.keep()  # type: ignore[no-any-return]
 
     def _state_arrays(self) -> NamedArrays:
         return {**self._arrays_beside_run(), **self.solids.dump()}

@@ -39,7 +39,7 @@ class NewEpoch:
     """Whether the metal has followed its law on the way to it."""
 
 
-def make_on_lead(world: World | None, remesh: Callable[..., Made], *given: object, part: float) -> Made:
+def make_on_lead(world: World | None, remesh: Callable[..., Made], *given: object, part: float = 1.0) -> Made:
     """Return the new mesh that `remesh` makes of a body; of ranks the first makes it for all. Raises MeshError."""
     make = partial(remesh, *given, part=part)
     return make() if world is None else world.share(make, MeshError)

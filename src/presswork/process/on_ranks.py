@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from presswork.explicit.input_checks import ExplicitError
 from presswork.model import Model, Stage
 from presswork.outcome import StartError
-from presswork.process.begin import begin_formed_part, begin_forming
+from presswork.process.begin import begin_formed_part, begin_forming, begin_impact
 from presswork.process.recording import Recording
 from presswork.ranks.world import RanksError, World, start_petsc
 
-SHARED = "the implicit forming of solids, explicit stampings, and explicit solids in space"
+SHARED = "the implicit forming of solids, explicit stampings, and explicit solids"
 REMEDY = "compute it without mpiexec, by one process with --threads"
 
 
@@ -28,7 +28,7 @@ def begin_on_ranks(model: Model, threads: int, world: World) -> Recording:
             "some thousands of cells for each rank pay"
         )
     if model.explicit is not None:
-        return _begin_explicit(model, threads, world)
+        return _begin_explicit(model, threads or 1, world)
     try:
         start_petsc(world)
     except RanksError as error:
@@ -38,21 +38,20 @@ def begin_on_ranks(model: Model, threads: int, world: World) -> Recording:
 
 def _begin_explicit(model: Model, threads: int, world: World) -> Recording:
     from presswork.process.press_line import PressLine
-    from presswork.process.space_impact import ExplicitSpaceImpact
     from presswork.process.springback import ReleasedStamping
     from presswork.process.stamping import ExplicitStamping
 
-    kind: type[PressLine | ReleasedStamping | ExplicitStamping | ExplicitSpaceImpact] = ExplicitStamping
-    if model.formed is not None:
-        return begin_formed_part(model, threads or 1, world)
-    if model.analysis != "stamping":
-        kind = ExplicitSpaceImpact
-    elif model.following:
-        kind = PressLine
-    elif model.trim or model.springback is not None or model.output.dynain:
-        kind = ReleasedStamping
     try:
-        return kind(model, threads=threads or 1, world=world)
+        if model.formed is not None:
+            return begin_formed_part(model, threads, world)
+        if model.analysis != "stamping":
+            return begin_impact(model, threads, world)
+        kind: type[PressLine | ReleasedStamping | ExplicitStamping] = ExplicitStamping
+        if model.following:
+            kind = PressLine
+        elif model.trim or model.springback is not None or model.output.dynain:
+            kind = ReleasedStamping
+        return kind(model, threads=threads, world=world)
     except ExplicitError as error:
         raise StartError(str(error)) from error
 
@@ -60,15 +59,12 @@ def _begin_explicit(model: Model, threads: int, world: World) -> Recording:
 def _find_undivided_explicit(model: Model) -> str:
     """Name what of an explicit model is not divided over ranks; nothing where all is."""
     asked = {
-        "new meshes (remesh)": model.remeshing is not None,
         "contact of bodies": bool(model.contacts),
         "contact of the sheet with itself": model.self_contact is not None,
     }
     assert model.explicit is not None
     asked[f'device = "{model.explicit.device}"'] = model.explicit.device != "cpu"
     asked['explicit.step_bound = "mesh"'] = getattr(model.explicit, "step_bound", "shells") == "mesh"
-    if model.analysis != "stamping" and model.dimension == 2:
-        asked["explicit dynamics in the plane"] = True
     return _list(asked)
 
 

@@ -27,11 +27,12 @@ from presswork.process.epochs import NamedArrays
 from presswork.process.impact import ExplicitImpact
 from presswork.process.laps import find_laps, mark_laps, tell_laps
 from presswork.process.mesh_reasons import DUE, FAILS, STEP, find_cause, find_reason, find_reason_to_leave_first
-from presswork.process.new_epoch import keep_held
+from presswork.process.new_epoch import keep_held, make_on_lead
 from presswork.process.recording import Row
 from presswork.process.remeshing import MOST_GIVEN_BACK
 from presswork.process.rows import RowReport
 from presswork.process.seams import Seams
+from presswork.ranks.world import World
 from presswork.remesh.axes import straighten_axes
 from presswork.remesh.carrier import Carrier, Part, SkinPlaces, SurfacePlaces
 from presswork.remesh.section import OldSection, remesh_section
@@ -53,7 +54,7 @@ NEAR = 0.02
 class RemeshedImpact(ExplicitImpact):
     """A solid in explicit dynamics, meshed anew where its mesh would fail."""
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
+    def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
         assert model.remeshing is not None
         assert len(model.mesh.blocks) == 1
         self._remeshing: Remeshing = model.remeshing
@@ -62,7 +63,7 @@ class RemeshedImpact(ExplicitImpact):
         self._notes: list[str] = []
         self._cause = 0
         self._threads = threads or available_threads()
-        super().__init__(model, threads=threads)
+        super().__init__(model, threads=threads, world=world)
         self._increment = np.zeros_like(model.mesh.points)
         self._first_volume = self._measure_volume()
 
@@ -160,7 +161,7 @@ class RemeshedImpact(ExplicitImpact):
 
         Raises MeshError.
         """
-        new = remesh_section(self._find_section(), self._remeshing)
+        new = make_on_lead(self._world, remesh_section, self._find_section(), self._remeshing)
         return new.mesh, new.surface(0, 0), new.line.seams
 
     def _find_power(self) -> FloatArray | None:

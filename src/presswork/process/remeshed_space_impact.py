@@ -18,6 +18,7 @@ from presswork.outcome import StartError
 from presswork.process.bodies_in_space import join_bodies, take_places
 from presswork.process.epochs import NamedArrays
 from presswork.process.mesh_reasons import LAST_CUT
+from presswork.process.new_epoch import make_on_lead
 from presswork.process.remeshed_impact import NEAR, RemeshedImpact, keep_peaks
 from presswork.process.remeshing_in_space import (
     LEFT,
@@ -29,6 +30,7 @@ from presswork.process.remeshing_in_space import (
     measure_left,
 )
 from presswork.process.space_impact import ExplicitSpaceImpact
+from presswork.ranks.world import World
 from presswork.remesh.axes import straighten_axes
 from presswork.remesh.carrier import Carrier, SkinPlaces
 from presswork.remesh.space.body import OldBody
@@ -44,7 +46,7 @@ POINTS = "block_0.points"
 class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
     """A body of tetrahedra in explicit dynamics, meshed anew where its mesh would fail."""
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
+    def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
         assert model.remeshing is not None
         self._obstacle = _find_obstacle(model)
         if self._obstacle and not model.remeshing.keeps_first:
@@ -52,7 +54,7 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
         self._shapes = [draw_shape(tool, model, model.remeshing) for tool in model.space_tools]
         self._left = Left()
         """What was wrong with the present mesh when it was made."""
-        super().__init__(model, threads=threads)
+        super().__init__(model, threads=threads, world=world)
 
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
@@ -97,7 +99,7 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
         self._left = Left(*epoch[LEFT].tolist())
 
     def _make_mesh(self) -> tuple[Mesh, SkinPlaces, Sequence[FloatArray]]:
-        new = remesh_body(self._find_body(), list_sizes(self._remeshing))
+        new = make_on_lead(self._world, remesh_body, self._find_body(), list_sizes(self._remeshing))
         mesh, (part,) = join_bodies(self.model.mesh, list_bodies(self.model), [new])
         assert isinstance(part.surface, SkinPlaces)
         return mesh, part.surface, part.seams

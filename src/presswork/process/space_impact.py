@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -55,8 +55,6 @@ class ExplicitSpaceImpact(ExplicitImpact):
     own_arrays = (PLACED, FORCE_START)
 
     def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
-        """world: ranks that share the cycles."""
-        self._world = world
         tools = len(model.space_tools)
         self._placed = np.zeros((tools, 3))
         """Displacement at which a stage last placed each tool, from which its stroke counts [mm]."""
@@ -65,7 +63,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
         self._moment = np.zeros(tools)
         self._share = share_modelled(model.space_tools)
         self._surfaces = [make_surface(tool.surface, smooth=True) for tool in model.space_tools]
-        super().__init__(model, threads=threads)
+        super().__init__(model, threads=threads, world=world)
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         model = self.model
@@ -258,9 +256,6 @@ class ExplicitSpaceImpact(ExplicitImpact):
                 tool.name: wall.angle * find_axis(tool) for tool, wall in zip(tools, self.walls, strict=True)
             },
         )
-
-    def _keep_run(self) -> Callable[[], Mapping[str, NDArray[Any]]] | None:
-        return self.solids.keep()
 
     def _arrays_beside_run(self) -> NamedArrays:
         return {**super()._arrays_beside_run(), PLACED: self._placed.copy(), FORCE_START: self._force_start.copy()}

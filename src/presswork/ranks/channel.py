@@ -11,22 +11,21 @@ import numpy as np
 from presswork.model import FloatArray
 from presswork.ranks.world import World
 
-RECORD = 8
-"""Numbers of a node in a message (cpp/explicit/neighbours.hpp)."""
-
 
 class Channel:
     """Messages with each neighbour, and numbers that all ranks share.
 
-    out, into (nodes, 8): the records of all neighbours' nodes, one neighbour after the other in the order of ranks.
+    out, into (nodes, width): the records of all neighbours' nodes, one neighbour after the other in the order of ranks.
     shared (1 + n,): of the first the largest of all ranks is found, of the next `sums` the sums.
     """
 
-    def __init__(self, world: World, sent: Mapping[int, int], received: Mapping[int, int], n_shared: int) -> None:
-        """sent, received: by rank, how many nodes go there and come from there."""
+    def __init__(
+        self, world: World, sent: Mapping[int, int], received: Mapping[int, int], n_shared: int, width: int
+    ) -> None:
+        """sent, received: by rank, how many nodes go there and come from there; width: numbers of a node."""
         self._world = world
-        self.out = np.zeros((sum(sent.values()), RECORD))
-        self.into = np.zeros((sum(received.values()), RECORD))
+        self.out = np.zeros((sum(sent.values()), width))
+        self.into = np.zeros((sum(received.values()), width))
         self.shared = np.zeros(1 + n_shared)
         self.sums = 0
         self._requests = [
