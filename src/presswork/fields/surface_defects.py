@@ -18,6 +18,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from presswork import _core
 from presswork.model import BoolArray, CellBlock, FloatArray
 
 STRAIGHTENED, FOLD = "straightened_strain", "fold_ratio"
@@ -81,15 +82,17 @@ def find_fold_ratio(
         return ratio
 
     size = np.concatenate([np.ptp(points[c], axis=1).max(axis=1) for c in corners])[own]
-    bending = _tensor(0.5 * (sheet["strain_top"] - sheet["strain_bottom"]))
-    tree, d, x = cKDTree(centre), along, centre[own]
-    up, down = np.zeros(len(own)), np.zeros(len(own))
-    for step in range(-STEPS, STEPS + 1):
-        way = step / STEPS * REACH * sheet["thickness"][own]
-        distance, near = tree.query(x + way[:, None] * d)
-        bent = np.einsum("ci,cij,cj->c", d, bending[near], d)
-        bent[distance > np.maximum(size, 0.35 * np.abs(way))] = 0.0  # beyond the edge of the sheet
-        up, down = np.maximum(up, bent), np.maximum(down, -bent)
+    steps = np.delete(np.arange(-STEPS, STEPS + 1), STEPS) / STEPS  # not the place of the shell itself
+    way = steps * REACH * sheet["thickness"][own, None]
+    places = centre[own, None] + way[..., None] * along[:, None]
+    distance, near = cKDTree(centre).query(places, workers=_core.max_threads())
+    bending = 0.5 * (sheet["strain_top"] - sheet["strain_bottom"])
+    x, y, z = along.T
+    share = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * x * z], axis=1)  # of a tensor along it
+    bent = np.stack([np.einsum("cs,cs->c", share, bending[at]) for at in (*near.T, own)], axis=1)
+    far = np.maximum(size[:, None], 0.35 * np.abs(way))
+    bent[:, :-1][distance > far] = 0.0  # beyond the edge of the sheet
+    up, down = (np.maximum(side.max(axis=1), 0.0) for side in (bent, -bent))
     ratio[own] = np.minimum(up, down) / np.maximum(-compressed, LEAST_COMPRESSION)
     return ratio
 
