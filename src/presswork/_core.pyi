@@ -668,6 +668,29 @@ def find_facing_faces(points: Annotated[NDArray[numpy.float64], dict(order='C', 
     Points of a rule on faces own (n, 3 | 4) that faces other (m, 3 | 4) face within reach (n,): the two faces of each, the shape functions there, gap [mm] and area [mm2].
     """
 
+class SheetOnItself:
+    """Contact of a sheet with itself; see sheet_on_itself.hpp."""
+
+    def __init__(self, blocks: Sequence[Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]], undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, thickness: float) -> None:
+        """
+        blocks: corners of the cells of each, (n, 3) or (n, 4). undeformed (n_points, 3): by which shells near along the sheet are left out; thickness: the largest [mm].
+        """
+
+    def search(self, now: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], half_node: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], half_cell: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], margin: float) -> NDArray[numpy.int32]:
+        """
+        Take the shells within margin of touching each node as those it may touch; returns the pairs of nodes (n, 2) that this couples.
+        """
+
+    def look(self, now: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], before: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], half_node: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], half_cell: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], reach: float) -> tuple[NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64], int]:
+        """
+        What the faces of nodes touch with a gap below reach: cells (2 n_points,), -1 of none, gaps, infinite of none, and normals (2 n_points, 3); and a node that has come through a shell, -1 if none has.
+        """
+
+    def touch(self, now: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], before: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], half_node: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], half_cell: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], slots: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, push: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], slope: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hanging: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], shear_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], mu: float) -> tuple[NDArray[numpy.float64], NDArray[numpy.int32], NDArray[numpy.float64], NDArray[numpy.float64], NDArray[numpy.float64]]:
+        """
+        Forces on the nodes (n_points, 3), pairs (25 n, 2) and blocks (25 n, 3, 3) of d(-force)/dx, friction and way (n, 3) of each slot.
+        """
+
 def push_nodes(push: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], slope: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], normal: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rise: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], bend: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
     """
     Normal forces of a tool on nodes (n, 3) [N] and their tangent (n, 3, 3) [N/mm], as node_on_tool.hpp says. push (n,) and slope (n,) by the gap; derivatives of gap (n, 3) and normal (n, 3, 3) by the place.

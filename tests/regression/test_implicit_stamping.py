@@ -162,6 +162,20 @@ def test_a_die_that_rises_draws_the_same_cup(cup, tmp_path) -> None:
     np.testing.assert_allclose(lifted.field("thickness"), cup.field("thickness"), rtol=1e-3)
 
 
+def test_a_draw_in_two_stages_is_that_in_one(cup, tmp_path) -> None:
+    """What tools bear when a stage ends they go on bearing: the punch force has no jump there."""
+    stages = [
+        {"name": name, "tools": {"punch": {"stroke": 3}, "holder": {"force": HOLDER_FORCE}}} for name in ("one", "two")
+    ]
+    parts = run_stamping(CUP, tmp_path / "out", stages=stages)
+    stroke, force = parts.history["punch.stroke"], parts.history["punch.force"]
+    whole = np.interp(stroke, cup.history["punch.stroke"], cup.history["punch.force"])
+    second = parts.history["stage"] == "two"
+    np.testing.assert_allclose(force[second], whole[second], rtol=0.05)
+    assert force[-1] == pytest.approx(cup.history["punch.force"][-1], rel=5e-3)
+    np.testing.assert_allclose(parts.field("displacement"), cup.field("displacement"), atol=0.02)
+
+
 def test_a_punch_that_goes_back_lets_go_and_the_holder_keeps_its_force(tmp_path) -> None:
     back = [*CUP["stages"], {"name": "back", "tools": {"punch": {"stroke": -6}}}]
     history = run_stamping(CUP, tmp_path / "out", stages=back).history

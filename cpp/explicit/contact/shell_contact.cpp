@@ -9,27 +9,12 @@ namespace presswork::explicit_dynamics {
 
 ShellContact::ShellContact(int n_nodes, std::vector<int> cell_start, std::vector<int> cell_node,
                            const double* undeformed, double thickness, const ShellGrip& grip)
-    : n_nodes_(n_nodes),
-      cell_start_(std::move(cell_start)),
-      cell_node_(std::move(cell_node)),
-      node_start_(n_nodes + 1, 0),
-      node_cell_(cell_node_.size()),
-      node_corner_(cell_node_.size()),
+    : NearShells(n_nodes, std::move(cell_start), std::move(cell_node), undeformed, thickness),
       grip_(grip),
       base_(n_nodes, 0.0),
       margin_(thickness),
       slots_(std::size_t(n_nodes) * faces),
-      works_(chunks()) {
-  for (int node : cell_node_) ++node_start_[node + 1];
-  for (int i = 0; i < n_nodes; ++i) node_start_[i + 1] += node_start_[i];
-  std::vector<int> next(node_start_.begin(), node_start_.end() - 1);
-  for (int c = 0; c + 1 < static_cast<int>(cell_start_.size()); ++c)
-    for (int at = cell_start_[c]; at < cell_start_[c + 1]; ++at) {
-      const int to = next[cell_node_[at]]++;
-      node_cell_[to] = c, node_corner_[to] = at - cell_start_[c];
-    }
-  leave_out_near(undeformed, fold * thickness);
-}
+      works_(chunks()) {}
 
 void ShellContact::set_stiffness(const std::vector<double>& node_mass, double dt) {
   step_ = dt;
@@ -51,7 +36,7 @@ void ShellContact::gather_node(int node, double force[3]) const {
     for (int i = of_cell_start_[cell]; i < of_cell_start_[cell + 1]; ++i) {
       const int entry = of_cell_[i], face = active_[entry];
       if (face < 0) continue;
-      const Slot& slot = slots_[std::size_t(entry_node_[entry]) * faces + face];
+      const Slot& slot = slots_[std::size_t(entries_.node[entry]) * faces + face];
       add_force(slot, -slot.weight[corner], force);
     }
   }

@@ -17,9 +17,6 @@
 // mid-surface of the shell that it touched, or of a neighbour of that, is pushed back out of the side that it came
 // from.
 //
-// What touches. A shell so near along the sheet that it could not be touched without overlap of the material is left
-// out: nearer, in the undeformed mesh, than a fold without inner radius has round its mid-surface, pi/2 t, and a tenth.
-//
 // Step. Gershgorin's bound of what contact adds to w^2 dt^2 is 2 penalty for a node on a shell, and as much again for
 // the shell's nodes, on each face: 8 penalty, where tools add 2 penalty of their own (tool_contact.hpp).
 //
@@ -37,7 +34,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/closest_on_cell.hpp"
+#include "contact/near_shells.hpp"
 #include "explicit/state_field.hpp"
 
 namespace presswork::explicit_dynamics {
@@ -49,7 +46,7 @@ struct ShellGrip {
   double damping;   // over critical
 };
 
-class ShellContact {
+class ShellContact : private contact::NearShells {
  public:
   static constexpr int chunk = 256;  // nodes whose forces are found in one go
   static constexpr int faces = 2;    // of a node, at each of which it may touch a shell
@@ -59,8 +56,7 @@ class ShellContact {
     double elastic = 0.0, friction = 0.0, damping = 0.0;
   };
 
-  // The nodes of cell i, in turn round it, are cell_node[cell_start[i]] to cell_node[cell_start[i + 1] - 1].
-  // undeformed (n_nodes, 3) [mm]; thickness: the largest [mm].
+  // What NearShells takes, and how they touch.
   ShellContact(int n_nodes, std::vector<int> cell_start, std::vector<int> cell_node, const double* undeformed,
                double thickness, const ShellGrip& grip);
 
@@ -88,8 +84,7 @@ class ShellContact {
   void list_state(std::vector<StateField>& fields);
 
  private:
-  static constexpr double reach_awake = 0.9;   // of its gap a pair sleeps
-  static constexpr double fold = 1.1 * 1.571;  // along the sheet over its thickness: nearer shells are left out
+  static constexpr double reach_awake = 0.9;  // of its gap a pair sleeps
   // What a node touches with one face.
   struct Slot {
     int cell = -1;  // none: all below is zero
@@ -105,10 +100,8 @@ class ShellContact {
     double depth, distance, normal[3], weight[4];
   };
 
-  int corners(int cell) const { return cell_start_[cell + 1] - cell_start_[cell]; }
   bool are_neighbours(int cell, int other) const;
-  void leave_out_near(const double* undeformed, double radius);
-  // List shells within `margin` of touching each node. half: thickness of nodes and cells [mm].
+  // half: thickness of nodes and cells [mm].
   void search(const double* position, const std::vector<double>& half_node, const std::vector<double>& half_cell);
   template <class View>
   void search(const View& sheet);
@@ -128,17 +121,14 @@ class ShellContact {
   }
   void gather_node(int node, double force[3]) const;
 
-  int n_nodes_;
-  std::vector<int> cell_start_, cell_node_;
-  std::vector<int> node_start_, node_cell_, node_corner_;  // cells of each node, and which of their corners it is
-  std::vector<int> left_out_start_, left_out_;             // of each node: cells, rising
   ShellGrip grip_;
   std::vector<double> base_;  // mass/dt^2 [N/mm]
   double step_ = 0.0;
   // What the search has found: entries of each node, and those of each cell in the order of the nodes.
   bool searched_ = false;
   double margin_, travel_ = 0.0, next_search_ = 0.0;
-  std::vector<int> entry_start_, entry_cell_, entry_node_, of_cell_start_, of_cell_;
+  Entries entries_;
+  std::vector<int> of_cell_start_, of_cell_;
   std::vector<int> near_start_, near_;  // of each chunk: nodes that have entries, or whose shells have
   std::vector<double> wake_;
   std::vector<signed char> active_;  // of entries: the face that touches, -1: none
@@ -172,7 +162,7 @@ void ShellContact::follow(const View& sheet, double fastest) {
 
 template <class View>
 ShellContact::Seen ShellContact::look(int node, int entry, double half, const View& sheet) const {
-  const int cell = entry_cell_[entry], n = corners(cell);
+  const int cell = entries_.cell[entry], n = corners(cell);
   const double* x = sheet.position + 4 * std::size_t(node);
   double corner[4][3];
   for (int a = 0; a < n; ++a)
@@ -226,7 +216,7 @@ void ShellContact::add_work(int node, const View& sheet, const Slot& slot, Work&
 
 template <class View>
 void ShellContact::touch(int node, const View& sheet, const Seen& at, const Slot& before, Slot& now) const {
-  const int cell = entry_cell_[at.entry];
+  const int cell = entries_.cell[at.entry];
   double base = base_[node];
   for (int a = 0; a < corners(cell); ++a) base = std::min(base, base_[cell_node_[cell_start_[cell] + a]]);
   const double k = grip_.penalty * base;
@@ -254,7 +244,7 @@ template <class View>
 void ShellContact::find_forces(int c, const View& sheet) {
   Work work;
   for (int near = near_start_[c]; near < near_start_[c + 1]; ++near) {
-    const int node = near_[near], first = entry_start_[node], last = entry_start_[node + 1];
+    const int node = near_[near], first = entries_.start[node], last = entries_.start[node + 1];
     Slot* slots = &slots_[std::size_t(node) * faces];
     if (first == last && slots[0].cell < 0) continue;
     Seen best[faces];
@@ -315,9 +305,9 @@ double ShellContact::deepest(const View& sheet, int& node, int& cell) {
   node = cell = -1;
   for (int i = 0; i < n_nodes_; ++i) {
     const double half = half_of_node(i, sheet);
-    for (int e = entry_start_[i]; e < entry_start_[i + 1]; ++e)
+    for (int e = entries_.start[i]; e < entries_.start[i + 1]; ++e)
       if (const Seen seen = look(i, e, half, sheet); seen.depth > worst)
-        worst = seen.depth, node = i, cell = entry_cell_[e];
+        worst = seen.depth, node = i, cell = entries_.cell[e];
   }
   return worst;
 }

@@ -117,6 +117,7 @@ class ShellMechanics:
         self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in blocks]
         self.directors = find_model_directors(model)
         self.assembler = _core.ShellAssembler(len(model.mesh.points), self._connectivity, model.solver.symmetric)
+        self._couplings: IntArray | None = None
         self.drilling = find_drilling(self.directors)
         self._first_cell = np.cumsum([0, *(len(c) for c in self._connectivity)])
         self._when = _core.UmatPlace()
@@ -252,8 +253,10 @@ class ShellMechanics:
         trial[ShellArrays].director = turned / np.linalg.norm(turned, axis=1, keepdims=True)
 
     def couple(self, couplings: IntArray) -> None:
-        """Refuse: bodies in contact are solids."""
-        raise NotImplementedError("shells do not touch other bodies")
+        """Let the matrix hold these node pairs (n, 2) beside those of the cells; a change makes a new assembler."""
+        if self._couplings is None or not np.array_equal(couplings, self._couplings):
+            self._couplings, n = couplings, len(self._model.mesh.points)
+            self.assembler = _core.ShellAssembler(n, self._connectivity, self._model.solver.symmetric, couplings)
 
     def assemble_stiffness(self, turned: MaskArray, frames: FloatArray, data: FloatArray) -> None:
         """Fill `data` (nnz) with the stiffness of the last evaluation, rotations in the nodes' frames."""

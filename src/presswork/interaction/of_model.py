@@ -14,6 +14,7 @@ from presswork.interaction.inertia import Inertia
 from presswork.interaction.laps import LapMarks
 from presswork.interaction.loads import Loads
 from presswork.interaction.plane_tools import PlaneTools
+from presswork.interaction.sheet_on_itself import SheetOnItself
 from presswork.interaction.shell_loads import ShellLoads
 from presswork.interaction.space_tools import SpaceTools
 from presswork.interaction.supports import Supports
@@ -44,6 +45,9 @@ class Interactions:
         self.space_tools: SpaceTools | None = (
             SpaceTools(model, cells, tools_n) if model.space_tools or model.beads else None
         )
+        self.self_contact = (
+            SheetOnItself(model, cells) if model.self_contact and isinstance(cells, ShellMechanics) else None
+        )
         self.inertia = Inertia(model) if model.solver.inertia > 0.0 else None
         self.all: tuple[Interaction, ...] = (
             self.supports,
@@ -53,6 +57,7 @@ class Interactions:
             *((CyclicTies(model, cells),) if model.cyclic and isinstance(cells, Mechanics) else ()),
             *((self.tools,) if model.plane_tools else ()),
             *((self.space_tools,) if self.space_tools else ()),
+            *((self.self_contact,) if self.self_contact else ()),
             *((self.inertia,) if self.inertia else ()),
             *others,
         )

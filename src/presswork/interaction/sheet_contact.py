@@ -38,14 +38,8 @@ class SheetContact(SpaceContact):
 
     def __init__(self, model: Model) -> None:
         super().__init__(model, DEPTH * max((b.section.thickness for b in model.mesh.blocks if b.section), default=0.0))
-        n = len(model.mesh.points)
-        self._area, self._cells = np.zeros(n), np.zeros(n)
-        for block in model.mesh.blocks:
-            self._area += share_surface(model.mesh.points, block.connectivity)
-            np.add.at(self._cells, block.connectivity, 1.0)
-        self._thickness = np.zeros(n)
+        self._nodes = SheetNodes(model)
         self.beads = SheetBeads(model)
-        self._stiffness = model.solver.contact_stiffness * max(m.young for m in model.materials)
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return the arrays of tools and beads that have not moved and touch nothing."""
@@ -53,10 +47,7 @@ class SheetContact(SpaceContact):
 
     def begin_increment(self, state_n: State) -> None:
         """Take the thickness at the nodes as it is when the increment begins."""
-        total = np.zeros_like(self._cells)
-        for block, thickness in zip(self._model.mesh.blocks, state_n[ShellArrays].thickness, strict=True):
-            np.add.at(total, block.connectivity, thickness.mean(axis=1)[:, None])
-        self._thickness = total / np.maximum(self._cells, 1.0)
+        self._nodes.begin_increment(state_n)
         self.beads.begin_increment(state_n)
         self._law_gap = None
 
@@ -85,7 +76,7 @@ class SheetContact(SpaceContact):
         before, placed = state_n[SpaceToolArrays], trial[SpaceToolArrays]
         for t in range(len(self._surfaces)):
             touching = self.touching(t)
-            gap, normal = self.placed(t, placed).nearest(x, FARTHEST_LED * float(self._thickness.max()))
+            gap, normal = self.placed(t, placed).nearest(x, FARTHEST_LED * float(self._nodes.thickness.max()))
             push = np.linalg.norm(before.force[t] - before.friction[t], axis=1)
             missing = np.where(push > 0.0, touching.gap_at(push), 0.0) - (gap - touching.reach)
             led = np.isfinite(gap) & ((push > 0.0) | (missing > 0.0))
@@ -97,7 +88,7 @@ class SheetContact(SpaceContact):
 
     def touching(self, tool: int) -> TouchingNodes:
         """Return what the contact with a tool must know of the nodes."""
-        return sheet_nodes(self._area, self._thickness, self._stiffness)
+        return self._nodes.touching()
 
     def evaluate(
         self, state_n: State, trial: State, displacement: FloatArray, stage: int = 0, fraction: float = 0.0
@@ -140,12 +131,38 @@ class SheetContact(SpaceContact):
         """Return how deep the sheet's surface is in each tool at a converged state (n_tools,) [mm]."""
         self.begin_increment(state)
         x = self._model.mesh.points + state.nodes.displacement[:, :3]
-        half = 0.5 * self._thickness
+        half = 0.5 * self._nodes.thickness
         found = np.zeros(len(self._model.space_tools))
         for t in range(len(self._surfaces)):
             gap, _ = self.placed(t, state[SpaceToolArrays]).nearest(x, float(half.max()))
             found[t] = max(0.0, -float((gap - half).min()))
         return found
+
+
+class SheetNodes:
+    """What contact must know of the nodes of one run's sheet: their share of its surface, and its thickness there."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        n = len(model.mesh.points)
+        self._area, self._cells = np.zeros(n), np.zeros(n)
+        for block in model.mesh.blocks:
+            self._area += share_surface(model.mesh.points, block.connectivity)
+            np.add.at(self._cells, block.connectivity, 1.0)
+        self._stiffness = model.solver.contact_stiffness * max(m.young for m in model.materials)
+        self.thickness = np.zeros(n)
+        """When the increment begins (n_points,) [mm]."""
+
+    def begin_increment(self, state_n: State) -> None:
+        """Take the thickness at the nodes as it is when the increment begins."""
+        total = np.zeros_like(self._cells)
+        for block, thickness in zip(self._model.mesh.blocks, state_n[ShellArrays].thickness, strict=True):
+            np.add.at(total, block.connectivity, thickness.mean(axis=1)[:, None])
+        self.thickness = total / np.maximum(self._cells, 1.0)
+
+    def touching(self) -> TouchingNodes:
+        """Return what contact must know of the nodes."""
+        return sheet_nodes(self._area, self.thickness, self._stiffness)
 
 
 def sheet_nodes(area: FloatArray, thickness: FloatArray, stiffness: float) -> TouchingNodes:

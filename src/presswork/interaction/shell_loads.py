@@ -73,8 +73,11 @@ class ShellLoads(Interaction):
         return self.at(state_n, guess.increment, guess.step.stage, guess.step.fraction)
 
     def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
-        """Keep what holds a converged state in balance where the next stage holds nothing: it fades over that stage."""
-        force = internal()
+        """Keep what holds a converged state in balance where the next stage holds nothing: it fades over that stage.
+
+        What tools, beads and the sheet itself bear they go on bearing.
+        """
+        force = state.nodes.reaction + state.nodes.external_force
         force[self._supports.fixed(next_stage)] = 0.0
         state[FadingLoads].force = force
 

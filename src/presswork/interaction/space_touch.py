@@ -103,6 +103,13 @@ class TouchedNodes:
         """Of the tool on the nodes (n,) [N], by the tangent of the law at law_gap."""
         return push_at(self.law_gap, self.spring, self.rounding) + self.slope * (self.gap - self.law_gap)
 
+    @property
+    def energy(self) -> float:
+        """Stored by the normal forces [N mm]."""
+        g, k, delta = self.gap, self.spring, self.rounding
+        rounded = k * (delta - np.maximum(g, -delta)) ** 3 / (12.0 * delta)
+        return float((rounded + np.where(g < -delta, 0.5 * k * (g**2 - delta**2), 0.0)).sum())
+
 
 @dataclass(frozen=True)
 class PlacedSurface:
@@ -166,18 +173,15 @@ def touch_tool(
     (n_points, 3) [mm]. friction_n: their friction when the increment began, turned with the tool (n_points, 3) [N].
     shear: largest friction on those touched whatever the push (n,) [N], which laws with a friction factor ask for.
     """
-    nodes, g, n, k, delta = touched.nodes, touched.gap, touched.normal, touched.spring, touched.rounding
+    nodes, n, energy = touched.nodes, touched.normal, touched.energy
     rise, bend = surface.slopes(x[nodes])
     # 1. normal force
-    deep = g < -delta
     push, slope = touched.push, touched.slope
-    rounded = k * (delta - np.maximum(g, -delta)) ** 3 / (12.0 * delta)
-    energy = float((rounded + np.where(deep, 0.5 * k * (g**2 - delta**2), 0.0)).sum())
     force, stiffness = _core.push_nodes(push, slope, n, rise, bend)
     if is_frictionless(law):
         return NodesOnTool(nodes, force, np.zeros_like(force), stiffness, energy)
     # 2. friction
-    hanging = TANGENTIAL * k
+    hanging = TANGENTIAL * touched.spring
     pulled = friction_n[nodes] - hanging[:, None] * way[nodes]
     limit, by_push = limit_friction(law, push, shear)
     friction = _core.rub_nodes(

@@ -68,7 +68,7 @@ class Model:
     refinement: Refinement | None = None
     """Explicit stampings: refinement of the blank; None: the mesh stays as it is."""
     self_contact: SheetSelfContact | None = None
-    """Explicit stampings: contact of the sheet with itself; None: it passes through itself."""
+    """Stampings: contact of the sheet with itself; None: it passes through itself."""
     trim: tuple[TrimLine, ...] = ()
     """Stampings: lines along which the part is cut after the last stage."""
     springback: Springback | None = None

@@ -34,7 +34,8 @@ from presswork.process.draw_in import DrawIn
 from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.increments import IncrementRecording
-from presswork.process.limits import Watched, measure_sheet_penetration, watch_sheet
+from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
+from presswork.process.overlap import OVERLAP, summarise_overlap, warn_of_overlap
 from presswork.process.peaks import peak_columns, peak_row
 from presswork.process.press_quantities import (
     RAM_COLUMNS,
@@ -102,6 +103,7 @@ def make_shell_model(model: Model) -> Model:
         tools=model.tools,
         beads=model.beads,
         rolling_direction=model.rolling_direction,
+        self_contact=model.self_contact,
         heat=model.heat,
     )
 
@@ -150,6 +152,7 @@ class ImplicitStamping(IncrementRecording):
         first += peak_columns(find_evolved(self.procedure.state))
         if (heat := self.procedure.sheet_heat) is not None:
             first += columns_of_sheet(heat.sheet, self.procedure.state[SheetHeatArrays])
+        first += [OVERLAP] if self.model.self_contact else []
         ram = RAM_COLUMNS if has_ram(self.model) else ()
         places = [*self.marked.columns(self.show()), *self.edge.columns]
         return [*first, *ram, *self.reactions.columns, *places, THINNING, *ENERGIES, "energy_error_percent"]
@@ -198,6 +201,7 @@ class ImplicitStamping(IncrementRecording):
             **self._bead_columns(),
             **(measure_ram(self.model, state, self._stage()) if RamArrays in state else {}),
             **peak_row(find_evolved(state)),
+            **self._overlap_row(),
             **self._measure_heat(),
             **self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, state.nodes.displacement),
             **self._measure_places(),
@@ -219,6 +223,10 @@ class ImplicitStamping(IncrementRecording):
         first = self.model.sheet[0].thickness
         blocks = self.procedure.state[ShellArrays].thickness
         return max(float(find_thinning(np.log(block / first).mean(axis=1)).max()) for block in blocks)
+
+    def _overlap_row(self) -> Row:
+        contact = self.procedure.interactions.self_contact
+        return {OVERLAP: contact.find_overlap(self.procedure.state)} if contact else {}
 
     def _measure_heat(self) -> Row:
         heat = self.procedure.sheet_heat
@@ -271,6 +279,7 @@ class ImplicitStamping(IncrementRecording):
         depths = contact.depths(procedure.state) if contact else np.zeros(0)
         each = zip(self.model.tools, depths, strict=True)
         deep = [measure_sheet_penetration(tool.name, float(depth), thickness) for tool, depth in each]
+        deep += [measure_overlap(float(depth), thickness) for depth in self._overlap_row().values()]
         return Watched((*strained.measures, *deep), strained.margin, self.find_peaks())
 
     def judge(self) -> FormingVerdict:
@@ -299,6 +308,7 @@ class ImplicitStamping(IncrementRecording):
             **bead_columns(self.model, [0.0] * len(self.model.beads)),
             **(ram_at_rest(state[RamArrays].work) if RamArrays in state else {}),
             **peak_row(find_evolved(self.procedure.state)),
+            **self._overlap_row(),
             **self._measure_heat(),
             **self.reactions.nothing(),
             **self._measure_places(),
@@ -345,7 +355,13 @@ class ImplicitStamping(IncrementRecording):
             **({"heat": summarise_sheet_heat(heat.sheet, state[SheetHeatArrays])} if heat else {}),
             **state[LawWindow].summarise(self.model.materials),
             "formability": verdict.to_summary(),
+            **summarise_overlap(self.model, history),
             **held,
             "linear_solver": self.procedure.equilibrium.solver.name,
-            "warnings": [*warnings, *self._warn_of_ram(history), *verdict.warnings()],
+            "warnings": [
+                *warnings,
+                *self._warn_of_ram(history),
+                *warn_of_overlap(self.model, history),
+                *verdict.warnings(),
+            ],
         }

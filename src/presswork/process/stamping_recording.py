@@ -28,6 +28,7 @@ from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_he
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
 from presswork.process.marked_points import MarkedPoints
+from presswork.process.overlap import OVERLAP, summarise_overlap, warn_of_overlap
 from presswork.process.peaks import find_peaks, peak_row
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
 from presswork.process.reactions import Reactions
@@ -40,12 +41,6 @@ from presswork.process.transfer import ShellStart, law_axes
 
 CYCLES, ADDED_MASS, SHELL_CYCLES, MESH_FACTOR = range(2, 6)
 """Of the progress, after stage and row; the last: stable step of the mesh over that of its shells, 0 until found."""
-
-OVERLAP = "overlap"
-"""Column of the history: by how much two parts of the sheet overlap most [mm], their thickness counted."""
-WORTH_A_WARNING = 0.05
-"""Part of the thickness by which they may."""
-
 
 class StampingRecording(RowRecording):
     """An explicit stamping whose rows and fields are recorded; who forms it sets what it is made of."""
@@ -225,27 +220,6 @@ class StampingRecording(RowRecording):
         """Return the height of wrinkles under holders on a flat blank."""
         return summarise_holders(self.model, history, thickest) if self._start is None else {}
 
-    def _find_largest_overlap(self, history: Mapping[str, NDArray[Any]]) -> float:
-        """Return by how much the sheet has overlapped itself most in any row [mm]."""
-        return float(np.max(history[OVERLAP], initial=0.0))
-
-    def _summarise_overlap(self, history: Mapping[str, NDArray[Any]]) -> dict[str, float]:
-        """Return the largest overlap [mm] of a sheet that touches itself."""
-        return {"overlap_mm": self._find_largest_overlap(history)} if self.model.self_contact else {}
-
-    def _warn_of_overlap(self, history: Mapping[str, NDArray[Any]]) -> list[str]:
-        """Return a warning where the sheet has sunk into itself."""
-        if not self.model.self_contact:
-            return []
-        deep, thickness = self._find_largest_overlap(history), self.model.sheet[0].thickness
-        if deep <= WORTH_A_WARNING * thickness:
-            return []
-        share = 100.0 * deep / thickness
-        return [
-            f"the sheet overlaps itself by up to {deep:.3g} mm, {share:.2g} % of its thickness: leave tools more room "
-            "(less stroke), drive them slower, or refine the mesh"
-        ]
-
     def judge(self) -> FormingVerdict:
         """Return the verdict on the present sheet."""
         now = self.show()
@@ -273,11 +247,11 @@ class StampingRecording(RowRecording):
             **({"heat": summarise_sheet_heat(self.heat.sheet, self.heat.arrays)} if self.heat else {}),
             **self.layers.summarise(),
             "formability": verdict.to_summary(),
-            **self._summarise_overlap(history),
+            **summarise_overlap(self.model, history),
             **self._summarise_holders(history, float(fields["thickness"].max())),
             "warnings": [
                 *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
-                *self._warn_of_overlap(history),
+                *warn_of_overlap(self.model, history),
                 *self._warn_of_holders(history, float(fields["thickness"].max())),
                 *warn_of_energies(history),
                 *verdict.warnings(),

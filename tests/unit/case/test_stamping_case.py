@@ -385,7 +385,8 @@ def test_a_blank_is_meshed_inside_an_outline(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("changes", "fragments"), [
-    ({"procedure": "implicit"}, ["self_contact", "the implicit procedure does not", 'take procedure = "explicit"']),
+    ({"procedure": "implicit", "gradients": {"of": ["punch.force"], "by": ["tools.punch.mu"]}},
+     ["gradients", "have no derivatives", "leave gradients out"]),
     ({"blank.refine": {"levels": 1}}, ["self_contact", "cannot be split", "leave blank.refine out"]),
 ])  # fmt: skip
 def test_contact_of_the_sheet_with_itself_is_refused_where_it_is_not_computed(changes, fragments) -> None:

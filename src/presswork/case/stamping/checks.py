@@ -87,9 +87,9 @@ def _check_self_contact(case: StampingCase) -> list[Problem]:
     """Return the problems of a sheet that is to touch itself."""
     if case.self_contact is None:
         return []
-    if case.procedure == "implicit":
-        fault = "the implicit procedure does not compute contact of a sheet with itself"
-        return [Problem("self_contact", fault, 'take procedure = "explicit", or leave it out')]
+    if case.gradients is not None:
+        fault = "runs with contact of the sheet with itself have no derivatives"
+        return [Problem("gradients", fault, "leave gradients out, or self_contact")]
     if case.blank.refine is not None:
         fault = "shells that touch each other cannot be split"
         return [Problem("self_contact", fault, "leave blank.refine out, and give a smaller element_size")]

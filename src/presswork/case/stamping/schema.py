@@ -207,7 +207,7 @@ class StampingCase(CaseFile):
     )
     self_contact: SelfContact | None = Field(
         default=None,
-        description="contact of the sheet with itself, in the explicit procedure, as a hem needs it; an empty table "
+        description="contact of the sheet with itself, as a hem needs it; an empty table "
         "takes the defaults; without it: the sheet passes through itself",
     )
     implicit: Implicit = Field(default=Implicit(), description="how the implicit procedure goes and iterates")
