@@ -42,6 +42,7 @@ from presswork.process.transfer import ShellStart, law_axes
 CYCLES, ADDED_MASS, SHELL_CYCLES, MESH_FACTOR = range(2, 6)
 """Of the progress, after stage and row; the last: stable step of the mesh over that of its shells, 0 until found."""
 
+
 class StampingRecording(RowRecording):
     """An explicit stamping whose rows and fields are recorded; who forms it sets what it is made of."""
 
