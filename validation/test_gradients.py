@@ -21,6 +21,7 @@ from tests.problems.differentiated import (
     draw_under_holder,
     largest_error,
     run_case,
+    stamp_hot,
     upset_between_floating_tools,
     upset_hot,
     upset_hot_block,
@@ -78,6 +79,18 @@ def test_strip_bent_by_two_operations_and_trimmed_between_them(tmp_path: Path) -
         "operations.1.tools.die.width": 21.0,
     }
     check(bend_twice(), by, ["elastic_energy", "external_work"], tmp_path)
+
+
+def test_hot_strip_bent_and_quenched(tmp_path: Path) -> None:
+    """In the last increment the wall begins to become martensite: a corner for what is at a single point."""
+    by = {
+        "materials.steel.hardening.yield_stress": 200.0,
+        "materials.steel.thermal.conductivity": 25.0,
+        "tools.die.heat.conductance": 2.0,
+        "tools.die.mu": 0.1,
+    }
+    found = differentiate(StampingCase, stamp_hot(), ["temperature_mean"], by, tmp_path, apart=dict.fromkeys(by, 1e-3))
+    report({(key, name): largest_error(*both) for key, columns in found.items() for name, both in columns.items()})
 
 
 def test_trim_line_moves_the_edge_of_a_drawn_strip(tmp_path: Path) -> None:

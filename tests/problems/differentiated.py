@@ -15,6 +15,7 @@ from presswork.model import FloatArray
 from presswork.recorder import run_model
 from presswork.results import Result
 from presswork.results.history import name_derivative
+from tests.problems.hot_strip import bent_strip
 
 EXACT = {
     "initial_increment": 0.25,
@@ -227,6 +228,20 @@ def bend_twice() -> dict[str, Any]:
     }
     rest = {key: value for key, value in data.items() if key not in ("tools", "stages", "springback", "points")}
     return rest | {"operations": [first, second]}
+
+
+def stamp_hot() -> dict[str, Any]:
+    """Return the data of a strip of hot steel that is carried to its tools, bent, quenched in them and let go."""
+    data = bent_strip(
+        ("procedure", "implicit"),
+        ("points", {"wall": [5, 2, 0], "tip": [8, 2, 0]}),
+        ("springback", {"increments": 2}),
+        ("output", {"steps": 1}),
+        ("tools.die.mu", 0.1),
+        ("tools.die.heat.conductance", 2.0),
+    )
+    tight = {"max_iterations": 60, "force_tolerance": 1e-10, "displacement_tolerance": 1e-9}
+    return data | {"implicit": tight | {"initial_increment": 0.05, "max_increment": 0.1}}
 
 
 def draw_under_holder() -> dict[str, Any]:

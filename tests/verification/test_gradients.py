@@ -27,6 +27,7 @@ from tests.problems.differentiated import (
     draw_under_holder,
     largest_error,
     run_case,
+    stamp_hot,
     upset_between_floating_tools,
     upset_block,
     upset_cylinder,
@@ -225,6 +226,15 @@ def test_stamping_has_the_derivatives_of_whole_runs_through_springback(
         for name, (own, other) in columns.items():
             assert own.shape == (rows,)
             assert largest_error(own, other) < 1e-6, (key, name)
+
+
+def test_hot_stamping_has_the_derivatives_of_whole_runs_through_dwells(tmp_path: Path) -> None:
+    """Force, temperatures and shape; other numbers in validation/test_gradients.py."""
+    by = {"heat.surroundings.emissivity": 0.8}
+    of = ["punch.force", "temperature_mean", "wall.temperature", "tip.z"]
+    found = differentiate(StampingCase, stamp_hot(), of, by, tmp_path, apart=dict.fromkeys(by, 1e-3))
+    for name, (own, other) in found["heat.surroundings.emissivity"].items():
+        assert largest_error(own, other) < 1e-6, name
 
 
 def test_line_of_operations_has_the_derivatives_of_whole_runs_through_trimming(tmp_path: Path) -> None:

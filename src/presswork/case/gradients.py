@@ -109,7 +109,6 @@ def _refuse(built: model.Model) -> list[Problem]:
     refused = (
         (built.explicit is not None, "procedure", "dynamics", "implicit runs alone have"),
         (in_space, "remesh", "new meshes in space", "a run on one mesh has"),
-        (built.heat is not None and built.analysis == "stamping", "heat", "heat of sheets", "a run without heat has"),
         (built.formed is not None, "blank", "formed blanks", "a flat blank has"),
         (built.series is not None, "series", "series of parts", "a run of one part has"),
         (built.solver.control == "arc_length", "solver.control", "paths by arc length", "load control has"),

@@ -16,7 +16,7 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.contract import Point, turn_back
 from presswork.model import FloatArray
-from presswork.outcome import BadGuess, Failed, GaveUpError, Step
+from presswork.outcome import BadGuess, Failed, GaveUpError, IterationLog, Step
 from presswork.state import Arrays, State
 
 
@@ -63,10 +63,13 @@ class Neighbour:
         trial = beside.duplicate()
         if procedure.heat is not None and not step.is_at_rest:
             procedure.heat.begin_increment(beside, trial, step.dt)
+        self._begun = _Begun(beside, trial, step)
+        if procedure.only_heat_flows(step.stage):
+            trial.nodes.increment = np.zeros_like(trial.nodes.increment)
+            return
         for interaction in [] if step.is_at_rest else procedure.interactions.all:
             interaction.place(beside, trial, step, 1.0)
         procedure.equilibrium.begin(beside, step)
-        self._begun = _Begun(beside, trial, step)
 
     def evaluate(
         self, main: ImplicitProcedure, held: State, increment: FloatArray, *, with_stiffness: bool = False
@@ -132,17 +135,22 @@ class Neighbour:
         self.procedure.equilibrium.begin(self.now.state_n, self.now.step)
 
     def settle(self, progress: Progress, next_stage: int | None) -> None:
-        """Complete its state at the end of an increment; the run's progress goes with it."""
+        """Complete its state at the end of an increment; the run's progress goes with it. Raises GaveUpError."""
         now, procedure = self.now, self.procedure
-        procedure.equilibrium.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
+        if not procedure.only_heat_flows(now.step.stage):
+            procedure.equilibrium.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
         if now.step.is_at_rest:
             procedure.settle_at_rest(now.state_n, now.trial, now.step)
         else:
             procedure.settle(now.state_n, now.trial, now.step)
+            if procedure.sheet_heat is not None:
+                procedure.sheet_heat.find(now.state_n, now.trial, now.step, IterationLog())
             if self._counts_work or procedure.ram.is_needed:
                 procedure.count_work(now.state_n, now.trial, now.step)
             if procedure.ram.is_needed:
                 procedure.ram.commit(now.state_n, now.trial, now.step)
+            if procedure.sheet_heat is not None:
+                procedure.sheet_heat.take(now.trial)
             procedure.evolve(now.state_n, now.trial, now.step)
         if next_stage is not None:
             procedure.end_stage(now.trial, next_stage)

@@ -89,10 +89,9 @@ class Sensitivities:
             self._same.settle(trial[Progress], next_stage)
         except (GaveUpError, LostWorkpieceError):
             courses = []
+        for course in courses:
+            course.settle(trial[Progress], next_stage)
         found = {c.number: c.each for c in courses if not c.is_lost}
-        for each in found.values():
-            for side in each.own:
-                side.settle(trial[Progress], next_stage)
         arrays, names = trial.to_arrays(), state_n[SensitivityArrays].slope
         slopes = [
             found[number].differ() if number in found else {name: np.full_like(arrays[name], np.nan) for name in names}
@@ -123,6 +122,8 @@ class Sensitivities:
         for course in courses:
             for side in course.each.own:
                 side.begin(state_n, course.number, step)
+        if self._procedure.only_heat_flows(step.stage):
+            return
         heat = None if step.is_at_rest else self._procedure.heat
         once = [(self._held, self._procedure.equilibrium.augmented_at)]
         for number, (held, augmented_at) in enumerate(heat.passes if heat else once):
@@ -237,6 +238,14 @@ class _Course:
         try:
             for side in [] if self.is_lost else self.each.own:
                 side.conduct()
+        except GaveUpError:
+            self.is_lost = True
+
+    def settle(self, progress: Progress, next_stage: int | None) -> None:
+        """Complete the neighbours' states at the end of the increment."""
+        try:
+            for side in [] if self.is_lost else self.each.own:
+                side.settle(progress, next_stage)
         except GaveUpError:
             self.is_lost = True
 

@@ -300,7 +300,7 @@ class ImplicitProcedure:
     ) -> tuple[State, Converged | Failed]:
         """Try an increment, from the last one scaled or from where the sheet is (from_rest)."""
         state_n, trial = self._start, self._start.duplicate()
-        if self.model.stages[stage].dwell is not None:  # heat alone flows
+        if self.only_heat_flows(stage):
             trial.nodes.increment = np.zeros_like(trial.nodes.increment)
             return trial, Converged(IterationLog())
         last = state_n[Progress].last_size
@@ -317,6 +317,10 @@ class ImplicitProcedure:
             guess = find_first_guess(state_n, trial, fraction - fraction_n, self.interactions.all, fixed)
         is_led &= fraction - fraction_n > WORTH_ALL * last > 0.0
         return trial, self.equilibrium.solve(state_n, trial, step, guess, gently=gently, is_led=is_led)
+
+    def only_heat_flows(self, stage: int) -> bool:
+        """Say whether nothing moves in a stage."""
+        return self.model.stages[stage].dwell is not None
 
     def _conduct(self, heat: HeatOfIncrements, trial: State, step: Step, found: Converged) -> Converged | Failed:
         """Take the heat of an increment in equilibrium to its end; repeat both where temperatures given were off."""

@@ -25,7 +25,15 @@ from presswork.process.begin import begin
 from presswork.process.differentiated_release import ReleasedSide
 from presswork.process.self_contact import touches_itself
 from presswork.recorder import run_model
-from tests.problems.differentiated import bend_over_die, bend_twice, run_case, upset_block, upset_cylinder, upset_hot
+from tests.problems.differentiated import (
+    bend_over_die,
+    bend_twice,
+    run_case,
+    stamp_hot,
+    upset_block,
+    upset_cylinder,
+    upset_hot,
+)
 from tests.problems.mapped_meshes import upset_with_new_meshes
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
@@ -170,6 +178,19 @@ def test_derivative_ends_where_neighbours_are_cut_into_other_cells(
     first = list(found.history["stage"]).index("trim")
     assert np.isfinite(by_mu).tolist() == [i < first for i in range(len(by_mu))]
     assert any("derivative by tools.die.mu was not found" in warning for warning in found.summary["warnings"])
+
+
+def test_hot_stamping_resumed_in_a_dwell_has_the_same_derivatives_to_the_bit(tmp_path: Path) -> None:
+    data = stamp_hot()
+    data["implicit"] = {"initial_increment": 0.25, "max_increment": 0.5, "force_tolerance": 1e-9}
+    data["stages"][1]["tools"]["punch"]["stroke"] = 1.0
+    data["output"] = {"steps": 1, "checkpoint_every": 1}
+    data["gradients"] = {"by": ["tools.die.heat.conductance"], "of": ["temperature_mean", "tip.z"]}
+    model = build_model(StampingCase.model_validate(data))
+    whole = run_model(model, tmp_path / "whole").result
+    assert np.isfinite(whole.history["d(tip.z)/d(tools.die.heat.conductance)"]).all()
+    run_in_two_parts(model, tmp_path / "cut", list(whole.history["stage"]).index("quench") + 1)
+    assert_same_bits(tmp_path / "cut", whole.folder)
 
 
 @pytest.mark.parametrize("stage", ["bend_springback", "again_springback"])
