@@ -85,7 +85,26 @@ void bind_join(nb::class_<Loop>& loop) {
            "send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, k), into (ghosts, "
            "k): what is sent and has come, k = 8 where there is a sheet, 3 of solids in space, 2 in the plane; shared "
            "(1 + 3 for each tool of a sheet + 4 for each of solids in space, 2 in the plane): the first becomes the "
-           "largest, the others the sums of all parts'.");
+           "largest, the others the sums of all parts'.")
+      .def_prop_ro(
+          "nodal_masses",
+          [](Loop& self) {
+            const std::vector<double> from = self.sum_all_masses();
+            double* to;
+            auto array = new_array({std::size_t(self.nodes.n), from.size() / self.nodes.n}, &to);
+            std::copy(from.begin(), from.end(), to);
+            return array;
+          },
+          nb::rv_policy::move, "Masses of the nodes, in space with rotary inertias (n_nodes, 1 | 2) [t, t mm2].")
+      .def(
+          "set_ghost_masses",
+          [](Loop& self, Doubles masses) {
+            require(self.parts() && masses.ndim() == 2 && masses.shape(0) == std::size_t(self.nodes.n) &&
+                        masses.shape(1) == std::size_t(self.nodes.masses),
+                    "masses must have shape (n_nodes, 1 | 2), of a part that has joined the others");
+            self.set_ghost_masses({masses.data(), masses.data() + masses.size()});
+          },
+          nb::arg("masses"), "Let ghosts have masses as nodal_masses gives them, of the whole mesh.");
 }
 
 template <class Loop>

@@ -134,10 +134,24 @@ std::vector<double> Loop<Nodes>::sum_masses() const {
 }
 
 template <class Nodes>
-void Loop<Nodes>::set_masses() {
+std::vector<double> Loop<Nodes>::sum_all_masses() {
   std::vector<double> sum = sum_masses();
   for (auto* each : interactions) each->share_masses(sum);
+  return sum;
+}
+
+template <class Nodes>
+void Loop<Nodes>::set_masses() {
+  std::vector<double> sum = sum_all_masses();
+  for (std::size_t i = 0; i < ghost_masses_.size(); ++i)
+    if (neighbours_->is_ghost[i / Nodes::masses]) sum[i] = ghost_masses_[i];
   nodes.set_masses(sum);
+}
+
+template <class Nodes>
+void Loop<Nodes>::set_ghost_masses(std::vector<double> of) {
+  ghost_masses_ = std::move(of);
+  set_masses();
 }
 
 template <class Nodes>

@@ -38,6 +38,10 @@ class Loop {
   int n_elements() const;
   // Sum up the nodes' masses, after those of elements have changed.
   void set_masses();
+  // Those sums (n, Nodes::masses).
+  std::vector<double> sum_all_masses();
+  // Let ghosts have masses (n, Nodes::masses) that this part does not sum up: contact of bodies asks for them.
+  void set_ghost_masses(std::vector<double> of);
   std::vector<double> element_masses() const;
 
   // An element has failed in a cycle of a call; of several the first in number. status: a LawStatus, `done` where the
@@ -75,6 +79,7 @@ class Loop {
  protected:
   std::vector<double> sum_masses() const;
   std::unique_ptr<Neighbours> neighbours_;  // none: the loop has the whole mesh
+  std::vector<double> ghost_masses_;        // (n, Nodes::masses), or none
   // Fill what goes to neighbours; take what comes from them: ghosts move by dt, and what all parts share.
   virtual void tell_neighbours() {}
   virtual void move_ghosts(double /*dt*/) {}

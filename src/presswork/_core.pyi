@@ -1182,6 +1182,15 @@ class SpaceLoop:
         Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, k), into (ghosts, k): what is sent and has come, k = 8 where there is a sheet, 3 of solids in space, 2 in the plane; shared (1 + 3 for each tool of a sheet + 4 for each of solids in space, 2 in the plane): the first becomes the largest, the others the sums of all parts'.
         """
 
+    @property
+    def nodal_masses(self) -> NDArray[numpy.float64]:
+        """
+        Masses of the nodes, in space with rotary inertias (n_nodes, 1 | 2) [t, t mm2].
+        """
+
+    def set_ghost_masses(self, masses: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Let ghosts have masses as nodal_masses gives them, of the whole mesh."""
+
     def set_tool_forces(self, force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Set this part's share of the sheet's forces on tools (tools, 3) [N]."""
 
@@ -1598,6 +1607,15 @@ class SpaceLoopSingle:
         Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, k), into (ghosts, k): what is sent and has come, k = 8 where there is a sheet, 3 of solids in space, 2 in the plane; shared (1 + 3 for each tool of a sheet + 4 for each of solids in space, 2 in the plane): the first becomes the largest, the others the sums of all parts'.
         """
 
+    @property
+    def nodal_masses(self) -> NDArray[numpy.float64]:
+        """
+        Masses of the nodes, in space with rotary inertias (n_nodes, 1 | 2) [t, t mm2].
+        """
+
+    def set_ghost_masses(self, masses: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Let ghosts have masses as nodal_masses gives them, of the whole mesh."""
+
     def set_tool_forces(self, force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
         """Set this part's share of the sheet's forces on tools (tools, 3) [N]."""
 
@@ -1874,6 +1892,15 @@ class PlaneLoop:
         """
         Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, k), into (ghosts, k): what is sent and has come, k = 8 where there is a sheet, 3 of solids in space, 2 in the plane; shared (1 + 3 for each tool of a sheet + 4 for each of solids in space, 2 in the plane): the first becomes the largest, the others the sums of all parts'.
         """
+
+    @property
+    def nodal_masses(self) -> NDArray[numpy.float64]:
+        """
+        Masses of the nodes, in space with rotary inertias (n_nodes, 1 | 2) [t, t mm2].
+        """
+
+    def set_ghost_masses(self, masses: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Let ghosts have masses as nodal_masses gives them, of the whole mesh."""
 
     @property
     def stress(self) -> NDArray[numpy.float64]:

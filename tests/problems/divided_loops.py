@@ -26,6 +26,7 @@ from presswork.process.springback import ReleasedStamping
 from presswork.process.stamping import ExplicitStamping
 from presswork.ranks.world import World, find_world
 from tests.problems.square_cup import describe_cup
+from tests.problems.touching_bodies import FLYING, IN_PLANE, STRIKES, describe_bodies
 from tests.problems.upset_block import describe_block
 
 UMATS = Path(__file__).parents[1] / "data" / "umat" / "laws.cpp"
@@ -271,6 +272,9 @@ def main() -> None:
         formed = describe_formed(Path(folder))
         runs = {"formed": compare(formed, world), "user_law": compare(describe_user_law(Path(folder)), world)}
     runs |= {
+        "struck": compare(describe_bodies(FLYING, element="hex8_1pt"), world, rows=3),
+        "struck_tetrahedra": compare(describe_bodies(FLYING, element="tet4_nodal", cells=2), world, rows=2),
+        "struck_in_plane": compare(describe_bodies(IN_PLANE, element="quad4_1pt", **STRIKES), world, rows=8),
         "pores": compare(describe_porous_block(), world),
         "section": compare(describe_section(), world),
         "strip": compare(describe_section("tri3", "plane_strain"), world),

@@ -139,10 +139,22 @@ USUAL = {
 }  # fmt: skip
 
 
+STRIKES = {
+    "analysis": "plane_strain", "depth": "depth = 2", "velocity": "velocity = [10e3, -20e3]", "origin": "[1, 5.1]",
+    "other": "hard", "duration": 40e-6, "stage": "",
+}  # fmt: skip
+"""Of IN_PLANE: a block that strikes another."""
+
+
+def describe_bodies(text: str, **changes: object) -> str:
+    """Return the text of a case."""
+    return text.format(**(USUAL | changes)) + MATERIALS
+
+
 def write_case(folder: Path, text: str, **changes: object) -> Path:
     """Write a case; return its path."""
     path = folder / "case.toml"
-    path.write_text(text.format(**(USUAL | changes)) + MATERIALS)
+    path.write_text(describe_bodies(text, **changes))
     return path
 
 

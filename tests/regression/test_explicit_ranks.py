@@ -24,6 +24,7 @@ from tests.problems.divided_loops import (
 )
 from tests.problems.ranks import explain_no_mpi, run_module_on_ranks, run_on_ranks
 from tests.problems.square_cup import BEAD, describe_cup
+from tests.problems.touching_bodies import FLYING, describe_bodies
 
 COLUMNS = ("punch.force", "holder.force", "holder.stroke", "die.force_z", "bead_1.force")
 
@@ -90,6 +91,18 @@ def test_a_cylinder_that_gets_new_meshes_has_the_bits_of_one_process_on_two_rank
     assert 0 < two["remeshes"][-1] < one["remeshes"][-1]
     run_on_ranks(3, case, tmp_path / "two", "--resume")
     _compare(tmp_path / "one", tmp_path / "two", ("die.force", "anvil.force", "remeshes", "x_max"))
+
+
+@pytest.mark.usefixtures("needs_mpi")
+def test_blocks_that_strike_each_other_have_the_bits_of_one_process_on_two_ranks_and_when_three_go_on(tmp_path):
+    case = tmp_path / "struck.toml"
+    case.write_text(describe_bodies(FLYING, element="hex8_1pt"))
+    run_on_ranks(1, case, tmp_path / "one")
+    run_on_ranks(2, case, tmp_path / "two", "--set", "limits.hydrostatic_stress=0.3", status=3)
+    assert 0 < len(read_history(tmp_path / "two" / "history.csv")["time"]) < 12
+    run_on_ranks(3, case, tmp_path / "two", "--resume")
+    _compare(tmp_path / "one", tmp_path / "two", ("joint.force_x", "joint.force_z", "x_max", "z_max"))
+    assert abs(read_history(tmp_path / "two" / "history.csv")["joint.force_z"]).max() > 1e3
 
 
 @pytest.mark.usefixtures("needs_mpi")

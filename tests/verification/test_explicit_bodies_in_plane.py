@@ -11,12 +11,8 @@ import pytest
 from presswork import build_model, read_case
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.process.begin import begin
-from tests.problems.touching_bodies import IN_PLANE, write_case
+from tests.problems.touching_bodies import IN_PLANE, STRIKES, write_case
 
-STRIKES = {
-    "analysis": "plane_strain", "depth": "depth = 2", "velocity": "velocity = [10e3, -20e3]", "origin": "[1, 5.1]",
-    "other": "hard", "duration": 40e-6, "stage": "",
-}  # fmt: skip
 UPSET = """displacement = [
   { set = "top", component = "y", value = -1 },
   { set = "other.top", component = "y", value = -1 },

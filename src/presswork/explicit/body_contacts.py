@@ -38,6 +38,12 @@ class TouchingSurfaces:
     """Normal to the plane [mm]; 0 of rings, and in space."""
 
 
+def list_known(touching: Sequence[TouchingSurfaces]) -> npt.NDArray[np.int32]:
+    """Return the nodes whose motion every rank must know, of surfaces that may touch and the cells behind them (n,)."""
+    cells = [of.ravel() for each in touching for of in (each.slave_cells, each.master_cells)]
+    return np.unique(np.concatenate([np.zeros(0, dtype=np.int32), *cells])).astype(np.int32)
+
+
 class BodyContactOfRun:
     """A contact of bodies in an explicit run."""
 

@@ -20,6 +20,7 @@ import numpy.typing as npt
 from presswork import _core
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.shared_state import SharedState
+from presswork.model import IntArray
 from presswork.ranks.channel import Channel
 from presswork.ranks.parts import Part
 from presswork.ranks.world import World
@@ -31,9 +32,13 @@ CHANGES = {"restore", "scale_mass", "set_contact_stiffness", "set_layers", "star
 """Calls that change the state of the whole loop."""
 FOR_BOTH = {
     "begin_wall_sums", "float_wall", "hold_wall", "move_tool", "move_wall", "place_wall", "push_tool", "push_wall",
-    "remove_tool", "set_slower", "stop_tool",
+    "limit_contact_friction", "remove_tool", "set_contact_step", "set_slower", "stop_tool",
 }  # fmt: skip
 """Calls that say the same to the whole loop and to parts."""
+OF_CONTACTS = {
+    "contact_area", "contact_impulse", "contact_passed", "contact_pressure", "contact_push", "contact_rub",
+    "contact_shear", "contact_work",
+}  # fmt: skip
 STATE = "state"
 ENERGIES = ("kinetic", "internal", "hourglass", "external", "damping", "contact", "friction")
 ARRAYS = ("velocity", "force", "internal_force")
@@ -66,7 +71,7 @@ class DividedLoop:
             shared=self._channel.shared,
             leads=world.rank == 0,
         )
-        self._walls = 0
+        self._walls = self._contacts = 0
         self._where: Literal["all", "lead", "parts"] = "all"
         """Which whole loops have the present state: of all ranks, of rank 0, or none."""
         self._own_is_old = True
@@ -84,6 +89,9 @@ class DividedLoop:
             raise AttributeError(name)
         if name in FOR_BOTH:
             return partial(self._tell_both, name)
+        if name in OF_CONTACTS:  # which every rank computes whole
+            self._enter()
+            return getattr(self._own, name)
         if name in self.pulled and self._world.leads and self._where == "parts":
             return self._pull(name) if name == "position" else partial(self._pull, name)
         self.bring_together()
@@ -134,7 +142,7 @@ class DividedLoop:
 
     def energies(self, dt: float, dt_before: float, **scales: float) -> _core.Energies:
         """Return the energies as a loop of the core does, of which each rank counts a share."""
-        if self._where == "all" or self._walls or self._world.leads:
+        if self._where == "all" or self._walls or self._contacts or self._world.leads:
             self.bring_together()
             found: _core.Energies = self._whole.energies(dt, dt_before, **scales)
             return found
@@ -180,6 +188,8 @@ class DividedLoop:
         if self._own_is_old:
             self._own_is_old = False
             self._state.hand_out()
+            if self._contacts:
+                self._own.set_ghost_masses(self._whole.nodal_masses[self._part.nodes])
 
     def _prepare(self) -> None:
         """Let ranks agree on what the next cycles need."""
@@ -275,6 +285,14 @@ class DividedLoop:
         self._whole.add_wall(profile, **motion)
         self._own.add_wall(profile, **motion)
         self._count_wall()
+
+    def add_contact(self, *sides: IntArray, **given: Any) -> None:
+        """Let bodies touch; sides: nodes of faces and of the cells behind them, whose motion all ranks know."""
+        self.bring_together()
+        self._whole.add_contact(*sides, **given)
+        self._own.add_contact(*(self._part.number(side) for side in sides), **given)
+        self._contacts += 1
+        self._own_is_old = True
 
     def _count_wall(self) -> None:
         self._walls += 1

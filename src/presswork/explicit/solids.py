@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.evolution.damage import make_damage
-from presswork.explicit.body_contacts import TouchingBodies
+from presswork.explicit.body_contacts import TouchingBodies, TouchingSurfaces, list_known
 from presswork.explicit.divided import DividedLoop
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.input_checks import ExplicitError, check_solids
@@ -45,7 +45,7 @@ class ExplicitSolids(TouchingBodies, Dynamics):
 
     mesh: points (n_nodes, 2) [mm], blocks of cells; materials: as the blocks number them. depth [mm]: of plane strain.
     hourglass_fraction: of the shear modulus, that resists hourglass modes of quad4_1pt. world: ranks that share the
-    cycles.
+    cycles; touching: surfaces of contacts that are added later, which ranks must know.
     """
 
     FREEDOMS = FREEDOMS
@@ -60,6 +60,7 @@ class ExplicitSolids(TouchingBodies, Dynamics):
         depth: float = 1.0,
         hourglass_fraction: float = 0.05,
         world: World | None = None,
+        touching: Sequence[TouchingSurfaces] = (),
     ) -> None:
         check_solids(mesh, len(materials), axisymmetric, depth, hourglass_fraction)
         self.mesh = mesh
@@ -75,7 +76,7 @@ class ExplicitSolids(TouchingBodies, Dynamics):
         for block in mesh.blocks:
             _add_block(loop, block, materials, block.connectivity)
         if world:
-            loop = _divide(loop, mesh, materials, rim, section, world)
+            loop = _divide(loop, mesh, materials, rim, section, list_known(touching), world)
         self._laws = [
             make_damage(materials[b.material].damage, materials[b.material].umat, is_solid=True) for b in mesh.blocks
         ]
@@ -250,12 +251,13 @@ def _divide(
     materials: Sequence[SolidMaterial],
     rim: npt.NDArray[np.uint8],
     section: dict[str, Any],
+    known: npt.NDArray[np.int32],
     world: World,
 ) -> DividedLoop:
     """Return a loop whose cycles ranks share; the arguments are those of the whole loop."""
     cells = [block.connectivity for block in mesh.blocks]
     try:
-        part = make_part(mesh.points, cells, world.size, world.rank, [False] * len(cells))
+        part = make_part(mesh.points, cells, world.size, world.rank, [False] * len(cells), known=known)
     except ValueError as error:
         raise ExplicitError(f"{error}: start fewer ranks") from None
     own = _core.PlaneLoop(np.ascontiguousarray(mesh.points[part.nodes], dtype=float), rim[part.nodes], **section)

@@ -88,6 +88,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         hanging: npt.ArrayLike = (),
         tied: npt.NDArray[np.int32] | None = None,
         world: World | None = None,
+        known: npt.NDArray[np.int32] | None = None,
     ) -> None:
         x = np.array(points, dtype=float)
         if precision not in LOOPS:
@@ -138,7 +139,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         whole: Any = self._resident or loop
         if world:
             rows, leaders = (follow, 2) if tied is None else (tied[:, ::-1], 1)
-            whole = _divide(loop, precision, pieces, x, nodes, place, (place[rows], leaders), world)
+            whole = _divide(loop, precision, pieces, x, nodes, place, (place[rows], leaders), world, known)
         super().__init__(whole, nodes, np.concatenate(elements))
 
     @property
@@ -296,12 +297,21 @@ def _divide(
     place: npt.NDArray[np.int32],
     following: tuple[npt.NDArray[np.int32], int],
     world: World,
+    known: npt.NDArray[np.int32] | None,
 ) -> DividedSpaceLoop:
     """Return a loop whose cycles ranks share; the arguments are those of the whole loop; following: as of make_part."""
     cells = [place[block.cells[part]] for block, part in pieces]
     measures = [block.measures_nodes for block, _ in pieces]
     try:
-        mine = make_part(x[nodes], cells, world.size, world.rank, measures, following=following)
+        mine = make_part(
+            x[nodes],
+            cells,
+            world.size,
+            world.rank,
+            measures,
+            following=following,
+            known=None if known is None else place[known],
+        )
     except ValueError as error:
         raise ExplicitError(f"{error}: start fewer ranks") from None
     kept = [number for number, elements in enumerate(mine.elements) if len(elements)]

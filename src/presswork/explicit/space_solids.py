@@ -22,7 +22,7 @@ import numpy.typing as npt
 from presswork import _core
 from presswork.evolution.damage import DamageLaw
 from presswork.explicit.blocks import Solids
-from presswork.explicit.body_contacts import TouchingBodies
+from presswork.explicit.body_contacts import TouchingBodies, TouchingSurfaces, list_known
 from presswork.explicit.device import Device, refuse
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space import SpaceDynamics
@@ -78,7 +78,8 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
 
     mesh: points (n_nodes, 3) [mm], blocks of cells; materials: one for each block. hourglass_fraction: of the shear
     modulus, that resists hourglass modes of hex8_1pt and what the nodal mean of tet4_nodal does not see. tied: faces of
-    a sector. device, world: as of SpaceDynamics.
+    a sector. device, world: as of SpaceDynamics. touching: surfaces of contacts that are added later, which ranks must
+    know.
     """
 
     def __init__(
@@ -90,6 +91,7 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
         tied: TiedFaces | None = None,
         device: Device = "cpu",
         world: World | None = None,
+        touching: Sequence[TouchingSurfaces] = (),
     ) -> None:
         if len(mesh.blocks) != len(materials):
             raise ExplicitError(f"materials: give one for each of the {len(mesh.blocks)} blocks of the mesh")
@@ -110,7 +112,14 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
             )
             for block, material in zip(mesh.blocks, materials, strict=True)
         ]
-        super().__init__(mesh.points, blocks, device=device, tied=tied.pairs if tied else None, world=world)
+        super().__init__(
+            mesh.points,
+            blocks,
+            device=device,
+            tied=tied.pairs if tied else None,
+            world=world,
+            known=list_known(touching),
+        )
         if tied:
             place = np.argsort(self._nodes).astype(np.int32)
             self._loop.tie(np.ascontiguousarray(place[tied.pairs]), tied.angle)

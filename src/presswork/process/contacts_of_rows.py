@@ -21,27 +21,13 @@ from presswork.process.recording import Row
 class ContactsOfRows:
     """The contacts of a model's bodies beside the explicit loop."""
 
-    def __init__(self, model: Model, solids: Any) -> None:
-        """solids: those of the explicit loop of the model's dimension; the contacts are added to them."""
+    def __init__(self, model: Model, surfaces: Sequence[TouchingSurfaces], solids: Any) -> None:
+        """surfaces: as find_touching has them; solids: of the explicit loop, to which the contacts are added."""
         self._model, self._of = model, model.contacts
         self._added = []
-        for contact in model.contacts:
-            sides = (SpaceInterface if model.dimension == 3 else Interface)(model, contact, 0)
-            slave, master = (
-                _list_cells(model.mesh, cells, len(faces))
-                for cells, faces in zip(sides.cells_behind, (sides.slave, sides.master), strict=True)
-            )
-            surfaces = TouchingSurfaces(
-                sides.slave,
-                sides.master,
-                slave,
-                master,
-                by_itself=sides.is_self,
-                edge=sides.mean_edge,
-                thickness=model.depth if model.analysis == "plane_strain" else 0.0,
-            )
+        for contact, of in zip(model.contacts, surfaces, strict=True):
             mu = STEEPEST.get(contact.contact, float(contact.mu))
-            self._added.append(solids.add_contact(contact.name, surfaces, mu=mu, reach=REACH, margin=MARGIN))
+            self._added.append(solids.add_contact(contact.name, of, mu=mu, reach=REACH, margin=MARGIN))
         self._begin = [each.impulse for each in self._added]
         self._lost = [each.lost for each in self._added]
         self._force = [np.zeros(3) for _ in self._added]
@@ -124,6 +110,29 @@ class ContactsOfRows:
         for each, before in zip(self._added, self._lost, strict=True):
             lost += each.lost - before
         return BetweenBodies(pressure, shear, way, lost)
+
+
+def find_touching(model: Model) -> list[TouchingSurfaces]:
+    """Return the surfaces of the contacts of a model's bodies."""
+    found = []
+    for contact in model.contacts:
+        sides = (SpaceInterface if model.dimension == 3 else Interface)(model, contact, 0)
+        slave, master = (
+            _list_cells(model.mesh, cells, len(faces))
+            for cells, faces in zip(sides.cells_behind, (sides.slave, sides.master), strict=True)
+        )
+        found.append(
+            TouchingSurfaces(
+                sides.slave,
+                sides.master,
+                slave,
+                master,
+                by_itself=sides.is_self,
+                edge=sides.mean_edge,
+                thickness=model.depth if model.analysis == "plane_strain" else 0.0,
+            )
+        )
+    return found
 
 
 def find_nodal_shear_strength(mesh: Mesh, flow_stress: FloatArray) -> FloatArray:

@@ -26,7 +26,7 @@ from presswork.fields.solid_fields import add_bodies, effective_stress
 from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.model import ELEMENTS, Blow, Drive, ExplicitSolid, FloatArray, Mesh, Model, Stage, Tool, ToolMotion
-from presswork.process.contacts_of_rows import ContactsOfRows
+from presswork.process.contacts_of_rows import ContactsOfRows, find_touching
 from presswork.process.die_fill import make_die_fill
 from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself, names_of_heat
@@ -96,6 +96,7 @@ class ExplicitImpact(RowRecording):
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         model, density = self.model, float(epoch.get("density", 1.0))
+        touching = find_touching(model)
         self.solids = ExplicitSolids(
             model.mesh,
             [replace(material, density=density * material.density) for material in self._materials],
@@ -103,12 +104,13 @@ class ExplicitImpact(RowRecording):
             depth=model.depth,
             hourglass_fraction=self.settings.hourglass_stiffness,
             world=self._world,
+            touching=touching,
         )
         self.walls = [
             self.solids.add_wall(t.name, start_profile(t), mu=find_coefficient(t.friction), is_at_start=not epoch)
             for t in model.tools
         ]
-        self.contacts = ContactsOfRows(model, self.solids)
+        self.contacts = ContactsOfRows(model, touching, self.solids)
         self._reaction = np.zeros((len(model.mesh.points), 2))
         self._find_neighbourhoods()
 

@@ -59,7 +59,6 @@ def _begin_explicit(model: Model, threads: int, world: World) -> Recording:
 def _find_undivided_explicit(model: Model) -> str:
     """Name what of an explicit model is not divided over ranks; nothing where all is."""
     asked = {
-        "contact of bodies": bool(model.contacts),
         "contact of the sheet with itself": model.self_contact is not None,
     }
     assert model.explicit is not None

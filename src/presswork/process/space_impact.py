@@ -28,7 +28,7 @@ from presswork.law.elastic_plastic import heats
 from presswork.mesh.box import node_volumes
 from presswork.mesh.space.cyclic import pair_faces
 from presswork.model import FloatArray, Model, Stage, Support, Tool, ToolMotion, find_direction
-from presswork.process.contacts_of_rows import ContactsOfRows
+from presswork.process.contacts_of_rows import ContactsOfRows, find_touching
 from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself
 from presswork.process.heat_of_space_rows import HeatOfSpaceRows
@@ -74,6 +74,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
             on_axis = pairs[:, 0] == pairs[:, 1]
             self._axis = pairs[on_axis, 0]
             tied = TiedFaces(pairs[~on_axis], 2.0 * np.pi / model.cyclic.sectors)
+        touching = find_touching(model)
         self.solids = ExplicitSpaceSolids(
             model.mesh,
             [self._make_material(block.material, density) for block in model.mesh.blocks],
@@ -81,6 +82,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
             tied=tied,
             device=self.settings.device,
             world=self._world,
+            touching=touching,
         )
         turning = find_turning(model.space_tools, model.stages)
         self.walls = [
@@ -94,7 +96,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
             )
             for tool, surface in zip(model.space_tools, self._surfaces, strict=True)
         ]
-        self.contacts = ContactsOfRows(model, self.solids)
+        self.contacts = ContactsOfRows(model, touching, self.solids)
         self.solids.check_device()
         self._reaction = np.zeros(model.mesh.points.shape)
         self._shear = ShearFriction(model.space_tools, model.mesh)

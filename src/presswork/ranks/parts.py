@@ -67,12 +67,13 @@ def make_part(
     measures_nodes: Sequence[bool],
     *,
     following: tuple[IntArray, int] | None = None,
+    known: IntArray | None = None,
 ) -> Part:
     """Return what a rank has of a mesh divided over ranks.
 
     measures_nodes: of each block, whether its cells depend on all cells round their nodes. following: rows (n, k) of a
     node that follows others and those that it needs for it, and to how many of these, the first, it gives its forces:
-    with them it has one owner, and a part that has it has all that it needs.
+    with them it has one owner, and a part that has it has all that it needs. known: nodes whose motion all ranks know.
     """
     owner, n = own_nodes(points, blocks, size), len(points)
     rows, leaders = following or (np.zeros((0, 1), dtype=np.int32), 0)
@@ -90,6 +91,11 @@ def make_part(
         of = (touch @ has_first).astype(bool)
         around.append(of.getcol(rank).nonzero()[0] if measures else None)
         has = has + touch.T @ of if measures else has
+    if known is not None:
+        has = has + sparse.csr_matrix(
+            (np.ones(len(known) * size, dtype=bool), (known.repeat(size), np.tile(np.arange(size), len(known)))),
+            shape=(n, size),
+        )
     has = _close(has, needs)
     nodes = np.flatnonzero(has.getcol(rank).toarray().ravel())
     place = np.full(n, -1, dtype=np.intp)

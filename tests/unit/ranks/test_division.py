@@ -59,3 +59,17 @@ def test_a_node_that_follows_another_has_its_owner_and_no_part_has_it_without_th
         needs = np.isin(cells, np.flatnonzero(part.owner == rank)).any(axis=1)
         assert np.array_equal(part.elements[0], np.flatnonzero(needs))
         assert np.isin(cells[needs], part.nodes).all()
+
+
+def test_nodes_that_all_ranks_know_come_from_their_owners_and_bring_no_cells():
+    mesh = box("hex8_fbar", (4.0, 2.0, 1.0), (8, 4, 2))
+    cells, known = mesh.blocks[0].connectivity, np.flatnonzero(mesh.points[:, 2] < 1e-9).astype(np.int32)
+    parts = [make_part(mesh.points, [cells], 3, rank, [False], known=known) for rank in range(3)]
+    for rank, part in enumerate(parts):
+        assert np.isin(known, part.nodes).all()
+        alone = make_part(mesh.points, [cells], 3, rank, [False])
+        assert np.array_equal(part.elements[0], alone.elements[0])
+        for other, ghosts in part.ghosts.items():
+            sent = parts[other].nodes[parts[other].sent[rank]]
+            assert np.array_equal(part.nodes[ghosts], sent)
+            assert (part.owner[sent] == other).all()
