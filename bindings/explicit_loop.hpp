@@ -228,6 +228,10 @@ void bind_contacts(nb::class_<Loop, Rest...>& c) {
           [](const Loop& self, int contact) { return copy_table(contact_of(self, contact).pressure, 1); },
           nb::arg("contact"), "Pressure of the slots (n_slots) [MPa].")
       .def(
+          "find_contact_stiffness",
+          [](Loop& self, int contact) { return copy_table(contact_of(self, contact).find_stiffness(self.nodes), 1); },
+          nb::arg("contact"), "Stiffness of the slots' springs as the next cycle has it (n_slots) [MPa/mm].")
+      .def(
           "contact_shear", [](const Loop& self, int contact) { return copy_table(contact_of(self, contact).shear, 3); },
           nb::arg("contact"), "Shear of the slots, on the slave (n_slots, 3) [MPa].")
       .def(

@@ -77,6 +77,65 @@ target_step = {target_step}
 steps = 1
 rows = 20
 """
+STACK = """
+title = "two blocks of unlike metals are upset on each other"
+analysis = "solid"
+procedure = "explicit"
+[workpiece]
+material = "soft"
+element = "tet4_nodal"
+mesh = {{ size = [6, 6, 5], cells = [5, 5, 4] }}
+[bodies.upper]
+material = "firm"
+element = "tet4_nodal"
+mesh = {{ origin = [0, 0, 5], size = [5, 5, 5], cells = [4, 4, 4] }}
+[contacts.joint]
+between = ["workpiece", "upper"]
+contact = "coulomb"
+mu = 0.1
+[tools.die]
+shape = "plane"
+normal = [0, 0, -1]
+position = [0, 0, 10]
+contact = "shear"
+m = 0.2
+[tools.anvil]
+shape = "plane"
+normal = [0, 0, 1]
+contact = "shear"
+m = 0.2
+[boundary]
+x = {{ set = "left", fix = ["x"] }}
+y = {{ set = "bottom", fix = ["y"] }}
+upper_x = {{ set = "upper.left", fix = ["x"] }}
+upper_y = {{ set = "upper.bottom", fix = ["y"] }}
+[materials.firm]
+young = "210 GPa"
+poisson = 0.3
+density = "7850 kg/m^3"
+hardening = {{ law = "swift", K = 300, e0 = 0.01, n = 0.2 }}
+[[stages]]
+name = "upset"
+duration = "0.9 ms"
+tools.die = {{ stroke = 0.9, direction = [0, 0, -1] }}
+[explicit]
+target_step = "0.4 us"
+[output]
+steps = 3
+rows = 9
+"""
+HEAT_OF_STACK = """
+[heat]
+initial_temperature = 300
+[materials.soft.thermal]
+conductivity = 200
+specific_heat = "900 J/(kg*K)"
+[materials.firm.thermal]
+conductivity = 30
+specific_heat = "500 J/(kg*K)"
+[contacts.joint.heat]
+conductance = "100 kW/(m^2*K)"
+"""
 CLAMP = """
 title = "a clamp is pressed shut"
 analysis = "solid"

@@ -89,6 +89,18 @@ def test_what_comes_in_is_stored_over_new_meshes(result):
     np.testing.assert_allclose(history["heat_stored"], incoming, rtol=1e-8)
 
 
+def test_axes_of_the_law_stay_normal_to_each_other_on_a_new_mesh(model):
+    """A stress turned to axes that are not, and back, changes: hot runs gave up beyond a new mesh."""
+    recording = begin(model, 1)
+    for _ in zip(range(5), recording.advance(), strict=False):
+        pass
+    after, _ = recording._make_epoch(recording._sections(), {0}, 1.0)
+    axes = after.state.cells.history[0][..., -6:].reshape(-1, 2, 3)
+    assert np.abs(axes[:, 0, 1:]).max() > 1e-3  # the metal has turned
+    products = axes @ axes.transpose(0, 2, 1)
+    np.testing.assert_allclose(products, np.broadcast_to(np.eye(2), products.shape), atol=1e-12)
+
+
 def test_forces_are_those_of_a_run_on_one_mesh(result, untouched):
     one, other = result.history, untouched.history
     at = np.linspace(0.2, 1.0, 9) * one["time"][-1]

@@ -152,6 +152,14 @@ void BodyContact<Nodes>::begin(Nodes& nodes, int) {
 }
 
 template <class Nodes>
+std::vector<double> BodyContact<Nodes>::find_stiffness(Nodes& nodes) {
+  begin(nodes, 0);
+  std::vector<double> found = stiffness_;
+  for (double& each : found) each /= step * step;
+  return found;
+}
+
+template <class Nodes>
 double BodyContact<Nodes>::find_fastest() const {
   double square = 0.0;
   for (int node : node_) {

@@ -57,6 +57,9 @@ class BodyContact final : public Interaction<Nodes> {
   // (n): sizes of the weights of a node, summed up [mm2]
   const std::vector<double>& node_area() const { return rows_.node_area; }
 
+  // Of each slot's spring, as the next cycle has it (n_slots) [MPa/mm]; 0 where it faces nothing.
+  std::vector<double> find_stiffness(Nodes& nodes);
+
   const double* work() const { return work_; }  // of pressure and of friction [N mm]
 
   double step = 0.0;                // that the springs must be stable with [s]

@@ -67,6 +67,7 @@ class BodyContactOfRun:
         if not (0 <= mu <= 10):
             raise ExplicitError(f"mu of contact {name} = {mu}: it must lie between 0 and 10")
         self.name, self._loop, self._number, self._nodes = name, loop, number, nodes
+        self.edge = surfaces.edge
         place = np.empty(len(nodes), dtype=np.int32)
         place[nodes] = np.arange(len(nodes))
         sides = (surfaces.slave, surfaces.master, surfaces.slave_cells, surfaces.master_cells)
@@ -100,6 +101,18 @@ class BodyContactOfRun:
     def slots(self) -> npt.NDArray[np.intp]:
         """Nodes of the slave, as the mesh has them (n_slots,)."""
         return self._nodes[self._loop.contact_slots(self._number)]
+
+    @property
+    def nodes(self) -> npt.NDArray[np.intp]:
+        """Nodes of both surfaces, as the mesh has them (n,)."""
+        return self._nodes[self._loop.contact_nodes(self._number)]
+
+    def find_stiffness(self) -> Array:
+        """Return the stiffness of the slots' springs as the next cycle has them (n_slots,) [MPa/mm]; 0: face nothing.
+
+        The step must have been set. Surfaces are cut where they are, so a run in its cycles must not be asked.
+        """
+        return self._loop.find_contact_stiffness(self._number)
 
     @property
     def pressure(self) -> Array:
@@ -138,7 +151,7 @@ class BodyContactOfRun:
 
     def _by_node(self, values: Array) -> Array:
         out = np.zeros((len(self._nodes), values.shape[1]))
-        out[self._nodes[self._loop.contact_nodes(self._number)]] = values
+        out[self.nodes] = values
         return out
 
 

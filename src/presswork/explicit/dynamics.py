@@ -209,10 +209,24 @@ class Dynamics:
             self._reference = (start + self._energy_with_mass() - before, largest)
         return self.added_mass()
 
+    def drop_added_mass(self, elements: npt.NDArray[np.bool_]) -> None:
+        """Take from elements (n) what was added to their mass; the kinetic energy that it has is no error either."""
+        before, true, added = self._energy_with_mass(), self._loop.true_mass, self._loop.added_mass
+        self._loop.scale_mass(np.where(elements[self._elements], true / (true + added), 1.0))
+        self._masses_have_changed()
+        if self._reference:
+            start, largest = self._reference
+            self._reference = (start + self._energy_with_mass() - before, largest)
+
     def added_mass(self) -> MassScaling:
         """Give the state of mass scaling."""
         added = self._loop.added_mass
         return MassScaling(float(self._loop.true_mass.sum()), float(added.sum()), int((added > 0).sum()))
+
+    @property
+    def true_mass(self) -> Array:
+        """Mass of each element without what was added (n) [t]."""
+        return self._by_element(self._loop.true_mass)
 
     def _energy_with_mass(self) -> float:
         """Return the energy whose change by added mass is no error of the balance."""

@@ -82,7 +82,7 @@ def _begin(model: Model, threads: int) -> Recording:
 
 def begin_impact(model: Model, threads: int, world: World | None = None) -> Recording:
     """Return the explicit procedure of solids. world: ranks that share it."""
-    may_remesh = model.remeshing is not None and not model.remeshing.obstacle and not model.contacts
+    may_remesh = model.remeshing is not None and not model.remeshing.obstacle
     if model.dimension == 3 and may_remesh:
         from presswork.process.remeshed_space_impact import RemeshedSpaceImpact
 
@@ -91,7 +91,7 @@ def begin_impact(model: Model, threads: int, world: World | None = None) -> Reco
         from presswork.process.space_impact import ExplicitSpaceImpact
 
         return ExplicitSpaceImpact(model, threads=threads, world=world)
-    if may_remesh:
+    if may_remesh and len(model.bodies) < 2 and not model.contacts:
         from presswork.process.remeshed_impact import RemeshedImpact
 
         return RemeshedImpact(model, threads=threads, world=world)

@@ -10,9 +10,24 @@ import numpy as np
 
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.checks import MeshError
-from presswork.model import Body, BoolArray, CellBlock, FloatArray, IndexArray, IntArray, Mesh, Model, list_sets
+from presswork.model import (
+    Body,
+    BoolArray,
+    CellBlock,
+    FloatArray,
+    IndexArray,
+    IntArray,
+    Mesh,
+    Model,
+    list_bodies,
+    list_sets,
+)
+from presswork.process.new_epoch import make_on_lead
+from presswork.ranks.world import World
 from presswork.remesh.carrier import Part, SkinPlaces
-from presswork.remesh.space.body import FLAT, NewBody, OldBody
+from presswork.remesh.space.body import FLAT, NewBody, OldBody, Topology
+from presswork.remesh.space.remesh import remesh_body
+from presswork.remesh.space.size_field import EdgeSizes
 from presswork.remesh.space.skins import draw_skin, find_outer, mean_edge
 from presswork.remesh.space.tools import PlacedTool
 
@@ -41,6 +56,42 @@ def _lies_on(skin: PlacedTool, points: FloatArray, faces: IndexArray) -> BoolArr
     near = TOUCHES * mean_edge(points, faces)
     gap, _ = skin.touch(points, near)
     return np.asarray(np.abs(gap) < near)
+
+
+class Topologies:
+    """What of bodies stays as long as the mesh does: their cells with their skin, and the faces in places."""
+
+    def __init__(self) -> None:
+        self._mesh: Mesh | None = None
+        self._known: dict[int, tuple[Topology, dict[str, IndexArray]]] = {}
+
+    def find(self, model: Model, number: int) -> tuple[Topology, dict[str, IndexArray]]:
+        """Return that of a body on the model's mesh. Raises MeshError as take_places does."""
+        if model.mesh is not self._mesh:
+            self._mesh, self._known = model.mesh, {}
+        if number not in self._known:
+            body = list_bodies(model)[number]
+            (block,) = body.blocks
+            cells = model.mesh.blocks[block].connectivity.astype(np.intp) - body.points.start
+            self._known[number] = Topology(cells), take_places(model, body)
+        return self._known[number]
+
+
+def remesh_beside(
+    world: World | None,
+    old: Sequence[OldBody],
+    made: Sequence[OldBody | NewBody],
+    number: int,
+    sizes: EdgeSizes,
+    *,
+    part: float = 1.0,
+) -> NewBody:
+    """Return a new mesh of a body, which lies on the others as they are by now (made). Raises MeshError.
+
+    world: ranks, the first of which makes it for all; part: of the edges that its sizes ask for.
+    """
+    others = {i: draw_skin(made[i].points, find_outer(old[i], made[i])) for i in old[number].others}
+    return make_on_lead(world, remesh_body, replace(old[number], others=others), sizes, part=part)
 
 
 def take_places(model: Model, body: Body) -> dict[str, IndexArray]:

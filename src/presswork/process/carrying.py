@@ -16,7 +16,7 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.mesh.edges import edge_areas
 from presswork.mesh.faces import face_areas
-from presswork.model import FloatArray, IntArray
+from presswork.model import FloatArray, IndexArray, IntArray
 from presswork.remesh.axes import straighten_axes
 from presswork.remesh.carrier import Carrier
 from presswork.state import Arrays, State
@@ -81,7 +81,10 @@ def carry_surface(before: ImplicitProcedure, after: ImplicitProcedure, carrier: 
                 at_rest[nodes] = rest[own]
                 everywhere[nodes_n] = given[own_n]
                 if _is_other_body(before, nodes_n, nodes, after):
-                    _face(everywhere, nodes_n, before)
+                    mesh, dimension = before.model.mesh, before.model.dimension
+                    position = mesh.points + before.state.nodes.displacement[:, :dimension]
+                    sides = mesh.boundary_faces if dimension == 3 else mesh.boundary_edges
+                    give_to_facing(everywhere, nodes_n, position, sides)
                 if becomes.kind == "surface":
                     found[own] = carrier.surface(everywhere, at_rest)[nodes]
                     continue
@@ -133,14 +136,13 @@ def _is_other_body(before: ImplicitProcedure, nodes_n: IntArray, nodes: IntArray
     return len(places[0]) == len(places[1]) == 1 and places[0] != places[1]
 
 
-def _face(values: FloatArray, nodes: IntArray, run: ImplicitProcedure) -> None:
+def give_to_facing(values: FloatArray, nodes: IndexArray | IntArray, position: FloatArray, sides: IntArray) -> None:
     """Give what stands at nodes of one surface to the nodes of others that face it, in place.
 
-    Vectors (n_points, 3) turn round: what one body feels the other one gives.
+    Vectors (n_points, 3) turn round: what one body feels the other one gives. position: of all nodes (n_points, d)
+    [mm]; sides: of the whole boundary (n, k).
     """
-    mesh, dimension = run.model.mesh, run.model.dimension
-    position = mesh.points + run.state.nodes.displacement[:, :dimension]
-    sides = mesh.boundary_faces if dimension == 3 else mesh.boundary_edges
+    dimension = position.shape[1]
     near = float(np.linalg.norm(position[np.roll(sides, -1, axis=1)] - position[sides], axis=2).max())
     others, tree = np.setdiff1d(sides, nodes), scipy.spatial.cKDTree(position[nodes])
     distance, place = tree.query(position[others], k=dimension, distance_upper_bound=near)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from presswork.explicit.body_contacts import TouchingSurfaces
+from presswork.explicit.body_contacts import BodyContactOfRun, TouchingSurfaces
 from presswork.fields.contact_stress import BodyTraction
 from presswork.interaction.body_interface import Interface
 from presswork.interaction.body_surfaces import MARGIN, REACH, STEEPEST, CellsOfSides
@@ -24,13 +24,13 @@ class ContactsOfRows:
     def __init__(self, model: Model, surfaces: Sequence[TouchingSurfaces], solids: Any) -> None:
         """surfaces: as find_touching has them; solids: of the explicit loop, to which the contacts are added."""
         self._model, self._of = model, model.contacts
-        self._added = []
+        self.added: list[BodyContactOfRun] = []
         for contact, of in zip(model.contacts, surfaces, strict=True):
             mu = STEEPEST.get(contact.contact, float(contact.mu))
-            self._added.append(solids.add_contact(contact.name, of, mu=mu, reach=REACH, margin=MARGIN))
-        self._begin = [each.impulse for each in self._added]
-        self._lost = [each.lost for each in self._added]
-        self._force = [np.zeros(3) for _ in self._added]
+            self.added.append(solids.add_contact(contact.name, of, mu=mu, reach=REACH, margin=MARGIN))
+        self._begin = [each.impulse for each in self.added]
+        self._lost = [each.lost for each in self.added]
+        self._force = [np.zeros(3) for _ in self.added]
 
     @property
     def limits_shear(self) -> bool:
@@ -45,18 +45,18 @@ class ContactsOfRows:
         if not self.limits_shear:
             return
         shear = find_nodal_shear_strength(self._model.mesh, flow_stress)
-        for contact, added in zip(self._of, self._added, strict=True):
+        for contact, added in zip(self._of, self.added, strict=True):
             if contact.contact in ("shear", "coulomb_capped"):
                 added.limit_friction(float(contact.m) * shear)
 
     def begin_row(self) -> None:
         """Keep what a row of cycles begins with."""
-        self._begin = [each.impulse for each in self._added]
-        self._lost = [each.lost for each in self._added]
+        self._begin = [each.impulse for each in self.added]
+        self._lost = [each.lost for each in self.added]
 
     def end_row(self, dt: float) -> None:
         """Find the mean forces of a row of dt [s]."""
-        self._force = [(each.impulse - begin) / dt for each, begin in zip(self._added, self._begin, strict=True)]
+        self._force = [(each.impulse - begin) / dt for each, begin in zip(self.added, self._begin, strict=True)]
 
     @property
     def columns(self) -> list[str]:
@@ -77,12 +77,12 @@ class ContactsOfRows:
 
         by_tools: forces of the tools (n_nodes, d) [N], which the forces contain.
         """
-        if not self._added:
+        if not self.added:
             return None
         n, d = by_tools.shape
         pressure, shear, force = np.zeros(n), np.zeros(n), np.zeros((n, 3))
         force[:, :d] = by_tools
-        for each in self._added:
+        for each in self.added:
             area, push, rub = each.area, each.push, each.rub
             whole = np.where(area > 1e-9 * area.max(initial=0.0), area, np.inf)
             touched = np.linalg.norm(push, axis=1) > 0.0
@@ -101,13 +101,13 @@ class ContactsOfRows:
         """
         n, lost = len(way), 0.0
         pressure, shear = {}, {}
-        added = {each.name: each for each in self._added}
+        added = {each.name: each for each in self.added}
         for entry in entries:
             each = added[entry.name]
             pressure[entry.name], shear[entry.name] = np.zeros(n), np.zeros(n)
             pressure[entry.name][each.slots] = each.pressure
             shear[entry.name][each.slots] = np.linalg.norm(each.shear, axis=1)
-        for each, before in zip(self._added, self._lost, strict=True):
+        for each, before in zip(self.added, self._lost, strict=True):
             lost += each.lost - before
         return BetweenBodies(pressure, shear, way, lost)
 

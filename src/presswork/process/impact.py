@@ -95,7 +95,7 @@ class ExplicitImpact(RowRecording):
         self._begin_stage()
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
-        model, density = self.model, float(epoch.get("density", 1.0))
+        model, density = self.model, float(np.ravel(epoch.get("density", 1.0))[0])
         touching = find_touching(model)
         self.solids = ExplicitSolids(
             model.mesh,

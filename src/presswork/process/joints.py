@@ -9,11 +9,13 @@ have come into the other body.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy
 
 from presswork.interaction.space_interface import SpaceInterface
-from presswork.model import BoolArray, FloatArray, Model
+from presswork.model import BoolArray, FloatArray, IndexArray, Model
 
 CLOSED = 1e-6
 """Of the mean edge: gaps below that are closed."""
@@ -21,18 +23,25 @@ _ROUNDS = 6
 _RIDGE = 1e-9
 
 
-def fit_joints(model: Model, touches: BoolArray, is_free: BoolArray) -> FloatArray:
+def fit_joints(
+    model: Model, touches: BoolArray, is_free: BoolArray, depths: Sequence[FloatArray] | None = None
+) -> FloatArray:
     """Return the points of a model's mesh (n_points, 3) [mm], moved so that bodies lie on each other where they touch.
 
-    touches: nodes that lie on another body (n_points,); is_free: coordinates that may change (n_points, 3).
+    touches: nodes that lie on another body (n_points,); is_free: coordinates that may change (n_points, 3); depths: of
+    each contact, how deep the nodes of its slave are to lie in the other body (n_points,) [mm], NaN of those that may
+    lie as they do; None: all on its surface.
     """
-    interfaces = [SpaceInterface(model, c, 0) for c in model.contacts if c.slave != c.master]
+    depths = [np.zeros(len(touches))] * len(model.contacts) if depths is None else depths
+    both = [(c, depth) for c, depth in zip(model.contacts, depths, strict=True) if c.slave != c.master]
+    interfaces = [SpaceInterface(model, c, 0) for c, _ in both]
+    wanted = [depth[i.nodes] for i, (_, depth) in zip(interfaces, both, strict=True)]
     points = model.mesh.points.copy()
     columns = np.flatnonzero(is_free)
     place = np.full(is_free.size, -1)
     place[columns] = np.arange(len(columns))
     for _ in range(_ROUNDS):
-        parts = [_find_gaps(interface, points, touches, place) for interface in interfaces]
+        parts = [_find_gaps(i, points, touches, place, depth) for i, depth in zip(interfaces, wanted, strict=True)]
         gap = np.concatenate([own for own, _ in parts])
         if all(
             np.abs(own).max(initial=0.0) < CLOSED * i.mean_edge for (own, _), i in zip(parts, interfaces, strict=True)
@@ -46,15 +55,16 @@ def fit_joints(model: Model, touches: BoolArray, is_free: BoolArray) -> FloatArr
 
 
 def _find_gaps(
-    interface: SpaceInterface, points: FloatArray, touches: BoolArray, place: FloatArray
+    interface: SpaceInterface, points: FloatArray, touches: BoolArray, place: IndexArray, depth: FloatArray
 ) -> tuple[FloatArray, scipy.sparse.csr_array]:
     """Return the gaps to be closed (m,) [mm] and the slopes of -gap to the free coordinates (m, n_free).
 
-    place: of each coordinate of the nodes among the free ones, -1 if it is not (3 n_points,).
+    place: of each coordinate of the nodes among the free ones, -1 if it is not (3 n_points,); depth: that counts as no
+    gap, of each slot [mm].
     """
     interface.search(points)
     found = interface.measure_gaps(points)
-    gap = np.asarray(found.gap)
+    gap = np.asarray(found.gap) + depth
     wanted = np.isfinite(gap) & (touches[interface.nodes] | (gap < 0.0))
     number = np.full(len(gap), -1)
     number[wanted] = np.arange(np.count_nonzero(wanted))

@@ -8,7 +8,8 @@ what is carried. Values of cells are those of a linear fit over the cells that t
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from presswork.fields.table import compute_field
 from presswork.mesh.simplices import find_simplices
 from presswork.model import FloatArray, IndexArray, Mesh, Model
 from presswork.process.recording import Row
+from presswork.remesh.carrier import Part
 
 FOLLOWED = (
     "effective_stress",
@@ -46,6 +48,20 @@ class MarkedPoints:
         """Find the points in places (n, d) [mm] on a mesh whose nodes are in positions (n_points, d) [mm]."""
         if self._points:
             self.nodes, self.share, _ = find_simplices(mesh, position, places)
+
+    def go_on(self, mesh: Mesh, parts: Sequence[Part], places: FloatArray) -> None:
+        """Find the points in places (n, d) [mm] on another mesh, whose nodes lie where they are now, each in its body.
+
+        parts: what became of each body. In one that keeps its mesh they keep nodes and shares.
+        """
+        before = self.nodes.copy()
+        for number, part in enumerate(parts):
+            own = np.isin(before[:, 0], part.old_points)
+            if part.surface is None:
+                self.nodes[own] = before[own] + (part.new_points.start - part.old_points.start)
+            elif own.any():
+                body = replace(mesh, blocks=mesh.blocks[number : number + 1])
+                self.nodes[own], self.share[own], _ = find_simplices(body, mesh.points, places[own])
 
     def places(self, position: FloatArray) -> FloatArray:
         """Return where the points are (n, d) [mm], by the positions of the nodes (n_points, d) [mm]."""

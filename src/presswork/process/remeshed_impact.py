@@ -3,26 +3,34 @@
 
 A new mesh begins where the old one is. Velocities are carried by moving least squares and shifted evenly, so that the
 momentum stays; stress and history from point to point; the work of stress and of hourglass control in proportion to the
-cells, so that their sums stay. The density is scaled so that the mass stays. Internal forces begin at zero for one
-cycle: inside a body near equilibrium they balance each other.
+cells, so that their sums stay. What was added to the mass is dropped first; the density is scaled so that the rest
+stays. Internal forces begin at zero for one cycle: inside a body near equilibrium they balance each other.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
-from presswork.evolution.of_material import BY_NAME
 from presswork.explicit.energy import EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
 from presswork.fields.instant import Instant
 from presswork.geometry.pose import ToolPose, place_segments, start_profile
 from presswork.mesh.checks import MeshError
-from presswork.model import BoolArray, ElementName, FloatArray, Mesh, Model, Remeshing
+from presswork.model import BoolArray, ElementName, FloatArray, Model, Remeshing, list_bodies
+from presswork.process.carrying_rows import (
+    OF_A_WALL,
+    OF_THE_RUN,
+    MadeMesh,
+    carry_blocks,
+    carry_cells,
+)
+from presswork.process.contacts_on_new_mesh import fill_contacts
 from presswork.process.epochs import NamedArrays
 from presswork.process.impact import ExplicitImpact
 from presswork.process.laps import find_laps, mark_laps, tell_laps
@@ -34,17 +42,17 @@ from presswork.process.rows import RowReport
 from presswork.process.seams import Seams
 from presswork.ranks.world import World
 from presswork.remesh.axes import straighten_axes
-from presswork.remesh.carrier import Carrier, Part, SkinPlaces, SurfacePlaces
+from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.section import OldSection, remesh_section
 from presswork.remesh.size_field import measure_power
 from presswork.threads import available_threads
 
 COLLAPSED = 0.3
 """Stable step over that with which the mesh began, below which it is made anew."""
-OF_THE_RUN = ("loop.work", "run.clock", "run.energy", "run.scales")
-OF_A_WALL = ("offset", "angle", "floating", "impulse")
-BEGIN_ANEW, KEPT = ("mass_factor", "hourglass", "force", "pressure"), "block_0.kept"
-"""Names in a dump of explicit solids: what goes along, and what begins anew in cells."""
+KEPT = "kept"
+"""Name in a dump of what the law of a block in the plane keeps."""
+ON_FIRST = "on_first"
+"""Name in a checkpoint."""
 ELEMENT: ElementName = "quad4_1pt"
 """Of new meshes of triangles."""
 NEAR = 0.02
@@ -56,16 +64,19 @@ class RemeshedImpact(ExplicitImpact):
 
     def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
         assert model.remeshing is not None
-        assert len(model.mesh.blocks) == 1
         self._remeshing: Remeshing = model.remeshing
-        self._density = 1.0
+        self._n_bodies = len(list_bodies(model))
+        self._density = np.ones(self._n_bodies)
+        """Factor on the density of each body, so that its mass stays."""
+        self._on_first = set(range(self._n_bodies)) if model.remeshing.keeps_first else set()
+        """Bodies whose first mesh is to stay until it fails."""
         self._seams = Seams()
         self._notes: list[str] = []
         self._cause = 0
         self._threads = threads or available_threads()
         super().__init__(model, threads=threads, world=world)
         self._increment = np.zeros_like(model.mesh.points)
-        self._first_volume = self._measure_volume()
+        self._first_volumes = self._measure_bodies()
 
     @property
     def columns(self) -> list[str]:
@@ -99,8 +110,8 @@ class RemeshedImpact(ExplicitImpact):
         return told | {"remeshes": self.epoch, "laps": places}
 
     def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
-        if (reason := self._find_reason(row)) is not None:
-            self._remesh(reason)
+        if (found_reason := self._find_reason(row)) is not None:
+            self._remesh(*found_reason)
         before, start = self.to_arrays(), self.solids.position
         try:
             found = super()._compute_row(number, row)
@@ -115,22 +126,24 @@ class RemeshedImpact(ExplicitImpact):
 
     # --- new meshes --------------------------------------------------------------------------------------------------
 
-    def _find_reason(self, row: int) -> str | None:
-        """Return why the present mesh should not go on before a row of the stage."""
-        if self._remeshing.keeps_first and self.epoch == 0:
-            return self._find_reason_to_leave_first()
-        rows = self._remeshing.every * self.model.output.rows
+    def _find_reason(self, row: int) -> tuple[str, set[int]] | None:
+        """Return why present meshes should not go on before a row of the stage, and of which bodies."""
+        rows, bodies = self._remeshing.every * self.model.output.rows, set(range(self._n_bodies))
         if rows > 0.0 and row > 0 and int(row / rows + 1e-9) > int((row - 1) / rows + 1e-9):
-            return DUE
-        if self.solids.stable_step() < COLLAPSED * self.solids.first_step:
-            return f"{STEP} {COLLAPSED:g} of that of the mesh at first"
-        return self._find_wear()
+            return DUE, bodies
+        least = COLLAPSED * self.solids.first_step
+        if self._on_first != bodies and self.solids.stable_step() < least:
+            steps = [2.0 / np.sqrt(own.max()) for own in self._split(self.solids.bound_frequencies())]
+            collapsed = {number for number, step in enumerate(steps) if step < least} - self._on_first
+            if collapsed:
+                return f"{STEP} {COLLAPSED:g} of that of the mesh at first", collapsed
+        found = {number: reason for number in sorted(bodies) if (reason := self._find_reason_of(number)) is not None}
+        return ("; ".join(dict.fromkeys(found.values())), set(found)) if found else None
 
-    def _find_reason_to_leave_first(self) -> str | None:
-        return find_reason_to_leave_first(self._find_section())
-
-    def _find_wear(self) -> str | None:
-        """Return why the body has outgrown its mesh."""
+    def _find_reason_of(self, number: int) -> str | None:
+        """Return why a body should not go on with its mesh."""
+        if number in self._on_first:
+            return find_reason_to_leave_first(self._find_section())
         return find_reason(self._find_section(), self._increment, self._remeshing, wait=1.0)
 
     def _find_section(self) -> OldSection:
@@ -150,19 +163,18 @@ class RemeshedImpact(ExplicitImpact):
             mesh, position, on_tool, self._find_held(), profiles, ring, range(len(position)), lost, power, ELEMENT
         )
 
-    def _find_loss(self) -> float:
-        """Return the part of the volume that is lost and can be given back."""
+    def _find_loss(self, number: int = 0) -> float:
+        """Return the part of a body's volume that is lost and can be given back."""
         if self._pores is not None:  # they grow
             return 0.0
-        return float(np.clip(self._first_volume / self._measure_volume() - 1.0, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
+        lost = self._first_volumes[number] / self._measure_bodies()[number] - 1.0
+        return float(np.clip(lost, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
 
-    def _make_mesh(self) -> tuple[Mesh, SurfacePlaces | SkinPlaces, Sequence[FloatArray]]:
-        """Return a new mesh, where its surface lies on the old one, and lines where folds were left out.
-
-        Raises MeshError.
-        """
+    def _make_mesh(self, bodies: set[int]) -> MadeMesh:
+        """Return a mesh on which bodies have new cells. Raises MeshError where none can be made."""
         new = make_on_lead(self._world, remesh_section, self._find_section(), self._remeshing)
-        return new.mesh, new.surface(0, 0), new.line.seams
+        points = range(len(self.model.mesh.points)), range(len(new.mesh.points))
+        return MadeMesh(new.mesh, new.mesh.points, [Part(*points, 0, new.surface(0, 0), new.line.seams)])
 
     def _find_power(self) -> FloatArray | None:
         """Return the stress power over volume in the last row, in each cell (n_cells,) [MPa]; None: nothing moved."""
@@ -179,132 +191,149 @@ class RemeshedImpact(ExplicitImpact):
             held[self.model.mesh.node_sets[support.node_set]] |= np.asarray(support.fix[:d])
         return held
 
-    def _remesh(self, reason: str, *, failed: bool = False) -> bool:
-        """Go on with a new mesh, or with the old one where none can be made; return whether there is one.
+    def _remesh(self, reason: str, bodies: set[int] | None = None, *, failed: bool = False) -> bool:
+        """Go on with new meshes of bodies (None: of all), or with the old ones where none can be made; return whether
+        there are any.
 
-        failed: the row has failed on the old one.
+        failed: the row has failed on the old ones.
         """
-        position, first = self.solids.position, range(len(self.model.mesh.points))
+        old, position, origin_n = self.model, self.solids.position, self.mesh.points
         try:
-            mesh, surface, lines = self._make_mesh()
+            made = self._make_mesh(set(range(self._n_bodies)) if bodies is None else bodies)
         except MeshError as error:
             self._notes.append(f"not remeshed ({reason}): {error}")
             return False
-        carrier = Carrier(self.model.mesh, position, mesh, [Part(first, range(len(mesh.points)), 0, surface)])
-        before, dump, volumes = self.solids, self.solids.dump_as_given(), self._find_volumes()
-        evolved, heat = self.points.values, self.heat
-        origin, places = carrier.material(self.mesh.points), self.marked.places(position)
-        seams = self._seams.places(position)
-        self._begin_epoch(mesh, origin)
+        lying = replace(made.mesh, points=made.position)
+        carrier = Carrier(old.mesh, position, lying, made.parts)
+        before, contacts, evolved, heat = self.solids, self.contacts, self.points.values, self.heat
+        blocks = zip(old.mesh.blocks, made.is_new, strict=True)
+        before.drop_added_mass(np.concatenate([np.full(len(block.connectivity), is_new) for block, is_new in blocks]))
+        dump, volumes, masses = before.dump_as_given(), self._find_volumes(), self._measure_masses()
+        places, seams = self.marked.places(position), self._seams.places(position)
+        origin = carrier.material(origin_n)
+        increment = np.where(carrier.is_new()[:, None], 0.0, carrier.motion(self._increment))
+        means = [before.mass[own] @ before.velocity[own] / before.mass[own].sum() for own in self._list_nodes()]
+        self._begin_epoch(made.mesh, origin)
         keep_held(origin, self.model)
-        self._increment = np.zeros_like(mesh.points)
+        self._increment = increment
         self._make_run(self._epoch_arrays())
-        self._density *= before.added_mass().mass / self.solids.added_mass().mass
+        self._density = np.where(made.is_new, self._density * masses / self._measure_masses(), self._density)
         self._make_run(self._epoch_arrays())
         self._begin_stage()
-        kept = self.solids.mass.sum() / before.mass.sum()  # added mass is not carried, nor the momentum that it has
-        self.solids.restore_as_given(self._carry(dump, carrier, volumes, kept * (before.mass @ before.velocity)))
+        found = self._carry(dump, carrier, volumes, means)
+        ends = (old, contacts.added, position), (self.model, self.contacts.added, made.position)
+        self.solids.restore_as_given(found | fill_contacts(dump, *ends, carrier))
         if heat is not None and self.heat is not None:
             self.heat.carry(heat, carrier)
-        self.points.carry(evolved, lambda values: _carry_cells(carrier, values, self.solids.stress))
-        self.marked.find(mesh, mesh.points, places)
-        self._seams.go_on(mesh, seams, lines, before.time)
+        n_cells = [len(block.connectivity) for block in made.mesh.blocks]
+        self.points.carry(evolved, lambda block, values: carry_cells(carrier, block, values, n_cells[block]))
+        self.marked.go_on(lying, made.parts, places)
+        self._seams.go_on(lying, seams, made.lines, before.time)
+        self._on_first -= {number for number, is_new in enumerate(made.is_new) if is_new}
         self._cause = find_cause(FAILS if failed else reason)
-        gained = _kinetic_energy(self.solids) / max(_kinetic_energy(before), 1e-300) - 1.0
-        self._notes.append(
-            f"remesh {self.epoch} ({reason}): {len(self.solids.stress)} cells, stable step "
-            f"{self.solids.stable_step():.3g} s, kinetic energy {gained:+.2%}, volume "
-            f"{self._measure_volume() / self._first_volume - 1.0:+.2e} of the first"
-        )
+        self._note_new_mesh(reason, made, before)
         return True
 
+    def _note_new_mesh(self, reason: str, made: MadeMesh, before: Any) -> None:
+        """Say in the log what has come of a new mesh; before: the run on the old one."""
+        gained = _kinetic_energy(self.solids) / max(_kinetic_energy(before), 1e-300) - 1.0
+        named = [body.name for body, is_new in zip(self.model.bodies, made.is_new, strict=False) if is_new]
+        of_bodies = f" of {' and '.join(named)}" if len(self.model.bodies) > 1 else ""
+        volume = sum(self._measure_bodies()) / sum(self._first_volumes) - 1.0
+        self._notes += [f"not remeshed ({reason}): {fault}" for fault in made.faults]
+        self._notes.append(
+            f"remesh {self.epoch}{of_bodies} ({reason}): {len(self.solids.stress)} cells, stable step "
+            f"{self.solids.stable_step():.3g} s, kinetic energy {gained:+.2%}, volume {volume:+.2e} of the first"
+        )
+
     def _carry(
-        self, dump: Mapping[str, FloatArray], carrier: Carrier, volumes: FloatArray, momentum: FloatArray
+        self,
+        dump: Mapping[str, FloatArray],
+        carrier: Carrier,
+        volumes: Sequence[FloatArray],
+        means: Sequence[FloatArray],
     ) -> dict[str, FloatArray]:
         """Return the state of the present mesh out of that of the old one.
 
-        volumes: of the old cells (n_cells,) [mm3]; momentum: of the old nodes (2,) [t mm/s].
+        volumes: of the old cells of each block (n_cells,) [mm3]; means: velocity of each body (d,) [mm/s].
         """
         found: dict[str, FloatArray] = self.solids.dump_as_given()
         for name, given in dump.items():
             owner, _, what = name.partition(".")
             if name in OF_THE_RUN or (owner.startswith("wall_") and what in OF_A_WALL):
                 found[name] = given
-            elif owner.startswith("block_") and what == "work":
-                density = _carry_cells(carrier, given / volumes[:, None], self.solids.stress)
-                work = density * self._find_volumes()[:, None]
-                found[name] = work * given.sum(axis=0) / np.where(work.sum(axis=0) == 0.0, 1.0, work.sum(axis=0))
-            elif owner.startswith("block_") and what not in BEGIN_ANEW:
-                found[name] = _carry_cells(carrier, given, self.solids.stress)
-                if given.size and _has_peaks(what):
-                    found[name] = keep_peaks(carrier, name, given, found[name], self._find_volumes())
-        self._mend(carrier, dump, found)
-        found["nodes.velocity"] = self._carry_velocity(carrier.nodes(dump["nodes.velocity"]), momentum)
+        carry_blocks(carrier, dump, found, volumes, self._find_volumes())
+        for block, part in enumerate(carrier.parts):
+            if part.surface is not None:
+                self._mend(carrier, block, dump, found)
+        position = found["nodes.position"]  # of bodies that keep their mesh not where that began
+        found["nodes.position"] = np.where(carrier.is_new()[:, None], position, carrier.motion(dump["nodes.position"]))
+        found["nodes.velocity"] = self._carry_velocity(carrier, dump["nodes.velocity"], means)
         return found
 
-    def _mend(self, carrier: Carrier, dump: Mapping[str, FloatArray], found: dict[str, FloatArray]) -> None:
-        """Give carried values of laws (found) the form that laws need."""
-        material = self.model.materials[self.model.mesh.blocks[0].material]
-        if (kept := found[KEPT]).size and material.umat is None:  # the last two are the direction of the law's axes
+    def _mend(self, carrier: Carrier, block: int, dump: Mapping[str, FloatArray], found: dict[str, FloatArray]) -> None:
+        """Give carried values of a block's law (found) the form that laws need."""
+        material, kept = self.model.materials[self.model.mesh.blocks[block].material], found[f"block_{block}.{KEPT}"]
+        if kept.size and material.umat is None:  # the last two are the direction of the law's axes
             kept[:, -2:] = straighten_axes(kept[:, -2:])
 
-    def _carry_velocity(self, velocity: FloatArray, momentum: FloatArray) -> FloatArray:
-        """Return carried velocities (n_points, ...) with the momentum (d,) of the old ones, across an axis none."""
-        mass, free = self.solids.mass, ~self._find_held()
-        moved = velocity[:, : len(momentum)]
-        lacking = momentum - mass @ moved
-        lacking[0] *= self.model.analysis != "axisymmetric"
-        moved += free * lacking / np.maximum(mass @ free, 1e-300)
-        return velocity
+    def _carry_velocity(self, carrier: Carrier, velocity: FloatArray, means: Sequence[FloatArray]) -> FloatArray:
+        """Return velocities of old nodes (n_points, ...) at the new ones, with the mean (d,) that each body had.
+
+        Bodies that keep their mesh keep their velocities.
+        """
+        carried, free = carrier.nodes(velocity), ~self._find_held()
+        for part, own, mean in zip(carrier.parts, self._list_nodes(), means, strict=True):
+            if part.surface is None:
+                continue
+            mass, moved = self.solids.mass[own], carried[own, : len(mean)]  # a view
+            lacking = mass.sum() * mean - mass @ moved
+            lacking[0] *= self.model.analysis != "axisymmetric"  # across an axis there is none
+            moved += free[own] * lacking / np.maximum(mass @ free[own], 1e-300)
+        return carried
+
+    def _list_nodes(self) -> list[slice]:
+        """Return the nodes of each body."""
+        return [slice(body.points.start, body.points.stop) for body in list_bodies(self.model)]
+
+    def _measure_masses(self) -> FloatArray:
+        """Return the mass of each body without what was added (n_bodies,) [t]."""
+        return np.array([own.sum() for own in self._split(self.solids.true_mass)])
 
     def _epoch_arrays(self) -> NamedArrays:
-        kept = {"density": np.array(self._density), "increment": self._increment}
+        on_first = np.isin(np.arange(self._n_bodies), list(self._on_first))
+        kept = {"density": self._density, "increment": self._increment, ON_FIRST: on_first}
         return kept | self.marked.to_arrays() | self._seams.to_arrays()
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         self._increment = np.array(epoch["increment"], dtype=float)
+        self._on_first = set(np.flatnonzero(epoch[ON_FIRST]).tolist())
         self.marked.load_arrays(epoch)
         self._seams.load_arrays(epoch)
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
-        self._density = float(epoch.get("density", 1.0))
+        self._density = np.array(epoch.get("density", np.ones(self._n_bodies)), dtype=float)
         super()._make_run(epoch)
         if epoch:
             self.heat = self.heat and self._make_heat(self._threads)
             self.points.start(self._find_points())
 
-    def _find_volumes(self) -> FloatArray:
-        """Return the volume of each cell (n_cells,) [mm3]; of 1 rad, or 1 mm of depth."""
+    def _find_volumes(self) -> list[FloatArray]:
+        """Return the volume of each cell of each block (n_cells,) [mm3]; of 1 rad, or 1 mm of depth."""
         x, y = np.moveaxis(self.solids.position[self.model.mesh.blocks[0].connectivity], -1, 0)
         area = 0.5 * (x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1)
-        return np.asarray(area * (x.mean(axis=1) if self.model.analysis == "axisymmetric" else 1.0))
+        return [np.asarray(area * (x.mean(axis=1) if self.model.analysis == "axisymmetric" else 1.0))]
 
-    def _measure_volume(self) -> float:
-        """Return the volume without its elastic part, in the unit of _find_volumes."""
-        material = self.model.materials[self.model.mesh.blocks[0].material]
-        dilatation = self.solids.stress[:, :3].sum(axis=1) * (1.0 - 2.0 * material.poisson) / material.young
-        return float((self._find_volumes() * np.exp(-dilatation)).sum())
-
-
-def _carry_cells(carrier: Carrier, values: FloatArray, stress: FloatArray) -> FloatArray:
-    """Return values of old cells (n, ...), one point each, in the new ones, of which stress (n_cells, 4) are some."""
-    if not values.size:
-        return np.zeros((len(stress), *values.shape[1:]))
-    (found,) = carrier.points([values[:, None]], [np.zeros((len(stress), 1, *values.shape[1:]))])
-    return found[:, 0]
-
-
-def _has_peaks(name: str) -> bool:
-    """Say whether the largest value of an array of cells in a dump decides: plastic strain, damage."""
-    quantity = BY_NAME.get(name.removeprefix("damage_"))
-    return name == "eqps" or (quantity is not None and quantity.peak_counts)
-
-
-def keep_peaks(carrier: Carrier, name: str, values: FloatArray, found: FloatArray, volumes: FloatArray) -> FloatArray:
-    """Return a field carried by _carry_cells from values of old cells (n, ...) with the peaks that it had."""
-    shape = found.shape
-    (kept,) = carrier.peaks(name, [values.reshape(-1, 1)], [found.reshape(-1, 1)], [volumes[:, None]])
-    return kept.reshape(shape)
+    def _measure_bodies(self) -> list[float]:
+        """Return the volume of each body without its elastic part, in the unit of _find_volumes."""
+        mesh, found = self.model.mesh, []
+        for block, volume, stress in zip(
+            mesh.blocks, self._find_volumes(), self._split(self.solids.stress), strict=True
+        ):
+            material = self.model.materials[block.material]
+            dilatation = stress[:, :3].sum(axis=1) * (1.0 - 2.0 * material.poisson) / material.young
+            found.append(float((volume * np.exp(-dilatation)).sum()))
+        return found
 
 
 def _kinetic_energy(solids: Any) -> float:

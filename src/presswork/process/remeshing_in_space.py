@@ -19,23 +19,27 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.checks import MeshError
-from presswork.model import FloatArray, IndexArray, Limits, Mesh, Model, Remeshing, Tool, Triangulation, change_mesh
-from presswork.process.bodies_in_space import add_neighbours, hold_on_tools, join_bodies, mark_joints, take_places
+from presswork.model import FloatArray, Limits, Model, Remeshing, Tool, Triangulation, change_mesh
+from presswork.process.bodies_in_space import (
+    Topologies,
+    add_neighbours,
+    hold_on_tools,
+    join_bodies,
+    mark_joints,
+    remesh_beside,
+)
 from presswork.process.carrying import carry_state, carry_surface, find_undeclared
 from presswork.process.epochs import NamedArrays
 from presswork.process.joints import fit_joints
 from presswork.process.mesh_reasons import LAST_CUT
-from presswork.process.new_epoch import make_on_lead
 from presswork.process.remeshing import RemeshedForming
 from presswork.process.space_surfaces import draw_tool
 from presswork.ranks.world import World
 from presswork.remesh.carrier import Carrier
-from presswork.remesh.space.body import NewBody, OldBody, Topology
+from presswork.remesh.space.body import NewBody, OldBody
 from presswork.remesh.space.fill import REMEDY
 from presswork.remesh.space.notches import SHARP, measure_notch
-from presswork.remesh.space.remesh import remesh_body
 from presswork.remesh.space.size_field import OF_WIDTH, EdgeSizes
-from presswork.remesh.space.skins import draw_skin, find_outer
 from presswork.remesh.space.tetrahedra import measure_quality
 from presswork.remesh.space.tools import PlacedTool, ToolShape, find_bends
 from presswork.remesh.space.triggers import (
@@ -71,7 +75,7 @@ class RemeshedSpaceForming(RemeshedForming):
     def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
         assert model.remeshing is not None
         self._shapes = [draw_shape(tool, model, model.remeshing) for tool in model.space_tools]
-        self._topologies: tuple[Mesh, dict[int, tuple[Topology, dict[str, IndexArray]]]] = model.mesh, {}
+        self._topologies = Topologies()
         super().__init__(model, threads=threads, world=world)
         self._left = [Left() for _ in self._bodies()]
         """What was wrong with the present mesh of each body when it was made."""
@@ -106,7 +110,7 @@ class RemeshedSpaceForming(RemeshedForming):
         position, found = model.mesh.points + state.nodes.moved, []
         for number, body in enumerate(self._bodies()):
             own = slice(body.points.start, body.points.stop)
-            topology, places = self._find_topology(number)
+            topology, places = self._topologies.find(model, number)
             lost, cells = self._lost_volume(body, number), topology.cells
             found.append(
                 OldBody(position[own], cells, on_tool[:, own], fixed[own], places, tools, lost, topology=topology)
@@ -115,18 +119,6 @@ class RemeshedSpaceForming(RemeshedForming):
             return found
         pushed = np.asarray((state[InterfaceArrays].force != 0.0).any(axis=1))
         return add_neighbours(found, model, [pushed[list(body.points)] for body in self._bodies()])
-
-    def _find_topology(self, number: int) -> tuple[Topology, dict[str, IndexArray]]:
-        """Return what of a body stays as long as the mesh does: its skin, and the faces in places (m, 3)."""
-        mesh, known = self._topologies
-        if mesh is not self.model.mesh:
-            mesh, known = self._topologies = self.model.mesh, {}
-        if number not in known:
-            body = self._bodies()[number]
-            (block,) = body.blocks
-            cells = mesh.blocks[block].connectivity.astype(np.intp) - body.points.start
-            known[number] = Topology(cells), take_places(self.model, body)
-        return known[number]
 
     def _reason_of(self, number: int, old: OldBody, wait: float) -> str | None:
         left = self._left[number]
@@ -165,10 +157,9 @@ class RemeshedSpaceForming(RemeshedForming):
         before = self.procedure
         made: list[OldBody | NewBody] = list(old)
         for number in sorted(own):  # each beside the others as they are by then
-            others = {i: draw_skin(made[i].points, find_outer(old[i], made[i])) for i in old[number].others}
-            body = replace(old[number], others=others)
-            sizes = list_sizes(self._settings_of(number))
-            made[number] = make_on_lead(before.world, remesh_body, body, sizes, part=part)
+            made[number] = remesh_beside(
+                before.world, old, made, number, list_sizes(self._settings_of(number)), part=part
+            )
         mesh, parts = join_bodies(before.model.mesh, self._bodies(), made)
         if any(body.others for body in old):
             mesh = replace(mesh, points=fit_joints(change_mesh(before.model, mesh), *mark_joints(old, made, parts)))

@@ -115,9 +115,14 @@ class RowHistory:
         for of in self.values.values():
             of[:] = [values[parent] if len(values) else values for values, parent in zip(of, parents, strict=True)]
 
-    def carry(self, values: Mapping[str, Sequence[FloatArray]], carry: Callable[[FloatArray], FloatArray]) -> None:
-        """Take values of the cells of another mesh, by quantity and block; carry finds them in those of this one."""
-        self.values = {name: [carry(each) if len(each) else each for each in of] for name, of in values.items()}
+    def carry(self, values: Mapping[str, Sequence[FloatArray]], carry: Callable[[int, FloatArray], FloatArray]) -> None:
+        """Take values of the cells of another mesh, by quantity and block; carry finds those of a block, by its number,
+        in the cells of this one.
+        """
+        self.values = {
+            name: [carry(block, each) if len(each) else each for block, each in enumerate(of)]
+            for name, of in values.items()
+        }
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return what the next row depends on."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from presswork.body.laws_of_solids import make_law
 from presswork.evolution.damage import make_damage
+from presswork.explicit.body_contacts import TouchingSurfaces
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.energy import EnergyBalance
 from presswork.explicit.motion import Motion
@@ -67,24 +68,10 @@ class ExplicitSpaceImpact(ExplicitImpact):
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         model = self.model
-        density = float(epoch.get("density", 1.0))
-        self._axis, tied = np.zeros(0, dtype=np.int32), None
-        if model.cyclic is not None:
-            pairs = np.column_stack(pair_faces(model.cyclic, model.mesh))
-            on_axis = pairs[:, 0] == pairs[:, 1]
-            self._axis = pairs[on_axis, 0]
-            tied = TiedFaces(pairs[~on_axis], 2.0 * np.pi / model.cyclic.sectors)
         touching = find_touching(model)
-        self.solids = ExplicitSpaceSolids(
-            model.mesh,
-            [self._make_material(block.material, density) for block in model.mesh.blocks],
-            hourglass_fraction=self.settings.hourglass_stiffness,
-            tied=tied,
-            device=self.settings.device,
-            world=self._world,
-            touching=touching,
-        )
         turning = find_turning(model.space_tools, model.stages)
+        density = np.broadcast_to(epoch.get("density", 1.0), len(model.mesh.blocks))
+        self.solids = self._make_solids(model, density, touching)
         self.walls = [
             self.solids.add_wall(
                 tool.name,
@@ -101,6 +88,29 @@ class ExplicitSpaceImpact(ExplicitImpact):
         self._reaction = np.zeros(model.mesh.points.shape)
         self._shear = ShearFriction(model.space_tools, model.mesh)
         self._find_neighbourhoods()
+
+    def _make_solids(
+        self, model: Model, density: FloatArray, touching: Sequence[TouchingSurfaces]
+    ) -> ExplicitSpaceSolids:
+        """Return the bodies of a model without tools; density: factor on the material's of each block (n_blocks,);
+        touching: as find_touching has them.
+        """
+        self._axis, tied = np.zeros(0, dtype=np.int32), None
+        if model.cyclic is not None:
+            pairs = np.column_stack(pair_faces(model.cyclic, model.mesh))
+            on_axis = pairs[:, 0] == pairs[:, 1]
+            self._axis = pairs[on_axis, 0]
+            tied = TiedFaces(pairs[~on_axis], 2.0 * np.pi / model.cyclic.sectors)
+        blocks = zip(model.mesh.blocks, density.tolist(), strict=True)
+        return ExplicitSpaceSolids(
+            model.mesh,
+            [self._make_material(block.material, factor) for block, factor in blocks],
+            hourglass_fraction=self.settings.hourglass_stiffness,
+            tied=tied,
+            device=self.settings.device,
+            world=self._world,
+            touching=touching,
+        )
 
     def _make_material(self, number: int, density: float) -> SpaceMaterial:
         """Return what a block of one of the materials is made of; density: factor on the material's."""

@@ -95,13 +95,17 @@ def test_new_meshes_have_sizes_for_each_body() -> None:
     assert text.startswith("remesh.bodies.upper.size: size (5 mm) exceeds the least extent of the body")
 
 
-def test_explicit_bodies_that_touch_keep_their_meshes() -> None:
+def test_explicit_bodies_that_touch_get_new_meshes_but_for_one_that_touches_itself() -> None:
     stage = CASE["stages"][0] | {"duration": "80 us"}
     explicit = {"procedure": "explicit", "materials__steel": STEEL | {"density": 7.85e-9}, "stages": [stage]}
     nodal = {"workpiece__element": "tet4_nodal", "bodies__upper__element": "tet4_nodal"}
+    found = build_model(change(remesh={}, **explicit, **nodal)).remeshing
+    assert found is not None
+    assert not found.obstacle
+    itself = {"contacts__fold": {"between": ["upper", "upper"], "contact": "frictionless"}}
     assert any(
-        text.startswith("bodies: does not go together with [remesh]")
-        for text in problems(remesh={}, **explicit, **nodal)
+        text.startswith("contacts of a body with itself: does not go together with [remesh]")
+        for text in problems(remesh={}, **explicit, **nodal, **itself)
     )
 
 

@@ -54,12 +54,6 @@ def _check_explicit(case: schema.Case) -> list[Problem]:
         if body.element not in known:
             fault = "the explicit procedure has no such element"
             problems.append(Problem(f"{key}.element", fault, f"take {' or '.join(known)}", body.element))
-    if case.contacts and case.remesh is not None and case.remesh.enabled:
-        fault, remedy = (
-            "explicit bodies that touch each other keep their meshes",
-            "leave it out, or set enabled = false",
-        )
-        problems.append(Problem("remesh", fault, remedy))
     problems += check_material(case)
     for name, tool in case.tools.items():
         problems += _check_tool(f"tools.{name}", tool)

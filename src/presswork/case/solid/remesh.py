@@ -120,7 +120,10 @@ def check_remesh(case: Case) -> list[Problem]:
 
 def _find_obstacles(case: Case) -> dict[str, bool]:
     """Return which keys of a case do not go together with new meshes."""
+    explicit = case.procedure == "explicit"
     return {
+        "bodies": explicit and bool(case.bodies),
+        "contacts": explicit and bool(case.contacts),
         "solver.inertia": case.solver.inertia > 0.0,
         "solver.control": case.solver.control == "arc_length",
         "solver.displacements": case.solver.displacements == "small",

@@ -123,8 +123,7 @@ def _find_obstacles(case: SpaceCase) -> dict[str, bool]:
     """Return which keys of a case do not go together with new meshes."""
     explicit = case.procedure == "explicit"
     return {
-        "bodies": explicit and bool(case.bodies),
-        "contacts": explicit and bool(case.contacts),
+        "contacts of a body with itself": explicit and any(len(set(c.between)) == 1 for c in case.contacts.values()),
         "boundary cyclic": any(entry.cyclic is not None for entry in case.boundary.values()),
         "solver.inertia": case.solver.inertia > 0.0,
         "solver.displacements": case.solver.displacements == "small",
