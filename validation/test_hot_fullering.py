@@ -52,7 +52,10 @@ tools.die = { stroke = 6, direction = [0, 0, -1] }
 """
 
 
-@pytest.mark.parametrize("meshes", ["", "[remesh]\nsmallest_size = 1\nmax_cells = 6000\n"])
+SIZES = "[remesh]\nsmallest_size = 1\nmax_cells = 6000\n"
+
+
+@pytest.mark.parametrize("meshes", ["", SIZES, SIZES + "every = 0.2\n"])
 def test_a_hot_bar_is_pressed_to_the_end_of_the_stroke(tmp_path: Path, meshes: str):
     path = tmp_path / "fullering.toml"
     path.write_text(CASE + meshes)

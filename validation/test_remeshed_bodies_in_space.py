@@ -55,7 +55,11 @@ smallest_size = 0.7
 
 def stack(folder, remesh, **changes):
     """Return a run of two blocks upset by 4 of 10 mm, after its end, with its rows."""
-    text = STACK.replace("0.9 ms", "4 ms").replace("stroke = 0.9", "stroke = 4").replace("rows = 9", "rows = 40")
+    text = (
+        STACK.replace("0.9 ms", "4 ms")
+        .replace("stroke = 0.9", "stroke = 4")
+        .replace("steps = 3\nrows = 9", "steps = 4\nrows = 40")
+    )
     for old, new in changes.get("words", ()):
         assert old in text
         text = text.replace(old, new)
@@ -70,7 +74,7 @@ def test_two_explicit_blocks_upset_on_new_meshes_are_those_on_a_fine_mesh_and_of
     slow += [('[explicit]\ntarget_step = "0.4 us"', "")]
     implicit, _ = stack(tmp_path, SIZES, words=slow)
     assert often["remeshes"][-1] >= 4
-    assert implicit["remeshes"][-1] >= 4
+    assert implicit["remeshes"][-1] >= 2
     middle = 0.5 * (often["die.stroke"][1:] + often["die.stroke"][:-1])  # forces are means over rows
     late = (middle > 0.5) & (middle < 3.8)
     force = often["joint.force_z"][1:]

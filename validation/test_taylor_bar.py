@@ -8,6 +8,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from presswork import build_model
+from presswork.case.space.schema import SpaceCase
+from presswork.process.begin import begin
 from tests.problems.explicit_solids import measure_taylor_bar, taylor_bar
 
 pytestmark = pytest.mark.validation
@@ -61,3 +64,46 @@ def test_a_wall_that_does_not_pull_lets_the_foot_dimple_and_the_bar_fly_off() ->
     assert (run.position[foot, 1] > 0.5).all()
     free, tied = measure_taylor_bar(run), strike("quad4_1pt", 5)
     assert free["strain"] > 1.05 * tied["strain"]
+
+
+def strike_in_space(**remesh: object) -> tuple[dict[str, float], list[str]]:
+    """Return what is measured of a quarter of a bar of tetrahedra after 80 us, and what the log says of new meshes."""
+    steel = {
+        "young": "206.9 GPa", "poisson": 0.3, "density": "7830 kg/m^3",
+        "hardening": {"law": "ludwik", "yield_stress": 806, "K": 614, "n": 0.168},
+        "rate": {"law": "johnson_cook", "C": 0.0089, "reference_rate": 1},
+        "heating": {"melting": 1540, "exponent": 1.1, "heat_capacity": "460 J/(kg*K)"},
+    }  # fmt: skip
+    mesh = {"kind": "cylinder", "radius": 3.2, "height": 32.4, "angle": 90, "cells": [4, 4, 32]}
+    case = SpaceCase(
+        title="a steel cylinder strikes an anvil at 287 m/s",
+        analysis="solid",
+        procedure="explicit",
+        workpiece={"material": "steel", "element": "tet4_nodal", "velocity": [0, 0, "-287 m/s"], "mesh": mesh},
+        materials={"steel": steel},
+        tools={"anvil": {"shape": "plane", "normal": [0, 0, 1], "contact": "frictionless"}},
+        boundary={"x": {"set": "left", "fix": ["x"]}, "y": {"set": "bottom", "fix": ["y"]}},
+        stages=[{"name": "impact", "duration": "80 us"}],
+        output={"steps": 1, "rows": 160},
+        remesh=remesh,
+    )
+    run, notes = begin(build_model(case), 1), []
+    for report in run.advance():
+        row = run.row(report)
+        notes += [line for line in run.log_lines(report) if "remesh" in line]
+    found = {
+        "length": row["z_max"] - row["z_min"],
+        "foot": row["x_max"],
+        "strain": float(run.solids.equivalent_plastic_strain.max()),
+        "damage": row["damage_cockcroft_latham_max"],
+    }
+    print(found, *notes, sep="\n")
+    return found, notes
+
+
+def test_a_bar_of_tetrahedra_on_new_meshes_is_that_on_one() -> None:
+    pytest.importorskip("mmgpy", reason="new meshes in space are made by mmgpy")
+    (one, _), (new, notes) = strike_in_space(enabled=False), strike_in_space(every=0.25, size=1.0, smallest_size=0.5)
+    assert len(notes) >= 3
+    for name, within in (("length", 0.002), ("foot", 0.005), ("strain", 0.05), ("damage", 0.05)):
+        assert new[name] == pytest.approx(one[name], rel=within), name

@@ -109,6 +109,13 @@ def test_explicit_bodies_that_touch_get_new_meshes_but_for_one_that_touches_itse
     )
 
 
+def test_explicit_hexahedra_are_told_which_cells_get_new_meshes() -> None:
+    explicit = {"procedure": "explicit", "stages": [CASE["stages"][0] | {"duration": "80 us"}]}
+    explicit |= {"workpiece__element": "hex8_1pt", "bodies__upper__element": "hex8_1pt"}
+    found = problems(remesh={}, materials__steel=STEEL | {"density": 7.85e-9}, **explicit)
+    assert any('new ones are made of tetrahedra; take element = "tet4_nodal"' in text for text in found), found
+
+
 def test_explicit_bodies_need_density_and_elements_of_their_own() -> None:
     found = problems(procedure="explicit", bodies__upper__element="hex8_1pt", bodies__upper__velocity=[0, 0, -1e9])
     assert any(text.startswith("materials.steel.density: missing key; add it") for text in found), found

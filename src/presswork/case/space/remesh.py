@@ -76,7 +76,8 @@ def check_space_remesh(case: SpaceCase, mesh: model.Mesh, bodies: Sequence[model
         return []
     if not _is_of_tetrahedra(case):
         fault = f"cells of {case.workpiece.element} keep their mesh: new ones are made of tetrahedra"
-        return [Problem("remesh", fault, 'take element = "tet4_mini", or leave out [remesh]')]
+        tetrahedra = "tet4_nodal" if case.procedure == "explicit" else "tet4_mini"
+        return [Problem("remesh", fault, f'take element = "{tetrahedra}", or leave out [remesh]')]
     remedy = "remove it, or leave out [remesh]"
     problems = [
         Problem(key, "does not go together with [remesh]", remedy)
