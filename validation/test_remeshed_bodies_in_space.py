@@ -74,7 +74,7 @@ def test_two_explicit_blocks_upset_on_new_meshes_are_those_on_a_fine_mesh_and_of
     slow += [('[explicit]\ntarget_step = "0.4 us"', "")]
     implicit, _ = stack(tmp_path, SIZES, words=slow)
     assert often["remeshes"][-1] >= 4
-    assert implicit["remeshes"][-1] >= 2
+    assert implicit["remeshes"][-1] >= 1  # it puts off those that change the force
     middle = 0.5 * (often["die.stroke"][1:] + often["die.stroke"][:-1])  # forces are means over rows
     late = (middle > 0.5) & (middle < 3.8)
     force = often["joint.force_z"][1:]
