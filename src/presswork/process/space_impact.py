@@ -71,7 +71,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
         touching = find_touching(model)
         turning = find_turning(model.space_tools, model.stages)
         density = np.broadcast_to(epoch.get("density", 1.0), len(model.mesh.blocks))
-        self.solids = self._make_solids(model, density, touching)
+        self.solids = self._make_solids(model, density, touching, self._world)
         self.walls = [
             self.solids.add_wall(
                 tool.name,
@@ -90,10 +90,10 @@ class ExplicitSpaceImpact(ExplicitImpact):
         self._find_neighbourhoods()
 
     def _make_solids(
-        self, model: Model, density: FloatArray, touching: Sequence[TouchingSurfaces]
+        self, model: Model, density: FloatArray, touching: Sequence[TouchingSurfaces], world: World | None = None
     ) -> ExplicitSpaceSolids:
         """Return the bodies of a model without tools; density: factor on the material's of each block (n_blocks,);
-        touching: as find_touching has them.
+        touching: as find_touching has them; world: ranks that share the cycles.
         """
         self._axis, tied = np.zeros(0, dtype=np.int32), None
         if model.cyclic is not None:
@@ -108,7 +108,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
             hourglass_fraction=self.settings.hourglass_stiffness,
             tied=tied,
             device=self.settings.device,
-            world=self._world,
+            world=world,
             touching=touching,
         )
 
