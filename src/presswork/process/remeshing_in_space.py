@@ -51,6 +51,7 @@ from presswork.remesh.space.triggers import (
     find_flat_cell,
     find_long_edge,
     find_notch,
+    find_stretched_cut,
     measure_cut,
     measure_cut_face,
     measure_edge,
@@ -122,7 +123,9 @@ class RemeshedSpaceForming(RemeshedForming):
 
     def _reason_of(self, number: int, old: OldBody, wait: float) -> str | None:
         left = self._left[number]
-        breach = find_breach(old, self.model.limits, left=left)
+        own = self._bodies()[number].points
+        start = self.model.mesh.points[own.start : own.stop]
+        breach = find_breach(old, self.model.limits, left=left, start=start)
         if number in self._on_first:
             flat = find_flat_cell(old, self._last_moves(number), self._settings_of(number).quality)
             return flat or find_cut_edge(old, deepest=LAST_CUT, sharp_counts=True) or breach
@@ -254,10 +257,17 @@ def find_reason(
     )
 
 
-def find_breach(old: OldBody, limits: Limits, *, left: Left) -> str | None:
-    """Say where a tool comes so deep that limits.penetration would stop the run soon."""
-    limit = limits.penetration
-    return find_cut_face(old, max(BEFORE_LIMIT * limit, min(WORSE * left.face, AT_LIMIT * limit)))
+def find_breach(old: OldBody, limits: Limits, *, left: Left, start: FloatArray | None = None) -> str | None:
+    """Say where a tool comes so deep that limits.penetration would stop the run soon.
+
+    start: where the nodes were when the mesh was made (n, 3) [mm]; None: where they are.
+    """
+
+    def allow(part: float) -> float:
+        return max(BEFORE_LIMIT * limits.penetration, min(WORSE * part, AT_LIMIT * limits.penetration))
+
+    cut = find_cut_face(old, allow(left.face))
+    return cut or find_stretched_cut(old, old.points if start is None else start, allow(left.any_cut))
 
 
 def draw_shape(tool: Tool, model: Model, settings: Remeshing) -> ToolShape:

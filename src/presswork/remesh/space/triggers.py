@@ -88,6 +88,21 @@ def find_cut_face(body: OldBody, deepest: float) -> str | None:
     return f"a tool {depth:.2g} mm deep in a face near {_name_place(middle)}"
 
 
+def find_stretched_cut(body: OldBody, start: FloatArray, deepest: float) -> str | None:
+    """Say which edge of the skin lies too deep in a tool by its length when the mesh was made, as limits.penetration
+    counts it: the flow may have made it longer since.
+
+    start: where the nodes were then (n, 3) [mm].
+    """
+    ends = start[body.edges]
+    length, depth = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), body.edge_depths.max(axis=0, initial=0.0)
+    worst = int(np.argmax(depth / length))
+    if depth[worst] <= deepest * length[worst]:
+        return None
+    middle = _name_place(body.points[body.edges[worst]].mean(axis=0))
+    return f"a tool {depth[worst]:.2g} mm deep in an edge near {middle}, {length[worst]:.2g} mm long at first"
+
+
 def measure_cut_face(body: OldBody) -> float:
     """Return how deep a tool lies in the middle of a face of the skin at most, over its longest side."""
     return _find_deepest_in_faces(body)[2]

@@ -271,6 +271,20 @@ def test_a_mesh_gives_way_before_a_pin_between_its_edges_reaches_the_limit():
     assert find_breach(body, Limits(penetration=1.2 * share), left=Left(face=share)) is not None
 
 
+def test_a_mesh_gives_way_before_an_edge_that_has_been_stretched_reaches_the_limit():
+    """limits.penetration counts an edge's length when the mesh was made."""
+    points, cells = mesh_box((2, 2, 2), (4.0, 4.0, 4.0))
+    held, on_tool = np.zeros(points.shape, dtype=bool), np.zeros((1, len(points)), dtype=bool)
+    body = OldBody(points, cells, on_tool, held, {}, [place_block((2.8, -1.0, 3.5), (3.2, 5.0, 9.0))])
+    share = measure_cut(body, sharp_counts=True)
+    assert share > 0.0
+    limits = Limits(penetration=1.8 * share)
+    start = 0.8 * points
+    assert find_breach(body, limits, left=Left(), start=points) is None
+    assert ", 1.6 mm long at first" in find_breach(body, limits, left=Left(), start=start)
+    assert find_breach(body, limits, left=Left(any_cut=share), start=start) is None  # no new mesh has mended it
+
+
 def test_a_skin_that_is_kept_stays_where_it_is_and_the_inside_gets_the_size():
     points, cells = mesh_box((4, 4, 4), (4.0, 4.0, 4.0))
     faces, _ = find_skin(cells)
