@@ -12,7 +12,7 @@ OVERSHOOT = 0.8
 """Work left along a correction, over that at its start, above which the correction is shortened."""
 ENOUGH = 0.5
 """The same, below which it has been shortened enough."""
-MOST_PARTS = 3
+MOST_PARTS = 5
 """Times that a correction is shortened."""
 _ENDS = 0.1
 """Of a bracket, within which no part is taken at either end."""
