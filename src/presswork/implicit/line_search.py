@@ -8,6 +8,19 @@ nodes to and fro, as beside the edge of a contact, where metal yields and unload
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import numpy as np
+
+from presswork.implicit.linear.system import Balance
+from presswork.interaction.contract import Point, turn
+from presswork.model import FloatArray
+from presswork.outcome import BadGuess
+
+SMALLEST_PART = 0.1
+"""Of a correction, down to which it is halved where it turns a cell inside out."""
+DRIVEN = 0.3
+"""Part of the largest correction by which constraints drive a node, above which none is shortened."""
 OVERSHOOT = 0.8
 """Work left along a correction, over that at its start, above which the correction is shortened."""
 ENOUGH = 0.5
@@ -52,3 +65,59 @@ class LineSearch:
             self._high, self._after = part, work
             self._before *= 0.5
         return abs(work) <= ENOUGH * abs(self._start)
+
+
+def take_correction(
+    go: Callable[[FloatArray, FloatArray], Point | BadGuess],
+    point: Point,
+    balance: Balance,
+    correction: FloatArray,
+    travel: FloatArray,
+    sense: FloatArray | None,
+) -> Point | BadGuess:
+    """Return the point after a correction, or after the part of it that keeps cells whole and does not overshoot.
+
+    go: finds the point after a change of the nodes (n_points, freedoms) [mm, rad], and moves what interactions own by
+    so much further. travel: of these. sense: of the work of each freedom (freedoms,); None: there is no line search.
+    """
+    part, gone = 1.0, 0.0
+    while True:
+        found = go(part * correction, (part - gone) * travel)
+        gone = part
+        if not isinstance(found, BadGuess) or part < SMALLEST_PART or found.is_final:
+            break
+        part *= 0.5
+    driven = max(_largest(balance.constraints.value * balance.length), _largest(travel))
+    if isinstance(found, BadGuess) or sense is None or driven > DRIVEN * _largest(correction * balance.length):
+        return found
+    before, after = (_find_work(balance, each, correction * sense) for each in (point, found))
+    search = LineSearch(before, after, part)
+    if not search.has_overshot or (sense[-1] < 0.0 and _comes_nearer(balance, found)):
+        return found
+    for tried in range(MOST_PARTS):
+        if tried and not search.is_closed:
+            break
+        part = search.find_part()
+        found = go(part * correction, (part - gone) * travel)
+        gone = part
+        if isinstance(found, BadGuess) or search.note(part, _find_work(balance, found, correction * sense)):
+            break
+    return found
+
+
+def _largest(change: FloatArray) -> float:
+    return float(np.abs(change).max(initial=0.0))
+
+
+def _find_work(balance: Balance, point: Point, correction: FloatArray) -> float:
+    """Return the work of what is out of balance along a correction, of freedoms that are not prescribed [N mm]."""
+    lacking = turn(balance.constraints, balance.drag - point.reaction)
+    work = lacking * turn(balance.constraints, correction)
+    return float(work[balance.constraints.mask == 0].sum())
+
+
+def _comes_nearer(balance: Balance, found: Point) -> bool:
+    """Say whether a correction of pressures alone, which do no work, has brought equilibrium nearer."""
+    lacking = turn(balance.constraints, balance.drag - found.reaction)
+    lacking[balance.constraints.mask == 1] = 0.0
+    return _largest(lacking / balance.length) <= OVERSHOOT * balance.largest_lacking

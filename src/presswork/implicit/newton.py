@@ -12,7 +12,7 @@ import numpy as np
 from presswork import stop
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
-from presswork.implicit.line_search import MOST_PARTS, OVERSHOOT, LineSearch
+from presswork.implicit.line_search import take_correction
 from presswork.implicit.linear.contract import LinearSolver, SolverError
 from presswork.implicit.linear.system import Balance, Lacking, LinearSystem
 from presswork.implicit.progress import Progress
@@ -25,9 +25,6 @@ from presswork.timing import Timing
 
 NEAR = 0.1
 """Relative residual below which reactions are trusted to let nodes go."""
-SMALLEST_PART = 0.1
-DRIVEN = 0.3
-"""Part of the largest correction by which constraints drive a node, above which none is shortened."""
 UNLOADED = 1e-2
 """Forces below this part of the largest so far count as nothing: residuals are measured against no less."""
 CREDIBLE = 1e-2
@@ -367,53 +364,14 @@ class Equilibrium:
         self, state_n: State, trial: State, point: Point, balance: Balance, correction: FloatArray, travel: FloatArray
     ) -> Point | BadGuess:
         """Take the correction, or the part of it that keeps cells whole and does not overshoot."""
-        missing = max(self._largest(balance.constraints.value), float(np.abs(travel).max(initial=0.0)))
-        part, gone = 1.0, 0.0
-        while True:
-            found = self._go(state_n, trial, point, balance, part * correction, (part - gone) * travel)
-            gone = part
-            if not isinstance(found, BadGuess) or part < SMALLEST_PART or found.is_final:
-                break
-            part *= 0.5
-        must_go = missing > DRIVEN * self._largest(correction)
-        if isinstance(found, BadGuess) or must_go or not self._model.solver.line_search:
-            return found
-        before, after = (self._find_work(balance, each, correction) for each in (point, found))
-        search = LineSearch(before, after, part)
-        if not search.has_overshot or self._comes_nearer(balance, found):
-            return found
-        for tried in range(MOST_PARTS):
-            if tried and not search.is_closed:
-                break
-            part = search.find_part()
-            found = self._go(state_n, trial, point, balance, part * correction, (part - gone) * travel)
-            gone = part
-            if isinstance(found, BadGuess) or search.note(part, self._find_work(balance, found, correction)):
-                break
-        return found
 
-    def _go(
-        self, state_n: State, trial: State, point: Point, balance: Balance, change: FloatArray, travel: FloatArray
-    ) -> Point | BadGuess:
-        """Return the point after a change of the nodes, and of what interactions own."""
-        self._move(trial, point, balance, change, travel)
-        is_full = self._model.solver.newton == "full"
-        return self.evaluate(state_n, trial, point.guess.step, point.guess.increment + change, with_stiffness=is_full)
+        def go(change: FloatArray, further: FloatArray) -> Point | BadGuess:
+            self._move(trial, point, balance, change, further)
+            guess, is_full = point.guess, self._model.solver.newton == "full"
+            return self.evaluate(state_n, trial, guess.step, guess.increment + change, with_stiffness=is_full)
 
-    def _find_work(self, balance: Balance, point: Point, correction: FloatArray) -> float:
-        """Return the work of what is out of balance along a correction, of freedoms that are not prescribed [N mm]."""
-        constraints = balance.constraints
-        lacking = turn(constraints, balance.drag - point.reaction)
-        work = lacking * turn(constraints, correction) * self._mechanics.sense
-        return float(work[constraints.mask == 0].sum())
-
-    def _comes_nearer(self, balance: Balance, found: Point) -> bool:
-        """Say whether a correction of pressures alone, which do no work, has brought equilibrium nearer."""
-        if self._mechanics.sense[-1] > 0.0:
-            return False
-        lacking = turn(balance.constraints, balance.drag - found.reaction)
-        lacking[balance.constraints.mask == 1] = 0.0
-        return float(np.abs(lacking / balance.length).max()) <= OVERSHOOT * balance.largest_lacking
+        sense = self._mechanics.sense if self._model.solver.line_search else None
+        return take_correction(go, point, balance, correction, travel, sense)
 
     def _move(self, trial: State, point: Point, balance: Balance, change: FloatArray, travel: FloatArray) -> None:
         """Tell interactions of a change of the nodes, and move what has freedoms of its own."""
