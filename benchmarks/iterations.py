@@ -66,10 +66,10 @@ def run_case(name: str, overrides: list[str], threads: int) -> dict[str, object]
     factorisations = 0
     inner = procedure.equilibrium.solver.factorise
 
-    def counted(data: object) -> None:
+    def counted(*data: object) -> None:
         nonlocal factorisations
         factorisations += 1
-        inner(data)
+        inner(*data)
 
     procedure.equilibrium.solver.factorise = counted
     solves: list[int] = []
@@ -105,7 +105,7 @@ def run_case(name: str, overrides: list[str], threads: int) -> dict[str, object]
         "reasons": reasons,
         "wall": perf_counter() - started,
         "cpu": process_time() - user,
-        "force_kN": abs(float(forces[0, 1])) / 1000,
+        "force_kN": abs(float(forces[0, 1])) / 1000 if len(forces) else float("nan"),
         "solves_per_increment": solves,
     }
 
