@@ -53,6 +53,7 @@ class OneCell:
             depth=1.0,
             hourglass_fraction=0.0,
             pressure=self.pressure,
+            dt=1.0,
             stress_n=self.stress,
             eqps_n=self.eqps,
             hourglass_n=self.hourglass,

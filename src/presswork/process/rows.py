@@ -54,6 +54,7 @@ class RowRecording(EpochRecording, ABC):
     """An explicit procedure at work on a model."""
 
     def __init__(self, model: Model, threads: int, n_progress: int, phases: Sequence[str] = ("cycles",)) -> None:
+        """n_progress: how many numbers the procedure keeps of how far it is, RAM_WORK, the last of them, included."""
         _core.set_threads(threads or available_threads())
         super().__init__(model)
         self.timing = Timing(*phases)

@@ -12,8 +12,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from presswork.mesh.simplices import find_simplices
 from presswork.model import FloatArray, IndexArray, Mesh
@@ -99,7 +99,7 @@ def _join_faces(seams: Sequence[FloatArray], added: FloatArray) -> list[FloatArr
     """
     corners = added.reshape(-1, 3, 3)
     reach = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
-    near = [cKDTree(seam).query(added)[0].min() <= reach for seam in seams]
+    near = [scipy.spatial.cKDTree(seam).query(added)[0].min() <= reach for seam in seams]
     apart = [seam for seam, touches in zip(seams, near, strict=True) if not touches]
     return [*apart, np.concatenate([added, *(seam for seam, touches in zip(seams, near, strict=True) if touches)])]
 

@@ -71,7 +71,7 @@ class ExplicitStamping(StampingRecording):
         """
         self._world = world
         assert isinstance(model.explicit, ExplicitSheet)
-        super().__init__(model, threads, 6, (*PHASES, "rest"))
+        super().__init__(model, threads, 7, (*PHASES, "rest"))
         self._start = None if begin is None else ShellStart.of(begin)
         self.settings = model.explicit
         self._first_level = level
