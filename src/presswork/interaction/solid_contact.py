@@ -53,6 +53,9 @@ SUDDEN, GIVES = 0.2, 1e-4
 iteration: where a blow begins, the force rises as steeply as the springs give."""
 OF_SMALLEST = 0.5
 """Of the smallest cell: spacing of the lattice by which edges of tools are rounded where meshes change."""
+FOLDED = 0.4
+"""Resultant of the faces round a node over their area, below which they turn away from each other as at the root of a
+fold, and its springs hang on all of that area: three faces of a cube's corner have 0.58."""
 AT_LIMIT = 1e-9
 """Part of its limit by which friction may be less and yet count as at it."""
 ROUNDING = 1e-4
@@ -109,8 +112,10 @@ class SolidContact(SpaceContact):
         """Take surface, shear flow stress and multipliers as they are when the increment begins."""
         places = self._model.mesh.points + state_n.nodes.moved
         faces = self._model.mesh.boundary_faces
-        shares = np.bincount(faces.ravel(), face_areas(places, faces).ravel(), minlength=len(places))
-        self._length = np.where(self._inside, 1.0, np.sqrt(np.maximum(shares, 0.0)))
+        resultant = np.linalg.norm(nodal_normals(places, faces), axis=1)
+        whole = np.bincount(faces.ravel(), face_areas(places, faces).ravel(), minlength=len(places))
+        area = np.where(resultant < FOLDED * whole, whole, resultant)
+        self._length = np.where(self._inside, 1.0, np.sqrt(area))
         placed = state_n[SpaceToolArrays]
         self._multiplier = np.linalg.norm(placed.force - placed.friction, axis=2)
         for t in range(len(self._surfaces)) if self._resting is not None else self._sticking:
