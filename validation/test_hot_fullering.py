@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from presswork import read_case, run
+from tests.problems.hot_press import HOT_PRESS
 
 pytestmark = pytest.mark.validation
 
@@ -18,15 +19,6 @@ material = "steel"
 element = "tet4_mini"
 mesh = { kind = "box", size = [30, 10, 10], cells = [12, 4, 4] }
 
-[materials.steel]
-library = "medium_carbon_steel_hot"
-density = "7850 kg/m^3"
-thermal = { conductivity = 30, specific_heat = "650 J/(kg*K)" }
-
-[heat]
-initial_temperature = "1150 °C"
-surroundings = { ambient = 20, emissivity = 0.8, coefficient = "10 W/(m^2*K)" }
-
 [boundary]
 middle_x = { set = "left", fix = ["x"] }
 middle_y = { set = "bottom", fix = ["y"] }
@@ -38,12 +30,6 @@ profile = [[-30, 40], [-8, 18], { to = [8, 18], radius = 6 }, [30, 40]]
 position = "touch"
 contact = "frictionless"
 heat = { temperature = 250, conductance = "8 kW/(m^2*K)" }
-
-[presses.maxi]
-kind = "crank"
-stroke = 200
-rpm = 90
-rod_ratio = 0.12
 
 [[stages]]
 name = "forge"
@@ -58,5 +44,5 @@ SIZES = "[remesh]\nsmallest_size = 1\nmax_cells = 6000\n"
 @pytest.mark.parametrize("meshes", ["", SIZES, SIZES + "every = 0.2\n"])
 def test_a_hot_bar_is_pressed_to_the_end_of_the_stroke(tmp_path: Path, meshes: str):
     path = tmp_path / "fullering.toml"
-    path.write_text(CASE + meshes)
+    path.write_text(CASE + HOT_PRESS + meshes)
     assert run(read_case(path), tmp_path / "out").status == "completed"

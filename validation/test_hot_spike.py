@@ -8,25 +8,11 @@ import pytest
 
 from presswork import read_case, run
 from presswork.results import Result
+from tests.problems.hot_press import HOT_PRESS
 
 pytestmark = pytest.mark.validation
 
-COMMON = """
-[materials.steel]
-library = "medium_carbon_steel_hot"
-density = "7850 kg/m^3"
-thermal = { conductivity = 30, specific_heat = "650 J/(kg*K)" }
-
-[heat]
-initial_temperature = "1150 °C"
-surroundings = { ambient = 20, emissivity = 0.8, coefficient = "10 W/(m^2*K)" }
-
-[presses.maxi]
-kind = "crank"
-stroke = 200
-rpm = 90
-rod_ratio = 0.12
-
+OUTPUT = """
 [output]
 steps = 5
 """
@@ -95,7 +81,15 @@ normal = [0, 0, 1]
 
 
 def press(folder: Path, case: str, die: str) -> Result:
-    text = case + TOUCHING.replace("NAME", "anvil") + "\n[tools.die]\n" + die + TOUCHING.replace("NAME", "die") + COMMON
+    text = (
+        case
+        + TOUCHING.replace("NAME", "anvil")
+        + "\n[tools.die]\n"
+        + die
+        + TOUCHING.replace("NAME", "die")
+        + HOT_PRESS
+        + OUTPUT
+    )
     folder.mkdir()
     (folder / "case.toml").write_text(text)
     outcome = run(read_case(folder / "case.toml"), folder / "out")
