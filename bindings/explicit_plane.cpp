@@ -8,6 +8,7 @@
 #include "arrays.hpp"
 #include "explicit/plane/loop.hpp"
 #include "explicit_loop.hpp"
+#include "explicit_walls.hpp"
 #include "neighbours.hpp"
 
 namespace presswork::bindings {
@@ -38,11 +39,6 @@ void bind_cells(nb::class_<PlaneLoop>& c, const char* name, const char* text) {
         return array;
       },
       nb::rv_policy::move, text);
-}
-
-RigidWall& wall_of(const PlaneLoop& self, int wall) {
-  require(wall >= 0 && std::size_t(wall) < self.walls.size(), "there is no wall of this number");
-  return *self.walls[wall];
 }
 
 // A PlaneLaw looks its hardening up in a table.
@@ -137,20 +133,6 @@ void bind_walls(nb::class_<PlaneLoop>& c) {
           },
           nb::arg("wall"), "Impulse of a wall on the nodes since the start [N s].")
       .def(
-          "begin_wall_sums", [](PlaneLoop& self, int wall) { wall_of(self, wall).begin_sums(); }, nb::arg("wall"),
-          "Sum up anew what a wall presses and rubs.")
-      .def(
-          "set_wall_sums",
-          [](PlaneLoop& self, int wall, Doubles pressed, Doubles rubbed) {
-            RigidWall& of = wall_of(self, wall);
-            require(pressed.size() == of.pressed.size() && rubbed.size() == of.rubbed.size(),
-                    "pressed and rubbed must have shape (n_nodes)");
-            std::copy_n(pressed.data(), pressed.size(), of.pressed.data());
-            std::copy_n(rubbed.data(), rubbed.size(), of.rubbed.data());
-          },
-          nb::arg("wall"), nb::arg("pressed"), nb::arg("rubbed"),
-          "Set those sums, as wall_pressed and wall_rubbed give them.")
-      .def(
           "wall_pressed",
           [](const PlaneLoop& self, int wall) {
             return copy(wall_of(self, wall).pressed, {std::size_t(self.nodes.n)});
@@ -214,6 +196,7 @@ void bind_explicit_plane(nb::module_& m) {
           nb::rv_policy::move, "Mass of each node (n_nodes) [t].");
   bind_loop(c);
   bind_contacts(c);
+  bind_wall_sums(c);
   bind_walls(c);
   bind_join(c);
   bind_cells<CycleRow::stress, 4>(c, "stress", "Stress xx, yy, zz, xy (n, 4) [MPa].");

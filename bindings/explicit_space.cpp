@@ -8,6 +8,7 @@
 #include "explicit/space/loop.hpp"
 #include "explicit/space/shell_section.hpp"
 #include "explicit/space/solids.hpp"
+#include "explicit_walls.hpp"
 #include "neighbours.hpp"
 #include "sheet_layers.hpp"
 #include "shell_contact.hpp"
@@ -190,11 +191,6 @@ void add_wall(SpaceLoop<double>& self, std::shared_ptr<const contact::ToolSurfac
   self.add_wall(std::move(surface), touching.data(), mu, reach, motion);
 }
 
-SpaceWall& wall_of(const SpaceLoop<double>& self, int wall) {
-  require(wall >= 0 && std::size_t(wall) < self.walls.size(), "there is no wall of this number");
-  return *self.walls[wall];
-}
-
 void float_wall(SpaceLoop<double>& self, int wall, Vector3 direction, double mass, double drag, double stiffness,
                 bool rests) {
   require(mass > 0.0, "a wall that floats needs a mass");
@@ -236,6 +232,7 @@ NewDoubles copy_rows(const std::vector<double>& rows, std::size_t n, std::size_t
 // What is asked of a wall.
 template <class Loop>
 void bind_wall_results(nb::class_<Loop>& loop) {
+  bind_wall_sums(loop);
   loop.def(
           "wall_force",
           [](const Loop& self, int wall) { return copy_rows(wall_of(self, wall).force, self.nodes.n, 3); },
@@ -265,20 +262,6 @@ void bind_wall_results(nb::class_<Loop>& loop) {
           nb::arg("wall"),
           "Impulse that a wall has given to the nodes since the start [N s], and that of its moment about the wall's "
           "axis [N mm s].")
-      .def(
-          "begin_wall_sums", [](Loop& self, int wall) { wall_of(self, wall).begin_sums(); }, nb::arg("wall"),
-          "Sum up anew what a wall presses and rubs.")
-      .def(
-          "set_wall_sums",
-          [](Loop& self, int wall, Doubles pressed, Doubles rubbed) {
-            SpaceWall& of = wall_of(self, wall);
-            require(pressed.size() == of.pressed.size() && rubbed.size() == of.rubbed.size(),
-                    "pressed and rubbed must have shape (n_nodes)");
-            std::copy_n(pressed.data(), pressed.size(), of.pressed.data());
-            std::copy_n(rubbed.data(), rubbed.size(), of.rubbed.data());
-          },
-          nb::arg("wall"), nb::arg("pressed"), nb::arg("rubbed"),
-          "Set those sums, as wall_pressed and wall_rubbed give them.")
       .def(
           "wall_pressed",
           [](const Loop& self, int wall) { return copy_rows(wall_of(self, wall).pressed, self.nodes.n, 1); },

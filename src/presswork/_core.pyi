@@ -1280,6 +1280,12 @@ class SpaceLoop:
         Let the second node of each pair (n, 2) follow the first, turned about z by an angle [rad].
         """
 
+    def begin_wall_sums(self, wall: int) -> None:
+        """Sum up anew what a wall presses and rubs."""
+
+    def set_wall_sums(self, wall: int, pressed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rubbed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Set those sums, as wall_pressed and wall_rubbed give them."""
+
     def wall_force(self, wall: int) -> NDArray[numpy.float64]:
         """Forces of a wall on the nodes (n_nodes, 3) in the last cycle."""
 
@@ -1304,12 +1310,6 @@ class SpaceLoop:
         """
         Impulse that a wall has given to the nodes since the start [N s], and that of its moment about the wall's axis [N mm s].
         """
-
-    def begin_wall_sums(self, wall: int) -> None:
-        """Sum up anew what a wall presses and rubs."""
-
-    def set_wall_sums(self, wall: int, pressed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rubbed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Set those sums, as wall_pressed and wall_rubbed give them."""
 
     def wall_pressed(self, wall: int) -> NDArray[numpy.float64]:
         """
@@ -1867,6 +1867,12 @@ class PlaneLoop:
     def contact_slots(self, contact: int) -> NDArray[numpy.int32]:
         """Nodes of the slots of a contact (n_slots), as the loop has them."""
 
+    def begin_wall_sums(self, wall: int) -> None:
+        """Sum up anew what a wall presses and rubs."""
+
+    def set_wall_sums(self, wall: int, pressed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rubbed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """Set those sums, as wall_pressed and wall_rubbed give them."""
+
     def add_wall(self, segments: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, mu: float = 0.0) -> None:
         """Add a rigid profile; they are numbered as they come."""
 
@@ -1878,12 +1884,6 @@ class PlaneLoop:
 
     def wall_impulse(self, wall: int) -> list[float]:
         """Impulse of a wall on the nodes since the start [N s]."""
-
-    def begin_wall_sums(self, wall: int) -> None:
-        """Sum up anew what a wall presses and rubs."""
-
-    def set_wall_sums(self, wall: int, pressed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], rubbed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
-        """Set those sums, as wall_pressed and wall_rubbed give them."""
 
     def wall_pressed(self, wall: int) -> NDArray[numpy.float64]:
         """
