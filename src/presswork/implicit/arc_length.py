@@ -17,6 +17,7 @@ from presswork import stop
 from presswork.implicit.linear.contract import SolverError
 from presswork.implicit.linear.system import Balance
 from presswork.implicit.progress import Progress
+from presswork.implicit.step_sizes import is_saved
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.contract import Constraints, Point, turn, turn_back
 from presswork.model import FloatArray, Model
@@ -71,9 +72,9 @@ class ArcLengthProcedure(ImplicitProcedure):
         fraction = found.point.guess.step.fraction
         over = fraction >= 1.0 - 1e-12
         self._start = self.state
-        self.equilibrium.fill(self._start, trial, found.point, found.constraints)
+        self.equilibrium.forces.fill(self._start, trial, found.point, found.constraints)
         size = arc * float(np.clip(np.sqrt(settings.target_iterations / max(len(log), 1)), 0.5, 1.5))
-        self._settle(trial, self._step(stage, fraction_n, 1.0 if over else fraction))
+        self.settle(self._start, trial, self._step(stage, fraction_n, 1.0 if over else fraction))
         self._commit(trial, stage, fraction_n, 1.0 if over else fraction, arc, log, len(cutbacks))
         now = self.state[Progress]
         if not over:
@@ -86,7 +87,7 @@ class ArcLengthProcedure(ImplicitProcedure):
             time=now.time,
             log=log,
             cutbacks=cutbacks,
-            is_save_point=self._is_save_point(fraction_n, fraction, over),
+            is_save_point=is_saved(self.model, now.increments, fraction_n, fraction, at_end=over),
         )
 
     def _first_arc(self, stage: int) -> float:
@@ -103,11 +104,11 @@ class ArcLengthProcedure(ImplicitProcedure):
 
     def _evaluate(self, state_n: State, trial: State, step: Step, increment: FloatArray) -> Point | BadGuess:
         """Return the forces of an increment in no time: laws with a rate are refused with arc length."""
-        return self.equilibrium.evaluate(state_n, trial, step, increment, with_stiffness=True, dt=0.0)
+        return self.equilibrium.forces.evaluate(state_n, trial, step, increment, with_stiffness=True, dt=0.0)
 
     def _tangents(self, state_n: State, trial: State, point: Point) -> tuple[FloatArray, FloatArray, Balance]:
         """Return what the forces out of balance and the whole load would move (n_points, 6), and the balance."""
-        point, balance = self.equilibrium.balance(state_n, trial, point)
+        point, balance = self.equilibrium.forces.balance(state_n, trial, point)
         guess, constraints = point.guess, balance.constraints
         ends = [self.interactions.loads.at(state_n, guess.increment, guess.step.stage, f).force for f in (0.0, 1.0)]
         load = turn(constraints, ends[1] - ends[0])
@@ -133,7 +134,7 @@ class ArcLengthProcedure(ImplicitProcedure):
                 correction, answer, balance = self._tangents(state_n, trial, point)
             except SolverError as error:
                 return str(error)
-            largest = self.equilibrium.largest_force(point)
+            largest = self.equilibrium.forces.largest_force(point)
             log.residual.append(balance.largest_lacking / max(largest, 1e-2 * peak))
             log.contact_changes.append(0)
             if iteration == 0:

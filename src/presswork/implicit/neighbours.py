@@ -69,7 +69,7 @@ class Neighbour:
             return
         for interaction in [] if step.is_at_rest else procedure.interactions.all:
             interaction.place(beside, trial, step, 1.0)
-        procedure.equilibrium.begin(beside, step)
+        procedure.equilibrium.forces.begin(beside, step)
 
     def evaluate(
         self, main: ImplicitProcedure, held: State, increment: FloatArray, *, with_stiffness: bool = False
@@ -78,13 +78,13 @@ class Neighbour:
 
         main, held: the run, and its state in equilibrium. Raises GaveUpError.
         """
-        now, own = self.now, self.procedure.equilibrium
+        now, own = self.now, self.procedure.equilibrium.forces
         nodes, travel = split(increment, now.trial)
         for interaction in self.procedure.interactions.all:
             if len(travel):
                 interaction.travel_like(now.state_n, now.trial, now.step, travel)
         point = own.evaluate_like(
-            main.equilibrium, now.state_n, now.trial, held, now.step, nodes, with_stiffness=with_stiffness
+            main.equilibrium.forces, now.state_n, now.trial, held, now.step, nodes, with_stiffness=with_stiffness
         )
         if isinstance(point, BadGuess):
             raise GaveUpError(f"no derivatives here: {point}")
@@ -116,7 +116,7 @@ class Neighbour:
 
     def augment(self) -> None:
         """Take multipliers over where the run has."""
-        self.procedure.equilibrium.augment_like(self.now.trial, self.now.point)
+        self.procedure.equilibrium.forces.augment_like(self.now.trial, self.now.point)
 
     def conduct(self) -> None:
         """Take the heat of its increment in equilibrium to the end; equilibrium may be looked for again then.
@@ -125,20 +125,20 @@ class Neighbour:
         """
         now, procedure = self.now, self.procedure
         assert procedure.heat is not None
-        procedure.equilibrium.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
+        procedure.equilibrium.forces.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
         off = procedure.heat.advance(now.state_n, now.trial, now.step, now.step.dt)
         if isinstance(off, Failed):
             raise GaveUpError(f"no derivatives here: {off.reason}")
 
     def begin_again(self) -> None:
         """Look for equilibrium anew with the temperatures that heat has found, as the run does."""
-        self.procedure.equilibrium.begin(self.now.state_n, self.now.step)
+        self.procedure.equilibrium.forces.begin(self.now.state_n, self.now.step)
 
     def settle(self, progress: Progress, next_stage: int | None) -> None:
         """Complete its state at the end of an increment; the run's progress goes with it. Raises GaveUpError."""
         now, procedure = self.now, self.procedure
         if not procedure.only_heat_flows(now.step.stage):
-            procedure.equilibrium.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
+            procedure.equilibrium.forces.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
         if now.step.is_at_rest:
             procedure.settle_at_rest(now.state_n, now.trial, now.step)
         else:

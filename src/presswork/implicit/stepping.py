@@ -29,7 +29,8 @@ from presswork.implicit.newton import Equilibrium
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import Ram
 from presswork.implicit.remedy import find_remedy
-from presswork.implicit.temperature_change import find_change, judge_change
+from presswork.implicit.step_sizes import find_next_size, find_remaining, is_saved, list_ends
+from presswork.implicit.temperature_change import find_change, find_temperatures, judge_change
 from presswork.interaction.contract import Interaction
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.supports import NotHeldError
@@ -40,9 +41,6 @@ from presswork.state import State
 from presswork.threads import available_threads
 from presswork.timing import Timing
 
-GROWTH = 1.5
-SMALLEST = 10.0
-"""Times min_increment: increments that converge slowly are made no smaller, or the run would not end."""
 BACK = 1e-3
 """Fraction of the last increment by which the first guess is reversed where a stage releases what held the workpiece:
 the tangent from there is that of unloading."""
@@ -152,24 +150,9 @@ class ImplicitProcedure:
         """Volume of the workpiece as modelled [mm3]."""
         return float(sum(v.sum() for v in self.state.cells.volume))
 
-    def save_points(self, stage: int) -> FloatArray:
-        """Stage fractions at which an increment must end and fields are saved; the last is 1.
-
-        Saved steps that lie closer together than the largest increment end none: they would make it smaller.
-        """
-        output = self.model.output
-        end_increments = output.every == 0 and not output.is_closer_than(self.model.solver.max_increment)
-        points = list(np.linspace(0, 1, output.steps + 1)[1:]) if end_increments else []
-        if stage == len(self.model.stages) - 1:
-            points += output.at
-        return np.unique(np.round([*points, 1.0], 12))
-
     def remaining(self) -> float:
         """Part of the whole process still to be computed, counted in stage durations."""
-        stage, fraction = self.state[Progress].stage, self.state[Progress].fraction
-        durations = np.array([s.duration for s in self.model.stages])
-        done = durations[:stage].sum() + (durations[stage] * fraction if stage < len(durations) else 0.0)
-        return float(1.0 - done / durations.sum())
+        return find_remaining(self.model, self.state[Progress])
 
     def advance(self) -> Iterator[IncrementReport]:
         """Compute increment after increment; self.state is converged at each yield. Raises GaveUpError."""
@@ -214,7 +197,7 @@ class ImplicitProcedure:
         progress = self.state[Progress]
         stage, fraction_n = progress.stage, progress.fraction
         settings = self.model.solver
-        points = self.save_points(stage)
+        points = list_ends(self.model, stage)
         target = float(points[np.searchsorted(points, fraction_n + 1e-12)])
         size = progress.next_size
         cutbacks: list[str] = []
@@ -239,7 +222,7 @@ class ImplicitProcedure:
                 made = self._step(stage, fraction_n, fraction)
                 for follower in self.followers:
                     follower.note(trial)
-                self._settle(trial, made)
+                self.settle(self._start, trial, made)
                 if self.sheet_heat is not None:
                     outcome = self.sheet_heat.find(self._start, trial, made, outcome.log)
             if not isinstance(outcome, Failed):
@@ -264,7 +247,9 @@ class ImplicitProcedure:
             time=self.state[Progress].time,
             log=outcome.log,
             cutbacks=cutbacks,
-            is_save_point=self._is_save_point(fraction_n, fraction, is_over or fraction == target),
+            is_save_point=is_saved(
+                self.model, self.state[Progress].increments, fraction_n, fraction, at_end=is_over or fraction == target
+            ),
         )
 
     def _begin_stage(self, stage: int) -> None:
@@ -278,14 +263,6 @@ class ImplicitProcedure:
             check_pushed(self.model, self.interactions, self._start, stage)
         except NotHeldError as error:
             raise GaveUpError(str(error)) from error
-
-    def _is_save_point(self, fraction_n: float, fraction: float, at_target: bool) -> bool:
-        """Say whether an increment of a stage is saved: every so many, or what passes one of the equal steps."""
-        output = self.model.output
-        if output.every:
-            return at_target or self.state[Progress].increments % output.every == 0
-        before, now = (np.floor(f * output.steps * (1 + 1e-12)) for f in (fraction_n, fraction))
-        return at_target or bool(now != before)
 
     @property
     def _may_turn(self) -> bool:
@@ -352,10 +329,6 @@ class ImplicitProcedure:
         dt = self.ram.take_time(state_n, step.stage, step.fraction_n, step.fraction, to_rest=False)
         return replace(step, dt=dt, stage_time_n=self.ram.stage_time(state_n, step.stage, step.fraction_n))
 
-    def _settle(self, trial: State, step: Step) -> None:
-        """Complete the trial state, which is in equilibrium."""
-        self.settle(self._start, trial, step)
-
     def settle(self, state_n: State, trial: State, step: Step) -> None:
         """Complete a trial state in equilibrium."""
         self.mechanics.settle(state_n, trial, step.dt)
@@ -373,9 +346,7 @@ class ImplicitProcedure:
         cutbacks: int,
     ) -> bool:
         """Make the settled trial state the converged one; return whether the stage is over."""
-        settings = self.model.solver
-        step = self._step(stage, fraction_n, fraction)
-        state_n = self._start
+        step, state_n = self._step(stage, fraction_n, fraction), self._start
         self.count_work(state_n, trial, step)
         if self.ram.is_needed:
             self.ram.commit(state_n, trial, step)
@@ -390,12 +361,8 @@ class ImplicitProcedure:
         p.iterations += len(log)
         p.cutbacks += cutbacks
         p.last_size = fraction - fraction_n
-        if len(log) <= settings.target_iterations and not cutbacks:
-            size = min(size * GROWTH, settings.max_increment)
-        elif log.smooth_iterations > settings.target_iterations + 4:
-            size = max(0.7 * size, SMALLEST * settings.min_increment)
-        if (change := find_change(self.model, state_n.cells.temperature, trial.cells.temperature, stage)) > 0.0:
-            size = max(min(size, p.last_size / change), SMALLEST * settings.min_increment)
+        change = find_change(self.model, state_n.cells.temperature, trial.cells.temperature, stage)
+        size = find_next_size(self.model.solver, size, p.last_size, log, cutbacks, change)
         p.next_size = size
         p.stage, p.fraction = stage, fraction
         is_over = fraction == 1.0 or self.ram.is_over(trial, stage)
@@ -406,7 +373,7 @@ class ImplicitProcedure:
             p.stage, p.fraction, p.last_size = stage + 1, 0.0, 0.0
             if stage + 1 < len(self.model.stages):
                 self.end_stage(trial, stage + 1)
-            p.next_size = min(size, settings.initial_increment) if stage + 1 < len(self.model.stages) else size
+            p.next_size = min(size, self.model.solver.initial_increment) if stage + 1 < len(self.model.stages) else size
         ahead = is_over and stage + 1 < len(self.model.stages)
         for follower in self.followers:
             follower.follow(self.state, trial, step, stage + 1 if ahead else None)
@@ -416,8 +383,8 @@ class ImplicitProcedure:
     def count_work(self, state_n: State, trial: State, step: Step) -> None:
         """Add the work of an increment to that of its completed trial state."""
         stage_n = step.stage - 1 if step.fraction_n == 0.0 and step.stage > 0 else step.stage
-        supports = self.interactions.supports
-        add_external_work(state_n, trial, supports.fixed(stage_n), supports.fixed(step.stage))
+        fixed = self.interactions.supports.fixed
+        add_external_work(state_n, trial, fixed(stage_n), fixed(step.stage))
         for interaction in self.interactions.all:
             add_work(trial, interaction.work(state_n, trial))
         trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, step.dt)
@@ -425,20 +392,9 @@ class ImplicitProcedure:
 
     def evolve(self, state_n: State, trial: State, step: Step) -> None:
         """Bring what laws of evolution follow up to date at the end of an increment."""
-        self.evolution.advance(state_n, trial, step.dt, self._temperatures(state_n, trial))
-
-    def _temperatures(self, state_n: State, trial: State) -> list[tuple[FloatArray, FloatArray] | None]:
-        """Return temperatures of each block's points (n_cells, p) [degrees C] before and after an increment."""
-        found: list[tuple[FloatArray, FloatArray] | None] = []
         heat = self.heat or self.sheet_heat
-        for block, given in enumerate(trial.cells.temperature):
-            if given.size:
-                shape = trial.cells.eqps[block].shape
-                before, after = (self.mechanics.temperature_at_points(s, block) for s in (state_n, trial))
-                found.append((before.reshape(shape), after.reshape(shape)))
-            else:
-                found.append((heat.at_points(state_n, block), heat.at_points(trial, block)) if heat else None)
-        return found
+        temperatures = find_temperatures(self.mechanics, heat.at_points if heat else None, state_n, trial)
+        self.evolution.advance(state_n, trial, step.dt, temperatures)
 
     def end_stage(self, state: State, next_stage: int) -> None:
         """Prepare a converged state for the next stage."""

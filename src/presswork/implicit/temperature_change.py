@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How far temperatures given to laws may change in an increment (docs/theory/heat.md)."""
+"""Temperatures given to laws before and after an increment, and how far they may change (docs/theory/heat.md)."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from presswork.body.shells import ShellMechanics
+from presswork.body.solids import Mechanics
 from presswork.model import FloatArray, Model
 from presswork.outcome import Converged, Failed, IterationLog, Step
+from presswork.state import State
 
 REFUSED = 1.5
 """Times the largest change of temperature: an increment that is taken again."""
@@ -37,3 +40,24 @@ def judge_change(
     if change <= REFUSED or step.dt <= shortest:
         return Converged(log)
     return Failed(log, "temperatures change by much", max(0.9 / change, 0.2))
+
+
+def find_temperatures(
+    mechanics: Mechanics | ShellMechanics,
+    at_points: Callable[[State, int], FloatArray] | None,
+    state_n: State,
+    trial: State,
+) -> list[tuple[FloatArray, FloatArray] | None]:
+    """Return temperatures of each block's points (n_cells, p) [degrees C] before and after an increment.
+
+    at_points: those of a state's block by its heat, for laws that are not given any; None: there is no heat.
+    """
+    found: list[tuple[FloatArray, FloatArray] | None] = []
+    for block, given in enumerate(trial.cells.temperature):
+        if given.size:
+            shape = trial.cells.eqps[block].shape
+            before, after = (mechanics.temperature_at_points(s, block) for s in (state_n, trial))
+            found.append((before.reshape(shape), after.reshape(shape)))
+        else:
+            found.append((at_points(state_n, block), at_points(trial, block)) if at_points else None)
+    return found
