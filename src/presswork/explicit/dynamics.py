@@ -15,12 +15,11 @@ import numpy.typing as npt
 from presswork import _core, stop
 from presswork.explicit.divided import DividedLoop
 from presswork.explicit.energy import EnergyBalance, MassScaling, compute_balance, sum_energies
-from presswork.explicit.input_checks import ExplicitError, check_nodal
+from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.motion import Motion
+from presswork.explicit.nodal_motion import Array, NodalMotion, Numbers
 from presswork.law.umat import TOLD
 
-Array = npt.NDArray[np.float64]
-Numbers = npt.NDArray[np.intp]
 Loop = _core.PlaneLoop | _core.SpaceLoop | _core.SpaceLoopSingle | DividedLoop
 Failed = tuple[int, _core.LawStatus, int]
 """Element that has failed, what its law told, and the cycle; the element is -1 where none has."""
@@ -40,14 +39,9 @@ def name_arrays(state: Mapping[str, Mapping[str, Array]]) -> dict[str, Array]:
     return {f"{owner}.{name}": values for owner, of in state.items() for name, values in of.items()}
 
 
-class Dynamics:
-    """Blocks of elements in explicit dynamics.
+class Dynamics(NodalMotion):
+    """Blocks of elements in explicit dynamics."""
 
-    Elements and nodes may be renumbered inside for the sake of the cache; every array here is in the order given.
-    """
-
-    FREEDOMS = ""
-    """Letters of a node's freedoms."""
     _resident: Any = None
     """The loop on a device, where there is one."""
 
@@ -64,116 +58,14 @@ class Dynamics:
         nodes, elements: number, as given, of each in the order of the loop. node_sets: names of nodes. fastest: speed
         of sound [mm/s], beyond which a velocity must be a mistake.
         """
-        self._loop: Any = loop
+        super().__init__(loop, nodes, elements, node_sets, fastest)
         self._parts: DividedLoop | None = loop if isinstance(loop, DividedLoop) else None
-        self._nodes, self._elements = nodes, elements
-        self._in_order = bool((nodes == np.arange(len(nodes))).all())
-        self._node_sets, self._fastest = dict(node_sets or {}), fastest
-        self._fixed = np.zeros((len(nodes), len(self.FREEDOMS)), dtype=np.uint8)
-        self._prescribed = np.zeros(self._fixed.shape)
-        self._reference: tuple[float, float] | None = None
         self._scales = (0.0, 1.0, 1.0)
         self.cycle = 0
         self.time = 0.0
         self.dt = SAFETY * self.stable_step()
         self._dt_before = self._first_dt = self.dt
         self._full_step = 0.0
-
-    # --- nodes -------------------------------------------------------------------------------------------------------
-
-    def _by_node(self, inside: Array) -> Array:
-        if self._in_order:
-            return inside
-        out = np.empty_like(inside)
-        out[self._nodes] = inside
-        return out
-
-    def _by_element(self, inside: Array) -> Array:
-        out = np.empty_like(inside)
-        out[self._elements] = inside
-        return out
-
-    @property
-    def position(self) -> Array:
-        """Positions (n_nodes, dimension) [mm]."""
-        return self._by_node(self._loop.position)
-
-    @property
-    def velocity(self) -> Array:
-        """Velocities of the freedoms (n_nodes, freedoms) [mm/s, 1/s], half a step back."""
-        return self._by_node(self._loop.velocity)
-
-    @velocity.setter
-    def velocity(self, value: npt.ArrayLike) -> None:
-        given = self._shaped(value, "velocity")
-        self._check_speed(given)
-        self._loop.velocity = given[self._nodes]
-        self._reference = None
-
-    @property
-    def force(self) -> Array:
-        """Nodal forces and moments from outside (n_nodes, freedoms) [N, N mm]; of the whole ring in axisymmetry."""
-        return self._by_node(self._loop.force)
-
-    @force.setter
-    def force(self, value: npt.ArrayLike) -> None:
-        self._loop.force = self._shaped(value, "force")[self._nodes]
-
-    @property
-    def internal_force(self) -> Array:
-        """Internal forces and moments (n_nodes, freedoms) [N, N mm], less the forces of tools."""
-        return self._by_node(self._loop.internal_force)
-
-    @property
-    def reaction_impulse(self) -> Array:
-        """Impulse of what holds prescribed freedoms since reset_reaction (n_nodes, freedoms) [N s, N mm s]."""
-        return self._by_node(self._loop.reaction_impulse)
-
-    def reset_reaction(self) -> None:
-        """Begin a new sum of reaction_impulse."""
-        self._loop.reaction_impulse = np.zeros(self._fixed.shape)
-
-    def _shaped(self, value: npt.ArrayLike, name: str) -> Array:
-        return check_nodal(value, name, self._fixed.shape)
-
-    def _check_speed(self, velocity: Array) -> None:
-        speed = float(np.abs(velocity).max(initial=0.0))
-        if speed > self._fastest:
-            raise ExplicitError(
-                f"a velocity of {speed:g} mm/s is beyond the material's sound, {self._fastest:.3g} mm/s: velocities "
-                "are in mm/s, 1 m/s is 1000"
-            )
-
-    def nodes_of(self, nodes: str | npt.ArrayLike) -> Numbers:
-        """Give node numbers: those of a node set of the mesh by its name, or the numbers given."""
-        if isinstance(nodes, str):
-            if nodes not in self._node_sets:
-                known = ", ".join(sorted(self._node_sets)) or "none"
-                raise ExplicitError(f"there is no node set {nodes!r}; the mesh has: {known}")
-            return np.asarray(self._node_sets[nodes], dtype=np.intp)
-        given = np.asarray(nodes)
-        numbers = np.flatnonzero(given) if given.dtype == bool else np.atleast_1d(given.astype(np.intp))
-        outside = (numbers < 0) | (numbers >= len(self._fixed))
-        if outside.any():
-            raise ExplicitError(f"there is no node {numbers[outside][0]}: they are 0 to {len(self._fixed) - 1}")
-        return numbers
-
-    def fix(self, nodes: str | npt.ArrayLike, freedoms: str, velocity: npt.ArrayLike = 0.0) -> None:
-        """Prescribe the velocity [mm/s or 1/s], one or one for each node, of freedoms: letters of FREEDOMS."""
-        if not freedoms or set(freedoms) - set(self.FREEDOMS):
-            raise ExplicitError(f"freedoms = {freedoms!r}: give letters of {self.FREEDOMS!r}")
-        numbers, value = self.nodes_of(nodes), np.asarray(velocity, dtype=float)
-        self._check_speed(value)
-        for letter in freedoms:
-            self._fixed[numbers, self.FREEDOMS.index(letter)] = 1
-            self._prescribed[numbers, self.FREEDOMS.index(letter)] = value
-        self._loop.prescribe(self._fixed[self._nodes], self._prescribed[self._nodes])
-
-    def release(self) -> None:
-        """Let every freedom go that fix has prescribed."""
-        self._fixed[:] = 0
-        self._prescribed[:] = 0.0
-        self._loop.prescribe(self._fixed, self._prescribed)
 
     # --- time step and mass ------------------------------------------------------------------------------------------
 
