@@ -15,7 +15,10 @@ from presswork.results import OutputError, Result
 def animate(
     folder: Annotated[Path, typer.Argument(help="Output folder.", show_default=False)],
     field: Annotated[str | None, typer.Option(help="Field; default: the first that pictures show.")] = None,
-    out: Annotated[Path | None, typer.Option(help="The film, .gif or .mp4; default: DIR/plots/FIELD.gif.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="The film, .gif or .mp4; default: DIR/plots/FIELD.gif, without a field film.gif."),
+    ] = None,
     seconds: Annotated[float, typer.Option(min=0.1, help="Length of the film.")] = 5.0,
 ) -> None:
     """Write a film of a run, GIF or MP4: the part with a field, a picture a saved step."""

@@ -33,15 +33,16 @@ class Beside:
 def find_beside(outline: FloatArray, line: FloatArray, symmetry: tuple[bool, bool]) -> Beside | None:
     """Return where a closed line (m, 2) runs beside the outline (n, 2, 2) of a sheet; None where it does not.
 
-    symmetry: whether planes normal to x and y cut the sheet, which lies on their positive side.
+    symmetry: whether planes normal to x and y cut the sheet, which lies on one side of them.
     """
     sides = list_sides(line)
     length = float(np.linalg.norm(sides[:, 1] - sides[:, 0], axis=1).sum())
     tolerance = _ON * float(np.ptp(line, axis=0).max())
     places = sample_sides(sides, length / _PLACES)
     modelled = np.ones(len(places), dtype=bool)
+    side = np.sign(outline.mean(axis=(0, 1)))  # negative of a part that was turned over or round
     for axis, is_cut in enumerate(symmetry):
-        modelled &= (places[:, axis] > tolerance) | (not is_cut)
+        modelled &= (side[axis] * places[:, axis] > tolerance) | (not is_cut)
     places = places[modelled]
     outside = places[~contains(outline, places)]
     depth = measure_distance(outline, outside)

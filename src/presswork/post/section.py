@@ -38,20 +38,39 @@ def cut_sheet(
     """Cut the sheet along the ray from `start` (x, y) [mm] at an angle from x [rad].
 
     The ray is drawn on the undeformed blank, so that the same material is seen at every step; of its places now the
-    part along the ray is returned. A ray that starts outside the blank cuts it from side to side, and so does one that
+    part along the ray is returned. In an operation whose part was turned over or round the ray turns with it
+    (find_ray). A ray that starts outside the blank cuts it from side to side, and so does one that
     is whole: distances behind its start are negative.
 
     Pieces where the radius runs along a side of two cells belong to one of them.
     """
-    return _cut_mesh(result.mesh_at(step), result.points(step), angle, start, -np.inf if whole else 0.0)
+    plan, least = result.plan_at(step), -np.inf if whole else 0.0
+    return _cut_mesh(result.mesh_at(step), result.points(step), angle, start, least, plan)
+
+
+def find_ray(
+    result: Result, angle: float = 0.0, step: int = -1, *, start: tuple[float, float] = ORIGIN
+) -> tuple[float, tuple[float, float]]:
+    """Return angle [rad] and start [mm] of a ray on the blank where an operation has laid it, as `place` says."""
+    plan = result.plan_at(step)
+    x, y = plan[:, :2] @ start + plan[:, 2]
+    out = plan[:, :2] @ (np.cos(angle), np.sin(angle))
+    return float(np.arctan2(out[1], out[0])), (float(x), float(y))
 
 
 def _cut_mesh(
-    mesh: ResultMesh, now: FloatArray, angle: float, start: tuple[float, float], least: float = 0.0
+    mesh: ResultMesh,
+    now: FloatArray,
+    angle: float,
+    start: tuple[float, float],
+    least: float = 0.0,
+    plan: FloatArray | None = None,
 ) -> SheetSection:
-    """Cut a mesh whose nodes are at `now` (n_points, 3), as cut_sheet, from a distance on."""
+    """Cut a mesh whose nodes are at `now` (n_points, 3), as cut_sheet, from a distance on; plan: of find_plans."""
     out, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     origin = np.asarray(start, dtype=float)
+    plan = np.eye(2, 3) if plan is None else plan
+    out_now, origin_now = plan[:, :2] @ out, plan[:, :2] @ origin + plan[:, 2]
     before = mesh.points[:, :2] - origin
     along, off = before @ out, before @ across
     size = float(np.ptp(before, axis=0).max())
@@ -70,7 +89,7 @@ def _cut_mesh(
             places.sort(key=lambda place: float(place[0]))
             middle = 0.5 * float(places[0][0] + places[1][0])
             if middle > least:
-                line = np.array([[float((p[:2] - origin) @ out), float(p[2])] for _, p in places])
+                line = np.array([[float((p[:2] - origin_now) @ out_now), float(p[2])] for _, p in places])
                 pieces.append((middle, line, first + int(number)))
         first += len(cells)
     pieces.sort(key=lambda piece: piece[0])
@@ -107,6 +126,8 @@ def cut_tool(
     whole: bool = False,
 ) -> FloatArray:
     """Cut a tool in space by the half plane from `start` (x, y) [mm] at an angle from x [rad], or by the whole plane.
+
+    They are where the tool is; find_ray says where a ray of the blank is then.
 
     Return lines (n, 2, 2) of distance from the start and height [mm].
     """

@@ -52,6 +52,20 @@ def find_turn(place: PartPlace) -> FloatArray:
     return np.asarray(turn_about(np.array([0.0, 0.0, place.turn])) @ over)
 
 
+def find_plans(operations: Sequence[Operation]) -> FloatArray:
+    """Return how x and y of the first blank lie in each operation: turn (2, 2) and shift [mm] (1 + n, 2, 3).
+
+    operations: those after the first. What a part sinks and tips by is left out.
+    """
+    plans = [np.eye(2, 3)]
+    for operation in operations:
+        turn = find_turn(operation.place)[:2, :2]
+        plan = turn @ plans[-1]
+        plan[:, 2] += operation.place.move[:2]
+        plans.append(plan)
+    return np.array(plans)
+
+
 def lay_part(state: SheetState, place: PartPlace) -> SheetState:
     """Return the state of a part that is turned over, turned and moved; stresses turn with it."""
     if place == PartPlace():

@@ -22,7 +22,7 @@ from presswork.mesh.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, IntArray, Mesh, Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.epochs import NamedArrays
-from presswork.process.laying import LayingError, close_tools, find_turn, lay_part, lay_tools, tip_onto
+from presswork.process.laying import LayingError, close_tools, find_plans, find_turn, lay_part, lay_tools, tip_onto
 from presswork.process.limits import Watched
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram
 from presswork.process.reactions import Reactions
@@ -219,7 +219,12 @@ class PressLine(ModelRecording):
             time=self._time_before + now.time,
             surfaces=surfaces,
             tool_displacement=displacement,
-            info={**now.info, "placing": laid_in, "operations": "\n".join(self.model.operations)},
+            info={
+                **now.info,
+                "placing": laid_in,
+                "operations": "\n".join(self.model.operations),
+                "plans": find_plans(self.model.following),
+            },
         )
 
     def to_arrays(self) -> NamedArrays:

@@ -51,7 +51,8 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
         history = result.history
     except OutputError:  # one step has none
         history = {}
-    ways = {} if result.is_stamping and not result.is_line else _find_ways(history)
+    find_ways = _find_strokes_at_work if result.is_line else _find_ways
+    ways = {} if result.is_stamping and not result.is_line else find_ways(history)
     columns = []
     for name, values in {**history, **ways}.items():
         if name == "stage":
@@ -63,7 +64,7 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
     for stage in history.get("stage", ()):
         if not stages or stages[-1] != str(stage):
             stages.append(str(stage))
-    curves = [(name, name.replace(".way_in_stage", ".force")) for name in ways] or _choose_curves(result, history)
+    curves = [(name, f"{name.rpartition('.')[0]}.force") for name in ways] or _choose_curves(result, history)
     idle = _find_idle(history)
     parts = np.asarray(history.get("part", ()), dtype=np.float64)
     return {
@@ -83,6 +84,16 @@ def _find_idle(history: dict[str, NDArray[Any]]) -> NDArray[np.int64]:
     stages, speed = np.asarray(history["stage"]), np.asarray(history["ram_speed"], dtype=np.float64)
     working = [stage for stage in dict.fromkeys(stages.tolist()) if np.any(speed[stages == stage] > 0.0)]
     return np.flatnonzero(~np.isin(stages, working))
+
+
+def _find_strokes_at_work(history: dict[str, NDArray[Any]]) -> dict[str, FloatArray]:
+    """Return each tool's stroke in the stages of a press line in which it presses; nan elsewhere, where it is not."""
+    stages = np.asarray(history.get("stage", ()))
+    strokes = {}
+    for tool in find_moving_tools(history):
+        works = [stage for stage in dict.fromkeys(stages.tolist()) if np.any(history[f"{tool}.force"][stages == stage])]
+        strokes[f"{tool}.way_in_operation"] = np.where(np.isin(stages, works), history[f"{tool}.stroke"], np.nan)
+    return strokes
 
 
 def _find_ways(history: dict[str, NDArray[Any]]) -> dict[str, FloatArray]:

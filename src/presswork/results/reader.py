@@ -168,6 +168,20 @@ class Result:
         """Return the tools in space of the operation that a saved step belongs to; of one operation all."""
         return [name for name in self.surfaces if np.isfinite(self.surface_displacement(name, step)).all()]
 
+    def operation_at(self, step: int = -1) -> str:
+        """Return the name of the operation of a press line that a saved step belongs to; empty without a line."""
+        names = str(self.info.get("operations", "")).split("\n")
+        tools = self.tools_at_work(step)
+        of_tools = [name for name in names if name and any(tool.startswith(f"{name}_") for tool in tools)]
+        return max(of_tools, key=len, default="")  # a name may begin with another one
+
+    def plan_at(self, step: int = -1) -> FloatArray:
+        """Return how x and y of the blank lie at a saved step, as `place` of operations says: turn and shift (2, 3)."""
+        plans, name = self.info.get("plans"), self.operation_at(step)
+        if plans is None or not name:
+            return np.eye(2, 3)
+        return np.asarray(plans[str(self.info["operations"]).split("\n").index(name)], dtype=np.float64)
+
     def surface_displacement(self, tool: str, step: int = -1) -> FloatArray:
         """Return how far a tool in space has moved since the start [mm], shape (3,); NaN where it is not at work."""
         return self.surface_motion(tool, step)[0]

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from presswork.model import FloatArray
-from presswork.post.section import ORIGIN, cut_sheet, cut_tool, measure_draw_in
+from presswork.post.section import ORIGIN, cut_sheet, cut_tool, find_ray, measure_draw_in
 from presswork.results import Result, ResultError
 from presswork.view.style import begin_at_zero, clean_axes, describe_step, is_released, new_figure, require_matplotlib
 
@@ -45,8 +46,9 @@ def plot_section(
         raise ResultError(f"the section from ({start[0]:g}, {start[1]:g}) mm at {angle:g} degrees misses the blank")
     lines = sheet.line
     thickness = result.field("thickness", step)[sheet.cell]
+    turned, begin = find_ray(result, radians, step, start=start)
     for colour, tool in zip(_TOOL_COLOURS, result.tools_at_work(step), strict=False):
-        cut = cut_tool(result, tool, radians, step, start=start, whole=start == ORIGIN)
+        cut = cut_tool(result, tool, turned, step, start=begin, whole=start == ORIGIN)
         upper.add_collection(LineCollection(list(cut), colors=colour, linewidths=1.0))
         upper.plot([], [], color=colour, label=tool)
     along = lines[:, 1] - lines[:, 0]
@@ -89,23 +91,30 @@ def is_drawn_in(result: Result) -> bool:
 def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
     """Draw how far the blank's edge has come in along x, y and the diagonal against the stroke.
 
-    Steps after trimming or springback are left out.
+    Steps after trimming or springback are left out. Of a press line it shows the operation that draws in most.
     """
     require_matplotlib()
     figure = new_figure(6.4, 4.2) if figure is None else figure
     ax = figure.subplots()
     steps = [step for step in range(len(result.times)) if result.mesh_at(step) is result.mesh]
     steps = [step for step in steps if not is_released(result, step)]
-    way = {
-        name: float(np.linalg.norm(result.surface_displacement(name, steps[-1])))
-        for name in result.tools_at_work(steps[-1])
-    }
-    tool = max(way, key=lambda name: way[name])
-    stroke = [float(np.linalg.norm(result.surface_displacement(tool, step))) for step in steps]
     found = {
         angle: np.array([measure_draw_in(result, float(np.radians(angle)), step) for step in steps])
         for angle in _DRAW_IN_ANGLES
     }
+    if result.is_line:
+        kept = _most_drawn_in([result.operation_at(step) for step in steps], list(found.values()))
+        steps, found = steps[kept], {angle: come_in[kept] for angle, come_in in found.items()}
+    ways = {
+        name: [
+            np.subtract(result.surface_displacement(name, s), result.surface_displacement(name, steps[0]))
+            for s in steps
+        ]
+        for name in result.tools_at_work(steps[-1])
+    }
+    strokes = {name: np.linalg.norm(way, axis=1) for name, way in ways.items()}
+    tool = max(strokes, key=lambda name: float(strokes[name][-1]))
+    stroke = strokes[tool]
     near = _ALIKE * max(float(np.abs(come_in).max()) for come_in in found.values())
     curves: list[tuple[list[float], FloatArray]] = []
     for angle, come_in in found.items():
@@ -124,3 +133,14 @@ def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
     ax.legend(frameon=False)
     clean_axes(ax)
     return figure
+
+
+def _most_drawn_in(operations: Sequence[str], draw_in: Sequence[FloatArray]) -> slice:
+    """Return the steps of the operation in which the edge comes in farthest, of the draw-in (n_steps,) by direction."""
+    best, most = slice(0, len(operations)), -1.0
+    for name in dict.fromkeys(operations):
+        own = [i for i, each in enumerate(operations) if each == name]
+        come_in = max(float(np.ptp(along[own])) for along in draw_in)
+        if come_in > most:
+            best, most = slice(own[0], own[-1] + 1), come_in
+    return best

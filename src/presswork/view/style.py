@@ -221,9 +221,7 @@ def _describe_laid(result: Result, step: int) -> str:
         return "start"
     tools = result.tools_at_work(at)
     if tools != result.tools_at_work(at - 1):
-        names = str(result.info["operations"]).split("\n")
-        operation = next((name for name in names if any(tool.startswith(f"{name}_") for tool in tools)), "next tools")
-        return f"laid in for {operation}"
+        return f"laid in for {result.operation_at(at) or 'next tools'}"
     return str(find_history_row(result, at).get("stage", "")).replace("_", " ")
 
 

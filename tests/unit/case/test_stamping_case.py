@@ -61,6 +61,17 @@ def test_model_holds_what_the_case_says() -> None:
     assert 'velocities are mm/s, and "2 m/s" is usual' in describe(build(stages__0__velocity=2))
 
 
+def test_drawn_tools_are_described_by_their_dimensions(tmp_path: Path) -> None:
+    line = describe(build_model(read_case(copy_example("press_line", tmp_path))))
+    assert "draw_punch: punch, round, 50 mm across, edge radius 6 mm" in line
+    assert "flange_die: die, ring, 54 mm across inside and 76 mm outside, edge radius 4 mm" in line
+    assert "flange_pad: holder, ring, 54 mm across inside and 70 mm outside, edge radii 1 and 5 mm" in line
+    channel = describe(build_model(read_case(copy_example("restruck_channel", tmp_path))))
+    assert "draw_die: die, straight along y, 53 mm wide, edge radius 6 mm" in channel
+    cup = describe(build_model(read_case(copy_example("square_cup", tmp_path))))
+    assert "punch: punch, 51 x 51 mm, corners 10 mm, edge radius 4 mm" in cup
+
+
 def test_shells_long_along_the_straight_edges_of_a_strip_are_not_coarse(tmp_path: Path) -> None:
     case = copy_example("draw_bending", tmp_path)
     assert "hint" not in describe(build_model(read_case(case, ["blank.element_size=[1, 17.5]"])))

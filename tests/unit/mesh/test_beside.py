@@ -44,6 +44,15 @@ def test_what_symmetry_planes_cut_away_is_not_beside(cut: tuple[bool, bool]) -> 
     assert found.whole == pytest.approx(36.0 / 2 ** sum(cut), rel=0.02)
 
 
+@pytest.mark.parametrize("signs", [(-1, 1), (1, -1), (-1, -1)])
+def test_a_part_that_was_turned_over_lies_on_the_other_side_of_its_planes(signs: tuple[int, int]) -> None:
+    quarter = np.maximum(rectangle(10, 8), 0.0) * signs
+    assert find_beside(list_sides(quarter), rectangle(9, 7), (True, True)) is None
+    found = find_beside(list_sides(quarter), rectangle(9, 9), (True, True))
+    assert found is not None
+    assert found.whole == pytest.approx(9.0, rel=0.02)
+
+
 def test_a_notch_over_the_edge_is_beside_the_sheet() -> None:
     found = find_beside(list_sides(rectangle(10, 8)), rectangle(4, 4, (5.0, 0.0)), WHOLE)
     assert found is not None

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.report.history import _choose_charts, _find_idle, _find_ways
+from presswork.report.history import _choose_charts, _find_idle, _find_strokes_at_work, _find_ways
 
 TURNS = {
     "time": np.array([0.1, 0.2, 0.3, 1.1, 1.2, 1.3]),
@@ -29,6 +29,20 @@ def test_tools_that_work_together_keep_their_strokes() -> None:
     assert _find_ways(both) == {}
     alone = {name: values for name, values in TURNS.items() if "blocker" not in name}
     assert _find_ways(alone) == {}
+
+
+def test_tools_of_a_press_line_have_their_strokes_while_they_press() -> None:
+    line = {
+        "stage": np.array(["draw_form", "draw_form", "draw_springback", "flange_laid", "flange_down"]),
+        "draw_punch.stroke": np.array([1.0, 2.0, 2.0, 0.0, 0.0]),
+        "draw_punch.force": np.array([10.0, 20.0, 0.0, 0.0, 0.0]),
+        "flange_punch.stroke": np.array([0.0, 0.0, 0.0, 0.0, 3.0]),
+        "flange_punch.force": np.array([0.0, 0.0, 0.0, 0.0, 5.0]),
+    }
+    strokes = _find_strokes_at_work(line)
+    nan = np.nan
+    np.testing.assert_allclose(strokes["draw_punch.way_in_operation"], [1.0, 2.0, nan, nan, nan])
+    np.testing.assert_allclose(strokes["flange_punch.way_in_operation"], [nan, nan, nan, nan, 3.0])
 
 
 def test_pauses_between_blows_are_idle() -> None:

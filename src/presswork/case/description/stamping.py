@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -200,9 +201,14 @@ def _least_radius(problem: Model, tool: Tool, size: float) -> float:
 
 
 def _edge_radius(shape: SweptProfile) -> float:
-    """Return the radius of the profile's first arc [mm]; 0 without one."""
+    """Return the least radius of the profile's arcs [mm]; 0 without one."""
+    return min(_list_radii(shape), default=0.0)
+
+
+def _list_radii(shape: SweptProfile) -> list[float]:
+    """Return the radii of the profile's arcs, each once [mm]."""
     arcs = shape.segments[shape.segments[:, 6] != 0]
-    return float(np.hypot(*(arcs[0, :2] - arcs[0, 4:6]))) if len(arcs) else 0.0
+    return sorted({float(f"{radius:.6g}") for radius in np.hypot(*(arcs[:, :2] - arcs[:, 4:6]).T)})
 
 
 def _straight_axis(tool: Tool) -> int | None:
@@ -239,13 +245,28 @@ def _describe_tool(tool: Tool, following: Operation | None) -> str:
         other, above = following.spaced[tool.name]
         place = f"at ({x:g}, {y:g}) mm, {above:g} mm over {other}"
     if isinstance(tool.shape, SweptProfile):
-        widths = " x ".join(f"{2 * w:g}" for w in tool.shape.half_widths)
-        edge = _edge_radius(tool.shape)
-        shape = f"{widths} mm, corners {tool.shape.corner_radius:g} mm, edge radius {edge:g} mm"
+        shape = _describe_shape(tool.shape)
     else:
         assert isinstance(tool.shape, Triangulation)
         shape = f"{len(tool.shape.triangles)} triangles"
     return f"{tool.kind}, {shape}, {place}, friction {tool.friction.mu:g}"
+
+
+def _describe_shape(shape: SweptProfile) -> str:
+    """Say how wide a drawn tool is in the plan, and what radii its profile has."""
+    x, y = (2.0 * width for width in shape.half_widths)
+    ends = shape.segments[:, [0, 2]]
+    if math.isinf(x + y):
+        plan = f"straight along {'x' if math.isinf(x) else 'y'}, {min(x, y):g} mm wide"
+    elif x == y == 2.0 * shape.corner_radius:
+        outer = x + 2.0 * float(ends.max())
+        is_ring = float(ends.min()) >= 0.0 and shape.segments[0, 1] * shape.segments[-1, 3] > 0.0
+        plan = f"round, {x:g} mm across" if not is_ring else f"ring, {x:g} mm across inside and {outer:g} mm outside"
+    else:
+        plan = f"{x:g} x {y:g} mm, corners {shape.corner_radius:g} mm"
+    radii = _list_radii(shape)
+    edges = " and ".join(f"{radius:g}" for radius in radii)
+    return f"{plan}, edge radi{'us' if len(radii) < 2 else 'i'} {edges or '0'} mm"
 
 
 def _describe_stage(problem: Model, stage: Stage) -> Iterator[str]:

@@ -76,7 +76,7 @@ export class CurvesPanel {
     const isOne = new Set(pairs.map(([name]) => name)).size === 1;
     const chart = new Chart(parent, {
       label: `${yColumn?.label ?? ""} over ${xColumn?.label ?? ""}`, height,
-      xLabel: withUnit(isOne ? xColumn?.label ?? x : "way of each tool in its stage", xColumn?.unit), yLabel: withUnit(pairs.length > 1 || isTitled ? "" : yColumn?.label ?? "", yColumn?.unit).trim(),
+      xLabel: withUnit(isOne ? xColumn?.label ?? x : "each tool's own way", xColumn?.unit), yLabel: withUnit(pairs.length > 1 || isTitled ? "" : yColumn?.label ?? "", yColumn?.unit).trim(),
       onPick: (px, py, toPixels) => this.#go(series, px, py, toPixels),
     });
     chart.setSeries(series);
