@@ -150,6 +150,10 @@ LAWS = {
         {"law": "table", "points": [[0.0, 200.0], [0.1, 300.0], [1.0, 300.0]]},
         {"law": "hill1948", "r00": 1.593, "r45": 1.593, "r90": 1.593},
     ),
+    "*MAT_037\n{0}     201.3    2000.0       1.5\n": (  # ETAN: "plastic hardening modulus"
+        {"law": "linear", "yield_stress": 201.3, "modulus": 2000.0},
+        {"law": "hill1948", "r00": 1.5, "r45": 1.5, "r90": 1.5},
+    ),
     "*MAT_BARLAT_YLD2000\n{0}\n     570.0     0.005      0.25       0.0       0.0       1.0       8.0\n"
     "      0.94      1.08      0.97      1.00      1.01      1.04      0.95      1.11\n"
     "       2.0\n\n       0.0       0.0       0.0\n": None,
@@ -186,6 +190,29 @@ BAD = {
     "no curve": (("*DEFINE_CURVE\n         4\n", "*DEFINE_CURVE\n         5\n"), "there is no curve 4 of two points"),
     "cut short": (("*CONTROL_TERMINATION\n    7.3E-3\n", "*CONTROL_TERMINATION\n"), "the rows below it are cut short"),
     "no number": (("    7.3E-3\n", "    7.x\n"), r"\*CONTROL_TERMINATION: `7\.x` is no number"),
+    "tools that are placed by the program": (
+        ("*END", "*CONTROL_FORMING_AUTOPOSITION_PARAMETER\n         2         0         3        -1\n*END"),
+        r"\*CONTROL_FORMING_AUTOPOSITION_PARAMETER: places or drives tools",
+    ),
+    "a motion along the axes of the body": (
+        ("*BOUNDARY_PRESCRIBED_MOTION_RIGID\n", "*BOUNDARY_PRESCRIBED_MOTION_RIGID_LOCAL\n"),
+        r"\*BOUNDARY_PRESCRIBED_MOTION_RIGID_LOCAL: a motion along the axes of the body",
+    ),
+    "a force in its own frame": (
+        ("         3         3         4      -1.0", "         3         3         4      -1.0         7"),
+        r"\*LOAD_RIGID_BODY: a force in a frame of its own \(CID = 7\)",
+    ),
+    "layers with angles": (
+        (
+            "         1         2     0.833         5         1",
+            "         1         2     0.833         5         1         0         1",
+        ),
+        r"\*SECTION_SHELL: layers with angles of their own",
+    ),
+    "a set by coordinates": (
+        ("*SET_NODE_LIST\n", "*SET_NODE_GENERAL\n"),
+        r"\*SET_NODE_GENERAL: a set by GENERAL; list its members by \*SET_NODE_LIST",
+    ),
     "a parameter that is not there": (("    7.3E-3\n", "      &end\n"), "the parameter &end is not defined"),
 }
 
@@ -197,6 +224,18 @@ def test_what_cannot_be_said_in_a_case_is_named_with_its_line(tmp_path, name) ->
     assert old in text
     with pytest.raises(CaseError, match=message):
         import_it(tmp_path, text.replace(old, new))
+
+
+def test_sets_of_sets_and_contacts_of_ranks_are_read(tmp_path) -> None:
+    text = write_deck()
+    contact = "*CONTACT_FORMING_ONE_WAY_SURFACE_TO_SURFACE_ID\n         4blank with a tool\n"
+    assert contact in text
+    more = contact.replace("_ID", "_MPP_ID") + "         0       200\n&        0\n"
+    by_sets = (more + "         1         7         3         2", contact + "         1         4         3         3")
+    sets = "*SET_PART_LIST\n         5\n         4\n*SET_PART_ADD\n         7\n         5\n*END"
+    changed = text.replace(by_sets[1], by_sets[0]).replace("*END", sets)
+    assert changed != text
+    assert import_it(tmp_path, changed).case == import_it(tmp_path, text).case
 
 
 def test_two_sheets_or_a_bent_one_are_refused(tmp_path) -> None:

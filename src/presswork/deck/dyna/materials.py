@@ -83,10 +83,14 @@ def _piecewise_linear(block: Block, cards: Cards, notes: Notes) -> MaterialCard:
 
 def _transversely_isotropic(block: Block, cards: Cards, notes: Notes) -> MaterialCard:
     """37: Hill's yield function of one mean r-value."""
-    _, _, young, _, yield_stress, tangent, r, curve = cards[0]
-    hardening = Hardening("table", curve=int(curve)) if curve else _straight(young, yield_stress, tangent)
+    _, _, _, _, yield_stress, modulus, r, curve = cards[0]  # ETAN is the plastic modulus here, not a tangent modulus
+    straight = {"yield_stress": yield_stress, "modulus": abs(modulus)}
+    hardening = Hardening("table", curve=int(curve)) if curve else Hardening("linear", straight)
+    if modulus < 0:
+        text = "ETAN < 0 asks for stress normal to the sheet: that of ironing alone is felt"
+        notes.change(block.place, f"*{block.name}", text)
     if r < 0:
-        notes.change(block.place, f"*{block.name}", "R < 0 asks for stress normal to the sheet: squeezing is not felt")
+        notes.change(block.place, f"*{block.name}", "R < 0 steadies the thickness there: its value is taken")
     if cards[1][0]:
         notes.refuse(block.place, f"*{block.name}", "Young's modulus that falls with plastic strain (IDSCALE)")
     mean = abs(r) or 1.0

@@ -22,6 +22,7 @@ from presswork.model import IndexArray
 _SILENT = ("KEYWORD", "COMMENT")
 _NUMERICS = ("CONTROL_", "DATABASE_", "HOURGLASS", "INTERFACE_", "TITLE", "DAMPING_", "DEFINE_BOX", "CASE", "SENSOR_")
 """What steers numerics and output."""
+_OUTPUT_OF_FORMING = "CONTROL_FORMING_OUTPUT"
 _FULL = {16, 6, 7, 20, -16}
 """ELFORM of shells with several points in their plane."""
 _VELOCITY, _ACCELERATION, _DISPLACEMENT = 0, 1, 2
@@ -60,6 +61,10 @@ class DynaDeck:
                 handler(self, block)
                 return
         if block.name.startswith(_SILENT):
+            return
+        if block.name.startswith("CONTROL_FORMING_") and not block.name.startswith(_OUTPUT_OF_FORMING):
+            remedy = "write the deck with its tools placed and moved by curves"
+            self.notes.refuse(block.place, f"*{block.name}", "places or drives tools, or another analysis", remedy)
             return
         if block.name.startswith(_NUMERICS):
             self.notes.drop(
@@ -116,7 +121,10 @@ class DynaDeck:
         rows = block.rows()
         step = 3 if block.name.endswith("_TITLE") else 2
         for i in range(step - 2, len(rows) - 1, step):
-            number, form, _, n_points, *_ = block.numbers(rows[i])
+            number, form, _, n_points, _, _, by_layer, _ = block.numbers(rows[i])
+            if by_layer:
+                self.notes.refuse(block.place, f"*{block.name}", "layers with angles of their own (ICOMP = 1)")
+                return
             sides = block.numbers(rows[i + 1])[:4]
             thickness = sides[0]
             if any(side and abs(side - thickness) > 1e-9 * thickness for side in sides[1:]):
@@ -143,6 +151,10 @@ class DynaDeck:
     # --- what tools do -----------------------------------------------------------------------------------------------
 
     def _motion(self, block: Block) -> None:
+        if "_LOCAL" in block.name:
+            remedy = "give it along x, y or z by *BOUNDARY_PRESCRIBED_MOTION_RIGID"
+            self.notes.refuse(block.place, f"*{block.name}", "a motion along the axes of the body", remedy)
+            return
         rows = block.rows()
         if block.name.endswith("_ID"):
             rows = rows[1::2]
@@ -170,7 +182,10 @@ class DynaDeck:
 
     def _push(self, block: Block) -> None:
         for row in block.rows():
-            part, freedom, curve, scale, *_ = block.numbers(row)
+            part, freedom, curve, scale, frame, *_ = block.numbers(row)
+            if frame:
+                self.notes.refuse(block.place, f"*{block.name}", f"a force in a frame of its own (CID = {frame:g})")
+                continue
             if int(freedom) not in (1, 2, 3):
                 self.notes.refuse(
                     block.place, f"*{block.name}", "a force that follows, or a moment", "take DOF 1, 2 or 3"
@@ -186,7 +201,10 @@ class DynaDeck:
                 block.place, f"*{block.name}", "a contact of another kind", "take one of *CONTACT_FORMING"
             )
             return
-        rows = block.rows()[block.name.endswith(("_ID", "_TITLE")) :]
+        options = block.name.split("_")
+        rows = block.rows()[any(option in options for option in ("ID", "TITLE")) :]
+        if "MPP" in options:  # how ranks search: a row, and a second one that begins with &
+            rows = rows[2 if rows[1].lstrip().startswith(b"&") else 1 :]
         self._set_contacts.append((block, block.numbers(rows[0]), block.numbers(rows[1])))
 
     # --- what holds --------------------------------------------------------------------------------------------------
@@ -210,13 +228,21 @@ class DynaDeck:
 
     def _node_set(self, block: Block) -> None:
         number, values = self._read_set(block)
+        if "ADD" in block.name.split("_"):
+            values = [node for each in values for node in self.deck.node_sets.get(each, ())]
         self.deck.node_sets[number] = np.array(values, dtype=np.intp)
 
     def _part_set(self, block: Block) -> None:
         number, values = self._read_set(block)
+        if "ADD" in block.name.split("_"):
+            values = [part for each in values for part in self.deck.part_sets.get(each, ())]
         self.deck.part_sets[number] = tuple(values)
 
     def _read_set(self, block: Block) -> tuple[int, list[int]]:
+        options = set(block.name.split("_")[2:])
+        if unknown := options - {"LIST", "TITLE", "GENERATE", "ADD"}:
+            remedy = f"list its members by *{'_'.join(block.name.split('_')[:2])}_LIST"
+            raise self.notes.fail(block.place, f"*{block.name}: a set by {', '.join(sorted(unknown))}", remedy)
         rows = block.rows()[block.name.endswith("_TITLE") :]
         number = int(block.numbers(rows[0])[0])
         values = [int(value) for row in rows[1:] for value in block.numbers(row) if value]
