@@ -63,6 +63,32 @@ def test_hills_ratios_are_those_of_the_yield_stresses() -> None:
     np.testing.assert_allclose(function.evaluate(stress)[0], 1.0, rtol=1e-12)
 
 
+AXES = {
+    "about the normal": ("0., 1., 0., -1., 0., 0.\n3, 0.", 90.0),
+    "turned about the normal": ("1., 0., 0., 0., 1., 0.\n3, 30.", 30.0),
+    "by default about axis 1, whose next one is projected": ("0., 0., 1., 1., 0., 0.", 0.0),
+}
+
+
+@pytest.mark.parametrize("name", AXES)
+def test_an_orientation_is_the_rolling_direction_of_hills_function(tmp_path, name) -> None:
+    rows, angle = AXES[name]
+    text = write_deck()
+    section, ratios = "*Shell Section, ", "*Potential\n1.,"
+    assert section in text
+    assert ratios in text
+    text = text.replace(section, f"*Orientation, name=Roll\n{rows}\n{section}orientation=Roll, ")
+    text = text.replace(ratios, "*Potential\n1.02,")
+    case = import_it(tmp_path, text).case
+    assert case["blank"].get("rolling_direction", 0.0) == pytest.approx(angle)
+    # R11 scales the reference stress of the table along the rolling direction
+    assert case["materials"]["sheet"]["hardening"]["points"][0] == [0.0, pytest.approx(1.02 * 200.0)]
+    with pytest.raises(CaseError, match="there is no orientation ROLLED; check its name"):
+        import_it(tmp_path, text.replace("orientation=Roll,", "orientation=Rolled,"))
+    with pytest.raises(CaseError, match=r"\*ORIENTATION: axes of the material that differ from place to place"):
+        import_it(tmp_path, text.replace("name=Roll\n", "name=Roll, system=CYLINDRICAL\n"))
+
+
 STEPS = {
     "one after the other": (
         "*Step\n*Dynamic, Explicit\n, 1.\n*Boundary\npunch-1.Reference, 3, 3, -4.\n*End Step\n"

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from presswork.deck.abaqus.blocks import Block
+from presswork.deck.abaqus.blocks import Block, DataError
 from presswork.deck.contents import Hardening, MaterialCard
 from presswork.deck.notes import Notes, Place
+from presswork.model import FloatArray
 
 _KEYWORDS = ("MATERIAL", "DENSITY", "ELASTIC", "PLASTIC", "POTENTIAL", "RATE DEPENDENT", "DAMPING")
 
@@ -87,6 +88,8 @@ class MaterialReader:
         for number, (name, material) in enumerate(self._found.items(), start=1):
             numbers[name] = number
             points = material.points if material.points is not None else np.array([[0.0, 1e12]])
+            if material.ratios is not None:  # the table is the reference stress, R11 times it that along 1
+                points = points * [1.0, material.ratios[0]]
             hardening = Hardening("table", {f"{i}": float(value) for i, value in enumerate(points.ravel())})
             cards[number] = MaterialCard(
                 "*MATERIAL",
@@ -101,8 +104,30 @@ class MaterialReader:
         return cards, numbers
 
 
+def read_orientation(block: Block, notes: Notes) -> FloatArray | None:
+    """Return the direction (3,) that shells project as their axis 1; None where it is refused, which is noted.
+
+    The first row has points a and b of the axes: 1 along a, 3 along a x b. The second turns them about one of them by
+    an angle [degree]; shells project the one that follows it. Raises DataError.
+    """
+    if block.name_of("SYSTEM") not in ("", "RECTANGULAR") or block.name_of("DEFINITION") not in ("", "COORDINATES"):
+        remedy = "give SYSTEM=RECTANGULAR, DEFINITION=COORDINATES"
+        notes.refuse(block.place, "*ORIENTATION", "axes of the material that differ from place to place", remedy)
+        return None
+    rows = block.table(9)
+    origin = rows[0, 6:9]
+    first, third = rows[0, :3] - origin, np.cross(rows[0, :3] - origin, rows[0, 3:6] - origin)
+    if not third.any():
+        raise DataError("the two points lie on one line with the origin")
+    axes = np.array([first, np.cross(third, first), third])
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    about, angle = (int(rows[1, 0]) or 1, np.radians(rows[1, 1])) if len(rows) > 1 else (1, 0.0)
+    projected, other = axes[about % 3], axes[(about + 1) % 3]
+    return np.asarray(np.cos(angle) * projected + np.sin(angle) * other)
+
+
 def hill_of_ratios(ratios: np.ndarray) -> dict[str, object]:
-    """Return Hill's yield function of the ratios R11, R22, R33, R12 of yield stresses, R11 = 1."""
+    """Return Hill's yield function of the ratios R11, R22, R33, R12 of yield stresses."""
     r11, r22, r33, r12 = ratios[:4]
     f = 0.5 * (r22**-2 + r33**-2 - r11**-2)
     g = 0.5 * (r33**-2 + r11**-2 - r22**-2)

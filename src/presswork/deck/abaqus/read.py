@@ -4,16 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from presswork.deck.abaqus.assembly import Assembly, PartMesh
 from presswork.deck.abaqus.blocks import Block, DataError, read_blocks
-from presswork.deck.abaqus.materials import MaterialReader
+from presswork.deck.abaqus.materials import MaterialReader, read_orientation
 from presswork.deck.abaqus.steps import Steps
 from presswork.deck.contents import Contact, Deck, PartCard, SectionCard, Shells
 from presswork.deck.notes import Notes, Place
+from presswork.model import FloatArray
 
 _SILENT = (
     "PREPRINT",
@@ -70,6 +72,8 @@ class AbaqusDeck:
         self._steps = Steps(notes)
         self._title = ""
         self._sections: list[tuple[str, Block]] = []
+        self._axes: dict[tuple[str, str], FloatArray | None] = {}
+        """By part and name: what shells project as their axis 1."""
         self._rigid: list[tuple[str, Block]] = []
         self._pairs: list[tuple[Block, list[str]]] = []
         self._general: Block | None = None
@@ -131,6 +135,12 @@ class AbaqusDeck:
             self.notes.refuse(block.place, f"*{block.name}", "a sheet of several layers")
             return
         self._sections.append((self._part, block))
+
+    def _orientation(self, block: Block) -> None:
+        axis = read_orientation(block, self.notes)
+        self._axes[self._part, block.name_of("NAME")] = axis
+        if axis is not None:
+            self.notes.keep(block.place, "*ORIENTATION", "the rolling direction, if the material has one")
 
     def _rigid_body(self, block: Block) -> None:
         self._rigid.append((self._part, block))
@@ -215,11 +225,30 @@ class AbaqusDeck:
             except KeyError as error:
                 raise self._explain(block.place, block.name, error) from error
             part[np.isin(cells, own)] = number
+            if deck.materials[material].yield_function:
+                rolling = self._find_rolling(owner, block)
+                deck.materials[material] = replace(deck.materials[material], rolling=rolling)
             first = block.rows()[0]
             n_points = int(first[1]) if len(first) > 1 and first[1] else _USUAL_POINTS
             title = owner or block.name_of("ELSET")
             deck.parts[number] = PartCard(title.lower(), number, material, block.place, f"*{block.name}")
             deck.sections[number] = SectionCard(float(first[0]), n_points, False, block.place, f"*{block.name}")
+
+    def _find_rolling(self, owner: str, block: Block) -> tuple[float, float, float]:
+        """Return what shells of a section project as their axis 1, in the assembly."""
+        name = block.name_of("ORIENTATION")
+        if not name:
+            return (1.0, 0.0, 0.0)
+        if (owner, name) not in self._axes and ("", name) not in self._axes:
+            raise self._explain(block.place, block.name, KeyError(f"orientation {name}"))
+        own = self._axes.get((owner, name))
+        if own is None:
+            own = self._axes.get(("", name))
+        elif owner:
+            mesh = self._assembly.parts[owner]
+            own = next(i.turn for i in self._assembly.instances.values() if i.mesh is mesh) @ own
+        x, y, z = (float(each) for each in (own if own is not None else (1.0, 0.0, 0.0)))
+        return (x, y, z)
 
     def _number_tools(self, deck: Deck, cells: np.ndarray, part: np.ndarray) -> dict[int, list[int]]:
         """Give rigid bodies numbers of parts; return the labels of their reference nodes by number."""
@@ -275,6 +304,7 @@ _HANDLERS: dict[str, Callable[[AbaqusDeck, Block], None]] = {
     "END INSTANCE": AbaqusDeck._end_part,
     "SHELL SECTION": AbaqusDeck._section,
     "SHELL GENERAL SECTION": AbaqusDeck._section,
+    "ORIENTATION": AbaqusDeck._orientation,
     "RIGID BODY": AbaqusDeck._rigid_body,
     "SURFACE INTERACTION": AbaqusDeck._surface_interaction,
     "FRICTION": AbaqusDeck._friction,
