@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Sequence
 
@@ -40,13 +41,16 @@ def to_number(text: str, parameters: Parameters) -> float:
     if not text:
         return 0.0
     try:
-        return sign * float(text)
+        number = float(text)
     except ValueError:
         repaired = _BARE_EXPONENT.sub(r"\1e\2", text.replace("d", "e").replace("D", "e"))
         try:
-            return sign * float(repaired)
+            number = float(repaired)
         except ValueError:
             raise FieldError(f"`{text}` is no number") from None
+    if not math.isfinite(number):
+        raise FieldError(f"`{text}` is no finite number")
+    return sign * number
 
 
 def read_table(rows: Sequence[bytes], widths: Sequence[int], parameters: Parameters) -> FloatArray:
@@ -66,6 +70,9 @@ def read_table(rows: Sequence[bytes], widths: Sequence[int], parameters: Paramet
             table[:, column] = field.astype(np.float64)
         except ValueError:
             table[:, column] = [to_number(each.decode("latin-1"), parameters) for each in field]
+        if not np.isfinite(table[:, column]).all():
+            bad = field[int(np.flatnonzero(~np.isfinite(table[:, column]))[0])].decode("latin-1").strip()
+            raise FieldError(f"`{bad}` is no finite number")
     return table
 
 

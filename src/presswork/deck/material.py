@@ -50,9 +50,9 @@ def _describe_hardening(
         }
     if hardening.curve:
         curve = deck.curves.get(hardening.curve)
-        if curve is None:
+        if curve is None or not len(curve):
             remedy = "add it (*DEFINE_CURVE, /FUNCT); tables of several rates are not read"
-            raise notes.fail(card.place, f"{card.keyword}: there is no curve {hardening.curve}", remedy)
+            raise notes.fail(card.place, f"{card.keyword}: there is no curve {hardening.curve} with points", remedy)
         points = curve.copy()
     else:
         points = np.array(list(hardening.parameters.values())).reshape(-1, 2)

@@ -107,6 +107,9 @@ class _Reader:
         if not touched:
             raise self.notes.fail(None, "no rigid part touches the blank", "give a contact between blank and tools")
         for number in used - set(touched) - {self.blank}:
+            if number not in self.deck.parts:
+                text = f"shells of part {number}, which the deck does not have"
+                raise self.notes.fail(None, text, "the deck is cut short, or a file is missing")
             part = self.deck.parts[number]
             self.notes.drop(part.place, part.keyword, f"part {number} ({part.title}) touches nothing")
         return touched
@@ -193,7 +196,7 @@ class _Reader:
         return times * self.units.time, found
 
     def _find_end(self) -> float:
-        if self.deck.end:
+        if self.deck.end is not None and self.deck.end > 0.0:
             return self.deck.end
         raise self.notes.fail(None, "the deck does not say when it ends", "add *CONTROL_TERMINATION or /RUN")
 

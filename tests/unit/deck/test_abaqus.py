@@ -128,6 +128,11 @@ BAD = {
     "an unknown amplitude": (("amplitude=Speed, type", "amplitude=Sped, type"), "there is no amplitude SPED"),
     "an unknown surface": (("Sheet, Punch", "Sheet, Stamp"), r"\*CONTACT PAIR: there is no STAMP; check its name"),
     "an acceleration": (("type=VELOCITY", "type=ACCELERATION"), "prescribed by acceleration; give TYPE=DISPLACEMENT"),
+    "a section without thickness": (
+        ("material=Steel\n1.0, 5", "material=Steel\nthin, 5"),
+        r"\*SHELL SECTION: could not",
+    ),
+    "no flow stress": (("200., 0.\n300., 0.1\n400., 0.5\n", ""), r"\*PLASTIC: the rows below it are cut short"),
     "no number": ((", 0.0073\n*Boundary", ", soon\n*Boundary"), r"\*DYNAMIC: could not convert string to float"),
 }
 

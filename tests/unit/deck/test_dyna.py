@@ -213,6 +213,13 @@ BAD = {
         ("*SET_NODE_LIST\n", "*SET_NODE_GENERAL\n"),
         r"\*SET_NODE_GENERAL: a set by GENERAL; list its members by \*SET_NODE_LIST",
     ),
+    "a number without end": (("    7.3E-3\n", "     1e400\n"), "`1e400` is no finite number"),
+    "a node nowhere": (("*NODE\n       1", "*NODE\n       7             nan\n       1"), "`nan` is no finite number"),
+    "an end before the beginning": (("    7.3E-3\n", "   -7.3E-3\n"), "does not say when it ends"),
+    "a part that is not there": (
+        ("*PART\npunch\n         2         2         2\n", ""),
+        "shells of part 2, which the deck does not have",
+    ),
     "a parameter that is not there": (("    7.3E-3\n", "      &end\n"), "the parameter &end is not defined"),
 }
 

@@ -160,6 +160,15 @@ BAD = {
         "/BCS: the rows below it are cut",
     ),
     "no curve": (("/FUNCT/3", "/FUNCT/9"), r"/CLOAD: there is no curve 3 of two points"),
+    "a curve without points": (
+        (
+            "                 0.0               200.0\n                 0.1               300.0\n"
+            "                 0.5               400.0\n",
+            "",
+        ),
+        "there is no curve 1 with points",
+    ),
+    "a part that is not there": (("/PART/2\npunch\n", "/PART/22\npunch\n"), "there is no part or body 2"),
     "units of its own": (
         ("/BCS/1\n", "/UNIT/5\nother\n                  kg                   m                   s\n/BCS/1/5\n"),
         "units of their own",

@@ -44,9 +44,12 @@ class Block:
         rows = [row for row in self.data.replace(b"\r", b"").split(b"\n") if row.strip() and not row.startswith(b"**")]
         fields = [(row.strip().rstrip(b",").split(b",") + [b"0"] * width)[:width] for row in rows]
         try:
-            return np.array(fields, dtype=object).astype(np.float64).reshape(len(rows), width)
+            table = np.array(fields, dtype=object).astype(np.float64).reshape(len(rows), width)
         except ValueError as error:
             raise DataError(str(error)) from None
+        if not np.isfinite(table).all():
+            raise DataError("a number that is not finite")
+        return table
 
     def labels(self) -> list[str]:
         """Return all fields of all rows, one after the other."""

@@ -76,6 +76,8 @@ class MaterialReader:
             return
         if len(np.unique(rows[:, 2])) > 1:
             self._notes.refuse(block.place, "*PLASTIC", "a flow stress that depends on temperature")
+        if not len(rows):
+            raise DataError("the rows below it are cut short")
         material.points = rows[:, [1, 0]]
 
     def make_rigid(self, place: Place) -> MaterialCard:

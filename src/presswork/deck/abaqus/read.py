@@ -222,14 +222,14 @@ class AbaqusDeck:
             try:
                 own = self._assembly.sets_in_instances(owner, block.name_of("ELSET"))
                 material = numbers[block.name_of("MATERIAL")]
-            except KeyError as error:
+                first = block.table(2)[0]
+            except (DataError, IndexError, KeyError) as error:
                 raise self._explain(block.place, block.name, error) from error
             part[np.isin(cells, own)] = number
             if deck.materials[material].yield_function:
                 rolling = self._find_rolling(owner, block)
                 deck.materials[material] = replace(deck.materials[material], rolling=rolling)
-            first = block.rows()[0]
-            n_points = int(first[1]) if len(first) > 1 and first[1] else _USUAL_POINTS
+            n_points = int(first[1]) or _USUAL_POINTS
             title = owner or block.name_of("ELSET")
             deck.parts[number] = PartCard(title.lower(), number, material, block.place, f"*{block.name}")
             deck.sections[number] = SectionCard(float(first[0]), n_points, False, block.place, f"*{block.name}")

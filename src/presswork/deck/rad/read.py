@@ -96,7 +96,12 @@ class RadDeck:
             handler(block)
         except (FieldError, IndexError, KeyError, ValueError) as error:
             text, remedy = "the rows below it are cut short", "check the rows below it"
-            if isinstance(error, KeyError):
+            if isinstance(error, KeyError) and not isinstance(error.args[0], tuple):
+                text, remedy = (
+                    f"there is no part or body {error.args[0]}",
+                    "check its number: the deck may be cut short",
+                )
+            elif isinstance(error, KeyError):
                 text = f"there is no group {error.args[0][1]} of {error.args[0][0]}"
                 remedy = "give it by nodes, parts or other groups (/GRNOD/NODE, GENE, PART, SURF; /SURF/PART, SEG)"
             elif not isinstance(error, IndexError):
