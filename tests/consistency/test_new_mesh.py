@@ -18,7 +18,7 @@ from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import FloatArray, Model
 from presswork.outcome import StartError
-from presswork.process import remeshing
+from presswork.process import carrying, remeshing
 from presswork.process.begin import begin
 from presswork.process.carrying import find_undeclared
 from presswork.state import ANEW, RUN, Arrays
@@ -27,7 +27,7 @@ REFUSED = {
     "drawbeads": "sheets are refined, not remeshed",
     "fading_loads": "of shells",
     "former": "of shells",
-    "sensitivities": "the key gradients is refused with [remesh]",
+    "sensitivities": "found anew on each mesh (process/differentiated_remeshing.py)",
     "shells": "of shells",
     "sheet_heat": "sheets are refined, not remeshed",
     "space_tools": "of shells",
@@ -139,8 +139,8 @@ def test_linear_states_survive_a_new_mesh(monkeypatch, law: str, element: str, h
         real(run_n, run, carrier)
         carried["state"], carried["run"] = run.state.duplicate(), run
 
-    real = remeshing.carry_surface
-    monkeypatch.setattr(remeshing, "carry_surface", look)
+    real = carrying.carry_surface
+    monkeypatch.setattr(carrying, "carry_surface", look)
     monkeypatch.setattr("presswork.implicit.heat_of_forming.HeatOfForming.keep_stored", lambda *_: None)
     recording._remesh("asked for")
     after, run = carried["state"], carried["run"]
@@ -192,17 +192,17 @@ def test_friction_goes_along_per_area_and_nothing_else_of_a_run_changes() -> Non
     force_n = before.state[ContactArrays].drag.sum()
     run_n = {(a.owner, n): np.array(getattr(a, n)) for a in before.state for n, k in a.on_new_mesh.items() if k == RUN}
     seen = {}
-    real = remeshing.carry_surface
+    real = carrying.carry_surface
 
     def look(old, new, carrier):
         real(old, new, carrier)
         seen["state"] = new.state.duplicate()
 
-    remeshing.carry_surface = look
+    carrying.carry_surface = look
     try:
         assert recording._remesh("asked for")
     finally:
-        remeshing.carry_surface = real
+        carrying.carry_surface = real
     assert seen["state"][ContactArrays].drag.sum() == pytest.approx(force_n, rel=0.05)
     for arrays in seen["state"]:
         for name, becomes in arrays.on_new_mesh.items():

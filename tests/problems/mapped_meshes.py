@@ -11,19 +11,20 @@ import numpy as np
 
 from presswork.case.kinds import build_model
 from presswork.case.solid.schema import Case
-from presswork.implicit.epochs import new_epoch
+from presswork.case.space.schema import SpaceCase
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Mesh, Model
-from presswork.process.carrying import carry_state, carry_surface
-from presswork.process.differentiated_remeshing import DifferentiatedRemeshing
+from presswork.process.carrying import carry_to_mesh
+from presswork.process.differentiated_remeshing import DifferentiatedRemeshing, DifferentiatedSpaceRemeshing
 from presswork.process.increments import find_position
 from presswork.process.mesh_reasons import DUE
 from presswork.process.new_epoch import NewEpoch
 from presswork.process.recording import Row
 from presswork.process.remeshing import RemeshedForming
+from presswork.process.remeshing_in_space import RemeshedSpaceForming
 from presswork.remesh.carrier import Carrier
 from presswork.results.history import name_derivative
-from tests.problems.differentiated import APART, EXACT, set_value, upset_cylinder
+from tests.problems.differentiated import APART, EXACT, set_value, upset_block, upset_cylinder
 
 
 @dataclass(frozen=True)
@@ -33,14 +34,12 @@ class MadeMesh:
     mesh: Mesh
     carrier: Carrier
     position: FloatArray
-    """Of the nodes of the mesh before (n_points, 2) [mm]."""
+    """Of the nodes of the mesh before (n_points, 2 | 3) [mm]."""
     number: int
     """Of the increment after which it was made."""
 
 
-class NotingRun(DifferentiatedRemeshing):
-    """A run with derivatives that notes its new meshes."""
-
+class _Noting(DifferentiatedRemeshing):
     def __init__(self, model: Model) -> None:
         super().__init__(model, threads=1)
         self.made: list[MadeMesh] = []
@@ -51,12 +50,15 @@ class NotingRun(DifferentiatedRemeshing):
         super()._go_on(new)
 
 
-class RunWithMeshes(RemeshedForming):
-    """A run that takes the new meshes of another run.
+class NotingRun(_Noting):
+    """A run with derivatives that notes its new meshes."""
 
-    A node of such a mesh keeps its place in its old cell, and values come from the same points.
-    """
 
+class NotingSpaceRun(_Noting, DifferentiatedSpaceRemeshing):
+    """The same of bodies of tetrahedra."""
+
+
+class _WithMeshes(RemeshedForming):
     parts = (1.0,)
 
     def __init__(self, model: Model, given: Sequence[MadeMesh]) -> None:
@@ -80,9 +82,18 @@ class RunWithMeshes(RemeshedForming):
         points = given.mesh.points + given.carrier.motion(position - given.position)
         carrier = given.carrier.beside(position, points)
         mesh = replace(given.mesh, points=points)
-        after = new_epoch(before, mesh, lambda old, new: carry_state(old, new, carrier))
-        carry_surface(before, after, carrier)
-        return after, carrier
+        return carry_to_mesh(before, mesh, carrier), carrier
+
+
+class RunWithMeshes(_WithMeshes):
+    """A run that takes the new meshes of another run.
+
+    A node of such a mesh keeps its place in its old cell, and values come from the same points.
+    """
+
+
+class SpaceRunWithMeshes(_WithMeshes, RemeshedSpaceForming):
+    """The same of bodies of tetrahedra."""
 
 
 def upset_with_new_meshes(stroke: float = 4.0, increment: float = 0.1) -> dict[str, Any]:
@@ -96,25 +107,41 @@ def upset_with_new_meshes(stroke: float = 4.0, increment: float = 0.1) -> dict[s
     return data
 
 
+def upset_block_with_new_meshes(stroke: float = 1.2) -> dict[str, Any]:
+    """Return the data of a block of tetrahedra upset with friction that gets new meshes, without derivatives."""
+    data = upset_block("tet4_mini", {"contact": "coulomb", "mu": 0.1})
+    data["workpiece"]["mesh"]["cells"] = [3, 3, 3]
+    data["stages"][0]["tools"]["punch"]["stroke"] = stroke
+    return data | {
+        "points": {"rim": [9.5, 9.3, 0.4], "core": [3.1, 4.2, 3.3]},
+        "remesh": {"every": 0.4, "size": 3.3},
+        "solver": EXACT | {"initial_increment": 0.1, "max_increment": 0.1, "force_tolerance": 1e-11},
+    }
+
+
 def differentiate_with_meshes(
-    data: dict[str, Any], of: Sequence[str], by: Mapping[str, float]
+    data: dict[str, Any], of: Sequence[str], by: Mapping[str, float], *, apart: float = APART
 ) -> tuple[dict[tuple[str, str], tuple[FloatArray, FloatArray]], int]:
     """Return derivatives row by row, in the run and by central differences of whole runs with its meshes; and how many
     new meshes there were.
+
+    apart: of a number, by how much whole runs differ.
     """
     asked = {"gradients": {"of": list(of), "by": list(by)}}
-    own = NotingRun(build_model(Case.model_validate(data | asked)))
+    in_space = data["analysis"] == "solid"
+    kind, with_meshes = (SpaceCase, SpaceRunWithMeshes) if in_space else (Case, RunWithMeshes)
+    own = (NotingSpaceRun if in_space else NotingRun)(build_model(kind.model_validate(data | asked)))
     rows = _go_through(own)
     found = {}
     for key, value in by.items():
-        change = APART * abs(value)
-        changed = (Case.model_validate(set_value(data, key, value + way)) for way in (change, -change))
-        more, less = (_go_through(RunWithMeshes(build_model(case), own.made)) for case in changed)
+        change = apart * abs(value)
+        changed = (kind.model_validate(set_value(data, key, value + way)) for way in (change, -change))
+        more, less = (_go_through(with_meshes(build_model(case), own.made)) for case in changed)
         counts = [len(run) for run in (rows, more, less)]
         assert len(set(counts)) == 1, f"runs of {counts} increments by {key} cannot be compared"
         for name in of:
-            apart = [(float(m[name]) - float(s[name])) / (2.0 * change) for m, s in zip(more, less, strict=True)]
-            found[key, name] = np.array([row[name_derivative(name, key)] for row in rows]), np.array(apart)
+            differences = [(float(m[name]) - float(s[name])) / (2.0 * change) for m, s in zip(more, less, strict=True)]
+            found[key, name] = np.array([row[name_derivative(name, key)] for row in rows]), np.array(differences)
     return found, len(own.made)
 
 

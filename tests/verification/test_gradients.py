@@ -36,7 +36,7 @@ from tests.problems.differentiated import (
     upset_in_press,
     upset_with_floating_tools,
 )
-from tests.problems.mapped_meshes import differentiate_with_meshes, upset_with_new_meshes
+from tests.problems.mapped_meshes import differentiate_with_meshes, upset_block_with_new_meshes, upset_with_new_meshes
 
 BY = {
     "materials.steel.young": 200e3,
@@ -62,6 +62,16 @@ def test_derivatives_go_through_new_meshes() -> None:
     data, of = upset_with_new_meshes(stroke=1.9, increment=0.2), ["punch.force", "rim.x", "core.effective_stress"]
     found, n_meshes = differentiate_with_meshes(data, of, by)
     assert n_meshes == 3
+    for names, both in found.items():
+        assert largest_error(*both) < 1e-6, names
+
+
+def test_derivatives_go_through_new_meshes_in_space() -> None:
+    """The same of tetrahedra. Whole runs lie closer together: values are carried within a range that has corners."""
+    by = {"tools.punch.mu": 0.1, "workpiece.mesh.size.0": 10.0}
+    of = ["punch.force", "rim.x", "core.effective_stress"]
+    found, n_meshes = differentiate_with_meshes(upset_block_with_new_meshes(), of, by, apart=3e-5)
+    assert n_meshes == 2
     for names, both in found.items():
         assert largest_error(*both) < 1e-6, names
 

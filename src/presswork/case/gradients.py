@@ -25,7 +25,8 @@ WEAK = 1e-3
 """The same of what conducts and exchanges heat, and of friction of sheets: they change forces less still."""
 NEAR, NEAREST = 1e-5, 1e-4
 """The same of sizes and places in a stamping, and the largest step over the sheet's thickness: contact begins within a
-thousandth of that (sheet_contact.py)."""
+thousandth of that (sheet_contact.py). And where bodies get new meshes in space: values are carried within the range of
+those around (remesh/space/transfer.py), which has corners."""
 COARSE, ONE_SIDED = 1e-7, 1e-5
 """Force tolerance above which one neighbour is enough, and its step: the error is h."""
 MOST = 50
@@ -81,11 +82,10 @@ def add_gradients(
             remedy = "take a key that moves the nodes and leaves the cells as they are"
             problems.append(Problem(place, f"`{key}` changes which cells there are", remedy, key))
             continue
-        less, more = (_keep_meshes(side) for side in (less, more))
         found.append(model.Parameter(key, value, step, None if is_coarse else less, more))
     if problems:
         raise CaseError(problems, case.source)
-    return replace(_keep_meshes(built), gradients=model.Gradients(wanted.of, tuple(found)))
+    return replace(built, gradients=model.Gradients(wanted.of, tuple(found)))
 
 
 def find_number(case: CaseFile, key: str) -> float:
@@ -96,19 +96,12 @@ def find_number(case: CaseFile, key: str) -> float:
     return found
 
 
-def _keep_meshes(built: model.Model) -> model.Model:
-    """Return a Model that keeps its first mesh in space, where new ones have no derivatives."""
-    return replace(built, remeshing=None) if built.dimension == 3 else built
-
-
 def _refuse(built: model.Model) -> list[Problem]:
     """Return the problems of what a run does that has no derivatives yet."""
     stages = [*built.stages, *(stage for operation in built.following for stage in operation.stages)]
     ends_early = any(s.drive is not None and s.drive.may_end_early for s in stages)
-    in_space = built.dimension == 3 and built.remeshing is not None and not built.remeshing.keeps_first
     refused = (
         (built.explicit is not None, "procedure", "dynamics", "implicit runs alone have"),
-        (in_space, "remesh", "new meshes in space", "a run on one mesh has"),
         (built.formed is not None, "blank", "formed blanks", "a flat blank has"),
         (built.series is not None, "series", "series of parts", "a run of one part has"),
         (built.solver.control == "arc_length", "solver.control", "paths by arc length", "load control has"),
@@ -131,7 +124,9 @@ def _find_step(built: model.Model, key: str, value: float) -> float:
         return WEAK * value
     if name == "mu" and built.analysis == "stamping":
         return WEAK * value
-    is_place = not key.startswith("materials.") and name not in ("mu", "force")
+    is_place = not key.startswith("materials.") and name not in ("mu", "m", "force")
+    if built.dimension == 3 and is_place and built.remeshing is not None and not built.remeshing.keeps_first:
+        return NEAR * value
     if built.analysis == "stamping" and is_place:
         return min(NEAR * value, NEAREST * built.sheet[0].thickness)
     is_law = key.startswith("materials.") and built.analysis not in ("stamping", "shell")

@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.model import (
     Body,
@@ -128,7 +127,7 @@ def join_bodies(mesh: Mesh, bodies: Sequence[Body], made: Sequence[OldBody | New
         surface = None
         seams: tuple[FloatArray, ...] = ()
         if isinstance(own, NewBody):
-            surface = SkinPlaces(own.skin + first, own.corners + body.points.start, own.share)
+            surface = SkinPlaces(own.skin + first, own.corners + body.points.start, own.share, own.on_tool[:, own.skin])
             seams = (own.seam,) if len(own.seam) else ()
         parts.append(Part(body.points, points, body.blocks.start, surface, seams))
         first = points.stop
@@ -165,23 +164,6 @@ def mark_joints(
                 free[flat, axis] = False
         is_free.append(free)
     return np.concatenate(touches), np.concatenate(is_free)
-
-
-def hold_on_tools(arrays: SpaceToolArrays, part: Part, new: NewBody, tools: Sequence[PlacedTool]) -> None:
-    """Let forces act at nodes of a new mesh that lie on tools alone, pushes along the tools' normals and friction along
-    them, in place.
-    """
-    own = slice(part.new_points.start, part.new_points.stop)
-    for t, tool in enumerate(tools):
-        nodes = np.flatnonzero(new.on_tool[t])
-        force, friction = arrays.force[t, own], arrays.friction[t, own]  # views
-        push = np.linalg.norm(force - friction, axis=1)
-        _, normal = tool.touch(new.points[nodes], np.inf)
-        drag = friction[nodes]
-        drag -= np.einsum("ni,ni->n", drag, normal)[:, None] * normal
-        force[...], friction[...] = 0.0, 0.0
-        friction[nodes] = drag
-        force[nodes] = push[nodes, None] * normal + drag
 
 
 def _join(faces: Sequence[IndexArray], firsts: Sequence[int]) -> IntArray:

@@ -10,13 +10,14 @@ import scipy
 
 from presswork.body.solids import Mechanics
 from presswork.evolution.points import EvolvedArrays
-from presswork.implicit.epochs import Epoch
+from presswork.implicit.epochs import Epoch, new_epoch
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.mesh.edges import edge_areas
 from presswork.mesh.faces import face_areas
-from presswork.model import FloatArray, IndexArray, IntArray
+from presswork.model import FloatArray, IndexArray, IntArray, Mesh
+from presswork.process.carrying_in_space import carry_pressures, hold_on_tools
 from presswork.remesh.axes import straighten_axes
 from presswork.remesh.carrier import Carrier
 from presswork.state import Arrays, State
@@ -32,6 +33,28 @@ def find_undeclared(state: State) -> list[str]:
         for name in arrays.to_arrays()
         if name.removeprefix(f"{arrays.owner}.").split(".")[0] not in arrays.on_new_mesh
     ]
+
+
+def carry_to_mesh(
+    before: ImplicitProcedure, mesh: Mesh, carrier: Carrier, *, like: State | None = None
+) -> ImplicitProcedure:
+    """Return the procedure on a new mesh with the state carried to it, but for peaks. Raises GaveUpError.
+
+    like: of a neighbour of a run: that of the run on the mesh beside, whose nodes on tools count.
+    """
+
+    def fill(epoch: Epoch, next_epoch: Epoch) -> None:
+        carry_state(epoch, next_epoch, carrier)
+        if mesh.points.shape[1] == 3:
+            carry_pressures(epoch, next_epoch, carrier)
+
+    after = new_epoch(before, mesh, fill)
+    if like is not None:
+        for interaction in after.interactions.all:
+            interaction.hold_anew(after.state, like)
+    carry_surface(before, after, carrier)
+    hold_on_tools(after, carrier)
+    return after
 
 
 def carry_state(before: Epoch, after: Epoch, carrier: Carrier) -> None:

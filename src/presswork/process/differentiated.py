@@ -7,7 +7,7 @@ from presswork.model import Model
 from presswork.process.derivatives import WithDerivatives
 from presswork.process.differentiated_line import DifferentiatedLine
 from presswork.process.differentiated_release import DifferentiatedRelease
-from presswork.process.differentiated_remeshing import DifferentiatedRemeshing
+from presswork.process.differentiated_remeshing import DifferentiatedRemeshing, DifferentiatedSpaceRemeshing
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.implicit_stamping import ImplicitStamping
 from presswork.process.recording import Recording
@@ -21,6 +21,8 @@ def begin_differentiated(model: Model, threads: int) -> Recording:
         return DifferentiatedRelease(model, threads=threads)
     if model.analysis == "stamping":
         return DifferentiatedStamping(model, threads=threads)
+    if model.remeshing is not None and model.dimension == 3:
+        return DifferentiatedSpaceRemeshing(model, threads=threads)
     if model.remeshing is not None:
         return DifferentiatedRemeshing(model, threads=threads)
     return DifferentiatedForming(model, threads=threads)

@@ -15,13 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.implicit.epochs import new_epoch
 from presswork.implicit.neighbours import SensitivityArrays
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh.simplices import measure_shares
 from presswork.model import FloatArray, IndexArray, Mesh, Model
 from presswork.outcome import Failed, GaveUpError
-from presswork.process.carrying import carry_peaks, carry_state, carry_surface
+from presswork.process.carrying import carry_peaks, carry_to_mesh
 from presswork.process.derivatives import WithDerivatives
 from presswork.process.epochs import NamedArrays
 from presswork.process.implicit_recording import ImplicitRecording
@@ -29,6 +28,7 @@ from presswork.process.increments import find_position
 from presswork.process.new_balance import balance_new_mesh
 from presswork.process.new_epoch import NewEpoch, keep_held
 from presswork.process.remeshing import RemeshedForming
+from presswork.process.remeshing_in_space import RemeshedSpaceForming
 
 POINTS, ORIGIN, SHARE = "slope.points", "slope.origin", "slope.share"
 """Names in a checkpoint: derivatives of the mesh, of its material's first places, and of marked points' shares."""
@@ -112,6 +112,10 @@ class DifferentiatedRemeshing(WithDerivatives["_Side"], RemeshedForming):
             self._place()
 
 
+class DifferentiatedSpaceRemeshing(DifferentiatedRemeshing, RemeshedSpaceForming):
+    """The same of bodies of tetrahedra."""
+
+
 class _Side(ImplicitRecording):
     """A neighbour of a run that gets new meshes."""
 
@@ -119,10 +123,7 @@ class _Side(ImplicitRecording):
         """Go on with a mesh beside the run's new one. marked: nodes that hold the marked points. Raises GaveUpError."""
         before, position = self.procedure, find_position(self.procedure)
         carrier = new.carrier.beside(position, mesh.points)
-        after = new_epoch(before, mesh, lambda old, on_new: carry_state(old, on_new, carrier))
-        for interaction in after.interactions.all:
-            interaction.hold_anew(after.state, new.carried)
-        carry_surface(before, after, carrier)
+        after = carry_to_mesh(before, mesh, carrier, like=new.carried)
         carry_peaks(before, after, carrier)
         origin = carrier.material(self.mesh.points)
         keep_held(origin, after.model)

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from presswork.fields.instant import Instant
 from presswork.geometry.pose import ToolPose, place_segments, shift_segments, start_centre, start_profile
-from presswork.implicit.epochs import new_epoch
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.body_surfaces import InterfaceArrays
@@ -27,7 +26,7 @@ from presswork.mesh.joined import split_mesh
 from presswork.mesh.topology import count_corners
 from presswork.model import Body, FloatArray, Model, Remeshing
 from presswork.outcome import Failed, GaveUpError, StartError
-from presswork.process.carrying import carry_peaks, carry_state, carry_surface, find_undeclared
+from presswork.process.carrying import carry_peaks, carry_to_mesh, find_undeclared
 from presswork.process.epochs import NamedArrays
 from presswork.process.folding import FoldingRecording
 from presswork.process.increments import find_position
@@ -329,9 +328,7 @@ class RemeshedForming(FoldingRecording):
         position = before.model.mesh.points + before.state.nodes.displacement
         mesh, parts = join_sections(old, new)
         carrier = Carrier(before.model.mesh, position, mesh, parts)
-        after = new_epoch(before, mesh, lambda old, new: carry_state(old, new, carrier))
-        carry_surface(before, after, carrier)
-        return after, carrier
+        return carry_to_mesh(before, mesh, carrier), carrier
 
     def _epoch_arrays(self) -> NamedArrays:
         on_first = np.isin(np.arange(self._n_bodies), list(self._on_first))

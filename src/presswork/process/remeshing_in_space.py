@@ -11,10 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.body.solids import Mechanics
 from presswork.geometry.mirrored import WITHIN, complete_tool, find_mirrors
 from presswork.geometry.tool_widths import find_widths
-from presswork.implicit.epochs import Epoch, new_epoch
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.interaction.tool_arrays import SpaceToolArrays
@@ -23,12 +21,11 @@ from presswork.model import FloatArray, Limits, Model, Remeshing, Tool, Triangul
 from presswork.process.bodies_in_space import (
     Topologies,
     add_neighbours,
-    hold_on_tools,
     join_bodies,
     mark_joints,
     remesh_beside,
 )
-from presswork.process.carrying import carry_state, carry_surface, find_undeclared
+from presswork.process.carrying import carry_to_mesh, find_undeclared
 from presswork.process.epochs import NamedArrays
 from presswork.process.joints import fit_joints
 from presswork.process.mesh_reasons import LAST_CUT
@@ -167,42 +164,7 @@ class RemeshedSpaceForming(RemeshedForming):
         if any(body.others for body in old):
             mesh = replace(mesh, points=fit_joints(change_mesh(before.model, mesh), *mark_joints(old, made, parts)))
         carrier = Carrier(before.model.mesh, np.concatenate([body.points for body in old]), mesh, parts)
-
-        def fill(epoch: Epoch, next_epoch: Epoch) -> None:
-            carry_state(epoch, next_epoch, carrier)
-            nodes_n, nodes = epoch.state.nodes, next_epoch.state.nodes
-            scale = _find_scale(epoch) / _find_scale(next_epoch)
-            nodes.displacement[:, 3:] = scale * carrier.linear(nodes_n.displacement[:, 3:])
-            nodes.increment[:, 3:] *= scale
-            _carry_bubbles(epoch, next_epoch, carrier)
-
-        after = new_epoch(before, mesh, fill)
-        carry_surface(before, after, carrier)
-        if SpaceToolArrays in after.state:
-            for place, new in zip(parts, made, strict=True):
-                if isinstance(new, NewBody):
-                    hold_on_tools(after.state[SpaceToolArrays], place, new, old[0].tools)
-        return after, carrier
-
-
-def _carry_bubbles(before: Epoch, after: Epoch, carrier: Carrier) -> None:
-    """Give new cells the pressure of their nodes, as every increment does, and how fast flow relaxes their bubbles."""
-    cells, model = after.state.cells, after.run.model
-    rates = carrier.points(*([each[:, None] for each in of.hourglass] for of in (before.state.cells, cells)))
-    cells.hourglass = [np.ascontiguousarray(rate[:, 0]) for rate in rates]
-    pressure = _find_scale(after) * after.state.nodes.displacement[:, 3]
-    for part in carrier.parts:
-        block = after.mesh.blocks[part.block]
-        if part.surface is None or model.materials[block.material].umat is not None:
-            continue
-        stress, wanted = cells.stress[part.block], pressure[block.connectivity].mean(axis=1)
-        stress[..., :3] += (wanted[:, None] - stress[..., :3].mean(axis=2))[..., None]
-
-
-def _find_scale(epoch: Epoch) -> float:
-    """Return the pressure that counts as a length [MPa/mm], which depends on the mesh."""
-    assert isinstance(epoch.run.mechanics, Mechanics)
-    return epoch.run.mechanics.pressure_scale
+        return carry_to_mesh(before, mesh, carrier), carrier
 
 
 @dataclass(frozen=True)

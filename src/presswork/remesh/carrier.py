@@ -70,6 +70,8 @@ class SkinPlaces:
     """Of the face of the old skin (k, 3)."""
     share: FloatArray
     """Of these corners (k, 3)."""
+    on_tool: BoolArray
+    """Which tools, then which other bodies, each node lies on (n_tools + n_others, k)."""
 
     def carry(self, values: FloatArray) -> FloatArray:
         """Return values at the old nodes (n_old_points, ...) at the new ones (k, ...), linear in each face."""
@@ -176,10 +178,10 @@ class Carrier:
             self._sources.append(_Sources(position, *blocks, new.points, own) if part.surface is not None else None)
 
     def beside(self, position: FloatArray, points: FloatArray) -> Carrier:
-        """Return the carrier of meshes of the same cells that lie beside these in the plane, with the same choices.
+        """Return the carrier of meshes of the same cells that lie beside these, with the same choices.
 
-        position: of the old nodes (n_old_points, 2) [mm]; points: of the new ones (n_new_points, 2) [mm]. Peaks go
-        where this carrier has taken them.
+        position: of the old nodes (n_old_points, 2 | 3) [mm]; points: of the new ones (n_new_points, 2 | 3) [mm].
+        Peaks go where this carrier has taken them.
         """
         other = copy(self)
         other._position = position
@@ -297,8 +299,10 @@ def place_points(block: CellBlock, position: FloatArray) -> FloatArray:
 def _refit(
     old: OldPoints | PointsInSpace, new: FloatArray, like: PointTransfer | FitInSpace
 ) -> PointTransfer | FitInSpace:
-    assert isinstance(old, OldPoints), "meshes lie beside each other in the plane alone"
-    assert isinstance(like, PointTransfer), "meshes lie beside each other in the plane alone"
+    if isinstance(old, PointsInSpace):
+        assert isinstance(like, FitInSpace), "both are in space"
+        return old.refit(new, like)
+    assert isinstance(like, PointTransfer), "both are in the plane"
     return old.refit(new, like)
 
 

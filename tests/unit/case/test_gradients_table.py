@@ -30,11 +30,10 @@ from tests.problems.differentiated import (
     bend_twice,
     run_case,
     stamp_hot,
-    upset_block,
     upset_cylinder,
     upset_hot,
 )
-from tests.problems.mapped_meshes import upset_with_new_meshes
+from tests.problems.mapped_meshes import upset_block_with_new_meshes, upset_with_new_meshes
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 HOT_ROWS = {"conductivity": [[20, 30], [1000, 25]], "specific_heat": "600 J/(kg*K)"}
@@ -145,11 +144,14 @@ def fold_in_increment_two(procedure: ImplicitProcedure, bodies: Any) -> dict[int
     return {0: "the body folds"} if is_new else {}
 
 
-def test_new_meshes_in_space_are_refused() -> None:
-    data = upset_block("tet4_mini", {"contact": "shear", "m": 0.2})
-    data |= {"remesh": {"every": 0.5}, "gradients": {"by": ["tools.punch.m"]}}
-    with pytest.raises(CaseError, match="there are no derivatives of new meshes in space yet"):
-        build_model(SpaceCase.model_validate(data))
+def test_run_resumed_between_new_meshes_in_space_has_the_same_derivatives_to_the_bit(tmp_path: Path) -> None:
+    data = upset_block_with_new_meshes()
+    asked = {"gradients": {"of": ["rim.x"], "by": ["tools.punch.mu"]}, "output": {"steps": 1, "checkpoint_every": 7}}
+    model = build_model(SpaceCase.model_validate(data | asked))
+    whole = run_model(model, tmp_path / "whole").result
+    run_in_two_parts(model, tmp_path / "cut", 7)
+    assert whole.history["remeshes"][[6, -1]].tolist() == [1, 2]
+    assert_same_bits(tmp_path / "cut", whole.folder)
 
 
 def test_blows_are_refused() -> None:

@@ -84,6 +84,14 @@ class PointsInSpace:
         """
         return self._fit(new, *self._find_donors(new, home))
 
+    def refit(self, new: FloatArray, like: FitInSpace) -> FitInSpace:
+        """Return the fit at new points (n_new, 3) [mm] from the donors of another one, which lies beside it."""
+        donor = like.donor.astype(np.intp)
+        is_donor = donor != donor[:, :1]
+        is_donor[:, 0] = True  # the first one stands again where there are fewer
+        distance = np.linalg.norm(self.position[donor] - new[:, None], axis=2)
+        return self._fit(new, donor, distance, is_donor)
+
     def _find_donors(self, new: FloatArray, home: IndexArray) -> tuple[IndexArray, FloatArray, BoolArray]:
         """Return the donors of new points, how far they are [mm], and which of them count, each (n_new, n_donors)."""
         n_donors = min(DONORS, len(self.position))
