@@ -68,7 +68,8 @@ def read_raw(path: Path) -> RawMesh:
     }
     reader = readers.get(path.suffix.lower())
     if reader is None:
-        raise MeshError(f"`{path.suffix}` is no known mesh format", f"known endings: {', '.join(readers)}")
+        remedy = f"known endings: {', '.join(readers)}; of tools and surfaces also .step, .stp, .iges, .igs"
+        raise MeshError(f"`{path.suffix}` is no known mesh format", remedy)
     if not path.is_file():
         near = sorted(entry.name for entry in path.parent.glob("*") if entry.suffix.lower() in readers)[:5]
         raise MeshError(f"no such file ({path})", f"mesh files there: {', '.join(near) or 'none'}")

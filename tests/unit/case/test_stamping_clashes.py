@@ -69,6 +69,19 @@ def test_bad_input_is_named(path, value, fragments) -> None:
     refuse(fragments, (path, value))
 
 
+def test_a_pushed_tool_from_a_file_that_lies_beside_the_blank_is_told_so(tmp_path: Path) -> None:
+    facets = ""
+    for x in (60, -80):
+        plan = [(x, -60), (x + 20, -60), (x + 20, 60), (x, 60)]
+        for face in ((0, 2, 1), (0, 3, 2)):
+            corners = "".join(f"vertex {plan[i][0]} {plan[i][1]} 0\n" for i in face)
+            facets += f"facet normal 0 0 -1\nouter loop\n{corners}endloop\nendfacet\n"
+    (tmp_path / "pad.stl").write_text(f"solid pad\n{facets}endsolid pad\n")
+    pad = {"kind": "holder", "shape": "file", "path": str(tmp_path / "pad.stl")}
+    refuse(["tools.pad:", "no part of it lies over the blank: the nearest is", "check the unit and the place"],
+           ("tools.pad", pad), ("stages.0.tools.pad", {"force": 1e3}), ("blank.symmetry", []))  # fmt: skip
+
+
 def test_a_punch_off_the_blank_may_come_to_it_by_its_own_way_or_the_die_s() -> None:
     """30 mm off: 31 mm of stroke are enough, and so are 20 mm of its own and 12 mm of a die that lifts the blank."""
     high, held = ("tools.punch.position", [0, 0, 30.4]), ("stages.0.tools.holder.force", 1e4)

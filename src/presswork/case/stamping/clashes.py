@@ -120,6 +120,10 @@ def _check_pushed(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     fault = f"the tool is pushed by a force, but starts {gap:.4g} mm off the blank, which it would hit"
     remedy = "leave position out: then it just touches the blank"
     given = case.tools[tool.name].position
+    if given is None:
+        fault = f"the tool is pushed by a force, but no part of it lies over the blank: the nearest is {gap:.4g} mm off"
+        remedy = "make the blank larger, or check the unit and the place of the tool"
+        return Problem(f"tools.{tool.name}", fault, remedy)
     return Problem(f"tools.{tool.name}.position", fault, remedy, list(given) if given is not None else None)
 
 
