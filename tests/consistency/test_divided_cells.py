@@ -6,11 +6,15 @@ import pytest
 
 from presswork import _core
 from presswork.body.divided_solids import DividedMechanics
+from presswork.body.make import make_mechanics
+from presswork.body.shells import ShellFailed
 from presswork.body.solids import Mechanics, TurnedInsideOut
 from presswork.model import Stage
 from presswork.outcome import Step
 from presswork.timing import Timing
+from tests.problems.bent_strip import steel
 from tests.problems.rank_threads import on_ranks
+from tests.problems.shells import CLAMPED, patch, shell_model
 from tests.problems.space_solids import SYMMETRY, box, make_model
 from tests.unit.contact.shapes import box_triangles
 
@@ -18,8 +22,18 @@ STEP = Step(0, 0.0, 1.0, 1, 0.0, 1.0, 0.0)
 
 
 def _model(element, *, symmetric=True):
+    if element.startswith("shell"):
+        return _sheet(element, symmetric)
     mesh = box(element, (3.0, 2.0, 2.0), (3, 2, 2), distort=0.1)
     return make_model(mesh, SYMMETRY, Stage("press"), symmetric=symmetric)
+
+
+def _sheet(element, symmetric):
+    def bend(u, v):
+        return np.column_stack([u, v, 0.1 * u**2 + 0.05 * u * v])
+
+    mesh = patch(bend, np.linspace(0.0, 3.0, 5), np.linspace(0.0, 2.0, 4), thickness=0.1, points=3, element=element)
+    return shell_model(mesh, steel(), [("left", CLAMPED)], stages=[Stage("press")], symmetric=symmetric)
 
 
 def _fill(mechanics, model, squeeze=-0.05):
@@ -30,7 +44,7 @@ def _fill(mechanics, model, squeeze=-0.05):
     increment[:, :3] = squeeze * model.mesh.points[:, [1, 2, 0]]
     mechanics.begin_increment(state, STEP)
     force = mechanics.evaluate(state, trial, increment, with_stiffness=True, dt=1.0)
-    if isinstance(force, TurnedInsideOut):
+    if isinstance(force, TurnedInsideOut | ShellFailed):
         return force
     mechanics.complete(trial)
     n, f = force.shape
@@ -50,16 +64,16 @@ def _fill(mechanics, model, squeeze=-0.05):
     return force, trial, data, rhs
 
 
-@pytest.mark.parametrize("element", ["hex8_fbar", "tet4_mini", "tet10"])
+@pytest.mark.parametrize("element", ["hex8_fbar", "tet4_mini", "tet10", "shell4_mitc_plus", "shell3_mitc_plus"])
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_ranks_together_have_the_forces_the_state_and_the_matrix_of_one_process(element, symmetric):
     model = _model(element, symmetric=symmetric)
-    whole = Mechanics(model, Timing("assembly"))
+    whole = make_mechanics(model, Timing("assembly"))
     force, trial, data, rhs = _fill(whole, model)
     start, columns = whole.assembler.indptr, whole.assembler.indices
 
     def work(world):
-        mechanics = DividedMechanics(model, Timing("assembly"), world)
+        mechanics = make_mechanics(model, Timing("assembly"), world)
         own_force, own_trial, own_data, own_rhs = _fill(mechanics, model)
         assembler = mechanics.assembler
         return own_force, own_trial, assembler.sum_entries(own_data), own_rhs, assembler, world.rank

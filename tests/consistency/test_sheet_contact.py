@@ -8,7 +8,7 @@ from presswork.geometry.pose import SpacePose, turn_about
 from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_punch
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.sheet_contact import ROUNDING, sheet_nodes
-from presswork.interaction.space_touch import NodesOnTool, PlacedSurface, TouchingNodes, find_touched, touch_tool
+from presswork.interaction.space_touch import NodesOnTool, PlacedSurface, TouchingNodes, choose_touched, touch_tool
 from presswork.model import Friction
 
 THICKNESS = 0.8
@@ -44,7 +44,7 @@ def touch(
     surface: PlacedSurface, law: Friction, sheet: TouchingNodes, x: np.ndarray, way: np.ndarray, before: np.ndarray
 ) -> NodesOnTool:
     """Return the forces of a tool on a sheet."""
-    return touch_tool(surface, law, find_touched(surface, sheet, x), x, way, before)
+    return touch_tool(surface, law, choose_touched(surface.nearest(x, sheet.farthest), sheet), x, way, before)
 
 
 @pytest.mark.parametrize("deep", [1e-2, 3e-5], ids=["deep", "within the rounding"])
@@ -115,8 +115,9 @@ def count_corrections(start: float, pulled_to: float, softness: float, *, at_own
     k, delta, half = sheet.spring[0], sheet.rounding[0], 0.5 * THICKNESS
     gap, before = start * delta, None
     for corrections in range(60):
-        touched = find_touched(Plane(), sheet, np.array([[0.0, 0.0, half + gap]]), before)
-        law = find_touched(Plane(), sheet, np.array([[0.0, 0.0, half + gap]]))
+        near = Plane().nearest(np.array([[0.0, 0.0, half + gap]]), sheet.farthest)
+        touched = choose_touched(near, sheet, before)
+        law = choose_touched(near, sheet)
         push, slope = (touched.push[0], touched.slope[0]) if len(touched.nodes) else (0.0, 0.0)
         own = k / softness
         wrong = abs((law.push[0] if len(law.nodes) else 0.0) - push)

@@ -20,8 +20,7 @@ from presswork import build_model, read_case
 from presswork.explicit.input_checks import ExplicitError
 from presswork.law.umat import compile_law
 from presswork.model import Model
-from presswork.process.begin import begin_formed_part, begin_impact
-from presswork.process.press_line import PressLine
+from presswork.process.begin import choose
 from presswork.process.springback import ReleasedStamping
 from presswork.process.stamping import ExplicitStamping
 from presswork.ranks.world import World, find_world
@@ -192,17 +191,6 @@ def describe_hot_cup() -> str:
     return heat_up(describe_cup(8), IN_AIR).replace("velocity =", "process_time = 1\nvelocity =")
 
 
-def begin(model: Model, world: World | None) -> Any:
-    """Return the run of a model at its start."""
-    if model.formed is not None:
-        return begin_formed_part(model, 1, world)
-    if model.following:
-        return PressLine(model, threads=1, world=world)
-    if model.analysis == "stamping":
-        return ExplicitStamping(model, threads=1, world=world)
-    return begin_impact(model, 1, world)
-
-
 def describe_line() -> str:
     """Return the text of a cup that is drawn, then drawn on by the same tools, which are laid onto it."""
     text = describe_cup(12).replace("rows = 10", "rows = 2")
@@ -233,7 +221,7 @@ def compare(text: str, world: World, rows: int = 2) -> dict[str, float]:
     """Compute rows of a case whole and shared; return by array how far the states are apart."""
     found = []
     for each in (None, world):
-        run = begin(read(text), each)
+        run = choose(read(text), 1, each)
         on = run.advance()
         for _ in range(rows):
             next(on)
@@ -252,7 +240,7 @@ def fail(text: str, world: World, speed: float, longer: float) -> list[str]:
     """Return what a run says, whole and shared, with random speeds [mm/s] and a step longer by a factor."""
     said = []
     for each in (None, world):
-        run: Any = begin(read(text), each)
+        run: Any = choose(read(text), 1, each)
         loop = run.shells if isinstance(run, ExplicitStamping) else run.solids
         loop.velocity = np.random.default_rng(3).normal(0.0, speed, loop.velocity.shape)
         loop.dt *= longer

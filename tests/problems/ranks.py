@@ -42,9 +42,9 @@ def run_on_ranks(ranks: int, case: Path, folder: Path, *options: str, status: in
     return done.stderr
 
 
-def run_module_on_ranks(ranks: int, module: str) -> str:
+def run_module_on_ranks(ranks: int, module: str, *options: str) -> str:
     """Run a module of tests on ranks of MPI; return what it has printed."""
-    done = _run(["mpiexec", "-n", str(ranks), sys.executable, "-m", module], 200)
+    done = _run(["mpiexec", "-n", str(ranks), sys.executable, "-m", module, *options], 200)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

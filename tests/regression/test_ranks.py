@@ -2,9 +2,11 @@
 """One run on several ranks of MPI: what refuses it, and, where petsc4py is installed, whole runs."""
 
 import importlib.util
+import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from types import SimpleNamespace
@@ -19,7 +21,9 @@ from presswork.outcome import StartError
 from presswork.process.on_ranks import begin_on_ranks
 from presswork.ranks.world import RanksError, start_petsc
 from presswork.results import load_checkpoint, read_history
-from tests.problems.ranks import explain_no_mpi, run_on_ranks
+from tests.problems.divided_loops import read
+from tests.problems.divided_shells import describe_implicit_cup, list_runs
+from tests.problems.ranks import explain_no_mpi, run_module_on_ranks, run_on_ranks
 from tests.problems.upset_block import describe_block
 
 MPI_MISSING = "petsc4py is not installed" if importlib.util.find_spec("petsc4py") is None else explain_no_mpi()
@@ -56,11 +60,13 @@ def test_more_ranks_than_cells_are_refused(tmp_path):
 
 
 def test_what_is_not_divided_is_refused(tmp_path):
-    from dataclasses import replace
-
     line = replace(_model(tmp_path), solver=replace(_model(tmp_path).solver, control="arc_length"))
-    with pytest.raises(StartError, match="asks for arc length: ranks of MPI share the implicit forming of solids"):
+    with pytest.raises(StartError, match="asks for arc length: ranks of MPI share the forming of solids and of sheets"):
         begin_on_ranks(line, 1, SimpleNamespace(rank=0, size=2))
+    cup = read(describe_implicit_cup())
+    steel = replace(cup.materials[0], umat=SimpleNamespace())
+    with pytest.raises(StartError, match="asks for a UMAT: "):
+        begin_on_ranks(replace(cup, materials=(steel,)), 1, SimpleNamespace(rank=0, size=2))
 
 
 def test_a_missing_petsc4py_names_the_way_out(tmp_path, monkeypatch):
@@ -182,3 +188,30 @@ def _compare(first, second, *others, atol=1e-8, in_any_order=False):
         if in_any_order and name.startswith("cells."):
             whole[name], parts[name] = (np.sort(values, axis=None) for values in (whole[name], parts[name]))
         np.testing.assert_allclose(parts[name], whole[name], atol=atol * scale, rtol=0, err_msg=name)
+
+
+@needs_mpi
+@pytest.mark.parametrize(("ranks", "name"), [(3 if n in ("beads", "plates") else 2, n) for n in list_runs()])
+def test_ranks_share_shells(ranks, name):
+    """Drawing, springback, two operations, heat, triangles, contact of the sheet with itself, a roof."""
+    beside_one, repeated = json.loads(run_module_on_ranks(ranks, "tests.problems.divided_shells", name))[name]
+    assert not any(repeated.values()), "a repeated run has the same bits"
+    beside_one.pop(next(name for name in beside_one if name.endswith("progress.iterations")))
+    for array, apart in beside_one.items():
+        is_state = array.endswith(("displacement", ".0", ".director"))
+        assert apart < (1e-8 if is_state else 1e-7), array
+
+
+@needs_mpi
+def test_a_cup_drawn_by_increments_on_two_ranks_is_resumed_by_three(tmp_path):
+    case = tmp_path / "cup.toml"
+    case.write_text(describe_implicit_cup() + "checkpoint_every = 4\n")
+    run_on_ranks(1, case, tmp_path / "one")
+    run_on_ranks(2, case, tmp_path / "two", "--set", "limits.thinning=0.0001", status=3)
+    one, two = (read_history(tmp_path / name / "history.csv") for name in ("one", "two"))
+    assert 0 < len(two["time"]) < len(one["time"])
+    run_on_ranks(3, case, tmp_path / "two", "--resume")
+    _compare(tmp_path / "one", tmp_path / "two", "shells.thickness.0", "cells.history.0", "space_tools.travel")
+    one, two = (read_history(tmp_path / name / "history.csv") for name in ("one", "two"))
+    np.testing.assert_allclose(two["punch.force"], one["punch.force"], rtol=1e-6)
+    assert "3 ranks: " in (tmp_path / "two" / "run.log").read_text()

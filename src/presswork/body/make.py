@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from presswork.body.divided_shells import DividedShellMechanics
 from presswork.body.divided_solids import DividedMechanics
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
@@ -14,5 +15,5 @@ from presswork.timing import Timing
 def make_mechanics(model: Model, timing: Timing, world: World | None = None) -> Mechanics | ShellMechanics:
     """Return what evaluates a model's cells. world: the ranks that share them, if there are several."""
     if model.analysis == "shell":
-        return ShellMechanics(model, timing)
+        return DividedShellMechanics(model, timing, world) if world else ShellMechanics(model, timing)
     return DividedMechanics(model, timing, world) if world else Mechanics(model, timing)

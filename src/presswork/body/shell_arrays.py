@@ -25,3 +25,27 @@ class ShellArrays(Arrays):
     internal: list[FloatArray]
     """What a cell keeps besides its points (n_cells, m): the bubble of shell3_mitc_plus; of shell4_1pt the hourglass
     forces (6), the energy stored by them and that lost to plastic flow [N mm]."""
+
+
+@dataclass(frozen=True)
+class ShellBlock:
+    """The arrays of a block's shells that are evaluated here; as in CellArrays and ShellArrays."""
+
+    thickness: FloatArray
+    stress: FloatArray
+    history: FloatArray
+    direction: FloatArray
+    shear: FloatArray
+    internal: FloatArray
+    volume: FloatArray
+    temperature: FloatArray
+
+    @property
+    def kept(self) -> list[FloatArray]:
+        """What the kernel reads and fills, in its order."""
+        return [self.thickness, self.stress, self.history, self.direction, self.shear, self.internal]
+
+    @property
+    def filled(self) -> list[FloatArray]:
+        """What the kernel fills: all but the temperature."""
+        return [*self.kept, self.volume]

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Internal force and tangent stiffness of shells: what mechanics.py is for solids."""
+"""Internal force and tangent stiffness of shells: what solids.py is for solids."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
 
 from presswork import _core
+from presswork.body.contract import Look, Near
 from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.law_window import LawWindow, note_rates
-from presswork.body.shell_arrays import ShellArrays
+from presswork.body.model_directors import find_drilling, find_model_directors, turn_vectors
+from presswork.body.shell_arrays import ShellArrays, ShellBlock
 from presswork.body.shell_energy import elastic_energy, plastic_work, plastic_work_at_layers
 from presswork.evolution.points import find_evolved
 from presswork.fields.contact_stress import BodyTraction, ContactForces
@@ -25,10 +28,10 @@ from presswork.fields.shell_fields import (
 )
 from presswork.law.elastic_plastic import rate_at_rest, temperature, temperature_at_rest
 from presswork.law.umat import SheetUmat, open_sheet_law
-from presswork.mesh.directors import Directors, find_directors
 from presswork.mesh.thickness_rule import thickness_rule
-from presswork.model import BoolArray, CellBlock, FloatArray, IntArray, MaskArray, Model
+from presswork.model import CellBlock, FloatArray, IntArray, MaskArray, Model
 from presswork.outcome import BadGuess, Step
+from presswork.ranks.assembler import DividedAssembler
 from presswork.state import CellArrays, NodeArrays, State
 from presswork.timing import Timing
 
@@ -56,47 +59,14 @@ class ShellFailed(BadGuess):
         return f"cell {self.cell} of block {self.block} {REASONS[self.fault]}"
 
 
+ShellAssembler = _core.ShellAssembler | DividedAssembler
+
+
 def measure_shells(points: FloatArray, block: CellBlock) -> tuple[FloatArray, FloatArray]:
     """Return the shape functions at the points in the plane (q, n), and the area of each (n_cells, q) [mm2]."""
     N, slopes, weights, _ = _core.shell_shape(block.element)
     base = np.einsum("qaj,cai->cqji", slopes, points[block.connectivity])
     return N, np.linalg.norm(np.cross(base[:, :, 0], base[:, :, 1]), axis=2) * weights
-
-
-def find_model_directors(model: Model) -> Directors:
-    """Return the directors of the undeformed mesh; on symmetry planes they lie in the plane."""
-    blocks = model.mesh.blocks
-    slopes = [_core.shell_shape(b.element)[3] for b in blocks]
-    found = find_directors(model.mesh.points, blocks, slopes, model.mesh.normals)
-    lay_directors(model, found, found.vectors)
-    return found
-
-
-def lay_directors(model: Model, directors: Directors, vectors: FloatArray) -> None:
-    """Lay vectors (n_directors, 3) of directors at nodes on symmetry planes into these, and give all the length one."""
-    for support in model.supports:
-        if all(support.fix[:3]):
-            continue  # a clamp, not a plane
-        for normal in range(3):
-            others = [3 + (normal + 1) % 3, 3 + (normal + 2) % 3]
-            if not (support.fix[normal] and all(support.fix[r] for r in others)):
-                continue
-            on_plane = np.isin(directors.node, model.mesh.node_sets[support.node_set])
-            on_plane &= directors.smooth[directors.node]
-            on_plane &= np.abs(vectors[:, normal]) < 0.5  # not where the plane holds the sheet's face
-            vectors[on_plane, normal] = 0.0
-    vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
-
-
-def find_drilling(directors: Directors) -> BoolArray:
-    """Mark the freedoms that are drilling rotations, prescribed all through a run (n_points * 6,).
-
-    A smooth node's is the first rotation in the node's own frame (interaction/supports.py).
-    """
-    drilling = np.zeros((len(directors.smooth), 6), dtype=bool)
-    turning = directors.node[directors.smooth[directors.node]]
-    drilling[turning, 3] = True
-    return drilling.reshape(-1)
 
 
 class ShellMechanics:
@@ -116,14 +86,16 @@ class ShellMechanics:
         self._rules = [thickness_rule(s) for s in self._sections]
         self._connectivity = [np.ascontiguousarray(b.connectivity, dtype=np.int32) for b in blocks]
         self.directors = find_model_directors(model)
-        self.assembler = _core.ShellAssembler(len(model.mesh.points), self._connectivity, model.solver.symmetric)
+        self._evaluated = self._choose_cells(self._connectivity)
+        self._directors_of = self._choose_cells(self.directors.of_cell)
+        self.assembler = self._make_assembler(None)
         self._couplings: IntArray | None = None
         self.drilling = find_drilling(self.directors)
         self._first_cell = np.cumsum([0, *(len(c) for c in self._connectivity)])
         self._when = _core.UmatPlace()
         self._force: list[FloatArray] = []
         self._stiffness: list[FloatArray] = []
-        for connectivity in self._connectivity:
+        for connectivity in self._evaluated:
             cells, nodes = connectivity.shape
             packs = -(-cells // _core.pack_width)
             self._force.append(np.zeros((packs, 6 * nodes, _core.pack_width)))
@@ -132,6 +104,17 @@ class ShellMechanics:
         size = float(np.sqrt(area / sum(len(c) for c in self._connectivity)))
         self.length = np.array([1.0, 1.0, 1.0, size, size, size])
         self.sense = np.ones(6)
+
+    def _choose_cells(self, of_cells: list[IntArray]) -> list[IntArray]:
+        """Return what is known of cells, block by block, of those that are evaluated here: all of them."""
+        return of_cells
+
+    def _make_assembler(self, couplings: IntArray | None) -> ShellAssembler:
+        return self._make_core_assembler(self._connectivity, couplings)
+
+    def _make_core_assembler(self, connectivity: list[IntArray], couplings: IntArray | None) -> _core.ShellAssembler:
+        n_points, symmetric = len(self._model.mesh.points), self._model.solver.symmetric
+        return _core.ShellAssembler(n_points, connectivity, symmetric, couplings)
 
     def at_rest(self) -> State:
         """Return nodes and cells before the first increment."""
@@ -189,15 +172,28 @@ class ShellMechanics:
         touch state_n.
         """
         started = perf_counter()
+        bad = self._evaluate_cells(state_n, trial, increment, with_stiffness=with_stiffness, dt=dt)
+        if bad is not None:
+            self._timing.add("assembly", started)
+            return bad
+        force: FloatArray = self.assembler.assemble_vector(self._force)
+        self._timing.add("assembly", started)
+        return force
+
+    def _evaluate_cells(
+        self, state_n: State, trial: State, increment: FloatArray, *, with_stiffness: bool, dt: float
+    ) -> ShellFailed | LawFailed | None:
+        """Fill what shells keep in a trial state, element forces too; return why a cell fails, if so."""
         model = self._model
         is_small = model.solver.is_small
         points = model.mesh.points if is_small else model.mesh.points + state_n.nodes.displacement[:, :3]
         for i, block in enumerate(model.mesh.blocks):
             law, told = self._laws[i], _core.LawFault()
+            before, now = self._take_block(state_n, i), self._take_block(trial, i)
             cell, fault = _core.evaluate_shells(
                 block.element,
-                self._connectivity[i],
-                self.directors.of_cell[i],
+                self._evaluated[i],
+                self._directors_of[i],
                 model.mesh.points,
                 points,
                 increment,
@@ -206,14 +202,14 @@ class ShellMechanics:
                 law.umat if isinstance(law, SheetUmat) else law,
                 dt=dt,
                 penalty=model.solver.kirchhoff_penalty,
-                state_n=_arrays_of(state_n, i),
-                state=_arrays_of(trial, i),
-                volume=trial.cells.volume[i],
+                state_n=before.kept,
+                state=now.kept,
+                volume=now.volume,
                 force=self._force[i],
                 stiffness=self._stiffness[i] if with_stiffness else None,
                 symmetric=model.solver.symmetric,
                 small_displacements=is_small,
-                temperature=trial.cells.temperature[i] if trial.cells.temperature[i].size else None,
+                temperature=now.temperature if now.temperature.size else None,
                 young=law.young,
                 poisson=law.poisson,
                 first_cell=int(self._first_cell[i]),
@@ -221,14 +217,31 @@ class ShellMechanics:
                 fault=told,
             )
             if cell >= 0:
-                self._timing.add("assembly", started)
                 if fault == _core.ShellFault.law and told.status != _core.LawStatus.done:
                     return LawFailed.of(i, told)
                 return ShellFailed(i, cell, fault)
-            trial.cells.eqps[i][:] = trial.cells.history[i][..., 0].reshape(trial.cells.eqps[i].shape)
-        force: FloatArray = self.assembler.assemble_vector(self._force)
-        self._timing.add("assembly", started)
-        return force
+            self._keep_block(now, trial, i)
+            self._tell_plastic_strain(trial, i)
+        return None
+
+    def _take_block(self, state: State, i: int) -> ShellBlock:
+        """Return the arrays of a block's shells that are evaluated here."""
+        cells, shells = state.cells, state[ShellArrays]
+        return ShellBlock(
+            shells.thickness[i], cells.stress[i], cells.history[i], shells.direction[i], shells.shear[i],
+            shells.internal[i], cells.volume[i], cells.temperature[i],
+        )  # fmt: skip
+
+    def _keep_block(self, block: ShellBlock, state: State, i: int) -> None:
+        """Put evaluated arrays where _take_block has taken them from; these are the arrays themselves."""
+
+    def _tell_plastic_strain(self, trial: State, i: int) -> None:
+        """Let the state have the equivalent plastic strain, the first that laws keep, by itself."""
+        trial.cells.eqps[i][:] = trial.cells.history[i][..., 0].reshape(trial.cells.eqps[i].shape)
+
+    def look_near(self, looks: Sequence[Look], places: FloatArray) -> list[Near]:
+        """Return what each look at tools finds of the nodes at places (n_points, 3) [mm]."""
+        return [nearest(places, reach) for nearest, reach in looks]
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Keep which increment this is, for laws that ask."""
@@ -255,8 +268,8 @@ class ShellMechanics:
     def couple(self, couplings: IntArray) -> None:
         """Let the matrix hold these node pairs (n, 2) beside those of the cells; a change makes a new assembler."""
         if self._couplings is None or not np.array_equal(couplings, self._couplings):
-            self._couplings, n = couplings, len(self._model.mesh.points)
-            self.assembler = _core.ShellAssembler(n, self._connectivity, self._model.solver.symmetric, couplings)
+            self._couplings = couplings
+            self.assembler = self._make_assembler(couplings)
 
     def assemble_stiffness(self, turned: MaskArray, frames: FloatArray, data: FloatArray) -> None:
         """Fill `data` (nnz) with the stiffness of the last evaluation, rotations in the nodes' frames."""
@@ -381,28 +394,3 @@ class ShellMechanics:
     def plastic_work_at_layers(self, state_n: State, trial: State, dt: float) -> list[FloatArray]:
         """Return the plastic work of an increment at the layers of each block (n_cells, q, k) [N mm]."""
         return plastic_work_at_layers(self._model, self._laws, state_n, trial, dt)
-
-
-def _arrays_of(state: State, block: int) -> list[FloatArray]:
-    """Return a block's arrays in the kernel's order."""
-    shells = state[ShellArrays]
-    return [
-        shells.thickness[block],
-        state.cells.stress[block],
-        state.cells.history[block],
-        shells.direction[block],
-        shells.shear[block],
-        shells.internal[block],
-    ]
-
-
-def turn_vectors(theta: FloatArray, vectors: FloatArray) -> FloatArray:
-    """Return vectors (n, 3) turned by rotation vectors (n, 3)."""
-    square = (theta**2).sum(axis=1, keepdims=True)
-    angle = np.sqrt(square)
-    a = np.sinc(angle / np.pi)
-    b = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
-    cross = np.cross(theta, vectors)
-    along = (theta * vectors).sum(axis=1, keepdims=True)
-    turned: FloatArray = vectors + a * cross + b * (along * theta - square * vectors)
-    return turned

@@ -9,15 +9,17 @@ tools, which exact constraints would not allow. It sinks in by t p / (c E) under
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from presswork.body.contract import Look, Near
 from presswork.body.shell_arrays import ShellArrays
+from presswork.body.shells import ShellMechanics
 from presswork.interaction.drawbeads import SheetBeads
 from presswork.interaction.space_contact import SpaceContact, SpaceForces
-from presswork.interaction.space_touch import TouchingNodes, find_touched
+from presswork.interaction.space_touch import TouchingNodes, choose_touched
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.topology import count_corners
 from presswork.model import FloatArray, IndexArray, IntArray, Model
@@ -36,8 +38,9 @@ DEPTH = 2.0
 class SheetContact(SpaceContact):
     """The tools in space of a sheet, and its drawbeads; what persists lies in the State."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, cells: ShellMechanics) -> None:
         super().__init__(model, DEPTH * max((b.section.thickness for b in model.mesh.blocks if b.section), default=0.0))
+        self._cells = cells
         self._nodes = SheetNodes(model)
         self.beads = SheetBeads(model)
 
@@ -51,6 +54,9 @@ class SheetContact(SpaceContact):
         self.beads.begin_increment(state_n)
         self._law_gap = None
 
+    def _look(self, looks: Sequence[Look], x: FloatArray) -> list[Near]:
+        return self._cells.look_near(looks, x)
+
     def predict(self, found: SpaceForces) -> None:
         """Take the law's tangent where a correction asks for it, at the next guess."""
         self._law_gap = found.law_gap
@@ -59,8 +65,9 @@ class SheetContact(SpaceContact):
         """Return how many nodes the tangent of the law pushes otherwise than the law, by more than `pull` [N]."""
         x, placed, unsettled = self._model.mesh.points + displacement[:, :3], trial[SpaceToolArrays], 0
         pushed = np.linalg.norm(found.by_tool - found.friction, axis=2)
-        for t in range(len(self._surfaces)):
-            touched = find_touched(self.placed(t, placed), self.touching(t), x)
+        touching = self._nodes.touching()
+        for t, near in enumerate(self._look_at_all(placed, touching.farthest, x)):
+            touched = choose_touched(near, touching)
             unsettled += int((np.abs(touched.push - pushed[t, touched.nodes]) > pull).sum())
         return unsettled
 
@@ -74,9 +81,8 @@ class SheetContact(SpaceContact):
         x = self._model.mesh.points + state_n.nodes.displacement[:, :3] + guess[:, :3]
         move, tools = np.zeros_like(x), np.zeros(len(x))
         before, placed = state_n[SpaceToolArrays], trial[SpaceToolArrays]
-        for t in range(len(self._surfaces)):
-            touching = self.touching(t)
-            gap, normal = self.placed(t, placed).nearest(x, FARTHEST_LED * float(self._nodes.thickness.max()))
+        touching, reach = self._nodes.touching(), FARTHEST_LED * float(self._nodes.thickness.max())
+        for t, (gap, normal) in enumerate(self._look_at_all(placed, reach, x)):
             push = np.linalg.norm(before.force[t] - before.friction[t], axis=1)
             missing = np.where(push > 0.0, touching.gap_at(push), 0.0) - (gap - touching.reach)
             led = np.isfinite(gap) & ((push > 0.0) | (missing > 0.0))
@@ -85,6 +91,10 @@ class SheetContact(SpaceContact):
         led_guess = guess.copy()
         led_guess[:, :3] += move / np.maximum(tools, 1.0)[:, None]
         return led_guess
+
+    def _look_at_all(self, placed: SpaceToolArrays, reach: float, x: FloatArray) -> list[Near]:
+        """Return what is found of the nodes at x (n_points, 3) within a reach [mm] of each tool where it is placed."""
+        return self._look([(self.placed(t, placed).nearest, reach) for t in range(len(self._surfaces))], x)
 
     def touching(self, tool: int) -> TouchingNodes:
         """Return what the contact with a tool must know of the nodes."""

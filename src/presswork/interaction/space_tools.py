@@ -39,7 +39,7 @@ class SpaceTools(TravellingTools):
         self._model = model
         contact_n = before.contact if before else None
         self.contact: SolidContact | SheetContact = (
-            SolidContact(model, cells, contact_n) if isinstance(cells, Mechanics) else SheetContact(model)
+            SolidContact(model, cells, contact_n) if isinstance(cells, Mechanics) else SheetContact(model, cells)
         )
         self.floating = FloatingSpaceTools(model)
         self._course = ToolCourse(model.space_tools, model.stages, 3)

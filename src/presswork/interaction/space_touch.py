@@ -130,13 +130,6 @@ class PlacedSurface:
         return self.pose.turn(rise), bend if turned is None else turned @ bend @ turned.T
 
 
-def find_touched(
-    surface: PlacedSurface, touching: TouchingNodes, x: FloatArray, before: FloatArray | None = None
-) -> TouchedNodes:
-    """Return the nodes at x (n_points, 3) [mm] that touch a tool; before: as of choose_touched."""
-    return choose_touched(surface.nearest(x, touching.farthest), touching, before)
-
-
 def choose_touched(near: Near, touching: TouchingNodes, before: FloatArray | None = None) -> TouchedNodes:
     """Return the nodes that touch a tool. near: of all nodes, found within touching.farthest.
 

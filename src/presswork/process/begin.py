@@ -21,7 +21,7 @@ def begin(model: Model, threads: int) -> Recording:
     """
     try:
         check_memory(model)
-        return _begin(model, threads)
+        return choose(model, threads)
     except ExplicitError as error:
         raise StartError(str(error)) from error
     except TooLargeError as error:
@@ -44,40 +44,41 @@ def begin_formed_part(model: Model, threads: int, world: World | None = None) ->
         raise StartError(str(error)) from error
 
 
-def _begin(model: Model, threads: int) -> Recording:
+def choose(model: Model, threads: int, world: World | None = None) -> Recording:
+    """Return the procedure that a model asks for. world: ranks that share it. Raises StartError, ExplicitError."""
     if model.gradients is not None:
         from presswork.process.differentiated import begin_differentiated
 
         return begin_differentiated(model, threads)
     if model.formed is not None:
-        return begin_formed_part(model, threads)
+        return begin_formed_part(model, threads, world)
     if model.following:
         from presswork.process.press_line import PressLine
 
-        return PressLine(model, threads=threads)
+        return PressLine(model, threads=threads, world=world)
     if model.trim or model.springback is not None or model.output.dynain:
         from presswork.process.springback import ReleasedStamping
 
-        return ReleasedStamping(model, threads=threads)
+        return ReleasedStamping(model, threads=threads, world=world)
     if model.analysis == "stamping" and model.explicit is None:
         from presswork.process.implicit_stamping import ImplicitStamping
 
-        return ImplicitStamping(model, threads=threads)
+        return ImplicitStamping(model, threads=threads, world=world)
     if model.analysis == "stamping":
         from presswork.process.stamping import ExplicitStamping
 
-        return ExplicitStamping(model, threads=threads)
+        return ExplicitStamping(model, threads=threads, world=world)
     if model.heat is not None and model.heat.alone:
         from presswork.process.heat_recording import HeatRecording
 
         return HeatRecording(model, threads=threads)
     if model.explicit is not None:
-        return begin_impact(model, threads)
+        return begin_impact(model, threads, world)
     if model.series is not None:
         from presswork.process.series import SeriesForming
 
         return SeriesForming(model, threads=threads)
-    return begin_forming(model, threads)
+    return begin_forming(model, threads, world)
 
 
 def begin_impact(model: Model, threads: int, world: World | None = None) -> Recording:

@@ -63,6 +63,7 @@ from presswork.process.stamping_tools import (
     way_of,
 )
 from presswork.process.transfer import SheetState, begin_with, keep_heated, sheet_of_implicit
+from presswork.ranks.world import World
 
 CLOCK_TIMES = 1000
 """Of each stage, at which the smooth motion is tabulated."""
@@ -133,11 +134,17 @@ class ImplicitStamping(IncrementRecording):
 
     model: Model
 
-    def __init__(self, model: Model, *, threads: int = 0, begin: SheetState | None = None) -> None:
-        """begin: the sheet that an operation before has left, on the model's mesh; None: the blank."""
+    def __init__(
+        self, model: Model, *, threads: int = 0, begin: SheetState | None = None, world: World | None = None
+    ) -> None:
+        """begin: the sheet that an operation before has left, on the model's mesh; None: the blank.
+
+        world: ranks that share the shells.
+        """
         self._begins_formed = begin is not None
         shells = make_shell_model(model)
-        super().__init__(model, ImplicitProcedure(shells, threads=threads, begins_formed=self._begins_formed))
+        procedure = ImplicitProcedure(shells, threads=threads, begins_formed=self._begins_formed, world=world)
+        super().__init__(model, procedure)
         if begin is not None:
             begin_with(begin, self.procedure)
             check_held(self.procedure.model, self.procedure.interactions, self.procedure.state)

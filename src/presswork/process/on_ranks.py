@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from presswork.explicit.input_checks import ExplicitError
 from presswork.model import Model, Stage
 from presswork.outcome import StartError
-from presswork.process.begin import begin_formed_part, begin_forming, begin_impact
+from presswork.process.begin import choose
 from presswork.process.recording import Recording
 from presswork.ranks.world import RanksError, World, start_petsc
 
-SHARED = "the implicit forming of solids, explicit stampings, and explicit solids"
+SHARED = "the forming of solids and of sheets, implicit and explicit"
 REMEDY = "compute it without mpiexec, by one process with --threads"
 
 
@@ -27,32 +27,11 @@ def begin_on_ranks(model: Model, threads: int, world: World) -> Recording:
             f"mpiexec has started {world.size} ranks, but the mesh has only {cells} cells: start at most that many; "
             "some thousands of cells for each rank pay"
         )
-    if model.explicit is not None:
-        return _begin_explicit(model, threads or 1, world)
     try:
-        start_petsc(world)
-    except RanksError as error:
-        raise StartError(str(error)) from error
-    return begin_forming(model, threads or 1, world)
-
-
-def _begin_explicit(model: Model, threads: int, world: World) -> Recording:
-    from presswork.process.press_line import PressLine
-    from presswork.process.springback import ReleasedStamping
-    from presswork.process.stamping import ExplicitStamping
-
-    try:
-        if model.formed is not None:
-            return begin_formed_part(model, threads, world)
-        if model.analysis != "stamping":
-            return begin_impact(model, threads, world)
-        kind: type[PressLine | ReleasedStamping | ExplicitStamping] = ExplicitStamping
-        if model.following:
-            kind = PressLine
-        elif model.trim or model.springback is not None or model.output.dynain:
-            kind = ReleasedStamping
-        return kind(model, threads=threads, world=world)
-    except ExplicitError as error:
+        if model.explicit is None:
+            start_petsc(world)
+        return choose(model, threads or 1, world)
+    except (RanksError, ExplicitError) as error:
         raise StartError(str(error)) from error
 
 
@@ -69,8 +48,6 @@ def _find_undivided_explicit(model: Model) -> str:
 
 def _find_undivided(model: Model) -> str:
     """Name what of an implicit model is not divided over ranks; nothing where all is."""
-    if model.analysis in ("shell", "stamping"):
-        return "the case forms a sheet of shells"
     asked = {
         "heat alone": model.heat is not None and model.heat.alone,
         "a series of parts (series)": model.series is not None,

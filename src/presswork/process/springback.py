@@ -100,7 +100,8 @@ class ReleasedStamping(EpochRecording):
         """begin: of a later operation, the part that it takes; None: the blank.
 
         shows_springback: whether the fields of springback are saved though this operation has none. world: ranks that
-        share the cycles of an explicit forming; what follows is computed by each of them.
+        share the forming. They share the springback, too, after an implicit one; after an explicit one each computes it
+        whole, since MPI without PETSc serves that.
         """
         super().__init__(model)
         state = None if begin is None else begin.state
@@ -108,12 +109,13 @@ class ReleasedStamping(EpochRecording):
         self._begin = state
         self.forming: ExplicitStamping | ImplicitStamping
         if model.explicit is None:
-            self.forming = ImplicitStamping(model, threads=threads, begin=state)
+            self.forming = ImplicitStamping(model, threads=threads, begin=state, world=world)
         else:
             level = 0 if begin is None else begin.level
             self.forming = ExplicitStamping(model, threads=threads, begin=state, level=level, world=world)
         self.timing = self.forming.timing
         self._threads = threads
+        self._world = world if model.explicit is None else None
         self._shows_springback = shows_springback or model.springback is not None
         self._released: Released | None = None
 
@@ -184,7 +186,7 @@ class ReleasedStamping(EpochRecording):
                 trimmed = trim_sheet(mesh, state, self.model.trim, ELEMENTS, self.model.symmetry)
                 mesh, state, cut = trimmed.mesh, trimmed.state, trimmed.cut
             springback = self._make_released_model(mesh)
-            implicit = ImplicitProcedure(springback, threads=self._threads)
+            implicit = ImplicitProcedure(springback, threads=self._threads, world=self._world)
             begin_with(state, implicit)
         except TrimError as error:
             raise GaveUpError(str(error)) from error
@@ -316,7 +318,7 @@ class ReleasedStamping(EpochRecording):
             self._released = None
             return
         springback = self._make_released_model(self.model.mesh)
-        implicit = ImplicitProcedure(springback, threads=self._threads)
+        implicit = ImplicitProcedure(springback, threads=self._threads, world=self._world)
         heated = {name.removeprefix(HEATED): v for name, v in epoch.items() if name.startswith(HEATED)}
         self._released = Released(implicit, None, epoch[FORMED], float(epoch[ELASTIC]), heated)
 

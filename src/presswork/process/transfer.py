@@ -20,8 +20,9 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.law_failed import LawFailed
+from presswork.body.model_directors import lay_directors
 from presswork.body.shell_arrays import ShellArrays
-from presswork.body.shells import ShellFailed, ShellMechanics, lay_directors
+from presswork.body.shells import ShellFailed, ShellMechanics
 from presswork.evolution.points import EvolvedArrays, find_evolved
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells, Precision
@@ -182,6 +183,7 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
     force = mechanics.evaluate(state, trial, np.zeros_like(state.nodes.displacement), with_stiffness=False)
     if isinstance(force, ShellFailed | LawFailed):
         raise TransferError(f"the deformed sheet cannot be taken over: {force}")
+    mechanics.complete(trial)
     state.cells.volume = trial.cells.volume
     procedure.initial_volume = procedure.volume()
     fading.force = np.where(procedure.interactions.supports.fixed(0), 0.0, force)
