@@ -9,14 +9,17 @@ import meshio
 import numpy as np
 import pytest
 import tomli_w
+import typer
 from typer.testing import CliRunner
 
 import presswork
 from presswork import Case, CaseError, OneStepCase, OutputError, Result, StampingCase
 from presswork.cli import app
+from presswork.cli.sweep import _report_members
 from presswork.examples import copy_example
 from presswork.post import measure_draw_in
 from presswork.study import run_sweep
+from presswork.study.sweep import SweepResult
 from tests.problems.one_step import cup_profile, fan, revolve
 
 STRIP = {
@@ -181,6 +184,14 @@ def test_columns_that_there_are_not_are_told_at_the_end(tmp_path, column, told) 
     assert done.exit_code == 2
     assert told in done.output
     assert Result(tmp_path / "out/member_000").summary["status"] == "completed"
+
+
+def test_a_column_that_no_member_has_is_told_once(capsys) -> None:
+    faults = tuple(f"last:p: out/member_00{i} has no history column p; there are: time" for i in range(3))
+    with pytest.raises(typer.Exit):
+        _report_members(SweepResult(Path("out"), (), (), faults), quiet=True)
+    told = " ".join(capsys.readouterr().err.split())
+    assert told == "no column last:p: out/member_000 has no history column p; there are: time (so in 3 members)"
 
 
 def test_a_column_in_no_form_is_refused_before_anything_is_run(tmp_path) -> None:

@@ -154,8 +154,12 @@ def test_the_binder_stays_and_the_correction_fades_over_the_addendum() -> None:
 def test_walls_that_lean_over_are_reported_with_angle_and_place() -> None:
     shapes = [channel_face(-0.5, walls=angle) for angle in (85.0, 95.0)]
     drawn, bent = (PressedTool("die", "die", shape, np.zeros(3), np.zeros(3)) for shape in shapes)
-    found = find_undercut([bent], [drawn])
+    sheet = drawn.shape.points
+    found = find_undercut([bent], [drawn], sheet, 5.0)
     assert found.tool == "die"
     assert found.angle == pytest.approx(5.0, abs=1e-6)
     assert abs(found.place[0]) == pytest.approx(15.0, abs=2.0)
-    assert find_undercut([drawn], [drawn]).angle == 0.0
+    assert find_undercut([drawn], [drawn], sheet, 5.0).angle == 0.0
+    assert find_undercut([bent], [drawn], sheet + np.array([0.0, 0.0, 40.0]), 5.0).angle == 0.0  # no sheet touches it
+    quarter = sheet[(sheet[:, :2] >= 0.0).all(axis=1)]
+    assert find_undercut([bent], [drawn], quarter, 5.0, (True, True)).angle == pytest.approx(5.0, abs=1e-6)

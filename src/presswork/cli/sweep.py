@@ -6,6 +6,7 @@ Exit status: 0 all completed; 2 bad input; 3 a member gave up or died; 130 inter
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -100,8 +101,12 @@ def _report_members(result: SweepResult, quiet: bool) -> None:
             values = ", ".join(f"{key} = {value}" for key, value in member.values.items())
             text = f"{member.folder.name} ({values}): {member.status.replace('_', ' ')}: {member.reason}"
             console().print(text, style="red", markup=False)
+    alike: dict[str, list[str]] = {}
     for fault in result.faults:
-        console().print(f"no column {fault}", style="red", markup=False)
+        alike.setdefault(re.sub(r"member_\d+", "", fault), []).append(fault)
+    for faults in alike.values():
+        more = f" (so in {len(faults)} members)" if len(faults) > 1 else ""
+        console().print(f"no column {faults[0]}{more}", style="red", markup=False)
     counts = result.counts
     if not quiet:
         console().print(

@@ -252,10 +252,18 @@ class _Search:
                 misfit,
                 float(max(moved)),
                 find_gap_change(tools, self.drawn, _NEAR * self.case.blank.thickness),
-                find_undercut(tools, self.drawn),
+                self.find_undercut(tools),
                 read_summary(folder)["wall_seconds"]["total"],
             )
         )
+
+    def find_undercut(self, tools: tuple[PressedTool, ...]) -> Undercut:
+        """Return where tools lean over farthest against the part."""
+        assert self.goal is not None
+        sheet = self.goal.points
+        corners = sheet[self.goal.triangles]
+        longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
+        return find_undercut(tools, self.drawn, sheet, _NEAR * self.case.blank.thickness + longest, self.planes)
 
     def place_of_worst(self) -> str:
         """Name where the last part is farthest off."""

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from presswork.case import StampingCase
 from presswork.geometry.foot_on_triangles import split_long
@@ -98,11 +99,24 @@ def bend_tools(tools: Sequence[PressedTool], warp: RigidWarp, *, fix_holders: bo
     return tuple(bent)
 
 
-def find_undercut(tools: Sequence[PressedTool], drawn: Sequence[PressedTool]) -> Undercut:
-    """Return where a bent tool leans over farthest among the facets that face the sheet as they were drawn."""
-    worst = Undercut("", 0.0, np.zeros(3))
+def find_undercut(
+    tools: Sequence[PressedTool],
+    drawn: Sequence[PressedTool],
+    part: FloatArray,
+    reach: float,
+    planes: tuple[bool, bool] = (False, False),
+) -> Undercut:
+    """Return where a bent tool leans over farthest among the facets that face the sheet as they were drawn.
+
+    Only facets within `reach` [mm] of the part in the closed tools as drawn (n, 3) count: backs and ends of tools that
+    no sheet touches follow the bend, too. planes: symmetry planes normal to x and y, beyond which the part goes on.
+    """
+    worst, mirrored = Undercut("", 0.0, np.zeros(3)), np.array([*planes, False])
+    sheet = cKDTree(np.where(mirrored, np.abs(part), part))
     for tool, before in zip(tools, drawn, strict=True):
         faces = tool.upwards * _unit_normals(before.shape)[:, 2] > -_UPRIGHT
+        middle = before.closed[before.shape.triangles].mean(axis=1)
+        faces &= np.isfinite(sheet.query(np.where(mirrored, np.abs(middle), middle), distance_upper_bound=reach)[0])
         lean = -tool.upwards * _unit_normals(tool.shape)[:, 2]
         lean[~faces] = -1.0
         k = int(np.argmax(lean))
