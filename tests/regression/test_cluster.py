@@ -136,7 +136,8 @@ def refuse_connection(address: str, jobs: int = 0) -> str:
 def test_scheduler_that_does_not_answer_is_told_with_how_to_start_one(impatient):
     refusal = refuse_connection("tcp://127.0.0.1:1")
     assert "no scheduler answers at tcp://127.0.0.1:1: start one by `dask scheduler`" in refusal
-    assert "no scheduler answers at nowhere" in refuse_connection("nowhere")
+    for address in ("nowhere", "http://127.0.0.1:8786", "tcp://127.0.0.1", "two words:8786"):
+        assert f"no scheduler answers at {address}: an address has the form tcp://" in refuse_connection(address)
 
 
 def test_scheduler_without_workers_and_worker_without_presswork_are_told(impatient, monkeypatch, tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import gc
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 LOCAL = "local"
+_ADDRESS = re.compile(r"((tcp|tls|ucx|ws|wss)://)?[^/\s]+:\d{1,5}")
 PATIENCE = 10.0
 """Seconds for a scheduler to answer, and for a first worker to be there."""
 _MUST_AGREE = ("python", "presswork", "distributed")
@@ -75,6 +77,9 @@ def connect(cluster: Cluster, jobs: int) -> Iterator[Client]:
 def _find_scheduler(address: str, jobs: int) -> Iterator[str]:
     """Provide the address of the scheduler, which is started for `local`."""
     if address != LOCAL:
+        if not _ADDRESS.fullmatch(address):  # a client would try it, and fail once more when it is finalised
+            text = "an address has the form tcp://host:8786, as `dask scheduler` prints it; or take --cluster local"
+            raise ClusterError(f"no scheduler answers at {address}: {text}")
         yield address
         return
     command = [sys.executable, "-m", "presswork.study.cluster.local", str(jobs or count_cores())]
