@@ -16,7 +16,9 @@ from presswork.cli.terminal import exit_on
 def schema(
     kind: Annotated[
         str | None,
-        typer.Argument(help="solid, shell, stamping or onestep; none: all kinds of case.", show_default=False),
+        typer.Argument(
+            help="heat, onestep, shell, solid, space or stamping; none: all kinds of case.", show_default=False
+        ),
     ] = None,
 ) -> None:
     """Print the JSON schema of case files, for editors that complete them."""

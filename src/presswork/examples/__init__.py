@@ -35,7 +35,11 @@ def copy_example(name: str, target_dir: str | Path) -> Path:
         raise CaseError(
             [Problem("", f"{path} is there already", "remove it, or copy elsewhere") for path in there], "examples"
         )
-    folder.mkdir(parents=True, exist_ok=True)
-    for file in files:
-        (folder / file).write_bytes((_FOLDER / file).read_bytes())
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for file in files:
+            (folder / file).write_bytes((_FOLDER / file).read_bytes())
+    except OSError as error:
+        text = f"{error.filename or folder} cannot be written: {error.strerror or error}"
+        raise CaseError([Problem("", text, "copy elsewhere, by --to")], "examples") from error
     return folder / files[0]

@@ -11,7 +11,7 @@ import errno
 import io
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -40,11 +40,17 @@ def replace_whole(path: Path, *, needed_bytes: int) -> Iterator[Path]:
         os.replace(temporary, path)
         _force_to_disk(path.parent)
     except OSError as error:
-        temporary.unlink(missing_ok=True)
+        _remove(temporary)
         raise explain_write_error(error, path, needed_bytes) from error
     except BaseException:
-        temporary.unlink(missing_ok=True)
+        _remove(temporary)
         raise
+
+
+def _remove(path: Path) -> None:
+    """Remove a file if it can be; where nothing can be written, as on a read-only disk, nothing can be removed."""
+    with suppress(OSError):
+        path.unlink(missing_ok=True)
 
 
 def explain_write_error(error: OSError, path: Path, needed_bytes: int) -> OutputError:

@@ -87,3 +87,11 @@ def test_run_loads_what_it_computes_and_draws_with(tmp_path: Path) -> None:
     drawn = loaded_by("plot", str(case.with_suffix("")))
     assert "matplotlib" in drawn
     assert not {"matplotlib.pyplot", "scipy.stats", "presswork.case.solid.schema"} & drawn
+
+
+def test_an_example_that_cannot_be_written_is_told(tmp_path) -> None:
+    (tmp_path / "file").write_text("")
+    done = CliRunner().invoke(app, ["examples", "square_cup", "--to", str(tmp_path / "file" / "folder")])
+    assert done.exit_code == 2
+    assert "cannot be written" in done.output
+    assert "copy elsewhere, by --to" in " ".join(done.output.split())

@@ -103,3 +103,18 @@ def test_hdf5_files_survive_a_disk_that_fills_at_any_point(tmp_path: Path) -> No
     done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == "all whole"
+
+
+def test_a_disk_that_cannot_be_written_is_told_though_nothing_can_be_removed(tmp_path, monkeypatch) -> None:
+    """On a read-only disk removing the temporary file fails as writing it does, whether it is there or not."""
+
+    def refuse(*arguments: object, **options: object) -> None:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    monkeypatch.setattr(Path, "unlink", refuse)
+    page = tmp_path / "report.html"
+    with (
+        pytest.raises(OutputError, match=r"report\.html cannot be written: Read-only file system"),
+        replace_whole(page, needed_bytes=1),
+    ):
+        refuse()
