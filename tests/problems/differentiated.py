@@ -102,6 +102,68 @@ def upset_between_floating_tools() -> dict[str, Any]:
     }
 
 
+SOFT = {"young": 70e3, "poisson": 0.3, "hardening": {"law": "swift", "K": 300.0, "e0": 0.01, "n": 0.2}}
+EVEN = CALM | {"initial_increment": 0.125, "max_increment": 0.125, "target_iterations": 60}
+
+
+def upset_two_bodies(friction: Mapping[str, Any], *, stroke: float = 1.2, **changes: Any) -> dict[str, Any]:
+    """Return the data of a steel cylinder and a softer one on it, with a law of friction between them."""
+    data = upset_cylinder(points={"rim": [9.5, 0.5], "core": [3.1, 4.2]}, solver=EVEN, **changes)
+    steel, upper = ({"kind": "rectangle", "pattern": "quad", **mesh} for mesh in (
+        {"origin": [0, 0], "size": [10, 8], "cells": [5, 4]}, {"origin": [0, 8], "size": [9, 7], "cells": [4, 4]}
+    ))  # fmt: skip
+    data["stages"][0]["tools"]["punch"]["stroke"] = stroke
+    return data | {
+        "workpiece": data["workpiece"] | {"mesh": steel},
+        "bodies": {"upper": {"material": "soft", "element": "quad4_fbar", "mesh": upper}},
+        "materials": data["materials"] | {"soft": SOFT},
+        "contacts": {"joint": {"between": ["workpiece", "upper"], **friction}},
+        "boundary": data["boundary"] | {"upper_axis": {"set": "upper.left", "fix": ["x"]}},
+    }
+
+
+def upset_two_blocks() -> dict[str, Any]:
+    """Return the data of a steel block and a softer one on it in space, with Coulomb's friction between them."""
+    friction = {"contact": "coulomb", "mu": 0.1}
+    data = upset_block("hex8_fbar", friction)
+    steel, upper = ({"kind": "box", **mesh} for mesh in (
+        {"size": [10, 10, 5], "cells": [2, 2, 2]}, {"origin": [0, 0, 5], "size": [9, 9, 5], "cells": [3, 3, 2]}
+    ))  # fmt: skip
+    held = {"upper_x": {"set": "upper.left", "fix": ["x"]}, "upper_y": {"set": "upper.bottom", "fix": ["y"]}}
+    return data | {
+        "workpiece": data["workpiece"] | {"mesh": steel},
+        "bodies": {"upper": {"material": "soft", "element": "hex8_fbar", "mesh": upper}},
+        "materials": data["materials"] | {"soft": SOFT},
+        "contacts": {"joint": {"between": ["workpiece", "upper"], **friction}},
+        "boundary": data["boundary"] | held,
+        "points": {"rim": [9.4, 8.7, 0.4], "top": [8.4, 7.3, 8.9]},
+        "solver": EVEN,
+    }
+
+
+def twist_sector() -> dict[str, Any]:
+    """Return the data of a quarter of a disc that a plane presses and twists: its cut faces move alike."""
+    die = {"shape": "plane", "normal": [0, 0, -1], "position": [0, 0, 8], "axis": [0, 0, 1]}
+    return {
+        "title": "Sector",
+        "analysis": "solid",
+        "workpiece": {
+            "material": "steel",
+            "mesh": {"kind": "cylinder", "radius": 10, "height": 8, "angle": 90, "cells": [3, 2, 3]},
+        },
+        "materials": upset_cylinder()["materials"],
+        "tools": {"die": {**die, "contact": "coulomb", "mu": 0.3}},
+        "boundary": {
+            "base": {"set": "back", "fix": ["x", "y", "z"]},
+            "cut": {"set": "last_plane", "cyclic": "first_plane"},
+        },
+        "stages": [{"name": "twist", "tools": {"die": {"stroke": 0.4, "direction": [0, 0, -1], "turn": 40}}}],
+        "points": {"rim": [6, 6.5, 6]},
+        "solver": EVEN | {"initial_increment": 0.25, "max_increment": 0.25, "force_tolerance": 1e-8},
+        "output": {"steps": 1},
+    }
+
+
 HOT: dict[str, Any] = {
     "materials": {
         "steel": {

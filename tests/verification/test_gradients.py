@@ -28,12 +28,15 @@ from tests.problems.differentiated import (
     largest_error,
     run_case,
     stamp_hot,
+    twist_sector,
     upset_between_floating_tools,
     upset_block,
     upset_cylinder,
     upset_hot,
     upset_hot_block,
     upset_in_press,
+    upset_two_blocks,
+    upset_two_bodies,
     upset_with_floating_tools,
 )
 from tests.problems.mapped_meshes import differentiate_with_meshes, upset_block_with_new_meshes, upset_with_new_meshes
@@ -74,6 +77,28 @@ def test_derivatives_go_through_new_meshes_in_space() -> None:
     assert n_meshes == 2
     for names, both in found.items():
         assert largest_error(*both) < 1e-6, names
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "of", "by"),
+    [
+        (
+            Case,
+            upset_two_bodies({"contact": "shear", "m": 0.2}),
+            ["punch.force", "core.effective_stress"],
+            {"materials.soft.hardening.K": 300.0, "contacts.joint.m": 0.2},
+        ),
+        (SpaceCase, upset_two_blocks(), ["punch.force", "rim.x"], {"contacts.joint.mu": 0.1}),
+        (SpaceCase, twist_sector(), ["die.force", "rim.x"], {"stages.0.tools.die.turn": 40.0, "tools.die.mu": 0.3}),
+    ],
+    ids=["bodies in the plane", "bodies in space", "sector"],
+)
+def test_bodies_that_touch_and_sectors_have_the_derivatives_of_whole_runs(
+    kind: type[Case | SpaceCase], data: dict[str, Any], of: list[str], by: dict[str, float], tmp_path: Path
+) -> None:
+    for key, columns in differentiate(kind, data, of, by, tmp_path).items():
+        for name, both in columns.items():
+            assert largest_error(*both) < 1e-6, (key, name)
 
 
 def test_loose_equilibrium_has_three_digits_of_the_derivatives(tmp_path: Path) -> None:

@@ -82,6 +82,7 @@ def add_gradients(
             remedy = "take a key that moves the nodes and leaves the cells as they are"
             problems.append(Problem(place, f"`{key}` changes which cells there are", remedy, key))
             continue
+        less, more = (_keep_slaves(side, built) for side in (less, more))
         found.append(model.Parameter(key, value, step, None if is_coarse else less, more))
     if problems:
         raise CaseError(problems, case.source)
@@ -96,6 +97,12 @@ def find_number(case: CaseFile, key: str) -> float:
     return found
 
 
+def _keep_slaves(side: model.Model, built: model.Model) -> model.Model:
+    """Return a Model whose contacts of bodies have the slaves of another: a number may decide which body is softer."""
+    pairs = zip(side.contacts, built.contacts, strict=True)
+    return replace(side, contacts=tuple(replace(own, slave=led.slave, keeps_slave=True) for own, led in pairs))
+
+
 def _refuse(built: model.Model) -> list[Problem]:
     """Return the problems of what a run does that has no derivatives yet."""
     stages = [*built.stages, *(stage for operation in built.following for stage in operation.stages)]
@@ -106,8 +113,6 @@ def _refuse(built: model.Model) -> list[Problem]:
         (built.series is not None, "series", "series of parts", "a run of one part has"),
         (built.solver.control == "arc_length", "solver.control", "paths by arc length", "load control has"),
         (built.solver.inertia > 0.0, "solver.inertia", "inertia", "a run without inertia has"),
-        (bool(built.contacts), "contacts", "contact of bodies", "one body between tools has"),
-        (built.cyclic is not None, "boundary", "cyclic sectors", "a sector between symmetry planes has"),
         (ends_early, "stages", "stages that a blow's energy or a limit of force ends", "a press by its way alone has"),
     )
     return [

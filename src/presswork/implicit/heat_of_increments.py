@@ -14,6 +14,7 @@ import numpy as np
 
 from presswork.body.solids import Mechanics
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
+from presswork.implicit.newton import Augmentation
 from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.interaction.forming_instant import BetweenBodies, FormingInstant, Poses, find_poses
 from presswork.interaction.of_model import Interactions
@@ -23,8 +24,6 @@ from presswork.outcome import Failed, Step
 from presswork.state import State
 from presswork.timing import Timing
 
-AugmentedAt = Sequence[tuple[FloatArray, FloatArray]]
-"""As in newton.py: increments of the nodes, and of freedoms that interactions own."""
 MOST_PASSES = 5
 """Times that equilibrium and heat are found in an increment."""
 
@@ -42,7 +41,7 @@ class HeatOfIncrements:
         """What conducts and stores the heat."""
         self.tolerance = model.heat.tolerance
         """By how much temperatures given to laws may be off [K]."""
-        self.passes: list[tuple[State, AugmentedAt]] = []
+        self.passes: list[tuple[State, Sequence[Augmentation]]] = []
         """Where the last increment was in equilibrium, each time before heat was found, and where it took multipliers
         over on the way; kept for those who follow the run."""
         self._fraction = model.heat.plastic_fraction

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
 
@@ -114,9 +115,9 @@ class Neighbour:
         now = self.now
         return np.concatenate([i.find_last_travel(now.state_n, now.step) for i in self.procedure.interactions.all])
 
-    def augment(self) -> None:
-        """Take multipliers over where the run has."""
-        self.procedure.equilibrium.forces.augment_like(self.now.trial, self.now.point)
+    def augment(self, by: Sequence[int]) -> None:
+        """Take over the multipliers of interactions, by their numbers, where the run has."""
+        self.procedure.equilibrium.forces.augment_like(self.now.trial, self.now.point, by)
 
     def conduct(self) -> None:
         """Take the heat of its increment in equilibrium to the end; equilibrium may be looked for again then.

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -44,6 +45,18 @@ MOST_AUGMENTATIONS = 10
 """Times that an increment takes multipliers over."""
 
 
+@dataclass(frozen=True)
+class Augmentation:
+    """Equilibrium with multipliers that were not good enough, which were then taken over."""
+
+    nodes: FloatArray
+    """Increment of the nodes (n_points, freedoms) [mm, rad]."""
+    travel: FloatArray
+    """Of freedoms that interactions own (n,)."""
+    by: Sequence[int]
+    """The interactions that took over theirs, by their numbers."""
+
+
 class Equilibrium:
     """Solves increments of one model; holds the matrix and its factors, but nothing that a restart would need."""
 
@@ -62,9 +75,8 @@ class Equilibrium:
         self.system = LinearSystem(model, mechanics, interactions, timing, threads)
         self._noise = mechanics.force_of_round_off()
         self._softness = 1.0
-        self.augmented_at: list[tuple[FloatArray, FloatArray]] = []
-        """Increments of the nodes, and of freedoms that interactions own, in equilibrium with multipliers that were not
-        good enough, in the last solution."""
+        self.augmented_at: list[Augmentation] = []
+        """Where multipliers were taken over in the last solution."""
         self._tangent_is_consistent = (
             model.solver.newton == "full"
             and model.solver.tangent == "consistent"
@@ -195,7 +207,7 @@ class Equilibrium:
             point = self.forces.evaluate_again(k, state_n, trial, point)
         if augmented:
             travel = [i.find_travel(state_n, trial, point.guess.step) for i in self._interactions]
-            self.augmented_at.append((before, np.concatenate(travel)))
+            self.augmented_at.append(Augmentation(before, np.concatenate(travel), augmented))
         return point if augmented else None
 
     def _needs_new_factors(self, balance: Balance, size: float, *, keeps: bool) -> bool:

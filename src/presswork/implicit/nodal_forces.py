@@ -121,10 +121,10 @@ class NodalForces:
         resistances, _, lacking = self._resist(state_n, trial, point, constraints)
         return Lacking(constraints, resistances, lacking)
 
-    def augment_like(self, trial: State, point: Point) -> None:
-        """Let interactions take their multipliers over, as another run has done."""
-        for interaction, own in zip(self._interactions, point.forces, strict=True):
-            interaction.augment_like(trial, own)
+    def augment_like(self, trial: State, point: Point, by: Sequence[int]) -> None:
+        """Let interactions take their multipliers over, as those of another run have done, by their numbers."""
+        for number in by:
+            self._interactions[number].augment_like(trial, point.forces[number])
 
     def fill(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> None:
         """Fill the trial state with what equilibrium has found at a point."""

@@ -130,10 +130,10 @@ class Sensitivities:
             self._held = held
             for side in self._sides(courses) if number else []:
                 side.begin_again()
-            for nodes, travel in augmented_at:
-                self._solve(courses, join(nodes, travel))
+            for taken in augmented_at:
+                self._solve(courses, join(taken.nodes, taken.travel))
                 for side in self._sides(courses):
-                    side.augment()
+                    side.augment(taken.by)
             for course in courses if number == 0 else []:
                 course.predict(state_n, step)
             self._solve(courses, join(held.nodes.increment, self._same.find_travel(held)))

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -176,6 +176,15 @@ class BodyContacts(Interaction):
         self._changes[changed] += 1
         return int(changed.sum())
 
+    def hold_like(self, other: Self, trial: State, held: State, displacement: FloatArray) -> None:
+        """Let the slots push that push in another run, by their gap, and no others."""
+        self._held = np.where(held[InterfaceArrays].pressure > 0, BY_GAP, LET_GO).astype(np.uint8)
+
+    def augment_like(self, trial: State, own: Any) -> None:
+        """Take over the multipliers, as another run has done."""
+        kept = trial[InterfaceArrays]
+        kept.pressure, kept.shear = own.pressure, own.shear
+
     def touching(self, state: State) -> list[tuple[BodyContact, FloatArray, FloatArray]]:
         """Return each contact with the places (n, d) where its surfaces touch, and directions (n, d) in which they hold
         each other there.
@@ -227,8 +236,7 @@ class BodyContacts(Interaction):
         )
         if excess <= PENETRATION:
             return False
-        kept = trial[InterfaceArrays]
-        kept.pressure, kept.shear = own.pressure, own.shear
+        self.augment_like(trial, own)
         return True
 
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:

@@ -55,6 +55,7 @@ class DifferentiatedRemeshing(WithDerivatives["_Side"], RemeshedForming):
         # 2. the neighbours' states, carried to it
         for side, number, change in self.derivatives.placed:
             mesh = self._beside(number, change)
+            side.take_slaves(self.model)
             try:
                 if self.derivatives.is_lost(number) and change:
                     side.begin_at_rest(mesh)
@@ -100,6 +101,7 @@ class DifferentiatedRemeshing(WithDerivatives["_Side"], RemeshedForming):
             return
         self._slopes = {name: epoch[name] for name in (POINTS, ORIGIN, SHARE)}
         for side, number, change in self.derivatives.placed:
+            side.take_slaves(self.model)
             side.begin_at_rest(self._beside(number, change))
         self.derivatives.follow(self.procedure, lambda side: side.procedure)
 
@@ -131,6 +133,13 @@ class _Side(ImplicitRecording):
         self._begin_on(after, origin, mesh.points)
         shares = [measure_shares(mesh.points[n][None], p)[0][0] for n, p in zip(marked, places, strict=True)]
         self.marked.share = np.array(shares).reshape(marked.shape)
+
+    def take_slaves(self, like: Model) -> None:
+        """Let contacts of bodies have the slaves that the run has on its new mesh."""
+        pairs = zip(self.model.contacts, like.contacts, strict=True)
+        contacts = tuple(replace(own, slave=led.slave) for own, led in pairs)
+        self.model = replace(self.model, contacts=contacts)
+        self.procedure.model = replace(self.procedure.model, contacts=contacts)
 
     def begin_at_rest(self, mesh: Mesh) -> None:
         """Go on with a mesh, in a state that is found elsewhere."""

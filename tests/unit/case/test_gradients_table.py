@@ -32,6 +32,7 @@ from tests.problems.differentiated import (
     stamp_hot,
     upset_cylinder,
     upset_hot,
+    upset_two_bodies,
 )
 from tests.problems.mapped_meshes import upset_block_with_new_meshes, upset_with_new_meshes
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
@@ -152,6 +153,19 @@ def test_run_resumed_between_new_meshes_in_space_has_the_same_derivatives_to_the
     run_in_two_parts(model, tmp_path / "cut", 7)
     assert whole.history["remeshes"][[6, -1]].tolist() == [1, 2]
     assert_same_bits(tmp_path / "cut", whole.folder)
+
+
+def test_neighbours_have_the_slaves_of_the_run() -> None:
+    """Of two bodies that are as fine the softer one is the slave: here a number of its own decides."""
+    data = upset_two_bodies({"contact": "frictionless"})
+    data["bodies"]["upper"]["mesh"] = {**data["bodies"]["upper"]["mesh"], "size": [10, 8], "cells": [5, 4]}
+    data["tools"]["punch"] = {"profile": [[0, 16], [30, 16]], "contact": "shear", "m": 0.2}
+    data["materials"]["soft"] = data["materials"]["steel"]
+    model = build_model(Case.model_validate(data | {"gradients": {"by": ["materials.soft.young"]}}))
+    assert model.gradients is not None
+    (asked,) = model.gradients.by
+    slaves = [side.contacts[0].slave for side in (model, asked.less or model, asked.more)]
+    assert slaves == [0, 0, 0]
 
 
 def test_blows_are_refused() -> None:
