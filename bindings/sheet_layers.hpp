@@ -78,11 +78,13 @@ NewDoubles history_of(const SpaceLoop<Real>& self, int block) {
 template <class Real>
 void set_layers(SpaceLoop<Real>& self, int block, Doubles layers) {
   const auto& rows = block_of(self, block).rows();
-  auto& elements = *self.blocks[block];
-  const int size = rows.count() - rows.layers;
+  auto& elements = self.sheet(block);
+  const int size = rows.end_of_layers() - rows.layers;
   require(layers.size() == std::size_t(elements.n()) * size, "layers must have one row of the law for each point");
-  for (int e = 0; e < elements.n(); ++e)
+  for (int e = 0; e < elements.n(); ++e) {
     for (int r = 0; r < size; ++r) elements.set_value(e, rows.layers + r, layers.data()[std::size_t(e) * size + r]);
+    elements.clear_rounding(e);
+  }
 }
 
 // What the internal force would be after an increment of displacement and rotation; all is put back as it was.

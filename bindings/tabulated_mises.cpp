@@ -6,17 +6,22 @@
 
 namespace presswork::bindings {
 
-std::optional<Owned<FastMises>> find_fast_law(const Owned<SheetLaw>& given) {
-  const SheetLaw& law = given.view;
+bool is_fast(const SheetLaw& law) {
   const auto* quadratic = std::get_if<QuadraticYield<3>>(&law.yield);
   const bool isothermal =
       !law.flow.thermal.softening.active() && !law.flow.thermal.heats() && !law.thermoelastic.active();
   const bool plain = law.kinematic.index() == 0 && !law.flow.depends_on_rate() && law.young_rate == 0.0 && isothermal;
   const auto von_mises = HillParameters{}.plane_stress();
-  if (!plain || !quadratic) return std::nullopt;
+  if (!plain || !quadratic) return false;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      if (std::fabs(quadratic->P[i][j] - von_mises.P[i][j]) > 1e-14) return std::nullopt;
+      if (std::fabs(quadratic->P[i][j] - von_mises.P[i][j]) > 1e-14) return false;
+  return true;
+}
+
+std::optional<Owned<FastMises>> find_fast_law(const Owned<SheetLaw>& given) {
+  const SheetLaw& law = given.view;
+  if (!is_fast(law)) return std::nullopt;
   auto table = std::make_shared<const HardeningTable>(law.flow.hardening);
   return Owned<FastMises>{{law.young, law.poisson, table->view()}, {std::move(table)}};
 }
@@ -36,7 +41,7 @@ void update_range(const FastMises& law, std::size_t n, const double* strain, con
                   double* new_stress, double* new_eqps, double* thickness) {
   using P = PackOf<Real>;
   for (std::size_t first = 0; first < n; first += P::width) {
-    P e[3], state[4];
+    P e[3], state[4], rounding[4] = {P(0), P(0), P(0), P(0)};
     for (int lane = 0; lane < P::width; ++lane) {
       const std::size_t i = std::min(first + lane, n - 1);
       const double *a = strain + 3 * i, *b = stress + 3 * i;
@@ -44,7 +49,7 @@ void update_range(const FastMises& law, std::size_t n, const double* strain, con
       for (int j = 0; j < 3; ++j) e[j].set(lane, static_cast<Real>(sums[j]));
       for (int j = 0; j < 4; ++j) state[j].set(lane, static_cast<Real>(kept[j]));
     }
-    const P across = law.advance(e[0], e[1], e[2], LayerConditions<P>{0.0}, 0, state);
+    const P across = law.advance(e[0], e[1], e[2], LayerConditions<P>{0.0}, 0, state, rounding);
     for (std::size_t i = first; i < std::min(first + P::width, n); ++i) {
       const int lane = static_cast<int>(i - first);
       new_stress[3 * i] = 0.5 * (state[0][lane] + state[1][lane]);
@@ -73,6 +78,9 @@ auto update_fast(const FastLaw& self, Doubles strain, Doubles stress, Doubles eq
 }  // namespace
 
 void bind_tabulated_mises(nb::module_& m) {
+  m.def(
+      "is_tabulated", [](const Owned<SheetLaw>& law) { return is_fast(law.view); }, nb::arg("law"),
+      "Whether explicit shells take their stress from TabulatedMises: von Mises, isotropic hardening alone.");
   nb::class_<FastLaw>(m, "TabulatedMises",
                       "The explicit loop's von Mises update in plane stress; hardening from a table.")
       .def(

@@ -9,7 +9,9 @@
 
 namespace presswork::bindings {
 
-// The fast law where it gives what the general one does: von Mises, isotropic hardening alone.
+// Whether the fast law gives what the general one does: von Mises, isotropic hardening alone.
+bool is_fast(const SheetLaw& law);
+// The fast law there.
 std::optional<Owned<FastMises>> find_fast_law(const Owned<SheetLaw>& law);
 
 void bind_tabulated_mises(nb::module_& m);

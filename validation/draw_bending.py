@@ -38,6 +38,9 @@ NO_WIDTH_STRAIN = {
     "hardening": {"law": "swift", "K": K, "e0": E0, "n": N},
 }  # fmt: skip
 """The same steel in uniaxial tension, but that it does not narrow."""
+ISOTROPIC = {key: NO_WIDTH_STRAIN[key] for key in ("young", "density", "hardening")} | {"poisson": POISSON}
+"""The same steel with von Mises's law."""
+MATERIALS = {"numisheet93_mild_steel": {}, "no_width_strain": NO_WIDTH_STRAIN, "isotropic": ISOTROPIC}
 WIDTHS = ((35, 1, 3.5), (35, 1, 2.5), (35, 1.25, 1.25), (35, 1.25, 3.5), (15, 1.25, 1.25), (7.5, 1.25, 1.25),
           (2.5, 1.25, 1.25), (2.5, 0.625, 0.625), (2.5, 1.25, 0.3125), (1, 1.25, 0.5), (0.5, 1.25, 0.25))  # fmt: skip
 """Of strips with free edges, with the sides of their shells along and across [mm]."""
@@ -89,13 +92,16 @@ def strip_case(
     *,
     width: float | None = None,
     across: float | None = None,
-    narrows: bool = True,
+    material: str = "numisheet93_mild_steel",
     length: float = LENGTH,
     stroke: float = STROKE,
+    thickness: float = THICKNESS,
+    **explicit: Any,
 ) -> dict[str, Any]:
     """Return the case of a slice one shell wide, size [mm], or of a strip of a width, with free edges; speed [m/s].
 
-    across: side of its shells across [mm]. narrows: False for a steel without strain across, elastic or plastic.
+    across: side of its shells across [mm]. material: of MATERIALS.
+    explicit: keys of its settings.
     """
     breadth = 2 * size if width is None else width
 
@@ -105,10 +111,11 @@ def strip_case(
     return {
         "title": "draw bending",
         "analysis": "stamping",
-        "blank": {"shape": "rectangle", "size": [length, breadth], "thickness": THICKNESS,
+        "blank": {"shape": "rectangle", "size": [length, breadth], "thickness": thickness,
                   "element_size": [size, across or size], "points": points, "symmetry": ["x", "y"],
-                  "material": "numisheet93_mild_steel" if narrows else "no_width_strain"},
-        "materials": {} if narrows else {"no_width_strain": NO_WIDTH_STRAIN},
+                  "material": material},
+        "materials": {material: own} if (own := MATERIALS[material]) else {},
+        "explicit": explicit,
         "boundary": {} if width else {"slice": {"set": "top", "hold": "symmetry_y"}},
         "tools": {"punch": tool("punch", 50), "die": tool("die", 52), "holder": tool("holder", 52)},
         "stages": [{"name": "draw", "velocity": f"{speed} m/s",
@@ -263,7 +270,8 @@ if __name__ == "__main__":
     strips = [*((None, s, s, True) for s in (1.25, 1, 0.625)), (None, 1.25, 1.25, False),
               (2.5, 1.25, 1.25, False), (0.5, 1.25, 0.25, False)]  # fmt: skip
     for width, size, across, narrows in [*strips, *((*strip, True) for strip in WIDTHS)]:
-        hat = draw_strip(size, 2, 7, width=width, across=across, narrows=narrows, length=260, stroke=60)
+        steel = "numisheet93_mild_steel" if narrows else "no_width_strain"
+        hat = draw_strip(size, 2, 7, width=width, across=across, material=steel, length=260, stroke=60)
         way, beam = np.hypot(*(hat.free[-1] - hat.formed[-1])), width is not None or not narrows
         print(f"{width or 'slice':>8} {size:6} {across:7} {'' if narrows else 'no width strain':15} {way:8.2f} "
               f"{hat.curl:8.1f} {curl_by_theory(hat.tension, beam=beam):8.1f}", flush=True)  # fmt: skip

@@ -49,7 +49,7 @@ def test_theory_of_the_wall_is_that_of_its_layers() -> None:
 def test_a_strip_that_does_not_narrow_does_not_mind_its_edges() -> None:
     """Of a steel without strain across, a narrow strip is the slice: their ends move alike, within 0.5 %, and the wall
     curls as that of a beam, within 13 % with shells of 1.25 mm, which do not fit the shoulder (slices: 10 %)."""
-    common = {"narrows": False, "length": 260, "stroke": 60}
+    common = {"material": "no_width_strain", "length": 260, "stroke": 60}
     slice_, strip = draw_strip(1.25, 2, 7, **common), draw_strip(1.25, 2, 7, width=2.5, **common)
     theory = curl_by_theory(strip.tension, beam=True)
     assert strip.free[-1] - strip.formed[-1] == pytest.approx(slice_.free[-1] - slice_.formed[-1], rel=5e-3)

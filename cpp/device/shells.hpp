@@ -51,7 +51,7 @@ struct OnePointShells : Elements<Real> {
     gather_corners<corners>(nodes, *this, shell, x, v, w);
     Real* rows = this->state + shell;
     for (int r = 0; r < shell4::head_rows; ++r) state[r] = rows[r * n];
-    const auto layers = layers_apart(law, rows + shell4::head_rows * n, static_cast<std::ptrdiff_t>(n));
+    const auto layers = layers_apart(law, rule.points, rows + shell4::head_rows * n, static_cast<std::ptrdiff_t>(n));
     LayerConditions<Real> now{dt, this->temperature ? this->temperature + shell : nullptr};
     now.slower = this->slower, now.stride = static_cast<std::ptrdiff_t>(n);
     Real room[corners];
@@ -102,7 +102,8 @@ struct MitcShells : Elements<Real> {
     gather_corners<4>(nodes, *this, shell, x, v, w);
     const auto stride = static_cast<std::ptrdiff_t>(this->n);
     const shell4_mitc::RowsApart<Real> rows{this->state + shell, stride};
-    const auto layers = layers_apart(law, rows.first + shell4_mitc::head_rows * stride, stride);
+    const auto layers =
+        layers_apart(law, shell4_mitc::points * rule.points, rows.first + shell4_mitc::head_rows * stride, stride);
     LayerConditions<Real> now{dt, this->temperature ? this->temperature + shell : nullptr};
     now.slower = this->slower, now.stride = stride;
     for (int a = 0; room_at && a < 4; ++a)

@@ -4,8 +4,9 @@
 // In-plane tensors are kept as sum xx + yy, difference xx - yy and shear xy (of strain: engineering shear), in which
 // isotropic laws are diagonal. A law has
 //   rows()                                     values that a point keeps: sum, difference, shear of stress, then others
-//   advance(sum, difference, shear, now, k, state) updates those of layer k by increments of strain; gives that of
-//                                              thickness strain
+//   advance(sum, difference, shear, now, k, state, rounding)  updates those of layer k by increments of strain; gives
+//                                              that of thickness strain. rounding: of those values in single precision,
+//                                              which is carried to the next increment
 //   young_at(state)                            Young's modulus at present
 //   young, poisson                             elasticity, for transverse shear, stable step and hourglass control
 //   can_fail                                   whether it may find no stress: its sum is then NaN
@@ -69,7 +70,8 @@ struct GeneralSheet {
 #endif
 
   template <class T>
-  PRESSWORK_DEVICE T advance(T sum, T difference, T shear, const LayerConditions<T>& now, int layer, T* state) const {
+  PRESSWORK_DEVICE T advance(T sum, T difference, T shear, const LayerConditions<T>& now, int layer, T* state,
+                             T* = nullptr) const {
     const LawInput<3, T> in{{T(0.5) * (sum + difference), T(0.5) * (sum - difference), shear},
                             now.law_dt(),
                             now.temperature_or(law.flow.thermal.start, layer)};
@@ -84,28 +86,34 @@ struct GeneralSheet {
   }
 
   PRESSWORK_DEVICE float advance(float sum, float difference, float shear, const LayerConditions<float>& now, int layer,
-                                 float* state) const {
+                                 float* state, float* rounding) const {
     double wide[most_rows];
     const double degrees = now.temperature ? double(now.temperature[layer * now.stride]) : law.flow.thermal.start;
-    for (int i = 0; i < rows(); ++i) wide[i] = state[i];
+    for (int i = 0; i < rows(); ++i) wide[i] = double(state[i]) + rounding[i];
     const LayerConditions<double> own{now.law_dt(), &degrees};
     const double across = advance(double(sum), double(difference), double(shear), own, 0, wide);
-    for (int i = 0; i < rows(); ++i) state[i] = static_cast<float>(wide[i]);
+    for (int i = 0; i < rows(); ++i) {
+      state[i] = static_cast<float>(wide[i]);
+      rounding[i] = static_cast<float>(wide[i] - state[i]);
+    }
     return static_cast<float>(across);
   }
 
 #if !defined(__CUDACC__)
   FloatPack advance(FloatPack sum, FloatPack difference, FloatPack shear, const LayerConditions<FloatPack>& now,
-                    int layer, FloatPack* state) const {
+                    int layer, FloatPack* state, FloatPack* rounding) const {
     Pack wide[most_rows];
     const FloatPack degrees = now.temperature_or(law.flow.thermal.start, layer);
     FloatPack across;
     for (int half = 0; half < 2; ++half) {
-      for (int i = 0; i < rows(); ++i) wide[i] = widen(state[i], half);
+      for (int i = 0; i < rows(); ++i) wide[i] = widen(state[i], half) + widen(rounding[i], half);
       const Pack given = widen(degrees, half);
       const LayerConditions<Pack> own{now.law_dt(), &given};
       narrow(advance(widen(sum, half), widen(difference, half), widen(shear, half), own, 0, wide), half, across);
-      for (int i = 0; i < rows(); ++i) narrow(wide[i], half, state[i]);
+      for (int i = 0; i < rows(); ++i) {
+        narrow(wide[i], half, state[i]);
+        narrow(wide[i] - widen(state[i], half), half, rounding[i]);
+      }
     }
     return across;
   }
@@ -127,7 +135,8 @@ struct UserSheet {
     return T(young);
   }
 
-  Pack advance(Pack sum, Pack difference, Pack shear, const LayerConditions<Pack>& now, int layer, Pack* state) const {
+  Pack advance(Pack sum, Pack difference, Pack shear, const LayerConditions<Pack>& now, int layer, Pack* state,
+               Pack* = nullptr) const {
     const int kept = law.history_size() - 1;
     thread_local std::vector<double> history;
     history.resize(std::size_t(2) * kept * pack_width);
@@ -172,9 +181,9 @@ struct FastMises : TabulatedMises {
   }
 
   template <class T>
-  PRESSWORK_INLINE T advance(T sum, T difference, T shear, const LayerConditions<T>&, int, T* state,
+  PRESSWORK_INLINE T advance(T sum, T difference, T shear, const LayerConditions<T>&, int, T* state, T* rounding,
                              T* squares = nullptr) const {
-    return TabulatedMises::advance(sum, difference, shear, state, squares);
+    return TabulatedMises::advance(sum, difference, shear, state, rounding, squares);
   }
 };
 
@@ -188,58 +197,57 @@ struct LayerRule {
   double height[most_points], weight[most_points];
 };
 
-// The layers of a section one behind the other, as packs keep them: (points, rows). skip: goes on to those of the next
-// point in the plane.
+// The layers of a section one behind the other, as packs keep them: (points, rows); behind those of all points of the
+// element, in single precision, as many rows of rounding. open: the values of a layer, with `rounding` theirs; skip:
+// goes on to the layers of the next point in the plane.
 template <class T>
 struct LayersInRow {
   T* first;
-  int rows;
-  PRESSWORK_DEVICE T* open(int k) const { return first + k * rows; }
+  int rows, all;  // of a layer, of the element
+  T* rounding = nullptr;
+  PRESSWORK_INLINE T* open(int k) {
+    if constexpr (is_single<T>) rounding = first + all + k * rows;
+    return first + k * rows;
+  }
   PRESSWORK_DEVICE void close(int, const T*) const {}
   PRESSWORK_DEVICE void skip(int layers) { first += layers * rows; }
 };
 
 // Those of a law of so many rows, each value `stride` behind the one before, as neighbouring lanes of a GPU keep them:
-// one layer at a time is in registers.
-template <class T, int rows>
+// one layer at a time is in registers. Without `fixed` the number of rows is known in the run alone.
+template <class T, int most, bool fixed>
 struct LayersApart {
   T* first;
   std::ptrdiff_t stride;
-  T now[rows];
+  int in_run, all;
+  T now[most], rounding[is_single<T> ? most : 1];
+  PRESSWORK_INLINE int rows() const { return fixed ? most : in_run; }
   PRESSWORK_INLINE T* open(int k) {
-    for (int i = 0; i < rows; ++i) now[i] = first[(k * rows + i) * stride];
+    for (int i = 0; i < rows(); ++i) now[i] = first[(k * rows() + i) * stride];
+    if constexpr (is_single<T>)
+      for (int i = 0; i < rows(); ++i) rounding[i] = first[(all + k * rows() + i) * stride];
     return now;
   }
   PRESSWORK_INLINE void close(int k, const T* point) const {
-    for (int i = 0; i < rows; ++i) first[(k * rows + i) * stride] = point[i];
+    for (int i = 0; i < rows(); ++i) first[(k * rows() + i) * stride] = point[i];
+    if constexpr (is_single<T>)
+      for (int i = 0; i < rows(); ++i) first[(all + k * rows() + i) * stride] = rounding[i];
   }
-  PRESSWORK_INLINE void skip(int layers) { first += layers * rows * stride; }
+  PRESSWORK_INLINE void skip(int layers) { first += layers * rows() * stride; }
 };
 
-// The same for a law whose number of rows is known in the run alone.
-template <class T, int most>
-struct LayersApartInRun {
-  T* first;
-  std::ptrdiff_t stride;
-  int rows;
-  T now[most];
-  PRESSWORK_INLINE T* open(int k) {
-    for (int i = 0; i < rows; ++i) now[i] = first[(k * rows + i) * stride];
-    return now;
-  }
-  PRESSWORK_INLINE void close(int k, const T* point) const {
-    for (int i = 0; i < rows; ++i) first[(k * rows + i) * stride] = point[i];
-  }
-  PRESSWORK_INLINE void skip(int layers) { first += layers * rows * stride; }
-};
-
+// points: layers of the element.
 template <class T>
-PRESSWORK_INLINE auto layers_apart(const FastMises&, T* first, std::ptrdiff_t stride) {
-  return LayersApart<T, FastMises::rows()>{first, stride, {}};
+PRESSWORK_INLINE auto layers_apart(const FastMises& law, int points, T* first, std::ptrdiff_t stride) {
+  return LayersApart<T, FastMises::rows(), true>{first, stride, law.rows(), points * law.rows(), {}, {}};
 }
 template <class T>
-PRESSWORK_INLINE auto layers_apart(const GeneralSheet& law, T* first, std::ptrdiff_t stride) {
-  return LayersApartInRun<T, GeneralSheet::most_rows>{first, stride, law.rows(), {}};
+PRESSWORK_INLINE auto layers_apart(const GeneralSheet& law, int points, T* first, std::ptrdiff_t stride) {
+  return LayersApart<T, GeneralSheet::most_rows, false>{first, stride, law.rows(), points * law.rows(), {}, {}};
+}
+template <class T, class Law>
+PRESSWORK_INLINE LayersInRow<T> layers_in_row(const Law& law, int points, T* first) {
+  return {first, law.rows(), points * law.rows()};
 }
 
 // Stress resultants of one shell [N/mm] and [N], sums and differences as above: of force, then of moment.
@@ -260,16 +268,16 @@ PRESSWORK_INLINE T mises_square(T sum, T difference, T shear) {
 // trial and after the increment.
 template <class T, class Law>
 PRESSWORK_INLINE T advance_layer(const Law& law, T sum, T difference, T shear, const LayerConditions<T>& now, int k,
-                                 T* point, T* squares) {
+                                 T* point, T* rounding, T* squares) {
   if constexpr (std::is_same_v<Law, FastMises>) {
-    return law.advance(sum, difference, shear, now, k, point, squares);
+    return law.advance(sum, difference, shear, now, k, point, rounding, squares);
   } else {
     if (squares) {
       const T young = law.young_at(point), d = young * T(1.0 / (1.0 + law.poisson));
       squares[0] = mises_square(point[0] + young * T(1.0 / (1.0 - law.poisson)) * sum, point[1] + d * difference,
                                 point[2] + T(0.5) * d * shear);
     }
-    const T across = law.advance(sum, difference, shear, now, k, point);
+    const T across = law.advance(sum, difference, shear, now, k, point, rounding);
     if (squares) squares[1] = mises_square(point[0], point[1], point[2]);
     return across;
   }
@@ -294,7 +302,8 @@ PRESSWORK_INLINE void advance_section(const Law& law, const LayerRule& rule, con
     T shear = membrane[2] + height * bend[2];
     T before[3] = {point[0], point[1], point[2]};
     T squares[2];
-    across += weight * advance_layer(law, sum, difference, shear, now, k, point, retained ? squares : nullptr);
+    across += weight *
+              advance_layer(law, sum, difference, shear, now, k, point, layers.rounding, retained ? squares : nullptr);
     if (retained) {
       const T of_bending = weight * height * height;
       trial[0] += weight * squares[0], trial[1] += of_bending * squares[0];

@@ -58,13 +58,9 @@ enum Row {
 };
 inline constexpr int head_rows = 18;
 
-// Adds an increment of thickness strain. What rounding takes is added to the next increment (Kahan 1965): steps of 1e-6
-// are 16 units in the last place of a float, all rounded the same way, and would drift.
 template <class T>
 PRESSWORK_INLINE void change_thickness(T strain, T& thickness, T& rounding) {
-  const T before = thickness, change = before * strain + rounding;
-  thickness = before + change;
-  rounding = change - (thickness - before);
+  add_carried(thickness * strain, thickness, rounding);
 }
 
 template <class T>
@@ -357,7 +353,7 @@ PRESSWORK_INLINE void advance(const Law& law, const LayerRule& rule, const Shell
   // 2. layers
   T t = state[thickness];
   Resultants<T> r;
-  const LayersInRow<T> layers{state + head_rows, law.rows()};
+  const auto layers = layers_in_row(law, rule.points, state + head_rows);
   advance_section(law, rule, strain.membrane, strain.curvature, t, now, layers, r);
   squeeze_between_tools<4>(law, rule, room, state[spring] / g.area, t, strain.membrane, layers, state[pressure], r);
   // 3. transverse shear

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "material/return_mapping.hpp"
+#include "tensor/carried_sum.hpp"
 
 namespace presswork {
 
@@ -29,14 +30,20 @@ struct TabulatedMises {
   TabulatedHardening hardening;
 
   // Advance the lanes by increments of strain: sum xx + yy, difference xx - yy, engineering shear. state: s, d, c and
-  // the equivalent plastic strain, in place. Gives the increment of thickness strain. squares, unless null: of von
-  // Mises' stress of the elastic trial and after the increment.
+  // the equivalent plastic strain, in place; rounding: of those in single precision, carried to the next increment.
+  // Gives the increment of thickness strain. squares, unless null: of von Mises' stress of the elastic trial and after
+  // the increment.
   template <class T>
-  PRESSWORK_INLINE T advance(T sum, T difference, T shear, T state[4], T* squares = nullptr) const {
+  PRESSWORK_INLINE T advance(T sum, T difference, T shear, T state[4], T* rounding, T* squares = nullptr) const {
     const double two_g = young / (1.0 + poisson);
-    T s_n = state[0];
-    T s = s_n + T(young / (1.0 - poisson)) * sum, d = state[1] + T(two_g) * difference;
-    T c = state[2] + T(0.5 * two_g) * shear;
+    T s_n = state[0], s = s_n, d = state[1], c = state[2];
+    const T trial[3] = {T(young / (1.0 - poisson)) * sum, T(two_g) * difference, T(0.5 * two_g) * shear};
+    if constexpr (is_single<T>) {
+      add_carried(trial[0], s, rounding[0]), add_carried(trial[1], d, rounding[1]);
+      add_carried(trial[2], c, rounding[2]);
+    } else {
+      s += trial[0], d += trial[1], c += trial[2];
+    }
     T A = T(0.25) * s * s, B = T(0.75) * d * d + T(3.0) * c * c;
     T x_n = state[3] + T(hardening.shift());
     TabulatedHardening::Piece<T> piece;
@@ -51,7 +58,10 @@ struct TabulatedMises {
       T ratio = H * over_v;
       d = select(plastic, d * ratio, d);
       c = select(plastic, c * ratio, c);
-      state[3] = state[3] + y;
+      if constexpr (is_single<T>)
+        add_carried(y, state[3], rounding[3]);
+      else
+        state[3] = state[3] + y;
       if (squares) squares[1] = select(plastic, H * H, squares[1]);
     }
     state[0] = s, state[1] = d, state[2] = c;

@@ -918,6 +918,11 @@ class Energies:
     @property
     def friction(self) -> float: ...
 
+def is_tabulated(law: SheetLaw) -> bool:
+    """
+    Whether explicit shells take their stress from TabulatedMises: von Mises, isotropic hardening alone.
+    """
+
 class TabulatedMises:
     """
     The explicit loop's von Mises update in plane stress; hardening from a table.

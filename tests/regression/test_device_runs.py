@@ -32,7 +32,7 @@ def make(device: str, **explicit: Any) -> dict[str, Any]:
         ("blank.element_size", 8),
         ("stages.0.velocity", "10 m/s"),
         ("stages.0.tools.punch.stroke", 8),
-        ("explicit", {"device": device, **explicit}),
+        ("explicit", {"device": device, "precision": "double", **explicit}),
         ("output", {"rows": 10, "steps": 2}),
         *((f"tools.{name}.mu", 0.1) for name in ("punch", "die", "holder")),
     )

@@ -87,16 +87,16 @@ def test_a_strip_blank_between_two_planes_is_a_slice_of_a_wide_one(cells, tmp_pa
     case["blank"] |= {"size": [20, 4], "cells": cells}
     case["stages"][0]["velocity"] = "0.25 m/s"
     result = run_model(build_model(StampingCase.model_validate(case)), tmp_path / "out", threads=1).result
-    np.testing.assert_allclose(result.field("strain_middle")[:, 1], 0.0, atol=1e-12)
+    np.testing.assert_allclose(result.field("strain_middle")[:, 1], 0.0, atol=2**-24)
     stress, strain = result.field("stress_middle_xx"), np.log(11 / 10)
     p = 2 / np.sqrt(3) * (strain - (1 - 0.25) * stress / 206e3)  # elastic: sigma_yy is half of sigma_xx
     np.testing.assert_allclose(stress, 2 / np.sqrt(3) * 565.32 * (0.007117 + p) ** 0.2589, rtol=3e-3)
 
 
 def test_motion_ends_where_the_case_says_and_the_energies_balance(pulled) -> None:
-    """Within what rounding a place of 11 mm in every cycle can add up to."""
-    right, rounding = pulled.mesh.points[:, 0] > 9.99, 0.5 * np.spacing(11.0) * pulled.summary["cycles"]
-    np.testing.assert_allclose(pulled.field("displacement")[right, 0], 1.0, rtol=0, atol=rounding)
+    """Within what the rounding of velocities can add up to: they are kept in single precision."""
+    right = pulled.mesh.points[:, 0] > 9.99
+    np.testing.assert_allclose(pulled.field("displacement")[right, 0], 1.0, rtol=0, atol=2**-24)
     history = pulled.history
     assert len(history["time"]) == 20
     assert history["cycles"][-1] == pulled.summary["cycles"]
@@ -169,7 +169,7 @@ def test_a_step_beyond_stability_ends_with_a_reason_and_the_last_good_state(tmp_
 
 
 @pytest.mark.parametrize(("explicit", "column"), [
-    ({"precision": "single"}, "internal_energy"),
+    ({"precision": "double"}, "internal_energy"),
     ({"damping": 2e3}, "damping_energy"),
     ({"safety": 0.5}, "time_step"),
     ({"step_bound": "mesh"}, "time_step"),

@@ -47,6 +47,7 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
 
   bool is_sheet(int block) const { return sheets_[block] != nullptr; }
   const SheetBlock<Real>& sheet(int block) const { return *sheets_[block]; }
+  SheetBlock<Real>& sheet(int block) { return *sheets_[block]; }
 
   HangingNodes<Real> hanging;
   void set_hanging(std::vector<HangingNode> nodes);

@@ -52,7 +52,7 @@ struct Mitc {
   [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, const LayerConditions<T>& now,
                                              const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
                                              T* force) {
-    const LayersInRow<T> layers{state + shell4_mitc::head_rows, law.rows()};
+    const auto layers = layers_in_row(law, shell4_mitc::points * section.rule.points, state + shell4_mitc::head_rows);
     shell4_mitc::advance(law, section.rule, now, x, v, w, room, state, layers, force);
   }
 

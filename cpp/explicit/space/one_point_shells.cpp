@@ -56,7 +56,7 @@ struct Triangle : OnePoint<3> {
   [[gnu::always_inline]] static void advance(const Law& law, const ShellSection& section, const LayerConditions<T>& now,
                                              const T x[3][3], const T v[3][3], const T w[3][3], const T* room, T* state,
                                              T* force) {
-    const LayersInRow<T> layers{state + shell4::head_rows, law.rows()};
+    const auto layers = layers_in_row(law, section.rule.points, state + shell4::head_rows);
     shell3::advance(law, section.rule, now, x, v, w, room, state, layers, force);
   }
 
@@ -87,7 +87,7 @@ struct Quadrilateral : OnePoint<4> {
                                              const T x[4][3], const T v[4][3], const T w[4][3], const T* room, T* state,
                                              T* force) {
     if constexpr (treatment == ShellTreatment::stabilized) {
-      const LayersInRow<T> layers{state + shell4::head_rows, law.rows()};
+      const auto layers = layers_in_row(law, section.rule.points, state + shell4::head_rows);
       shell4::advance_stabilized(law, section.rule, now, x, v, w, room, state, layers, force);
     } else {
       shell4::advance<treatment == ShellTreatment::warped>(law, section.rule, section.control, now, x, v, w, room,

@@ -6,6 +6,7 @@
 
 #include "explicit/element_block.hpp"
 #include "explicit/space/nodes.hpp"
+#include "tensor/carried_sum.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -15,7 +16,7 @@ struct StateRows {
   // points in the plane, points across the thickness, which come first, and rows of each: sum, difference, shear of
   // stress, then the law's history
   int layers, in_plane, across, law;
-  int count() const { return layers + in_plane * across * law; }
+  int end_of_layers() const { return layers + in_plane * across * law; }
   // Of a squeezed shell: pressure through the thickness of the first point in the plane, and from it to that of the
   // next; spring of a node [N/mm] (squeezed_section.hpp).
   int pressure, pressure_step = 0, spring;
@@ -57,7 +58,7 @@ class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
   // been split into: mass and work by the share, no hourglass forces, the undeformed shape its own.
   void inherit(int element, const SheetBlock& from, int parent, double share) {
     if (share < 1.0 && rows_.reference < 0) throw std::invalid_argument("shells of this kind cannot be split");
-    for (int r = 0; r < rows_.count(); ++r) {
+    for (int r = 0; r < this->n_rows_; ++r) {
       double x = from.value(parent, r);
       if (share < 1.0) {
         if (r >= rows_.reference && r < rows_.reference + 4) continue;
@@ -82,6 +83,7 @@ class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
       }
       for (int k = 0; k < rows_.in_plane * rows_.across; ++k)
         for (int r = 0; r < 3; ++r) this->set_value(e, rows_.layers + k * rows_.law + r, 0.0);
+      clear_rounding(e);
     }
   }
 
@@ -89,21 +91,33 @@ class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
   void list_state(const std::string& owner, std::vector<StateField>& fields) override {
     fields.push_back(row_field(owner, "mass", mass_.data(), mass_.size()));
     fields.push_back(this->rows_field(owner, "shell", 0, rows_.layers));
-    StateField layers = this->rows_field(owner, "layers", rows_.layers, rows_.count() - rows_.layers);
+    const int end = rows_.end_of_layers();
+    StateField layers = this->rows_field(owner, "layers", rows_.layers, end - rows_.layers);
     layers.shape = {std::size_t(this->n_), std::size_t(rows_.in_plane), std::size_t(rows_.across),
                     std::size_t(rows_.law)};
     fields.push_back(std::move(layers));
+    if (this->n_rows_ > end) fields.push_back(this->rows_field(owner, "rounding", end, this->n_rows_ - end));
+  }
+  // Forget what rounding took from the layers of an element.
+  void clear_rounding(int e) {
+    for (int r = rows_.end_of_layers(); r < this->n_rows_; ++r) this->set_value(e, r, 0.0);
   }
 
  protected:
   SheetBlock(int nodes_each, std::vector<int> connectivity, StateRows rows)
-      : ElementBlock<SpaceNodes<Real>>(nodes_each, std::move(connectivity), rows.count(), rows.work,
+      : ElementBlock<SpaceNodes<Real>>(nodes_each, std::move(connectivity), count_rows(rows), rows.work,
                                        rows.hourglass_work, rows.in_plane * rows.across),
         rows_(rows),
         mass_(this->n_),
         true_mass_(this->n_),
         inertia_ratio_(this->n_),
         stiffest_spring_(this->n_) {}
+
+  // Layers in single precision have as many rows of rounding behind them (layered_section.hpp).
+  static int count_rows(const StateRows& rows) {
+    const int end = rows.end_of_layers();
+    return is_single<Real> ? 2 * end - rows.layers : end;
+  }
 
   StateRows rows_;
   std::vector<double> mass_, true_mass_, inertia_ratio_, stiffest_spring_;

@@ -43,6 +43,11 @@ LOOPS: dict[str, type[_core.SpaceLoop] | type[_core.SpaceLoopSingle]] = {
 }
 
 
+def choose_precision(law: _core.SheetLaw | SheetUmat) -> Precision:
+    """Return the precision in which shells of a law take the least time: laws but the fast one compute in double."""
+    return "single" if isinstance(law, _core.SheetLaw) and _core.is_tabulated(law) else "double"
+
+
 def order_along_curve(points: Array) -> npt.NDArray[np.intp]:
     """Give the order of points (n, 3) along a Morton curve: neighbours in space come near each other in memory."""
     low, high = points.min(axis=0), points.max(axis=0)

@@ -135,8 +135,11 @@ class ExplicitSheet:
     """Whose stable step that is: the worst shell's by itself, or that of the mesh as a whole, which is longer."""
     damping: float = 0.0
     """Mass damping [1/s]."""
-    precision: Literal["double", "single"] = "double"
-    """Precision of shells and velocities; positions and energies are always double."""
+    precision: Literal["double", "single"] | None = None
+    """Precision of shells and velocities; positions and energies are always double.
+
+    None: single where it is faster, for von Mises with isotropic hardening alone, else double.
+    """
     device: Literal["cpu", "host", "cuda"] = field(default="cpu", repr=False)
     """What computes the cycles: the CPU, an NVIDIA card, or the card's code on the CPU.
 

@@ -22,6 +22,7 @@ from presswork.explicit.input_checks import check_damping
 from presswork.explicit.mesh_step import MeshStep
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import PHASES, SAFETY, ExplicitShells
+from presswork.explicit.space import choose_precision
 from presswork.fields.explicit_fields import OnePointFields
 from presswork.law.elastic_plastic import first_flow_stress, heats
 from presswork.law.umat import open_sheet_law
@@ -108,6 +109,8 @@ class ExplicitStamping(StampingRecording):
         model = self.model
         section, material = model.sheet
         assert section.rule != "simpson"
+        law = open_sheet_law(material)
+        self._precision = self.settings.precision or choose_precision(law)
         if model.refinement:
             refuse(self.settings.device, "refined sheets")
         rolling, self._cells = np.asarray(model.rolling_direction), model.cells
@@ -117,7 +120,7 @@ class ExplicitStamping(StampingRecording):
             model.mesh.points if start is None else start.position,
             self._cells,
             section.thickness if start is None else start.thickness,
-            open_sheet_law(material),
+            law,
             material.density,
             axis=rolling if start is None else start.axis,
             damage=self._damage_laws,
@@ -128,7 +131,7 @@ class ExplicitStamping(StampingRecording):
                 rule=section.rule,
                 ironing=self.settings.ironing,
             ),
-            precision=self.settings.precision,
+            precision=self._precision,
             device=self.settings.device,
             hanging=self._sheet.hanging(),
             world=self._world,
@@ -140,7 +143,7 @@ class ExplicitStamping(StampingRecording):
             if self.model.refinement:
                 self._refine(self.model.refinement)
             if self.settings.step_bound == "mesh":
-                self._mesh_step = self._mesh_step or MeshStep(self.shells, self.settings.precision)
+                self._mesh_step = self._mesh_step or MeshStep(self.shells, self._precision)
                 last = float(self._progress[MESH_FACTOR])
                 self._progress[MESH_FACTOR] = self._mesh_step.find_factor(self.shells, last)
         begin, end = (stage.duration * r / rows for r in (row, row + 1))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from presswork.evolution.damage import DamageLaw
 from presswork.explicit.device import name_device
 from presswork.explicit.energy import warn_of_energies
-from presswork.explicit.shells import ExplicitShells
+from presswork.explicit.shells import ExplicitShells, Precision
 from presswork.fields.evolved_layers import find_path_margins
 from presswork.fields.explicit_fields import OnePointFields
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
@@ -55,6 +55,7 @@ class StampingRecording(RowRecording):
     edge: DrawIn
     reactions: Reactions
     settings: ExplicitSheet
+    _precision: Precision
     _cells: IntArray
     _fields: OnePointFields
     _judged: Formability
@@ -80,7 +81,7 @@ class StampingRecording(RowRecording):
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
         return (
-            f"explicit: {len(self._cells)} shells in {self.settings.precision} precision"
+            f"explicit: {len(self._cells)} shells in {self._precision} precision"
             f"{name_device(self.settings.device)}, stable step "
             f"{self.shells.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
         )

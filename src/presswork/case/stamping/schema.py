@@ -80,8 +80,10 @@ class Explicit(Part):
         description="that bound: of the worst shell by itself, or of the mesh as a whole, which bears a longer step",
     )
     damping: Rate = Field(default=_EXPLICIT.damping, ge=0, description="mass damping [1/s]")
-    precision: Literal["double", "single"] = Field(
-        default=_EXPLICIT.precision, description="single: about half the time and memory, seven digits"
+    precision: Literal["double", "single"] | None = Field(
+        default=_EXPLICIT.precision,
+        description="of shells and velocities; positions, contact and sums are always double. Without it: single where "
+        "it is faster, for von Mises with isotropic hardening alone, else double",
     )
     device: Literal["cpu", "host", "cuda"] = Field(
         default=_EXPLICIT.device,
