@@ -119,12 +119,14 @@ def test_a_row_that_fails_on_a_device_leaves_the_state_before_it(tmp_path: Path)
 def test_the_command_line_chooses_a_device(tmp_path: Path) -> None:
     """And says what a device that is not there lacks, and what else there is."""
     case = copy_example("square_cup", tmp_path)
-    told = {d: CliRunner().invoke(app, ["run", str(case), "--device", d, "--no-plot"]) for d in ("gpu", "cuda")}
-    assert all(result.exit_code == 2 for result in told.values())
-    assert "explicit.device" in told["gpu"].output
-    assert "choices: cpu, cuda, host" in told["gpu"].output
+    told = CliRunner().invoke(app, ["run", str(case), "--device", "gpu", "--no-plot"])
+    assert told.exit_code == 2
+    assert "explicit.device" in told.output
+    assert "choices: cpu, cuda, host" in told.output
     if not _core.list_cuda_cards()[0]:
-        assert 'take device = "cpu"' in " ".join(told["cuda"].output.split())
+        told = CliRunner().invoke(app, ["run", str(case), "--device", "cuda", "--no-plot"])
+        assert told.exit_code == 2
+        assert 'take device = "cpu"' in " ".join(told.output.split())
 
 
 def test_what_no_device_computes_is_refused_before_it_starts() -> None:

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests of explicit shells and solids in space pass where the code for cards computes their cycles, by its host build.
+"""Tests of explicit shells and solids in space pass where the code for cards computes their cycles.
 
-`python -m pytest -n 0 -s -m validation validation/test_explicit_on_host.py` says how many cycles that are.
+By its host build, and where there is an NVIDIA card by that, on which the tests of devices compare with the CPU's loop.
+
+    python -m pytest -n 0 -s -m validation validation/test_explicit_on_device.py [-k host | -k cuda]
+
+says how many cycles that are.
 """
 
 from __future__ import annotations
@@ -12,6 +16,8 @@ import sys
 from pathlib import Path
 
 import pytest
+
+from presswork import _core
 
 pytestmark = pytest.mark.validation
 
@@ -43,27 +49,30 @@ UNTIMED = ("-o", "faulthandler_timeout=0")
 """The host build takes a shell at a time: a test may take longer than is allowed in tests/."""
 
 
-@pytest.mark.parametrize("kind", TESTS)
-def test_explicit_tests_pass_on_the_host_build(kind: str) -> None:
-    files = [f"tests/{kind}/test_{name}.py" for name in TESTS[kind]]
+DEVICES = ["host", pytest.param("cuda", marks=pytest.mark.skipif(not _core.list_cuda_cards()[0], reason="no card"))]
+
+
+def run_tests(device: str, files: list[str]) -> None:
+    """Run test files on a device."""
     skipped = " and ".join(f"not ({name})" for name in BY_THE_LOOP)
-    command = [
-        sys.executable,
-        "-m",
-        "pytest",
-        "-q",
-        "-n",
-        "0",
-        "-p",
-        "validation.on_host",
-        *UNTIMED,
-        "-k",
-        skipped,
-        *files,
-    ]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=3000)
-    told = re.search(r"cycles: (\d+) on the host build.*", done.stdout)
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "validation.on_device", "--on-device", device]
+    done = subprocess.run(
+        [*command, *UNTIMED, "-k", skipped, *files], cwd=ROOT, capture_output=True, text=True, timeout=3000
+    )
+    told = re.search(r"cycles: (\d+) on the device.*", done.stdout)
     print(done.stdout[-1500:])
     assert done.returncode == 0, done.stdout[-8000:]
     assert told is not None
     assert int(told[1]) > 10_000
+
+
+@pytest.mark.parametrize("device", DEVICES)
+@pytest.mark.parametrize("kind", TESTS)
+def test_explicit_tests_pass_on_a_device(kind: str, device: str) -> None:
+    run_tests(device, [f"tests/{kind}/test_{name}.py" for name in TESTS[kind]])
+
+
+@pytest.mark.parametrize("device", DEVICES[1:])
+def test_tests_of_devices_pass_on_a_card(device: str) -> None:
+    """In place of the host build, beside the CPU's loop; those of refusals, too."""
+    run_tests(device, sorted(str(file.relative_to(ROOT)) for file in ROOT.glob("tests/*/test_device*.py")))
