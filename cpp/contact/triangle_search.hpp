@@ -73,6 +73,15 @@ inline unsigned within(AtOnce values, float bound) {
 }
 #endif
 
+// The number of the lowest bit that is set; there is one. For a card std::countr_zero compiles, and says 32.
+PRESSWORK_INLINE int lowest(unsigned bits) {
+#if defined(__CUDA_ARCH__)
+  return __ffs(static_cast<int>(bits)) - 1;
+#else
+  return std::countr_zero(bits);
+#endif
+}
+
 template <class Floats>
 PRESSWORK_INLINE Floats load(const float from[8]) {
   Floats loaded;
@@ -199,7 +208,7 @@ struct TriangleSearch : TriangleTree {
                eights::load<Floats>(leaf.plane[p][2]) * at[2] + eights::load<Floats>(leaf.plane[p][3]);
     const Floats beyond = larger_of(larger_of(off[1], off[2]), larger_of(off[3], Floats{}));
     unsigned within = eights::within(off[0] * off[0] + beyond * beyond, bound);
-    for (; within != 0; within &= within - 1) measure(leaf.triangle[std::countr_zero(within)], x, near);
+    for (; within != 0; within &= within - 1) measure(leaf.triangle[eights::lowest(within)], x, near);
     bound = widen(near.distance2);
   }
 
@@ -219,7 +228,7 @@ struct TriangleSearch : TriangleTree {
           const Node& pack = near_home.pack[p];
           for (unsigned within = eights::within(distance2_to<Floats>(pack, at, at), bound); within != 0;
                within &= within - 1)
-            measure_leaf(-1 - pack.child[std::countr_zero(within)], at, x, near, bound);
+            measure_leaf(-1 - pack.child[eights::lowest(within)], at, x, near, bound);
         }
         return;
       }
@@ -246,7 +255,7 @@ struct TriangleSearch : TriangleTree {
       // the nearest child goes on top of the stack
       const int from = count;
       for (unsigned within = eights::within(distance2, bound); within != 0; within &= within - 1) {
-        const int c = std::countr_zero(within);
+        const int c = eights::lowest(within);
         const float d2 = distance2[c];
         int i = count++;
         for (; i > from && stack[i - 1].distance2 < d2; --i) stack[i] = stack[i - 1];
