@@ -129,6 +129,18 @@ def test_kernels_fit_into_registers(build: tuple[Path, str]) -> None:
             assert spilled <= SPILLS.get(kernel, FEW_SPILLS)
 
 
+def test_the_lowest_bit_is_found_on_a_card(nvcc: Path, tmp_path: Path) -> None:
+    """`std::countr_zero` compiles to the constant 32 there, which made a card search triangles where there are none."""
+    source, assembly = tmp_path / "bits.cu", tmp_path / "bits.ptx"
+    source.write_text(
+        '#include "contact/triangle_search.hpp"\n'
+        "__global__ void find(unsigned* x) { x[1] = presswork::contact::eights::lowest(x[0]); }\n"
+    )
+    options = ["-std=c++20", "-O3", "--expt-relaxed-constexpr", "-arch=compute_90", "-ptx", f"-I{ROOT / 'cpp'}"]
+    subprocess.run([nvcc, *options, source, "-o", assembly], check=True, capture_output=True, timeout=300)
+    assert "bfind" in assembly.read_text()
+
+
 def test_the_library_is_opened_and_says_what_is_missing(build: tuple[Path, str]) -> None:
     """On a machine without driver or card; on one with a card it is counted."""
     library = ctypes.CDLL(str(build[0] / "libpresswork_cuda.so"))
