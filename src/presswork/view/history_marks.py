@@ -14,6 +14,21 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
+_ROOM = 0.3
+"""Part of the width that the words of a peak take."""
+
+
+def mark_peak(ax: Axes, x: float, y: float) -> None:
+    """Mark a force [kN] at a stroke [mm]; its words stand on the side that has room, once all curves are drawn."""
+    low, high = ax.get_xlim()
+    is_left = x - low < _ROOM * (high - low)
+    ax.plot([x], [y], "o", color="0.2", markersize=4, zorder=4)
+    ax.annotate(
+        f"{y:.4g} kN at {x:.4g} mm", (x, y), xytext=(6 if is_left else -6, 6), textcoords="offset points",
+        ha="left" if is_left else "right", fontsize="small",
+    )  # fmt: skip
+
+
 def mark_history(ax: Axes, result: Result, drawn: Sequence[tuple[str, str]]) -> None:
     """Mark the largest of the forces drawn, and the stroke of the first crack.
 
@@ -27,15 +42,7 @@ def mark_history(ax: Axes, result: Result, drawn: Sequence[tuple[str, str]]) -> 
     at = int(np.argmax(np.abs(history[force])))
     x, y = float(history[stroke][at]), 1e-3 * float(history[force][at])
     if y:
-        ax.plot([x], [y], "o", color="0.2", markersize=4, zorder=4)
-        ax.annotate(
-            f"{y:.4g} kN at {x:.4g} mm",
-            (x, y),
-            xytext=(-6, 6),
-            textcoords="offset points",
-            ha="right",
-            fontsize="small",
-        )
+        mark_peak(ax, x, y)
     tool = stroke.removesuffix(".stroke")
     crack = result.summary.get("first_crack", {}).get("strokes_mm", {}).get(tool)
     if crack is not None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork.model import BoolArray, IntArray
 from presswork.results import Result
+from presswork.view.history_marks import mark_peak
 from presswork.view.style import begin_at_zero, clean_axes, count_operations, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
@@ -73,15 +74,14 @@ def plot_operation(result: Result, operation: Operation, ax: Axes | None = None)
     require_matplotlib()
     ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
     history, rows = result.history, operation.rows
+    peaks = []
     for tool in operation.tools:
         stroke, force = history[f"{tool}.stroke"][rows], 1e-3 * history[f"{tool}.force"][rows]
         ax.plot(stroke, force, label=tool, linewidth=1.8)
         top = int(np.argmax(np.abs(force)))
-        ax.plot([stroke[top]], [force[top]], "o", color="0.2", markersize=4, zorder=4)
-        ax.annotate(
-            f"{force[top]:.4g} kN at {stroke[top]:.4g} mm", (stroke[top], force[top]), xytext=(-6, 6),
-            textcoords="offset points", ha="right", fontsize="small",
-        )  # fmt: skip
+        peaks.append((float(stroke[top]), float(force[top])))
+    for x, y in peaks:
+        mark_peak(ax, x, y)
     only = f"{operation.tools[0]} " if len(operation.tools) == 1 else ""
     ax.set_xlabel(f"{only}stroke [mm]")
     ax.set_ylabel(f"{only}force [kN]")
