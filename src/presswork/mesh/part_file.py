@@ -35,6 +35,8 @@ DEAD = 0.02
 """Quality below which slivers are collapsed before long edges are halved."""
 MOST_TRIANGLES = 1_000_000
 """To which a part is refined at most."""
+_FEW_EDGES = 6
+"""Of a hole that is told, since a gap in the model has few; a pierced one has more."""
 
 
 class UndercutError(MeshError):
@@ -97,9 +99,9 @@ def read_part(
         points, cells = _widen(points, cells, addendum, symmetry)
         notes.append(f"a level flange {addendum:.4g} mm wide was added to the part's outline")
     for rim in _sorted_rims(points, cells)[1:]:
-        if len(rim) == 3:
+        if len(rim) <= _FEW_EDGES:
             notes.append(
-                f"a hole of three edges near {place(points[rim].mean(axis=0))} is kept: is a triangle missing?"
+                f"a hole of {len(rim)} edges near {place(points[rim].mean(axis=0))} is kept: are triangles missing?"
             )
     if element_size is not None:
         points, cells = _refine(points, cells, element_size, notes)

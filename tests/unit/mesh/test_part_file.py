@@ -152,3 +152,20 @@ def test_refinement_halves_long_edges_and_keeps_the_surface():
     rim = fine[np.unique(np.unique(edges, axis=0)[count == 1])]
     on_rim = (np.abs(np.abs(rim[:, 0]) - 40.0) < 1e-9) | (rim[:, 1] < 1e-9) | (rim[:, 1] > 30.0 - 1e-9)
     assert on_rim.all()
+
+
+def test_a_gap_in_the_model_is_told_and_a_pierced_hole_is_not(tmp_path):
+    n = 13
+    x, y = (each.ravel() for each in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
+    points = np.column_stack([x, y, np.zeros(n * n)]).astype(float)
+    number = np.arange(n * n).reshape(n, n)
+    quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(-1, 4)
+    row = (n - 1) * 4 + 4
+    _, notes = read_part(
+        write(tmp_path / "gap.stl", points, ("triangle", halves(np.delete(quads, [row, row + 1], axis=0))))
+    )
+    assert notes == ("a hole of 6 edges near (4.5, 5, 0) is kept: are triangles missing?",)
+    block = [row + i * (n - 1) + j for i in range(2) for j in range(2)]
+    assert (
+        read_part(write(tmp_path / "hole.stl", points, ("triangle", halves(np.delete(quads, block, axis=0)))))[1] == ()
+    )

@@ -14,7 +14,8 @@ export class CurvesPanel {
       return;
     }
     const first = main.curves.curves;
-    this.first = first.length ? first : [["time", main.curves.columns.at(-1).name]];
+    const abscissa = main.findColumn("time") ? "time" : main.curves.columns[0].name; // one step counts iterations
+    this.first = first.length ? first : [[abscissa, main.curves.columns.at(-1).name]];
     this.x = this.y = "";
     this.box = make("div");
     this.values = make("div");
