@@ -91,6 +91,22 @@ def in_plane(cells: int) -> tuple[Mesh, SheetState]:
     )
 
 
+def test_what_shells_have_once_for_all_points_leaves_the_points_their_own_stress() -> None:
+    """Fully integrated explicit shells have one thickness and one axis, and stress at four points."""
+    mesh, state = in_plane(8)
+    (block,) = state.blocks
+    once = replace(block, axis=block.axis[:, :1], thickness=block.thickness[:, :1])
+    line = np.array([[-BEYOND, -3.0], [BEYOND, 5.0], [BEYOND, BEYOND], [-BEYOND, BEYOND]])
+    lines = (TrimLine("strip", line, "inside"),)
+    ours = trim_sheet(mesh, SheetState(mesh.points, (once,)), lines, ELEMENTS).state.blocks
+    theirs = trim_sheet(mesh, state, lines, ELEMENTS).state.blocks
+    assert {block.connectivity.shape[1] for block in ours} == {3, 4}
+    for one, other in zip(ours, theirs, strict=True):
+        for name in ("axis", "thickness", "stress", "history"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    assert np.ptp(ours[0].stress[:, :, 0, 0], axis=1).max() > 1.0, "stress differs from point to point"
+
+
 @pytest.mark.parametrize(("cells", "tolerance"), [(8, 0.06), (16, 0.015), (24, 0.01)])
 def test_a_strip_cut_lengthwise_out_of_a_stressed_sheet_bends_in_its_plane(cells: int, tolerance: float) -> None:
     """Elastic: N and M of what is kept, y > c, about its own middle are let go; k = -M/E I of the narrow strip."""

@@ -54,9 +54,9 @@ class SheetBlock:
     connectivity: IntArray
     """(n_cells, 3 | 4)."""
     axis: FloatArray
-    """x of the law in space, unit vectors (n_cells, q, 3)."""
+    """x of the law in space, unit vectors (n_cells, q or 1, 3)."""
     thickness: FloatArray
-    """(n_cells, q) [mm]."""
+    """(n_cells, q or 1) [mm]."""
     stress: FloatArray
     """xx, yy, xy in the frame of the law (n_cells, q, k, 3) [MPa]."""
     history: FloatArray

@@ -20,7 +20,7 @@ from presswork.mesh.checks import MeshError
 from presswork.mesh.cut import NATURAL, CutCells, CutMesh, cut_mesh
 from presswork.mesh.topology import find_boundary_edges
 from presswork.model import CellBlock, FloatArray, IndexArray, Mesh, ShellElement, TrimLine
-from presswork.process.transfer import SheetBlock, SheetState
+from presswork.process.transfer import SheetBlock, SheetState, at_points
 
 
 @dataclass(frozen=True)
@@ -134,33 +134,32 @@ def _cut_block(state: SheetState, cells: CutCells, elements: Mapping[int, ShellE
     """Return the state of cells of one kind, each point from the nearest one of the cell's parent."""
     shape = _core.shell_shape(elements[cells.connectivity.shape[1]])[0]
     places = np.einsum("qa,cai->cqi", shape, cells.natural)
-    found: SheetBlock | None = None
+    found: dict[str, FloatArray] = {}
     for number, block in enumerate(state.blocks):
         own = cells.parent[:, 0] == number
         parent = cells.parent[own, 1]
         nearest = _nearest_points(block, places[own], elements)
-        taken = {name: values[parent[:, None], nearest] for name, values in _values_of(block).items()}
-        if found is None:
-            room = {name: np.empty((len(own), *values.shape[1:])) for name, values in taken.items()}
-            evolved = {name.removeprefix(EVOLVED): v for name, v in room.items() if name.startswith(EVOLVED)}
-            plain = {name: v for name, v in room.items() if not name.startswith(EVOLVED)}
-            found = SheetBlock(cells.connectivity, evolved=evolved, **plain)
-        for name, target in _values_of(found).items():
-            target[own] = taken[name]
-    assert found is not None
-    return found
+        for name, values in _values_of(block).items():
+            taken = values[parent[:, None], nearest]
+            found.setdefault(name, np.empty((len(own), *taken.shape[1:])))[own] = taken
+    evolved = {name.removeprefix(EVOLVED): v for name, v in found.items() if name.startswith(EVOLVED)}
+    plain = {name: v for name, v in found.items() if not name.startswith(EVOLVED)}
+    return SheetBlock(cells.connectivity, evolved=evolved, **plain)
 
 
 def _values_of(block: SheetBlock) -> dict[str, FloatArray]:
-    """Return what a block has at its points, by name."""
+    """Return what a block has at its points, by name, also what it has once for all points of a shell."""
+    q = block.history.shape[1]
     found = {"axis": block.axis, "thickness": block.thickness, "stress": block.stress, "history": block.history}
     found |= {f"{EVOLVED}{name}": values for name, values in block.evolved.items()}
-    return found if block.temperature is None else found | {"temperature": block.temperature}
+    if block.temperature is not None:
+        found["temperature"] = block.temperature
+    return {name: at_points(values, q) for name, values in found.items()}
 
 
 def _nearest_points(block: SheetBlock, places: FloatArray, elements: Mapping[int, ShellElement]) -> IndexArray:
     """Return which of a block's points in the plane lies nearest to places in natural coordinates (n, q, 2) (n, q)."""
-    n_nodes, q = block.connectivity.shape[1], block.thickness.shape[1]
+    n_nodes, q = block.connectivity.shape[1], block.history.shape[1]
     if q == 1:
         return np.zeros(places.shape[:2], dtype=np.intp)
     points = _core.shell_shape(elements[n_nodes])[0] @ NATURAL[n_nodes]
