@@ -33,8 +33,9 @@ class HemShape:
     edge: FloatArray
     """How far out its outer face lies (n,) [mm]."""
     thickest: FloatArray
-    """Over the flat of the flange (n,) [mm]."""
+    """Over the flange, its fold included, which stands up where it is left open (n,) [mm]."""
     thinnest: FloatArray
+    """Over the flat of the flange (n,) [mm]."""
     opening: FloatArray
     """Angle between panel and flange (n,) [degree]: 90 as flanged, 0 pressed flat, below zero where the tip dips."""
 
@@ -110,9 +111,9 @@ def _measure_strip(out: FloatArray, now: FloatArray, z: FloatArray, half: FloatA
     # 3. both sheets and what lies between them
     panel = np.flatnonzero(~flange)
     panel = panel[np.argsort(now[panel], kind="stable")]
-    under, under_half = (np.interp(now[flat], now[panel], values[panel]) for values in (z, half))
-    height = np.abs(z[flat] - under) + half[flat] + under_half
-    return edge, float(height.max()), float(height.min()), opening
+    under, under_half = (np.interp(now[flange], now[panel], values[panel]) for values in (z, half))
+    height = np.abs(z[flange] - under) + half[flange] + under_half
+    return edge, float(height.max()), float(height[flat[flange]].min()), opening
 
 
 def tell_hem(formed: HemShape, before: HemShape | None, released: HemShape | None) -> dict[str, Any]:

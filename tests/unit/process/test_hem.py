@@ -53,6 +53,16 @@ def test_opening_is_the_angle_between_panel_and_flange(degrees: float) -> None:
     assert shape.opening == pytest.approx(degrees, abs=1e-6)
 
 
+def test_an_open_fold_is_as_thick_as_where_it_stands_up() -> None:
+    """A flange whose tip dips: thickest at the top of the fold, thinnest at the tip."""
+    dip = np.radians(5.0)
+    flat, folded = fold(np.pi + dip)
+    shape = measure_hem(Hem((1.0, 0.0)), flat, folded, np.full(len(flat), HALF))
+    rest = flat[:, 0].max() - FOLD - RADIUS * (np.pi + dip)
+    assert shape.thickest == pytest.approx(2 * RADIUS + 2 * HALF, abs=1e-3)
+    assert shape.thinnest == pytest.approx(RADIUS * (1 + np.cos(dip)) - rest * np.sin(dip) + 2 * HALF, abs=1e-3)
+
+
 def test_a_round_hem_is_measured_radially() -> None:
     flat, folded = fold(np.pi)
     angle = flat[:, 1] / 60.0
