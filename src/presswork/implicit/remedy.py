@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from presswork.body.sharp_fold import SharpFold
 from presswork.interaction.resting import find_loose
 from presswork.model import Model
 
@@ -14,13 +15,21 @@ SNAP = (
 )
 
 
-def find_remedy(model: Model, negative_pivots: int) -> str:
+FOLD = (
+    "Leave the fold room: let tools close less or press beside it, or put an inner panel in; or take "
+    'procedure = "explicit", whose shells are folded flat'
+)
+
+
+def find_remedy(model: Model, negative_pivots: int, fold: SharpFold | None = None) -> str:
     """Return a sentence on what to do.
 
     negative_pivots: the most of any tangent in the last attempt; of shells they tell of a limit load. Solids are
-    softened by much else.
+    softened by much else. fold: of a sheet, where it is folded without an inner radius.
     """
-    if model.analysis == "stamping" and model.solver.inertia == 0.0:
+    if fold is not None and _is_stamping(model):
+        return f"{fold}. {FOLD}"
+    if _is_stamping(model) and model.solver.inertia == 0.0:
         return f"{SNAP}. {MESH}"
     if model.analysis != "shell" or negative_pivots == 0 or model.solver.inertia > 0.0:
         loose = find_loose(model)
@@ -39,6 +48,11 @@ def find_remedy(model: Model, negative_pivots: int) -> str:
     if not _is_under_loads_alone(model):
         return f"{limit}S{inertia[1:]}"
     return f'{limit}Set solver.control = "arc_length" to follow its path on, with less load where need be; or {inertia}'
+
+
+def _is_stamping(model: Model) -> bool:
+    """Say whether the model is of shells between tools, which the procedure of a stamping makes of its own."""
+    return model.analysis == "stamping" or (model.analysis == "shell" and bool(model.tools))
 
 
 def _is_under_loads_alone(model: Model) -> bool:

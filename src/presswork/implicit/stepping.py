@@ -14,6 +14,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.make import make_mechanics
+from presswork.body.sharp_fold import find_sharp_fold
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
 from presswork.body.thermoelastic import find_thermal_work, keep_temperatures
@@ -183,6 +184,11 @@ class ImplicitProcedure:
         self.state = trial
         return outcome
 
+    def _find_remedy(self) -> str:
+        sheet = self.mechanics if isinstance(self.mechanics, ShellMechanics) else None
+        fold = find_sharp_fold(self.model.mesh, sheet, self._start) if sheet is not None else None
+        return find_remedy(self.model, self.equilibrium.system.negative_pivots, fold)
+
     def settle_at_rest(self, state_n: State, trial: State, step: Step) -> None:
         """Complete a trial state in equilibrium on a new mesh: no time passes, and the last increment stays."""
         self.mechanics.settle(state_n, trial, 0.0)
@@ -237,7 +243,7 @@ class ImplicitProcedure:
                 where = f"stage {self.model.stages[stage].name!r} at {fraction_n:.2%}"
                 raise GaveUpError(
                     f"{where}: even an increment of {step:.1e} of the stage finds no equilibrium ({outcome.reason}). "
-                    f"{find_remedy(self.model, self.equilibrium.system.negative_pivots)}"
+                    f"{self._find_remedy()}"
                 )
         is_over = self._commit(trial, stage, fraction_n, fraction, size, outcome.log, len(cutbacks))
         return IncrementReport(
