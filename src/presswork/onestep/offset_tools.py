@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from presswork.mesh.triangles import double_areas, find_rims, pair_triangles, split_quads
+from presswork.mesh.triangles import double_areas, find_rims, find_triangle_parts, pair_triangles, split_quads
 from presswork.model import BoolArray, FloatArray, IntArray, OneStepModel, ToolKind, Triangulation
 from presswork.onestep.loads import FLAT
 from presswork.onestep.solve import mirror_part
@@ -27,6 +27,8 @@ STEEPER = np.radians(0.5)
 """By how much the slope of the die's shoulder changes over a triangle, at least [rad]."""
 _FREE = 5.0
 """Thicknesses by which tools reach beyond an end of the part that is no flange."""
+_LARGE = 20_000
+"""Corners of a flat piece that is a plane of the part, not a chord of a radius."""
 _ROLL, _ROLLED = 2.0, 6
 """Radius of the holder's inner edge over the thickness, and the number of chords of its quarter circle."""
 _LONGEST = 2.5
@@ -313,17 +315,48 @@ def _compact(points: FloatArray, triangles: IntArray) -> Triangulation:
 
 
 def _smallest_radius(points: FloatArray, triangles: IntArray) -> float:
-    """Return the radius of curvature that a hundredth of the bent edges fall below [mm]; infinite for a flat part."""
-    pairs, normals = pair_triangles(triangles).triangles, _unit_normals(points, triangles)
+    """Return the radius of curvature that a hundredth of the bent edges fall below [mm]; infinite for a flat part.
+
+    At an edge between two flat pieces that turn by theta it is the width of the narrower one over theta: pieces, not
+    triangles, since long chords of a radius have been halved.
+    """
+    edges, normals = pair_triangles(triangles), _unit_normals(points, triangles)
+    pairs = edges.triangles
     turn = np.arccos(np.clip((normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1), -1.0, 1.0))
     bent = turn > np.radians(1.0)
     if not bent.any():
         return float("inf")
+    _, piece = find_triangle_parts(len(triangles), replace(edges, triangles=pairs[~bent]))
     one, other = triangles[pairs[bent, 0]], triangles[pairs[bent, 1]]
-    ends = one[(one[:, :, None] == other[:, None, :]).any(axis=2)].reshape(-1, 2)
-    edge = np.linalg.norm(points[ends[:, 1]] - points[ends[:, 0]], axis=1)
-    twice = np.linalg.norm(double_areas(points, triangles), axis=1)[pairs[bent]].mean(axis=1)
-    return float(np.quantile(twice / edge / turn[bent], 0.01))
+    ends = points[one[(one[:, :, None] == other[:, None, :]).any(axis=2)].reshape(-1, 2)]
+    widths = [_width_of_pieces(points, triangles, piece, normals, pairs[bent, side], ends) for side in (0, 1)]
+    return float(np.quantile(np.minimum(*widths) / turn[bent], 0.01))
+
+
+def _width_of_pieces(
+    points: FloatArray, triangles: IntArray, piece: IntArray, normals: FloatArray, beside: IntArray, ends: FloatArray
+) -> FloatArray:
+    """Return how far flat pieces reach from edges of theirs, square to them (n,) [mm]; infinite of very large ones.
+
+    piece: of each triangle; beside: a triangle at each edge (n,); ends: of the edges (n, 2, 3).
+    """
+    along = ends[:, 1] - ends[:, 0]
+    length = np.linalg.norm(along, axis=1)
+    along /= length[:, None]
+    across, middle = np.cross(normals[beside], along), ends.mean(axis=1)
+    order = np.argsort(piece, kind="stable")
+    first = np.searchsorted(piece[order], np.arange(piece.max() + 2))
+    width = np.full(len(ends), np.inf)
+    for number in np.unique(piece[beside]):
+        own = triangles[order[first[number] : first[number + 1]]]
+        corners = points[np.unique(own)]
+        if len(corners) > _LARGE:
+            continue
+        at = np.flatnonzero(piece[beside] == number)
+        away = np.abs(corners @ across[at].T - (middle[at] * across[at]).sum(axis=1))
+        aside = np.abs(corners @ along[at].T - (middle[at] * along[at]).sum(axis=1))
+        width[at] = np.where(aside <= length[at], away, 0.0).max(axis=0)
+    return width
 
 
 def _find_faults(

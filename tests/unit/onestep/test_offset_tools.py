@@ -6,10 +6,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from presswork.geometry.foot_on_triangles import split_long
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.tool_file import read_tool
 from presswork.model import FloatArray, OneStepModel, Triangulation
-from presswork.onestep.offset_tools import CLEARANCE, OffsetTools, offset_tools
+from presswork.onestep.offset_tools import CLEARANCE, OffsetTools, _smallest_radius, offset_tools
 from presswork.results.stl_file import write_stl
 from tests.problems.one_step import NO_TRIANGLES, cup_profile, fan, make_model, revolve
 
@@ -139,3 +140,17 @@ def test_radii_that_the_sheet_cannot_have_are_told() -> None:
     points, quads = revolve(cup_profile(RADIUS, 0.3, DEPTH, FLANGE, 0.1), 48)
     tools = offset_tools(make_model(points, fan(48), quads, thickness=T), 70.0)
     assert any("fold over" in note for note in tools.notes)
+
+
+@pytest.mark.parametrize("longest", [50.0, 1.5, 0.4])
+def test_the_least_radius_is_that_of_the_chords_however_they_were_halved(longest: float) -> None:
+    """Seven chords of a quarter circle of 5 mm between two planes, straight on for 20 mm."""
+    angle = np.radians(np.linspace(0.0, 90.0, 8))
+    arc = 5.0 * np.column_stack([np.sin(angle), np.cos(angle)])
+    line = np.concatenate([[[-20.0, 5.0]], arc, [[5.0, -20.0]]])
+    points = np.array([[x, y, z] for x, z in line for y in (0.0, 20.0)])
+    index = np.arange(len(points)).reshape(-1, 2)
+    quads = np.stack([index[:-1, 0], index[1:, 0], index[1:, 1], index[:-1, 1]], axis=-1)
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
+    points, triangles = split_long(points, triangles, longest)
+    assert _smallest_radius(points, triangles) == pytest.approx(5.0, rel=0.01)
