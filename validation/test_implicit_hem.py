@@ -10,7 +10,7 @@ import pytest
 
 from presswork import Result
 from presswork.model import FloatArray
-from tests.regression.test_hemming import SHEET, block, hem_line
+from tests.problems.hems import SHEET, block, hem_line
 from tests.regression.whole_runs import run_stamping
 
 pytestmark = pytest.mark.validation

@@ -33,7 +33,7 @@ class Interaction {
   virtual int n_following() const { return 0; }
   // Returns the largest speed squared of the nodes of a piece.
   virtual double follow(Nodes&, const Step&, int /*piece*/) { return 0.0; }
-  virtual void agree(Nodes&, Neighbours&) {}
+  virtual void agree(Nodes&, Neighbours&, const Step&) {}
   virtual void move(const Step&, int /*cycle*/, double /*fastest*/) {}
   virtual int n_rounds() const { return 0; }
   virtual int n_pieces(int /*round*/) const { return 0; }

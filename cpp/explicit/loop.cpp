@@ -103,7 +103,8 @@ bool Loop<Nodes>::agree(Team& team, const Step& step, int cycle) {
     team.fastest = neighbours_->shared[0];
     if (std::isinf(team.fastest)) return false;
     take_shared();
-    for (auto* each : interactions) each->agree(nodes, *neighbours_);  // in a part that has failed, too: others wait
+    for (auto* each : interactions)
+      each->agree(nodes, *neighbours_, step);  // in a part that has failed, too: others wait
   }
   team.alone = team.failed != INT_MAX;
   if (team.alone) return false;

@@ -1174,6 +1174,11 @@ class SpaceLoop:
         Let shells touch shells; undeformed (n_nodes, 3): by which those near along the sheet are left out [mm].
         """
 
+    def share_shell_contact(self, whole: SpaceLoop, undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], place: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], cell: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, friction: float, penalty: float, damping: float) -> None:
+        """
+        Let the shells of this part touch those of a whole sheet. place (n_nodes there): numbers in the part, or -1; cell: numbers there of the part's elements.
+        """
+
     def shell_contact_force(self) -> NDArray[numpy.float64]:
         """Forces of shells that touch shells on the nodes (n_nodes, 3) [N]."""
 
@@ -1602,6 +1607,11 @@ class SpaceLoopSingle:
     def add_shell_contact(self, undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, friction: float, penalty: float, damping: float) -> None:
         """
         Let shells touch shells; undeformed (n_nodes, 3): by which those near along the sheet are left out [mm].
+        """
+
+    def share_shell_contact(self, whole: SpaceLoopSingle, undeformed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], place: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], cell: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, friction: float, penalty: float, damping: float) -> None:
+        """
+        Let the shells of this part touch those of a whole sheet. place (n_nodes there): numbers in the part, or -1; cell: numbers there of the part's elements.
         """
 
     def shell_contact_force(self) -> NDArray[numpy.float64]:

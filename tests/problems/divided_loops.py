@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from presswork.process.springback import ReleasedStamping
 from presswork.process.stamping import ExplicitStamping
 from presswork.ranks.world import World, find_world
 from tests.problems.square_cup import describe_cup
+from tests.problems.stacked_plates import stack_explicit
 from tests.problems.touching_bodies import FLYING, IN_PLANE, STRIKES, describe_bodies
 from tests.problems.upset_block import describe_block
 
@@ -226,7 +228,31 @@ def compare(text: str, world: World, rows: int = 2) -> dict[str, float]:
         for _ in range(rows):
             next(on)
         found.append(run.to_arrays())
-    whole, shared = found
+    return measure(*found)
+
+
+def strike_plates(world: World, cycles: int = 65) -> dict[str, float]:
+    """Let a plate strike another of the same sheet whole and shared; return by array how far the states are apart.
+
+    So many cycles and as many again; the overlap after the first, in which they have met, stands among them.
+    """
+    found = []
+    for each in (None, world):
+        sheet, n = stack_explicit(tilt=0.002, world=each)
+        sheet.touch_itself(mu=0.2)
+        v = np.zeros((len(sheet.position), 6))
+        v[n:, :3] = [800.0, 0.0, -3000.0]
+        sheet.velocity = v
+        sheet.advance(cycles)
+        overlap = np.array(sheet.find_overlap())
+        assert overlap[0] > 0.0
+        sheet.advance(cycles)
+        found.append({**sheet.dump(), "overlap": overlap, "force": sheet.shell_contact_force})
+    return measure(*found)
+
+
+def measure(whole: Mapping[str, Any], shared: Mapping[str, Any]) -> dict[str, float]:
+    """Return by array how far two states are apart, over the array's size."""
     assert set(whole) == set(shared)
     apart = {}
     for name, values in whole.items():
@@ -260,6 +286,7 @@ def main() -> None:
         formed = describe_formed(Path(folder))
         runs = {"formed": compare(formed, world), "user_law": compare(describe_user_law(Path(folder)), world)}
     runs |= {
+        "plates": strike_plates(world),
         "struck": compare(describe_bodies(FLYING, element="hex8_1pt"), world, rows=3),
         "struck_tetrahedra": compare(describe_bodies(FLYING, element="tet4_nodal", cells=2), world, rows=2),
         "struck_in_plane": compare(describe_bodies(IN_PLANE, element="quad4_1pt", **STRIKES), world, rows=8),

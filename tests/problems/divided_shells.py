@@ -24,7 +24,7 @@ from presswork.ranks.world import World, find_world, start_petsc
 from tests.problems.divided_loops import describe_line, heat_up, read
 from tests.problems.shells import RX, RY, RZ, X, Y, Z, fixing
 from tests.problems.square_cup import BEAD, describe_cup
-from tests.verification.test_sheet_on_itself import GAP, SIDE, stack
+from tests.problems.stacked_plates import GAP, SIDE, stack
 
 ROOF = Path(__file__).parents[2] / "src" / "presswork" / "examples" / "scordelis_lo_roof.toml"
 EXACT = "\n[implicit]\nforce_tolerance = 1e-7\n"

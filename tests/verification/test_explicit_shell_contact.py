@@ -7,29 +7,8 @@ import pytest
 from presswork import _core
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.shells import ExplicitShells
-from tests.problems.explicit_shells import DENSITY, elastic_options, grid, mises, triangles
-
-THICKNESS = 0.8
-GAP = 0.02
-
-
-def stack(lower: int = 8, upper: int = 5, *, tilt: float = 0.0, aside: float = 0.3) -> tuple[ExplicitShells, int]:
-    """A plate of 12 x 12 mm, and one of 8 x 8 mm of another mesh that lies above it, GAP off; nodes of the first."""
-    points, cells = grid(lower, lower, 12.0, 12.0, distort=0.2)
-    other, others = grid(upper, upper, 8.0, 8.0)
-    c, s = np.cos(0.3), np.sin(0.3)
-    other[:, :2] = (other[:, :2] - 4.0) @ np.array([[c, s], [-s, c]]) + 6.0 + aside
-    other[:, 2] = THICKNESS + GAP + tilt * other[:, 0]
-    n = len(points)
-    sheet = ExplicitShells(
-        np.concatenate([points, other]),
-        np.concatenate([cells, others + n]),
-        THICKNESS,
-        mises(),
-        DENSITY,
-        options=elastic_options(),
-    )
-    return sheet, n
+from tests.problems.explicit_shells import DENSITY, grid, mises, triangles
+from tests.problems.stacked_plates import THICKNESS, stack_explicit
 
 
 def momentum(sheet: ExplicitShells) -> tuple[np.ndarray, np.ndarray]:
@@ -41,7 +20,7 @@ def momentum(sheet: ExplicitShells) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.parametrize("mu", [0.0, 0.2])
 def test_colliding_plates_keep_momentum_and_energy(mu: float) -> None:
     """Free plates of unlike meshes strike aslant: momentum is kept to rounding, energy within 0.1 %."""
-    sheet, n = stack(tilt=0.002)
+    sheet, n = stack_explicit(tilt=0.002)
     sheet.touch_itself(mu=mu)
     v = np.zeros((len(sheet.position), 6))
     v[n:, :3] = [800.0, 0.0, -3000.0]
@@ -62,7 +41,7 @@ def test_colliding_plates_keep_momentum_and_energy(mu: float) -> None:
 
 def test_plates_pressed_together_are_a_thickness_apart() -> None:
     """A load of 20 N on a plate that lies on a still one: the springs' give, N/k per node, is all that it sinks in."""
-    sheet, n = stack(aside=0.0)
+    sheet, n = stack_explicit(aside=0.0)
     sheet.touch_itself()
     sheet.fix(np.arange(n), "uvwpqr")
     share = sheet.mass[n:, 0] / sheet.mass[n:, 0].sum()
@@ -81,7 +60,7 @@ def test_plates_pressed_together_are_a_thickness_apart() -> None:
 def test_plate_sliding_on_a_plate_stops_where_friction_says() -> None:
     """v^2/(2 mu N/m): within 1 %."""
     mu, down, speed = 0.15, 20.0, 2000.0
-    sheet, n = stack(lower=12, aside=0.0)
+    sheet, n = stack_explicit(lower=12, aside=0.0)
     sheet.touch_itself(mu=mu)
     sheet.fix(np.arange(n), "uvwpqr")
     mass = sheet.mass[n:, 0]
@@ -147,7 +126,7 @@ def test_strip_folded_by_moments_stays_out_of_itself(three: bool) -> None:
 
 def run_collision(cycles: int) -> ExplicitShells:
     """Return the collision with friction after so many cycles."""
-    sheet, n = stack(lower=40, upper=26, tilt=0.002)
+    sheet, n = stack_explicit(lower=40, upper=26, tilt=0.002)
     sheet.touch_itself(mu=0.2)
     v = np.zeros((len(sheet.position), 6))
     v[n:, :3] = [800.0, 0.0, -3000.0]
@@ -170,7 +149,7 @@ def test_dump_goes_on_with_the_same_bits() -> None:
 
 def test_refusals() -> None:
     """Second contact, friction below zero, a stiffness beyond the stable step."""
-    sheet, _ = stack()
+    sheet, _ = stack_explicit()
     for bad in ({"mu": -0.1}, {"penalty": 0.5}, {"damping": 2.0}, {"undeformed": sheet.start[:-1]}):
         with pytest.raises(ExplicitError):
             sheet.touch_itself(**bad)

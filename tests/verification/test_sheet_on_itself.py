@@ -3,62 +3,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.sheet_on_itself import SelfContactArrays
 from presswork.model import (
-    Hardening,
-    Material,
-    Model,
-    OutputSettings,
     PrescribedDisplacement,
-    SheetSelfContact,
     ShellPressure,
-    SolverSettings,
     Stage,
     Support,
 )
-from tests.problems.shells import CLAMPED, RX, RY, RZ, X, Y, Z, fixing, patch
-
-YOUNG, THICKNESS, SIDE, GAP = 210e3, 0.8, 8.0, 0.02
-SETTINGS = SolverSettings(symmetric=False, initial_increment=0.05, max_increment=0.05, force_tolerance=1e-7)
-
-
-def stack(stages: tuple[Stage, ...], supports: tuple[Support, ...], mu: float, *, upper: int = 8) -> Model:
-    """Return two plates in one mesh, GAP off each other; the lower one, of 8 x 8 shells, is clamped all over."""
-    low, high = (
-        patch(
-            lambda u, v, z=z: np.column_stack([u, v, z + 0 * u]),
-            np.linspace(0.0, SIDE, n + 1),
-            np.linspace(0.0, SIDE, n + 1),
-            thickness=THICKNESS,
-        )
-        for n, z in ((8, 0.0), (upper, THICKNESS + GAP))
-    )
-    n = len(low.points)
-    cells = np.concatenate([low.blocks[0].connectivity, high.blocks[0].connectivity + n])
-    mesh = replace(
-        low,
-        points=np.concatenate([low.points, high.points]),
-        blocks=(replace(low.blocks[0], connectivity=cells.astype(np.int32)),),
-        node_sets={"lower": np.arange(n), "upper": np.arange(n, n + len(high.points))},
-        edge_sets={},
-    )
-    return Model(
-        title="plates",
-        analysis="shell",
-        mesh=mesh,
-        materials=(Material("elastic", YOUNG, 0.0, Hardening("linear", np.array([1e9, 0.0]))),),
-        supports=(Support("lower", CLAMPED), *supports),
-        stages=stages,
-        solver=SETTINGS,
-        output=OutputSettings(steps=1),
-        self_contact=SheetSelfContact(mu),
-    )
+from tests.problems.shells import CLAMPED, RX, RY, RZ, X, Y, Z, fixing
+from tests.problems.stacked_plates import GAP, SETTINGS, SIDE, THICKNESS, YOUNG, stack
 
 
 def test_plates_under_a_pressure_overlap_by_half_of_what_each_sinks_into_a_tool() -> None:

@@ -64,16 +64,25 @@ class ShellContact : private contact::NearShells {
   void set_stiffness(const std::vector<double>& node_mass, double dt);
   double step() const { return step_; }
 
-  // One cycle. The nodes have moved by a step (one thread; fastest: the largest speed of a node); then chunks of nodes
-  // find their forces, and then chunks of nodes gather them off net (n_nodes, 6), internal less external forces.
+  // One cycle. The nodes have moved by a step (one thread; fastest: the largest speed of a node), after which the whole
+  // sheet may have to be looked at: pass says so, and follow does it; then chunks of nodes find their forces, and then
+  // chunks of nodes gather them off net (n, 6), internal less external forces, of nodes whose place there is not -1.
+  bool pass(double dt, double fastest);
   template <class View>
-  void follow(const View& sheet, double fastest);
+  void follow(const View& sheet) {
+    if (is_due_) search(sheet);
+  }
   template <class View>
   void find_forces(int c, const View& sheet);
   template <class Real>
-  void gather(int c, Real* net) const;
+  void gather(int c, Real* net, const int* place = nullptr) const;
   void close_cycle();
   int chunks() const { return (n_nodes_ + chunk - 1) / chunk; }
+  // After pass, where the whole sheet is not looked at: list the nodes whose motion, and the cells whose thickness
+  // forces depend on in this cycle, which those of pairs that sleep do not.
+  void list_awake();
+  const std::vector<int>& nodes_awake() const { return nodes_awake_; }
+  const std::vector<int>& cells_awake() const { return cells_awake_; }
 
   const Work& work() const { return total_; }
   // Forces on the nodes (n_nodes, 3) [N], added.
@@ -125,11 +134,13 @@ class ShellContact : private contact::NearShells {
   std::vector<double> base_;  // mass/dt^2 [N/mm]
   double step_ = 0.0;
   // What the search has found: entries of each node, and those of each cell in the order of the nodes.
-  bool searched_ = false;
+  bool searched_ = false, is_due_ = true;
   double margin_, travel_ = 0.0, next_search_ = 0.0;
   Entries entries_;
   std::vector<int> of_cell_start_, of_cell_;
   std::vector<int> near_start_, near_;  // of each chunk: nodes that have entries, or whose shells have
+  std::vector<int> nodes_awake_, cells_awake_;
+  std::vector<char> knows_node_, knows_cell_;  // they are in these lists
   std::vector<double> wake_;
   std::vector<signed char> active_;  // of entries: the face that touches, -1: none
   std::vector<Slot> slots_;          // (n_nodes, faces)
@@ -152,12 +163,6 @@ void ShellContact::search(const View& sheet) {
   for (int i = 0; i < n_nodes_; ++i) half_node[i] = half_of_node(i, sheet);
   for (int c = 0; c < n_cells; ++c) half_cell[c] = corners(c) > 0 ? 0.5 * sheet.thickness(c) : 0.0;
   search(sheet.position, half_node, half_cell);
-}
-
-template <class View>
-void ShellContact::follow(const View& sheet, double fastest) {
-  travel_ += 2.0 * sheet.dt * fastest;
-  if (!searched_ || travel_ > next_search_) search(sheet);
 }
 
 template <class View>
@@ -289,12 +294,13 @@ void ShellContact::find_forces(int c, const View& sheet) {
 }
 
 template <class Real>
-void ShellContact::gather(int c, Real* net) const {
+void ShellContact::gather(int c, Real* net, const int* place) const {
   for (int near = near_start_[c]; near < near_start_[c + 1]; ++near) {
-    const int node = near_[near];
+    const int node = near_[near], to = place ? place[node] : node;
+    if (to < 0) continue;
     double force[3] = {};
     gather_node(node, force);
-    for (int i = 0; i < 3; ++i) net[6 * std::size_t(node) + i] -= static_cast<Real>(force[i]);
+    for (int i = 0; i < 3; ++i) net[6 * std::size_t(to) + i] -= static_cast<Real>(force[i]);
   }
 }
 

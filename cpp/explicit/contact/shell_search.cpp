@@ -1,10 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which shells a node of a sheet may touch before the next search.
 #include <algorithm>
+#include <utility>
 
 #include "explicit/contact/shell_contact.hpp"
 
 namespace presswork::explicit_dynamics {
+
+bool ShellContact::pass(double dt, double fastest) {
+  travel_ += 2.0 * dt * fastest;
+  return is_due_ = !searched_ || travel_ > next_search_;
+}
+
+void ShellContact::list_awake() {
+  knows_node_.resize(n_nodes_, 0), knows_cell_.resize(cell_start_.size() - 1, 0);
+  for (int node : nodes_awake_) knows_node_[node] = 0;
+  for (int cell : cells_awake_) knows_cell_[cell] = 0;
+  nodes_awake_.clear(), cells_awake_.clear();
+  const auto add_node = [this](int node) {
+    if (!std::exchange(knows_node_[node], 1)) nodes_awake_.push_back(node);
+  };
+  const auto add_cell = [this](int cell) {
+    if (!std::exchange(knows_cell_[cell], 1)) cells_awake_.push_back(cell);
+  };
+  for (int node : near_) {
+    bool looks = false;
+    const auto look_at = [&](int cell) {
+      looks = true;
+      add_cell(cell);
+      for (int a = cell_start_[cell]; a < cell_start_[cell + 1]; ++a) add_node(cell_node_[a]);
+    };
+    for (int f = 0; f < faces; ++f)
+      if (const Slot& slot = slots_[std::size_t(node) * faces + f]; slot.cell >= 0) look_at(slot.cell);
+    for (int e = entries_.start[node]; e < entries_.start[node + 1]; ++e)
+      if (wake_[e] <= travel_) look_at(entries_.cell[e]);
+    if (!looks) continue;
+    add_node(node);
+    for (int s = node_start_[node]; s < node_start_[node + 1]; ++s) add_cell(node_cell_[s]);
+  }
+}
 
 void ShellContact::search(const double* position, const std::vector<double>& half_node,
                           const std::vector<double>& half_cell) {

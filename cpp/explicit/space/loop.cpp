@@ -6,112 +6,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "explicit/space/sheet_interactions.hpp"
+
 namespace presswork::explicit_dynamics {
-
-// Drawbeads as an interaction: one thread visits their points.
-template <class Real>
-class SpaceLoop<Real>::SheetBeads final : public Interaction<SpaceNodes<Real>> {
- public:
-  explicit SheetBeads(SpaceLoop& loop) : loop_(loop) {}
-  void begin(SpaceNodes<Real>&, int n_cycles) override {
-    if (!loop_.beads) return;
-    for (const Drawbead& bead : loop_.beads->beads)
-      if (bead.share.size() < std::size_t(n_cycles))
-        throw std::invalid_argument("a bead is not driven for as many cycles");
-  }
-  void agree(SpaceNodes<Real>& nodes, Neighbours& parts) override {
-    if (loop_.beads) loop_.beads->agree(nodes.position.data(), SpaceNodes<Real>::position_stride, parts);
-  }
-  void move(const Step& step, int, double) override {
-    if (loop_.beads) loop_.beads->look(step.dt, loop_.nodes);
-  }
-  int n_rounds() const override { return loop_.beads ? 1 : 0; }
-  int n_pieces(int) const override { return 1; }
-  void act(SpaceNodes<Real>& nodes, const Step& step, int cycle, int, int) override {
-    loop_.beads->visit(cycle, step.dt, nodes, loop_.contact ? &loop_.contact->tools : nullptr,
-                       nodes.internal_force.data());
-  }
-  void share_masses(std::vector<double>&) override {
-    if (loop_.beads) loop_.beads->set_masses(loop_.element_masses());
-  }
-  void add_energies(double, Energies& e) const override {
-    if (loop_.beads) e.contact += loop_.beads->stored(), e.friction += loop_.beads->lost();
-  }
-  void list_state(std::vector<StateField>& fields) override {
-    if (loop_.beads) loop_.beads->list_state(fields);
-  }
-
- private:
-  SpaceLoop& loop_;
-};
-
-// Contact with tools as an interaction: edges, then nodes.
-template <class Real>
-class SpaceLoop<Real>::SheetTools final : public Interaction<SpaceNodes<Real>> {
- public:
-  explicit SheetTools(SpaceLoop& loop) : loop_(loop) {}
-  void begin(SpaceNodes<Real>& nodes, int n_cycles) override {
-    nodes.room = loop_.contact ? loop_.contact->room() : nullptr;
-    if (!loop_.contact) return;
-    for (const Tool& tool : loop_.contact->tools)
-      if (!tool.removed && tool.drive.size() < std::size_t(tool.pushed ? 1 : 3) * n_cycles)
-        throw std::invalid_argument("a tool is not driven for as many cycles");
-  }
-  void move(const Step& step, int cycle, double fastest) override {
-    if (loop_.contact) loop_.contact->move_tools(cycle, step.dt, fastest);
-  }
-  int n_rounds() const override { return loop_.contact ? 2 : 0; }
-  int n_pieces(int round) const override {
-    return round == 0 ? loop_.contact->edge_chunks() : loop_.contact->node_chunks();
-  }
-  void act(SpaceNodes<Real>& nodes, const Step& step, int, int round, int piece) override {
-    const auto sheet = loop_.view(step.dt);
-    if (round == 0)
-      loop_.contact->visit_edges(piece, sheet);
-    else
-      loop_.contact->visit_nodes(piece, sheet, nodes.internal_force.data());
-  }
-  void close() override { loop_.contact->close_cycle(); }
-  void add_energies(double dt, Energies& e) const override {
-    if (loop_.contact) loop_.contact->energies(dt).add_to(e);
-  }
-  void list_state(std::vector<StateField>& fields) override {
-    if (loop_.contact) loop_.contact->list_state(fields);
-  }
-
- private:
-  SpaceLoop& loop_;
-};
-
-// Contact of shells with shells as an interaction: forces are found, then gathered.
-template <class Real>
-class SpaceLoop<Real>::SheetShells final : public Interaction<SpaceNodes<Real>> {
- public:
-  explicit SheetShells(SpaceLoop& loop) : loop_(loop) {}
-  void move(const Step& step, int, double fastest) override {
-    if (loop_.shell_contact) loop_.shell_contact->follow(loop_.view(step.dt), fastest);
-  }
-  int n_rounds() const override { return loop_.shell_contact ? 2 : 0; }
-  int n_pieces(int) const override { return loop_.shell_contact->chunks(); }
-  void act(SpaceNodes<Real>& nodes, const Step& step, int, int round, int piece) override {
-    if (round == 0)
-      loop_.shell_contact->find_forces(piece, loop_.view(step.dt));
-    else
-      loop_.shell_contact->gather(piece, nodes.internal_force.data());
-  }
-  void close() override { loop_.shell_contact->close_cycle(); }
-  void add_energies(double, Energies& e) const override {
-    if (!loop_.shell_contact) return;
-    const ShellContact::Work& work = loop_.shell_contact->work();
-    e.contact += work.elastic, e.friction += work.friction, e.damping += work.damping;
-  }
-  void list_state(std::vector<StateField>& fields) override {
-    if (loop_.shell_contact) loop_.shell_contact->list_state(fields);
-  }
-
- private:
-  SpaceLoop& loop_;
-};
 
 template <class Real>
 SpaceLoop<Real>::SpaceLoop(int n_nodes, const double* points)
@@ -366,6 +263,31 @@ void SpaceLoop<Real>::add_shell_contact(const double* undeformed, const ShellGri
 }
 
 template <class Real>
+void SpaceLoop<Real>::share_shell_contact(const SpaceLoop& whole, const double* undeformed, const ShellGrip& grip,
+                                          std::vector<int> place, const std::vector<int>& cell) {
+  Sheet sheet = whole.list_cells();
+  sheet_of_parts_ = std::make_unique<SheetOfParts<Real>>(std::move(place), cell, whole.n_elements());
+  whole_ = &whole;
+  shell_contact = std::make_unique<ShellContact>(whole.nodes.n, std::move(sheet.start), std::move(sheet.node),
+                                                 undeformed, sheet.thickest, grip);
+}
+
+template <class Real>
+double SpaceLoop<Real>::find_deepest_in_shell(int& node, int& cell) {
+  double depth = 0.0;
+  sheet_shells_->with_sheet(0.0, [&](const auto& sheet) { depth = shell_contact->deepest(sheet, node, cell); });
+  return depth;
+}
+
+template <class Real>
+std::vector<double> SpaceLoop<Real>::plain_masses() const {
+  const std::vector<double> sum = this->sum_masses();
+  std::vector<double> masses;
+  for (int i = 0; i < this->nodes.n; ++i) masses.push_back(sum[2 * std::size_t(i)]);
+  return masses;
+}
+
+template <class Real>
 std::vector<double> SpaceLoop<Real>::springs() const {
   std::vector<double> all;
   for (std::size_t b = 0; b < sheets_.size(); ++b)
@@ -379,12 +301,10 @@ void SpaceLoop<Real>::set_contact_stiffness(double dt) {
   const std::vector<double> before = springs();
   for (auto* sheet : sheets_)
     if (sheet) sheet->set_springs(dt);
-  std::vector<double> ratio = springs(), own_mass;
+  std::vector<double> ratio = springs();
   for (std::size_t e = 0; e < ratio.size(); ++e) ratio[e] = before[e] > 0.0 ? ratio[e] / before[e] : 1.0;
-  const std::vector<double> sum = this->sum_masses();  // before hanging nodes give theirs away
-  for (int i = 0; i < this->nodes.n; ++i) own_mass.push_back(sum[2 * std::size_t(i)]);
-  if (contact) contact->set_stiffness(own_mass, this->element_masses(), ratio, dt);
-  if (shell_contact) shell_contact->set_stiffness(own_mass, dt);
+  if (contact) contact->set_stiffness(plain_masses(), this->element_masses(), ratio, dt);
+  if (shell_contact) shell_contact->set_stiffness(whole_ ? whole_->plain_masses() : plain_masses(), dt);
 }
 
 template class SpaceLoop<double>;

@@ -11,6 +11,7 @@
 
 #include "explicit/contact/body_contact.hpp"
 #include "explicit/contact/drawbeads.hpp"
+#include "explicit/contact/sheet_of_parts.hpp"
 #include "explicit/contact/shell_contact.hpp"
 #include "explicit/contact/tool_contact.hpp"
 #include "explicit/loop.hpp"
@@ -72,7 +73,14 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   std::unique_ptr<ToolContact> make_contact() const;
   // Let shells touch shells. undeformed (n_nodes, 3) [mm].
   void add_shell_contact(const double* undeformed, const ShellGrip& grip);
+  // The same in this part of a whole sheet, which outlives it, of whose nodes place has the numbers here, or -1, and
+  // cell the numbers of the part's elements.
+  void share_shell_contact(const SpaceLoop& whole, const double* undeformed, const ShellGrip& grip,
+                           std::vector<int> place, const std::vector<int>& cell);
   std::unique_ptr<ShellContact> shell_contact;  // none: they do not
+  bool shares_shell_contact() const { return sheet_of_parts_ != nullptr; }
+  // Overlap of the node that is deepest in a shell [mm], and which they are in the whole sheet; 0, -1, -1: none.
+  double find_deepest_in_shell(int& node, int& cell);
   void set_contact_stiffness(double dt);
   void join(std::unique_ptr<Neighbours> of) override;
   // What contact must know of the sheet, after a step of dt.
@@ -104,6 +112,10 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
     double thinnest = std::numeric_limits<double>::infinity(), thickest = 0.0;
   };
   Sheet list_cells() const;
+  std::unique_ptr<SheetOfParts<Real>> sheet_of_parts_;  // of shell_contact; none: it knows the nodes of this loop
+  const SpaceLoop* whole_ = nullptr;
+  // Masses without rotary inertia, before hanging nodes give theirs away (n_nodes) [t].
+  std::vector<double> plain_masses() const;
   // Springs of squeezed shells (n_elements); 0 of solids.
   std::vector<double> springs() const;
 

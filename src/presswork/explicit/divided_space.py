@@ -150,13 +150,30 @@ class DividedSpaceLoop(DividedLoop):
         self._whole.limit_wall_friction(wall, limit)
         self._own.limit_wall_friction(wall, np.ascontiguousarray(limit[self._part.nodes]))
 
+    def add_shell_contact(self, undeformed: Array, **grip: float) -> None:
+        """Let shells touch shells: each rank computes all that touches, and all tell each other of what is near."""
+        self.bring_together()
+        self._whole.add_shell_contact(undeformed, **grip)
+        elements = self._part.list_elements()
+        self._own.share_shell_contact(self._whole, undeformed, self._list_places(), elements, **grip)
+        self._own_is_old = True
+
+    def deepest_in_shell(self) -> tuple[float, int, int]:
+        """Return the overlap of the node that is deepest in a shell [mm], it and the shell; every rank knows it."""
+        asked = self._own if self._where == "parts" else self._whole
+        return asked.deepest_in_shell()  # type: ignore[no-any-return]
+
+    def _list_places(self) -> npt.NDArray[np.int32]:
+        """Return the number in the rank's own loop of each node of the whole one, -1: it is not there."""
+        of_own = np.full(len(self._part.owner), -1, dtype=np.int32)
+        of_own[self._part.nodes] = np.arange(len(self._part.nodes))
+        return of_own
+
     def add_bead(self, place: Array, across: Array, length: Array, *, force: float, tool: int) -> int:
         """Add a drawbead; return its number."""
         self.bring_together()
         if self._beads == 0:
-            of_own = np.full(len(self._part.owner), -1, dtype=np.int32)
-            of_own[self._part.nodes] = np.arange(len(self._part.nodes))
-            self._own.share_beads(self._whole, of_own, self._part.list_elements())
+            self._own.share_beads(self._whole, self._list_places(), self._part.list_elements())
         self._own.add_bead(place, across, length, force=force, tool=tool)
         self._beads += 1
         self._own_is_old = True

@@ -37,12 +37,11 @@ def begin_on_ranks(model: Model, threads: int, world: World) -> Recording:
 
 def _find_undivided_explicit(model: Model) -> str:
     """Name what of an explicit model is not divided over ranks; nothing where all is."""
-    asked = {
-        "contact of the sheet with itself": model.self_contact is not None,
-    }
     assert model.explicit is not None
-    asked[f'device = "{model.explicit.device}"'] = model.explicit.device != "cpu"
-    asked['explicit.step_bound = "mesh"'] = getattr(model.explicit, "step_bound", "shells") == "mesh"
+    asked = {
+        f'device = "{model.explicit.device}"': model.explicit.device != "cpu",
+        'explicit.step_bound = "mesh"': getattr(model.explicit, "step_bound", "shells") == "mesh",
+    }
     return _list(asked)
 
 
