@@ -11,6 +11,7 @@ import pytest
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
+from presswork.implicit import ram
 from presswork.results.history import name_derivative
 from tests.problems.differentiated import (
     CALM,
@@ -24,10 +25,12 @@ from tests.problems.differentiated import (
     stamp_hot,
     twist_sector,
     upset_between_floating_tools,
+    upset_block,
     upset_hot,
     upset_hot_block,
     upset_two_blocks,
     upset_two_bodies,
+    upset_until,
     upset_with_floating_tools,
 )
 from tests.problems.mapped_meshes import differentiate_with_meshes, upset_block_with_new_meshes, upset_with_new_meshes
@@ -306,6 +309,28 @@ def test_bodies_that_touch_on_new_meshes() -> None:
     found, n_meshes = differentiate_with_meshes(data, ["punch.force", "rim.x", "core.effective_stress"], by)
     assert n_meshes == 2
     report({names: largest_error(*both) for names, both in found.items()})
+
+
+@pytest.mark.parametrize("kind", [Case, SpaceCase], ids=["plane", "space"])
+def test_two_blows(kind: type[Case | SpaceCase], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Of whole runs that end nearer to their energy than they need to, and take increments as long as they like."""
+    monkeypatch.setattr(ram, "SPENT", 1e-9)
+    monkeypatch.setattr(ram, "UNSURE", 1e9)
+    energy = 0.06 if kind is Case else 0.12
+    data = upset_until({"kind": "hammer", "energy": energy, "velocity": 6e3, "efficiency": 0.8}, blows=2)
+    friction = "tools.punch.m"
+    if kind is SpaceCase:
+        block, friction = upset_block("hex8_fbar", {"contact": "coulomb", "mu": 0.1}), "tools.punch.mu"
+        stage = block["stages"][0] | {
+            "press": data["stages"][0]["press"],
+            "tools": {"punch": {"stroke": 1.5, "direction": [0, 0, -1]}},
+        }
+        data = block | {"presses": data["presses"], "solver": data["solver"], "stages": [stage]}
+        data["points"] = {"rim": [9.4, 8.7, 0.4]}
+    by = {"presses.press.energy": energy, "materials.steel.hardening.K": 700.0}
+    by[friction] = 0.2 if kind is Case else 0.1
+    found = differentiate(kind, data, ["punch.stroke", "rim.x", "punch.force"], by, tmp_path)
+    report({(key, name): largest_error(*both) for key, columns in found.items() for name, both in columns.items()})
 
 
 def test_hot_forming_on_new_meshes() -> None:

@@ -214,6 +214,16 @@ def upset_in_press(press: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
+def upset_until(press: Mapping[str, Any], *, blows: int = 0) -> dict[str, Any]:
+    """Return the data of the cylinder upset by a press whose energy or limit of force ends the stage. blows: of it."""
+    data = upset_cylinder(presses={"press": dict(press)}, points={"rim": [9.5, 0.5]})
+    driven = {"name": "press", "blows": blows} if blows else "press"
+    return data | {
+        "solver": EVEN | {"force_tolerance": 1e-9},
+        "stages": [data["stages"][0] | {"press": driven}],
+    }
+
+
 def bend_strip(hardening: Mapping[str, Any], *, angle: float = 20.0, points: int = 21) -> dict[str, Any]:
     """Return the data of a strip of shells that is bent to an angle [degrees] and springs back; points: of layers."""
     return {

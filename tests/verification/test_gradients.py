@@ -15,10 +15,12 @@ from presswork.case.shell.schema import ShellCase
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
+from presswork.implicit import ram
 from presswork.interaction.contract import Interaction
 from presswork.interaction.plane_tools import PlaneTools
 from presswork.interaction.space_tools import SpaceTools
 from presswork.process.begin import begin
+from presswork.results.history import name_derivative
 from tests.problems.differentiated import (
     bend_over_die,
     bend_strip,
@@ -37,6 +39,7 @@ from tests.problems.differentiated import (
     upset_in_press,
     upset_two_blocks,
     upset_two_bodies,
+    upset_until,
     upset_with_floating_tools,
 )
 from tests.problems.mapped_meshes import differentiate_with_meshes, upset_block_with_new_meshes, upset_with_new_meshes
@@ -280,6 +283,58 @@ def test_line_of_operations_has_the_derivatives_of_whole_runs_through_trimming(t
     for name, (own, other) in found["materials.steel.hardening.K"].items():
         assert own[-1] != 0.0 or name.endswith("force")
         assert largest_error(own, other) < 1e-6, name
+
+
+HAMMER = {"kind": "hammer", "energy": 0.06, "velocity": 6e3, "efficiency": 0.8}
+HYDRAULIC = {"kind": "hydraulic", "velocity": 100.0, "force": 1.4e5}
+
+
+@pytest.mark.parametrize(
+    ("data", "by"),
+    [
+        (upset_until(HAMMER, blows=2), {"presses.press.energy": 0.06, "tools.punch.m": 0.2}),
+        (upset_until(HYDRAULIC), {"presses.press.force": 1.4e5, "materials.steel.hardening.K": 700.0}),
+    ],
+    ids=["blows", "limit of force"],
+)
+def test_stages_that_energy_or_force_ends_have_the_derivatives_of_whole_runs(
+    data: dict[str, Any], by: dict[str, float], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Whole runs end nearer to what ends them than they need to, and take increments as long as they like."""
+    monkeypatch.setattr(ram, "SPENT", 1e-9)
+    monkeypatch.setattr(ram, "UNSURE", 1e9)
+    for key, columns in differentiate(Case, data, ["punch.stroke", "rim.x"], by, tmp_path).items():
+        for name, (own, other) in columns.items():
+            assert abs(other[-1]) > 0.0, (key, name)
+            assert largest_error(own, other) < 1e-6, (key, name)
+
+
+@pytest.mark.parametrize("ends", ["energy", "force"])
+def test_stroke_depends_on_energy_and_limit_of_force_by_the_closed_form(ends: str, tmp_path: Path) -> None:
+    """Of a cylinder without friction and hardening: s V ln(h0 / h) = eta E, and F = s V / h."""
+    flow, height, volume = 300.0, 30.0, np.pi * 10.0**2 * 30.0
+    data = upset_until(HAMMER | {"energy": 0.4} if ends == "energy" else HYDRAULIC | {"force": 1.05e5})
+    steel = {
+        "magnitudes": "any",
+        "young": 2e6,
+        "poisson": 0.3,
+        "hardening": {"law": "linear", "yield_stress": flow, "modulus": 0.0},
+    }
+    number, by = f"presses.press.{ends}", "materials.steel.hardening.yield_stress"
+    data |= {"materials": {"steel": steel}, "gradients": {"by": [number, by], "of": ["punch.stroke"]}}
+    data["tools"]["punch"] = {"profile": [[0, 15], [30, 15]], "contact": "frictionless"}
+    data["stages"][0]["tools"]["punch"]["stroke"] = 5.0
+    history = run_case(Case, data, tmp_path).history
+    if ends == "energy":
+        taken = 0.8 * 0.4e6
+        now = height * np.exp(-taken / (flow * volume))
+        wanted = {number: 0.5 * now * 0.8e6 / (flow * volume), by: -0.5 * now * taken / (flow**2 * volume)}
+    else:
+        now = flow * volume / 1.05e5
+        wanted = {number: 0.5 * now / 1.05e5, by: -0.5 * volume / 1.05e5}
+    assert history["punch.stroke"][-1] == pytest.approx(0.5 * (height - now), rel=5e-3)
+    for key, value in wanted.items():
+        assert history[name_derivative("punch.stroke", key)][-1] == pytest.approx(value, rel=2e-3), key
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

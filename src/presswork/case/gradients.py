@@ -106,14 +106,15 @@ def _keep_slaves(side: model.Model, built: model.Model) -> model.Model:
 def _refuse(built: model.Model) -> list[Problem]:
     """Return the problems of what a run does that has no derivatives yet."""
     stages = [*built.stages, *(stage for operation in built.following for stage in operation.stages)]
-    ends_early = any(s.drive is not None and s.drive.may_end_early for s in stages)
+    strikes = any(stage.drive is not None and isinstance(stage.drive.motion, model.Blow) for stage in stages)
+    feels_time = built.heat is not None or any(m.rate or m.umat for m in built.materials)
     refused = (
         (built.explicit is not None, "procedure", "dynamics", "implicit runs alone have"),
         (built.formed is not None, "blank", "formed blanks", "a flat blank has"),
         (built.series is not None, "series", "series of parts", "a run of one part has"),
         (built.solver.control == "arc_length", "solver.control", "paths by arc length", "load control has"),
+        (strikes and feels_time, "stages", "blows with heat, a strain rate or a UMAT", "blows without these have"),
         (built.solver.inertia > 0.0, "solver.inertia", "inertia", "a run without inertia has"),
-        (ends_early, "stages", "stages that a blow's energy or a limit of force ends", "a press by its way alone has"),
     )
     return [
         Problem(f"gradients ({place})", f"there are no derivatives of {what} yet", f"{remedy} them")

@@ -38,10 +38,14 @@ class SensitivityArrays(Arrays):
 class Neighbour:
     """A run of nearly the same model. counts_work: whether it adds up the work done in increments."""
 
-    def __init__(self, procedure: ImplicitProcedure, change: float, *, counts_work: bool = False) -> None:
+    def __init__(
+        self, procedure: ImplicitProcedure, change: float, *, counts_work: bool = False, later: float = 0.0
+    ) -> None:
         self.procedure = procedure
         self.change = change
         """Of the parameter, from that of the run."""
+        self.later = later
+        """By how much of the stage its increment ends later than that of the run."""
         self._counts_work = counts_work
         self._begun: _Begun | None = None
 
@@ -52,10 +56,13 @@ class Neighbour:
         return self._begun
 
     def begin(self, state_n: State, number: int, step: Step) -> None:
-        """Put it beside the state before an increment, and let the increment begin."""
+        """Put it beside the state before an increment, and let the increment begin.
+
+        number: of the parameter; -1: it begins where the run does.
+        """
         procedure = self.procedure
-        beside = shift(state_n, procedure.state, number, self.change)
-        step = procedure.step_like(beside, step)
+        beside = shift(state_n, procedure.state, number, self.change if number >= 0 else 0.0)
+        step = procedure.step_like(beside, step, step.fraction + self.later)
         if step.fraction_n == 0.0 and step.stage > 0:
             for interaction in procedure.interactions.all:
                 interaction.begin_stage(beside, step.stage)
@@ -135,8 +142,21 @@ class Neighbour:
         """Look for equilibrium anew with the temperatures that heat has found, as the run does."""
         self.procedure.equilibrium.forces.begin(self.now.state_n, self.now.step)
 
-    def settle(self, progress: Progress, next_stage: int | None) -> None:
-        """Complete its state at the end of an increment; the run's progress goes with it. Raises GaveUpError."""
+    def find_excess(self) -> float:
+        """Return the work [N mm] or force [N] of its increment beyond that which ends its stage.
+
+        The increment is complete then: what follows begins it again.
+        """
+        now, procedure = self.now, self.procedure
+        procedure.equilibrium.forces.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
+        procedure.settle(now.state_n, now.trial, now.step)
+        return procedure.ram.find_excess(now.state_n, now.trial, now.step)
+
+    def settle(self, progress: Progress, next_stage: int | None, *, stops: bool = False) -> None:
+        """Complete its state at the end of an increment; the run's progress goes with it. Raises GaveUpError.
+
+        stops: whether the stage ends here, before its way is gone.
+        """
         now, procedure = self.now, self.procedure
         if not procedure.only_heat_flows(now.step.stage):
             procedure.equilibrium.forces.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
@@ -153,6 +173,8 @@ class Neighbour:
             if procedure.sheet_heat is not None:
                 procedure.sheet_heat.take(now.trial)
             procedure.evolve(now.state_n, now.trial, now.step)
+        for interaction in procedure.interactions.all if stops else ():
+            interaction.stop(now.trial, now.step.stage, now.step.fraction)
         if next_stage is not None:
             procedure.end_stage(now.trial, next_stage)
         now.trial.replace(progress.duplicate())

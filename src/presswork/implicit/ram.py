@@ -133,6 +133,22 @@ class Ram:
             return now.stage_work >= drive.motion.energy * (1.0 - SPENT)
         return now.force >= drive.force * (1.0 - SPENT)
 
+    def strikes(self, stage: int) -> bool:
+        """Say whether a stage is a blow."""
+        drive = self._drives[stage]
+        return drive is not None and isinstance(drive.motion, Blow)
+
+    def find_excess(self, start: State, trial: State, step: Step) -> float:
+        """Return the work [N mm] or force [N] of an increment in equilibrium beyond that which ends its stage."""
+        drive = self._drives[step.stage]
+        assert drive is not None, "a stage without a ram"
+        force = self.find_force(trial, step.stage)
+        if not isinstance(drive.motion, Blow):
+            return force - drive.force
+        way = (step.fraction - step.fraction_n) * drive.travel
+        mean = 0.5 * (self.find_force(start, step.stage) + force)
+        return self._spent(start, step.fraction_n) + mean * way - drive.motion.energy
+
     def commit(self, start: State, trial: State, step: Step) -> None:
         """Add up work and time of a converged increment. trial: a copy of start before."""
         now, drive = trial[RamArrays], self._drives[step.stage]

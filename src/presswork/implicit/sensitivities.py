@@ -46,6 +46,10 @@ what is out of balance: a number that moves the body as a whole changes no force
 ROUND_OFF = 1e-11
 """Of the largest nodal force: what neighbours may differ by out of balance where no force changes by more than NOTHING,
 if it becomes no less."""
+LATER = 1e-5
+"""Of a stage: by how much neighbours end it later and sooner that differ by its end alone."""
+ALL_ALIKE = -1
+"""In place of a parameter's number: of neighbours that begin with the run's state."""
 INNER = 0.3
 """Part of what is enough to which K is solved."""
 MOST_ROUNDS = 30
@@ -84,13 +88,16 @@ class Sensitivities:
         One that is not found is no number from then on: the run goes on without it.
         """
         courses = [_Course(n, each) for n, each in enumerate(self.neighbours) if not self.is_lost(state_n, n)]
+        stops = step.fraction < 1.0 and self._procedure.ram.is_over(trial, step.stage)
         try:
+            if stops:
+                self._end_together(courses, state_n, step)
             self._go_along(courses, state_n, step)
-            self._same.settle(trial[Progress], next_stage)
+            self._same.settle(trial[Progress], next_stage, stops=stops)
         except (GaveUpError, LostWorkpieceError):
             courses = []
         for course in courses:
-            course.settle(trial[Progress], next_stage)
+            course.settle(trial[Progress], next_stage, stops=stops)
         found = {c.number: c.each for c in courses if not c.is_lost}
         arrays, names = trial.to_arrays(), state_n[SensitivityArrays].slope
         slopes = [
@@ -142,6 +149,22 @@ class Sensitivities:
                 for course in courses:
                     course.conduct()
 
+    def _end_together(self, courses: Sequence[_Course], state_n: State, step: Step) -> None:
+        """Let the neighbours end a stage where each has spent its own energy, or reached its own limit of force.
+
+        The part of the stage at its end is one number more: the neighbours differ by it, too, so that nothing is
+        beyond the end. Raises GaveUpError.
+        """
+        size = step.fraction - step.fraction_n
+        change, same = min(LATER, 0.1 * size), self._same.procedure
+        sides = (Neighbour(same, way * change, later=way * change) for way in (1.0, -1.0))
+        end = _Course(ALL_ALIKE, Neighbours("", *sides))
+        self._go_along([*courses, end], state_n, step)
+        if end.is_lost:
+            raise GaveUpError("no derivatives here: none by the end of the stage")
+        for course in courses:
+            course.end_like(end)
+
     def _sides(self, courses: Sequence[_Course]) -> list[Neighbour]:
         """Return all neighbours that still count."""
         return [self._same, *(side for c in courses if not c.is_lost for side in c.each.own)]
@@ -182,7 +205,8 @@ class _Course:
     def __init__(self, number: int, each: Neighbours) -> None:
         self.number, self.each = number, each
         self.is_lost = False
-        self._start: FloatArray | None = None
+        self.start: FloatArray | None = None
+        """Derivative with which the search begins, where it is known."""
 
     @property
     def force(self) -> float:
@@ -192,14 +216,14 @@ class _Course:
     def predict(self, state_n: State, step: Step) -> None:
         """Begin the search with the derivative of the increment before, for each part of the stage."""
         last = state_n[Progress].last_size
-        if step.fraction_n > 0.0 and last > 0.0:
+        if self.start is None and self.number >= 0 and step.fraction_n > 0.0 and last > 0.0:
             slope = state_n[SensitivityArrays].slope["nodes.increment"][self.number]
             travel = self.each.more.find_last_travel() - self.each.less.find_last_travel()
-            self._start = join(slope, travel / self.each.apart) * (step.fraction - step.fraction_n) / last
+            self.start = join(slope, travel / self.each.apart) * (step.fraction - step.fraction_n) / last
 
     def begin(self, increment: FloatArray, length: FloatArray, evaluate: Evaluate) -> bool:
         """Begin with what was predicted, or nodes that do not move by the parameter; return whether to go on."""
-        first = np.zeros_like(increment) if self._start is None else self._start
+        first = np.zeros_like(increment) if self.start is None else self.start
         self._lack, self._begin, self._slope = _Lack(length, increment, self.each.apart), first, first
         self._ways: list[FloatArray] = []
         self._taken: list[FloatArray] = []
@@ -234,18 +258,33 @@ class _Course:
 
     def conduct(self) -> None:
         """Take the neighbours' heat to the end of the increment; equilibrium that is found again begins from here."""
-        self._start = self._slope
+        self.start = self._slope
         try:
             for side in [] if self.is_lost else self.each.own:
                 side.conduct()
         except GaveUpError:
             self.is_lost = True
 
-    def settle(self, progress: Progress, next_stage: int | None) -> None:
+    def end_like(self, end: _Course) -> None:
+        """Go on from here to where the neighbours' stages end. end: the derivative by the part of the stage."""
+        if self.is_lost:
+            return
+        excess, by_end = (
+            (each.more.find_excess() - each.less.find_excess()) / each.apart for each in (self.each, end.each)
+        )
+        if by_end == 0.0:
+            self.is_lost = True
+            return
+        self.start = self._slope - excess / by_end * end._slope
+        for side in self.each.own:
+            side.later = -side.change * excess / by_end
+
+    def settle(self, progress: Progress, next_stage: int | None, *, stops: bool) -> None:
         """Complete the neighbours' states at the end of the increment."""
         try:
             for side in [] if self.is_lost else self.each.own:
-                side.settle(progress, next_stage)
+                side.settle(progress, next_stage, stops=stops)
+                side.later = 0.0
         except GaveUpError:
             self.is_lost = True
 

@@ -330,10 +330,18 @@ class ImplicitProcedure:
         since = self.ram.stage_time(self._start, stage, fraction_n)
         return Step(stage, fraction_n, fraction, now.increments + 1, now.time, dt, since)
 
-    def step_like(self, state_n: State, step: Step) -> Step:
-        """Return the same part of a stage as another run has gone, in the time that it takes here."""
-        dt = self.ram.take_time(state_n, step.stage, step.fraction_n, step.fraction, to_rest=False)
-        return replace(step, dt=dt, stage_time_n=self.ram.stage_time(state_n, step.stage, step.fraction_n))
+    def step_like(self, state_n: State, step: Step, fraction: float) -> Step:
+        """Return a part of a stage near one that another run has gone, in the time that it takes here.
+
+        step: of that run, whose mean speeds count in a blow: where it comes to rest, a run beside it may have no energy
+        left.
+        """
+        if self.ram.strikes(step.stage) and not step.is_at_rest:
+            dt = step.dt * (fraction - step.fraction_n) / (step.fraction - step.fraction_n)
+        else:
+            dt = self.ram.take_time(state_n, step.stage, step.fraction_n, fraction, to_rest=False)
+        since = self.ram.stage_time(state_n, step.stage, step.fraction_n)
+        return replace(step, fraction=fraction, dt=dt, stage_time_n=since)
 
     def settle(self, state_n: State, trial: State, step: Step) -> None:
         """Complete a trial state in equilibrium."""

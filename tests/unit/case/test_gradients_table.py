@@ -32,6 +32,7 @@ from tests.problems.differentiated import (
     stamp_hot,
     upset_cylinder,
     upset_hot,
+    upset_in_press,
     upset_two_bodies,
 )
 from tests.problems.mapped_meshes import upset_block_with_new_meshes, upset_with_new_meshes
@@ -168,10 +169,10 @@ def test_neighbours_have_the_slaves_of_the_run() -> None:
     assert slaves == [0, 0, 0]
 
 
-def test_blows_are_refused() -> None:
-    data = upset_cylinder(presses={"hammer": {"kind": "hammer", "energy": 1.0, "velocity": 6e3, "efficiency": 0.8}})
-    data["stages"][0]["press"] = "hammer"
-    with pytest.raises(CaseError, match="no derivatives of stages that a blow's energy or a limit of force ends yet"):
+def test_blows_on_metal_that_feels_the_strain_rate_are_refused() -> None:
+    """The ram's speed says nothing where it comes to rest."""
+    data = upset_in_press({"kind": "hammer", "energy": 1.0, "velocity": 6e3, "efficiency": 0.8})
+    with pytest.raises(CaseError, match="no derivatives of blows with heat, a strain rate or a UMAT yet"):
         build_model(Case.model_validate({**data, "gradients": {"by": ["tools.punch.m"]}}))
 
 
