@@ -85,7 +85,10 @@ def measure_run(
     except OutputError:  # of a member that has failed
         return numbers, []
     numbers |= (
-        _measure_tools(history) | _measure_sheet(summary) | _measure_draw_in(result, history) | _measure_blank(summary)
+        _measure_tools(history, str(result.info.get("operations", "")).split("\n"))
+        | _measure_sheet(summary)
+        | _measure_draw_in(result, history)
+        | _measure_blank(summary)
     )
     for column in columns:
         try:
@@ -95,17 +98,31 @@ def measure_run(
     return numbers, faults
 
 
-def _measure_tools(history: Mapping[str, NDArray[Any]]) -> dict[str, float]:
-    """Return last stroke, last force and largest force of every tool that moves."""
+def _measure_tools(history: Mapping[str, NDArray[Any]], operations: Sequence[str] = ()) -> dict[str, float]:
+    """Return last stroke, last force and largest force of every tool that moves.
+
+    operations: of a press line; its tools have the stroke and force of the end of their own operation, before the part
+    is released.
+    """
+    own, stages = [_find_operation(str(stage), operations) for stage in history.get("stage", ())], history.get("stage")
     found = {}
     for column, values in history.items():
         tool, _, quantity = column.rpartition(".")
         if quantity == "stroke" and len(values) and np.any(values != 0):
-            force = history[f"{tool}.force"]
-            found[column] = float(values[-1])
-            found[f"{tool}.force"] = float(force[-1])
+            force, operation, last = history[f"{tool}.force"], _find_operation(tool, operations), -1
+            if operation and stages is not None:
+                forming = [not str(stage).endswith(("_springback", "_trim", "_laid")) for stage in stages]
+                rows = [i for i, name in enumerate(own) if name == operation and forming[i]]
+                last = rows[-1] if rows else -1
+            found[column] = float(values[last])
+            found[f"{tool}.force"] = float(force[last])
             found[f"{tool}.max_force"] = float(force[np.argmax(np.abs(force))])
     return found
+
+
+def _find_operation(name: str, operations: Sequence[str]) -> str:
+    """Return the operation whose name a tool's or a stage's begins with; empty without one."""
+    return max((each for each in operations if each and name.startswith(f"{each}_")), key=len, default="")
 
 
 def _measure_sheet(summary: Mapping[str, Any]) -> dict[str, Any]:
