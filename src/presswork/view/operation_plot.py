@@ -23,7 +23,7 @@ class Operation:
     """The rows of the history from one placing of tools to the next."""
 
     name: str
-    """Of its first stage in which a tool is loaded."""
+    """Of the operation in a line of them, else of its first stage in which a tool is loaded."""
     rows: IntArray
     """To the last one in which a tool is loaded (n,)."""
     tools: tuple[str, ...]
@@ -51,8 +51,14 @@ def list_operations(result: Result) -> list[Operation]:
             continue
         loaded = np.any([history[f"{name}.force"][own] != 0.0 for name in tools], axis=0)
         rows = own[: np.flatnonzero(loaded)[-1] + 1]
-        found.append(Operation(str(stages[own[loaded][0]]), rows.astype(np.int32), tools))
+        found.append(Operation(_name_operation(result, str(stages[own[loaded][0]])), rows.astype(np.int32), tools))
     return found if len(found) > 1 else []
+
+
+def _name_operation(result: Result, stage: str) -> str:
+    """Return the operation of a line that a stage belongs to, whose name its own begins with; else the stage."""
+    line = str(result.info.get("operations", "")).split("\n")
+    return max((name for name in line if name and stage.startswith(f"{name}_")), key=len, default=stage)
 
 
 def find_idle(result: Result, tool: str) -> BoolArray:
