@@ -224,6 +224,17 @@ def upset_until(press: Mapping[str, Any], *, blows: int = 0) -> dict[str, Any]:
     }
 
 
+def with_inertia(data: Mapping[str, Any], duration: float) -> dict[str, Any]:
+    """Return the data of a case of steel with inertia and damping, all of its stages of a duration [s]."""
+    steel = data["materials"]["steel"] | {"density": "7850 kg/m^3"}
+    return {
+        **data,
+        "materials": data["materials"] | {"steel": steel},
+        "solver": data["solver"] | {"inertia": 1.0, "damping": 1000.0, "target_iterations": 60},
+        "stages": [stage | {"duration": duration} for stage in data["stages"]],
+    }
+
+
 def bend_strip(hardening: Mapping[str, Any], *, angle: float = 20.0, points: int = 21) -> dict[str, Any]:
     """Return the data of a strip of shells that is bent to an angle [degrees] and springs back; points: of layers."""
     return {

@@ -22,6 +22,7 @@ from presswork.interaction.space_tools import SpaceTools
 from presswork.process.begin import begin
 from presswork.results.history import name_derivative
 from tests.problems.differentiated import (
+    EVEN,
     bend_over_die,
     bend_strip,
     bend_twice,
@@ -41,6 +42,7 @@ from tests.problems.differentiated import (
     upset_two_bodies,
     upset_until,
     upset_with_floating_tools,
+    with_inertia,
 )
 from tests.problems.mapped_meshes import differentiate_with_meshes, upset_block_with_new_meshes, upset_with_new_meshes
 
@@ -283,6 +285,31 @@ def test_line_of_operations_has_the_derivatives_of_whole_runs_through_trimming(t
     for name, (own, other) in found["materials.steel.hardening.K"].items():
         assert own[-1] != 0.0 or name.endswith("force")
         assert largest_error(own, other) < 1e-6, name
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "of", "by"),
+    [
+        (
+            Case,
+            with_inertia(upset_cylinder(points={"rim": [9.5, 0.5]}, solver=EVEN), 5e-5),
+            "rim.x",
+            {"materials.steel.density": 7.85e-9, "solver.damping": 1000.0},
+        ),
+        (
+            ShellCase,
+            with_inertia(bend_strip({"law": "swift", "K": 565.0, "e0": 0.007, "n": 0.26}), 2e-3),
+            "tip.z",
+            {"stages.0.duration": 2e-3},
+        ),
+    ],
+    ids=["solid", "shell"],
+)
+def test_runs_with_inertia_have_the_derivatives_of_whole_runs(
+    kind: type[Case | ShellCase], data: dict[str, Any], of: str, by: dict[str, float], tmp_path: Path
+) -> None:
+    for key, columns in differentiate(kind, data, [of], by, tmp_path).items():
+        assert largest_error(*columns[of]) < 1e-6, key
 
 
 HAMMER = {"kind": "hammer", "energy": 0.06, "velocity": 6e3, "efficiency": 0.8}

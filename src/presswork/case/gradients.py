@@ -107,14 +107,18 @@ def _refuse(built: model.Model) -> list[Problem]:
     """Return the problems of what a run does that has no derivatives yet."""
     stages = [*built.stages, *(stage for operation in built.following for stage in operation.stages)]
     strikes = any(stage.drive is not None and isinstance(stage.drive.motion, model.Blow) for stage in stages)
-    feels_time = built.heat is not None or any(m.rate or m.umat for m in built.materials)
+    feels_time = built.heat is not None or built.solver.inertia > 0.0 or any(m.rate or m.umat for m in built.materials)
     refused = (
         (built.explicit is not None, "procedure", "dynamics", "implicit runs alone have"),
         (built.formed is not None, "blank", "formed blanks", "a flat blank has"),
         (built.series is not None, "series", "series of parts", "a run of one part has"),
         (built.solver.control == "arc_length", "solver.control", "paths by arc length", "load control has"),
-        (strikes and feels_time, "stages", "blows with heat, a strain rate or a UMAT", "blows without these have"),
-        (built.solver.inertia > 0.0, "solver.inertia", "inertia", "a run without inertia has"),
+        (
+            strikes and feels_time,
+            "stages",
+            "blows with heat, inertia, a strain rate or a UMAT",
+            "blows without these have",
+        ),
     )
     return [
         Problem(f"gradients ({place})", f"there are no derivatives of {what} yet", f"{remedy} them")
