@@ -7,6 +7,7 @@ import copy
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 
@@ -70,6 +71,26 @@ def test_drawn_tools_are_described_by_their_dimensions(tmp_path: Path) -> None:
     assert "draw_die: die, straight along y, 53 mm wide, edge radius 6 mm" in channel
     cup = describe(build_model(read_case(copy_example("square_cup", tmp_path))))
     assert "punch: punch, 51 x 51 mm, corners 10 mm, edge radius 4 mm" in cup
+
+
+def test_a_cell_with_a_corner_of_180_degrees_is_named_and_sets_the_step(tmp_path: Path) -> None:
+    """A plate of 4 x 4 squares of 5 mm; two corners of the last one are moved to 0.3 sqrt(2) mm from each other."""
+    x, y = (each.ravel() for each in np.meshgrid(np.linspace(0, 20, 5), np.linspace(0, 20, 5), indexing="ij"))
+    points = np.column_stack([x, y, np.zeros(25)])
+    number = np.arange(25).reshape(5, 5)
+    quads = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1).reshape(-1, 4)
+    told = []
+    for inner, corner in ((15.0, 20.0), (17.3, 17.6)):
+        points[18, :2], points[24, :2] = inner, corner
+        meshio.Mesh(points, [("quad", quads)]).write(tmp_path / f"{corner:g}.vtk")
+        blank = {"shape": "file", "path": str(tmp_path / f"{corner:g}.vtk"), "thickness": 0.8, "material": "steel",
+                 "symmetry": ["x", "y"]}  # fmt: skip
+        data = changed(CUP, ("blank", blank), ("tools.punch.diameter", 12), ("tools.die.diameter", 14),
+                       ("tools.holder.diameter", 14), ("stages.0.tools.punch.stroke", 3))  # fmt: skip
+        told.append(describe(build_model(StampingCase.model_validate(data))))
+    assert "narrowest" not in told[0]
+    # its diagonals are 0.424 and 7.07 mm long: sqrt(2) x area / diagonal
+    assert "hint: the narrowest element, at (17.48, 17.48) mm, is 0.3 mm across" in told[1]
 
 
 def test_shells_long_along_the_straight_edges_of_a_strip_are_not_coarse(tmp_path: Path) -> None:

@@ -43,6 +43,8 @@ them, goes to its end, that of 5 mm, 1.3, stops on its way with an element turne
 MANY_CYCLES = 5e6
 """A hundred times those of a usual draw."""
 _SOUGHT = "held by a force that a run first finds from its geometry, by pulling a strip through it"
+NARROW = 0.5
+"""Of the shortest side: a cell whose width is below that is nearly flat, as one with a corner of 180 degrees."""
 WAVE = 0.85
 """Stable step over shortest side/wave speed, about."""
 
@@ -88,6 +90,13 @@ def describe_stamping(problem: Model) -> Iterator[str]:
             f"the iterations they take; {6 * len(mesh.points)} freedoms"
         )
         return
+    narrowest, (x, y) = _find_narrowest(problem)
+    if narrowest < NARROW * shortest:
+        yield (
+            f"hint: the narrowest element, at ({x:.4g}, {y:.4g}) mm, is {narrowest:.2g} mm across where its sides are "
+            f"longer than {shortest:.2g} mm: it sets the time step; move its nodes, or leave it out"
+        )
+        shortest = narrowest
     speed = np.sqrt(material.young / material.density / (1 - material.poisson**2))
     assert isinstance(explicit, ExplicitSheet)
     step = explicit.target_step or explicit.safety * WAVE * shortest * finest / speed
@@ -225,6 +234,24 @@ def _measure_sides(problem: Model, left_out: int | None = None) -> FloatArray:
     if left_out is not None:
         sides = sides[np.abs(sides[:, left_out]) <= np.abs(sides[:, 1 - left_out])]
     return np.asarray(np.linalg.norm(sides, axis=1))
+
+
+def _find_narrowest(problem: Model) -> tuple[float, FloatArray]:
+    """Return how wide the narrowest cell is [mm], a square as its side, and the middle of it (2,) [mm].
+
+    The width is the area over the longest of sides and diagonals, times the square root of 2.
+    """
+    widths, middles = [], []
+    for block in problem.mesh.blocks:
+        corners = problem.mesh.points[block.connectivity]
+        spans = corners[:, :, None] - corners[:, None, :]
+        longest = np.linalg.norm(spans, axis=3).max(axis=(1, 2))
+        fan = np.cross(corners[:, 1:-1] - corners[:, :1], corners[:, 2:] - corners[:, :1]).sum(axis=1)
+        widths.append(np.sqrt(2.0) * 0.5 * np.linalg.norm(fan, axis=1) / longest)
+        middles.append(corners.mean(axis=1)[:, :2])
+    width, middle = np.concatenate(widths), np.concatenate(middles)
+    at = int(np.argmin(width))
+    return float(width[at]), middle[at]
 
 
 def _describe_ironing(problem: Model) -> str:
