@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 import sys
+import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +22,7 @@ import numpy as np
 from presswork.model import Model, PrescribedDisplacement, Stage, Support
 from presswork.process.begin import choose
 from presswork.ranks.world import World, find_world, start_petsc
-from tests.problems.divided_loops import describe_line, heat_up, read
+from tests.problems.divided_loops import describe_formed, describe_line, heat_up, read
 from tests.problems.shells import RX, RY, RZ, X, Y, Z, fixing
 from tests.problems.square_cup import BEAD, describe_cup
 from tests.problems.stacked_plates import GAP, SIDE, stack
@@ -70,15 +71,24 @@ def bend_roof() -> Model:
     return read(ROOF.read_text().replace("cells = [16, 16]", "cells = [6, 5]"))
 
 
+def draw_formed() -> Model:
+    """Return the model of a cup that begins with a part formed by the explicit procedure, which its mass holds."""
+    with tempfile.TemporaryDirectory() as folder:
+        text = describe_formed(Path(folder)).replace('"explicit"', '"implicit"')
+        return read(f"{text}{EXACT}inertia = 1e-2\n")
+
+
 def list_runs() -> dict[str, tuple[Callable[[], Model], int]]:
     """Return by name what makes the model of a run, and after how many increments it ends; 0: at its end."""
     cup = describe_implicit_cup()
+    torn = cup.replace("poisson = 0.3", 'poisson = 0.3\ndamage = {criterion = "cockcroft_latham", critical = 0.5}')
     return {
         "beads": (lambda: read(cup + BEAD + EXACT), 6),
-        "triangles": (lambda: read(cup.replace("[blank]", '[blank]\ncells = "triangles"') + EXACT), 6),
+        "triangles": (lambda: read(torn.replace("[blank]", '[blank]\ncells = "triangles"') + EXACT), 6),
         "released": (lambda: read(cup + RELEASED + SHORT), 0),
         "line": (lambda: read(describe_line().replace('"explicit"', '"implicit"') + SHORT), 10),
         "hot": (lambda: read(describe_hot_cup() + EXACT), 6),
+        "formed": (draw_formed, 4),
         "plates": (pull_plate, 0),
         "roof": (bend_roof, 0),
     }

@@ -193,7 +193,7 @@ def _compare(first, second, *others, atol=1e-8, in_any_order=False):
 @needs_mpi
 @pytest.mark.parametrize(("ranks", "name"), [(3 if n in ("beads", "plates") else 2, n) for n in list_runs()])
 def test_ranks_share_shells(ranks, name):
-    """Drawing, springback, two operations, heat, triangles, contact of the sheet with itself, a roof."""
+    """Drawing, springback, two operations, heat, triangles with damage, a formed part, self-contact, a roof."""
     beside_one, repeated = json.loads(run_module_on_ranks(ranks, "tests.problems.divided_shells", name))[name]
     assert not any(repeated.values()), "a repeated run has the same bits"
     beside_one.pop(next(name for name in beside_one if name.endswith("progress.iterations")))
