@@ -19,30 +19,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import __version__, stop
-from presswork.model import Mesh, Model
+from presswork.model import Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
-from presswork.process.recording import Meta, Recording, Report, Snapshot
+from presswork.process.recording import Meta, Recording, Report
 from presswork.process.watch import Watch
 from presswork.ranks.world import LeadFailed, World
 from presswork.results import (
     History,
     OutputError,
     Result,
-    append_step,
-    count_steps,
     load_checkpoint,
     occupy,
     open_output_folder,
     read_history,
     save_checkpoint,
-    truncate_steps,
     write_summary,
 )
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
-from presswork.results.history import BY_OTHERS
 from presswork.results.progress import ProgressFile
 from presswork.results.whole_file import explain_write_error, replace_whole
+from presswork.step_writer import StepWriter, append_snapshot
 
 __all__ = ["Outcome", "Progress", "StartError", "fingerprint", "run_model"]
 
@@ -105,6 +102,7 @@ def run_model(
             path = open_output_folder(folder, overwrite=overwrite, resume=resume)
             stack.enter_context(occupy(path))
             run = _Run(recording, path, fingerprint(model), Watch(model.limits), world)
+            stack.callback(run.steps.close)
             found = run.read_checkpoint() if resume else None
             if found is None:
                 run.begin(model.case_text)
@@ -179,25 +177,6 @@ def _save_points(model: Model) -> object:
     return steps, tuple(float(part) for part in model.output.at)
 
 
-def append_snapshot(path: Path, mesh: Mesh, now: Snapshot) -> None:
-    """Append a state to a results file. Raises OutputError."""
-    append_step(
-        path,
-        mesh,
-        now.time,
-        now.point_data,
-        now.cell_data,
-        tools=now.tools,
-        tool_centre=now.tool_centre,
-        tool_displacement=now.tool_displacement,
-        tool_angle=now.tool_angle,
-        tool_rotation=now.tool_rotation,
-        surfaces=now.surfaces,
-        dies=now.dies,
-        info=now.info,
-    )
-
-
 def write_start(model: Model, folder: Path) -> list[str]:
     """Write the start of a process as a run of one step into a folder that is there; return its columns of history.csv.
 
@@ -228,7 +207,7 @@ class _Run:
         self.model = model
         self.history = History(folder / HISTORY, recording.columns)
         self.progress = ProgressFile(folder)
-        self.saved_steps = 0
+        self.steps = StepWriter(folder / RESULTS)
         self.recorded = 0
         self.log = logging.getLogger(f"presswork.{id(self)}")
         self.log.setLevel(logging.INFO)
@@ -310,6 +289,7 @@ class _Run:
         for line in recording.log_lines(report):
             self.log.info("%s", line)
         started = perf_counter()
+        self.steps.look()
         row = recording.row(report)
         self.history.append(row)
         reason = self.watch.look(recording.watch(), row)
@@ -334,27 +314,23 @@ class _Run:
     # --- files -------------------------------------------------------------------------------------------------------
 
     def save_step(self) -> None:
-        """Append the present state to the results file."""
-        self._append_step()
-        self.saved_steps += 1
+        """Append the present state to the results file, beside what is computed next."""
+        now, mesh = self.recording.snapshot(), self.recording.mesh
+        self.watch.note_step(self.steps.count, mesh, now)
+        self.steps.append(mesh, now)
 
     def _save_last_state(self) -> None:
         """Save where the run stopped; a resumed run drops this step again."""
-        truncate_steps(self.folder / RESULTS, self.saved_steps)
-        self._append_step()
-
-    def _append_step(self) -> None:
-        if count_steps(self.folder / RESULTS) != self.saved_steps:
-            raise OutputError(f"{self.folder / RESULTS} was deleted or changed {BY_OTHERS}")
         now, mesh = self.recording.snapshot(), self.recording.mesh
-        self.watch.note_step(self.saved_steps, mesh, now)
-        append_snapshot(self.folder / RESULTS, mesh, now)
+        self.watch.note_step(self.steps.count, mesh, now)
+        self.steps.append_last(mesh, now)
 
     def save_checkpoint(self) -> None:
-        """Dump the present state; the history on disk is brought up to it first."""
+        """Dump the present state; the history and the steps on disk are brought up to it first."""
+        self.steps.wait()
         self.history.sync()
         meta = self.recording.meta()
-        meta |= {"model": self.model, "saved_steps": self.saved_steps, "increments": self.recording.number}
+        meta |= {"model": self.model, "saved_steps": self.steps.count, "increments": self.recording.number}
         meta["watch"] = self.watch.to_text()
         save_checkpoint(self.folder / CHECKPOINT, self.recording.to_arrays(), meta)
 
@@ -383,17 +359,15 @@ class _Run:
     def _go_back(self, meta: Meta) -> None:
         """Cut what is on disk back to a checkpoint."""
         self.watch.from_text(str(meta["watch"]))
-        self.saved_steps = int(meta["saved_steps"])
         self.recorded = int(meta["increments"])
         self.history.truncate(self.recorded)
-        truncate_steps(self.folder / RESULTS, self.saved_steps)
+        self.steps.go_back(int(meta["saved_steps"]))
         self.log.info("resumed after increment %d", self.recorded)
 
     def _write_summary(self, status: Status, reason: str) -> None:
         recording = self.recording
         self.history.sync()
-        if count_steps(self.folder / RESULTS) < self.saved_steps:
-            raise OutputError(f"{self.folder / RESULTS} was deleted or changed {BY_OTHERS}")
+        self.steps.check()
         history = read_history(self.folder / HISTORY)
         found = recording.summary(history)
         warnings = [*self.watch.warnings(), *found["warnings"]]

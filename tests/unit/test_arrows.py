@@ -94,7 +94,8 @@ PYTHON_ROOMS = {
     "post": {"fields", "formability", "geometry", "mesh", "model", "results"},
     "view": {"fields", "formability", "model", "post", "results"},
     "report": {"case", "fields", "formability", "model", "post", "results", "view"},
-    "recorder": {"model", "outcome", "process", "ranks", "results", "stop"},
+    "step_writer": {"model", "process", "results"},
+    "recorder": {"model", "outcome", "process", "ranks", "results", "step_writer", "stop"},
     "study": {
         "api",
         "bead_forces",
