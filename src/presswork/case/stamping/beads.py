@@ -148,6 +148,6 @@ def check_closing(case: StampingCase, beads: tuple[Drawbead, ...], whole: int) -
             least = min(force for _, force in rows)
             if needed > 0 and least <= needed:
                 fault = f"a force of {least:g} N does not close the beads, which take {needed:.4g} N"
-                remedy = "push harder, or lower beads.N.closing_force"
+                remedy = "push harder, or lower beads.N.closing_force (make a bead of a geometry shallower)"
                 problems.append(Problem(f"stages.{index}.tools.{name}.force", fault, remedy, least))
     return problems
