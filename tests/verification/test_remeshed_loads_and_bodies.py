@@ -7,6 +7,7 @@ import pytest
 from presswork import Case, CaseError, build_model
 from presswork.examples import copy_example
 from presswork.model import BodyContact, EdgeForce
+from presswork.process import new_balance
 from presswork.process.begin import begin
 from presswork.recorder import run_model
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
@@ -140,17 +141,17 @@ def test_a_body_that_is_not_meshed_anew_keeps_its_state_to_the_bit(two_bodies):
     kept = {name: getattr(before.state.cells, name)[1].copy() for name in ("stress", "eqps", "history")}
     points = before.model.mesh.points + before.state.nodes.displacement
     seen = {}
-    real = type(before).balance_at_rest
+    real = new_balance.balance_at_rest
 
     def look(procedure):
         seen.update({name: getattr(procedure.state.cells, name)[1].copy() for name in kept})
         return real(procedure)
 
-    type(before).balance_at_rest = look
+    new_balance.balance_at_rest = look
     try:
         assert recording._remesh("asked for", {0})
     finally:
-        type(before).balance_at_rest = real
+        new_balance.balance_at_rest = real
     for name, values in kept.items():
         assert np.array_equal(seen[name], values), name
     own, own_n = (procedure.model.bodies[1].points for procedure in (recording.procedure, before))

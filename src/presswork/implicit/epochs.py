@@ -12,11 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork.implicit.energy import Work, add_work
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import FloatArray, Mesh, change_mesh
-from presswork.outcome import BadGuess, GaveUpError
+from presswork.outcome import BadGuess, Converged, Failed, GaveUpError, Step
 from presswork.state import State
 
 
@@ -51,6 +52,35 @@ class MeshChange:
 AskForMesh = Callable[[Epoch], MeshChange | None]
 """Asked after every converged increment but the last, and once where an increment fails; its answer may depend on the
 epoch alone, so that a resumed run gives the same bits."""
+
+
+def balance_at_rest(run: ImplicitProcedure) -> Converged | Failed:
+    """Find equilibrium of a State that comes from another mesh, with tools and loads as they are."""
+    step, state_n = run.present_step(), run.state
+    trial = state_n.duplicate()
+    at_rest = np.zeros_like(state_n.nodes.increment)
+    outcome = run.equilibrium.solve(state_n, trial, step, at_rest, keeps_factors=not run.followers)
+    if isinstance(outcome, Failed):
+        return outcome
+    for follower in run.followers:
+        follower.note(trial)
+    settle_at_rest(run, state_n, trial, step)
+    trial[Progress].iterations += len(outcome.log)
+    for follower in run.followers:
+        follower.follow(state_n, trial, step, None)
+    run.state = trial
+    return outcome
+
+
+def settle_at_rest(run: ImplicitProcedure, state_n: State, trial: State, step: Step) -> None:
+    """Complete a trial state in equilibrium on a new mesh: no time passes, and the last increment stays."""
+    run.mechanics.settle(state_n, trial, 0.0)
+    for interaction in run.interactions.all:
+        interaction.commit(state_n, trial, step)
+    for interaction in run.interactions.all:
+        add_work(trial, interaction.work(state_n, trial))
+    trial[Work].plastic_work += run.mechanics.plastic_work(state_n, trial, 0.0)
+    trial.nodes.increment = state_n.nodes.increment
 
 
 def new_epoch(run: ImplicitProcedure, mesh: Mesh, transfer: Transfer) -> ImplicitProcedure:

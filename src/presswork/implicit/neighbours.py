@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from presswork.implicit.epochs import settle_at_rest
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.linear.bordered_tangent import BorderedTangent
 from presswork.implicit.linear.system import Lacking
@@ -161,7 +162,7 @@ class Neighbour:
         if not procedure.only_heat_flows(now.step.stage):
             procedure.equilibrium.forces.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
         if now.step.is_at_rest:
-            procedure.settle_at_rest(now.state_n, now.trial, now.step)
+            settle_at_rest(procedure, now.state_n, now.trial, now.step)
         else:
             procedure.settle(now.state_n, now.trial, now.step)
             if procedure.sheet_heat is not None:

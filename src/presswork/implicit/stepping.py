@@ -167,37 +167,10 @@ class ImplicitProcedure:
             self._step(stage - 1, 1.0, 1.0) if fraction == 0.0 and stage > 0 else self._step(stage, fraction, fraction)
         )
 
-    def balance_at_rest(self) -> Converged | Failed:
-        """Find equilibrium of a State that comes from another mesh, with tools and loads as they are."""
-        step, state_n = self.present_step(), self.state
-        trial = state_n.duplicate()
-        at_rest = np.zeros_like(state_n.nodes.increment)
-        outcome = self.equilibrium.solve(state_n, trial, step, at_rest, keeps_factors=not self.followers)
-        if isinstance(outcome, Failed):
-            return outcome
-        for follower in self.followers:
-            follower.note(trial)
-        self.settle_at_rest(state_n, trial, step)
-        trial[Progress].iterations += len(outcome.log)
-        for follower in self.followers:
-            follower.follow(state_n, trial, step, None)
-        self.state = trial
-        return outcome
-
     def _find_remedy(self) -> str:
         sheet = self.mechanics if isinstance(self.mechanics, ShellMechanics) else None
         fold = find_sharp_fold(self.model.mesh, sheet, self._start) if sheet is not None else None
         return find_remedy(self.model, self.equilibrium.system.negative_pivots, fold)
-
-    def settle_at_rest(self, state_n: State, trial: State, step: Step) -> None:
-        """Complete a trial state in equilibrium on a new mesh: no time passes, and the last increment stays."""
-        self.mechanics.settle(state_n, trial, 0.0)
-        for interaction in self.interactions.all:
-            interaction.commit(state_n, trial, step)
-        for interaction in self.interactions.all:
-            add_work(trial, interaction.work(state_n, trial))
-        trial[Work].plastic_work += self.mechanics.plastic_work(state_n, trial, 0.0)
-        trial.nodes.increment = state_n.nodes.increment
 
     def _next_increment(self) -> IncrementReport:
         progress = self.state[Progress]

@@ -21,6 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 from presswork.body.solids import Mechanics
+from presswork.implicit.epochs import balance_at_rest
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
@@ -43,13 +44,13 @@ def balance_new_mesh(
     model = run.model
     isotropic = all(is_plain(replace(m, heating=None, rate=None)) for m in model.materials)
     if may_yield or run.state[Progress].fraction == 0.0 or not isotropic or not _is_driven_by_motion(model):
-        return run.balance_at_rest()
+        return balance_at_rest(run)
     with ExitStack() as stack:
         for each in (run, *beside):
             assert isinstance(each.mechanics, Mechanics)
             stack.enter_context(each.mechanics.answering_elastically(MOST_BEYOND))
-        outcome = run.balance_at_rest()
-    return run.balance_at_rest() if isinstance(outcome, Failed) else outcome
+        outcome = balance_at_rest(run)
+    return balance_at_rest(run) if isinstance(outcome, Failed) else outcome
 
 
 def _is_driven_by_motion(model: Model) -> bool:
