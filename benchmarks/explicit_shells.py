@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from itertools import product
 
 import numpy as np
 
@@ -101,9 +102,10 @@ def print_gain_of_tables(repeats: int, n: int = 60) -> None:
 
 def print_gain_of_threads(sizes: list[int], rounds: int = 60) -> None:
     """Print microseconds per shell and cycle, of one thread and two in turn, and how many times faster two are."""
-    print(f"{'shells':>9} {'one':>16} {'two':>16} {'ratio':>16}   each: least, lower quartile, median")
-    for n in sizes:
-        shells = stretched_sheet(n, SWIFT, ShellOptions())
+    print(f"{'shells':>9} {'precision':>9} {'one':>16} {'two':>16} {'ratio':>16}   each: least, lower quartile, median")
+    precisions: list[Precision] = ["double", "single"]
+    for n, precision in product(sizes, precisions):
+        shells = stretched_sheet(n, SWIFT, ShellOptions(), precision)
         shells.advance(max(4, round(0.005 / RATE / shells.dt)) if n < 500 else 8)
         cycles, taken = max(2, round(3e5 / n**2)), np.empty((2, rounds if n < 500 else rounds // 5))
         for k in range(taken.shape[1]):
@@ -115,7 +117,8 @@ def print_gain_of_threads(sizes: list[int], rounds: int = 60) -> None:
         one, two = np.quantile(taken, [0, 0.25, 0.5], axis=1).T
         ratio = (one[0] / two[0], one[1] / two[1], np.median(taken[0] / taken[1]))
         figures = [" ".join(f"{x:.3f}" for x in one), " ".join(f"{x:.3f}" for x in two)]
-        print(f"{n * n:9,} {figures[0]:>16} {figures[1]:>16} {' '.join(f'{x:.2f}' for x in ratio):>16}", flush=True)
+        print(f"{n * n:9,} {precision:>9} {figures[0]:>16} {figures[1]:>16} {' '.join(f'{x:.2f}' for x in ratio):>16}",
+              flush=True)  # fmt: skip
 
 
 def main() -> None:
