@@ -26,7 +26,8 @@ def explain_no_mpi() -> str:
     """Return why ranks cannot be started here; nothing where they can."""
     if shutil.which("mpiexec") is None:
         return 'there is no mpiexec: pip install "presswork[mpi]"'
-    done = _run(["mpiexec", "-n", "2", sys.executable, "-c", "from mpi4py import MPI; print(MPI.COMM_WORLD.size)"], 60)
+    say = "import os; from mpi4py import MPI; os.write(1, b'%d\\n' % MPI.COMM_WORLD.size)"  # at once, as print does not
+    done = _run(["mpiexec", "-n", "2", sys.executable, "-c", say], 60)
     if done.stdout.split() == ["2", "2"]:
         return ""
     return f"mpiexec does not start two ranks of mpi4py: {(done.stderr or done.stdout).strip()[-200:]}"
