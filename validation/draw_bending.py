@@ -151,13 +151,19 @@ def draw_strip(size: float, speed: float, points: int = 9, *, stroke: float = ST
     return Hat(formed[row][:, [0, 2]], free[row][:, [0, 2]], start[row, 0], float(tension), stroke, float(ratio.max()))
 
 
-def release_slowly(fade: float = 0.032, rest: float = 0.016, damping: float = 450.0) -> tuple[np.ndarray, np.ndarray]:
+def release_slowly(
+    fade: float = 0.032, rest: float = 0.016, damping: float = 450.0, *, thicker: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
     """Let a strip of 7.5 mm go by the implicit procedure, and by explicit dynamics; returns both displacements (n, 3).
 
-    Explicit: from the same state, with one-point shells; the force that they begin with fades in so long [s], and they
-    rest for so long, under a damping [1/s] of half the critical one of the strip's first mode.
+    thicker: part by which the strip is thicker. Explicit: from the same state, with one-point shells; the force that
+    they begin with fades in so long [s], and they rest for so long, under a damping [1/s] of half the critical one of
+    the strip's first mode.
     """
-    forming = ExplicitStamping(strip_model(strip_case(1.25, 2, 7, width=7.5, length=200, stroke=45)))
+    thickness = THICKNESS * (1.0 + thicker)
+    forming = ExplicitStamping(
+        strip_model(strip_case(1.25, 2, 7, width=7.5, length=200, stroke=45, thickness=thickness))
+    )
     for _ in forming.advance():
         pass
     sheet, model = forming.sheet(), make_springback_model(forming.model, forming.mesh)
