@@ -40,7 +40,8 @@ def count_bytes(run: ExplicitShells, precision: Precision) -> float:
     """Return the bytes that a cycle reads and writes for each shell of a large sheet, one node a shell."""
     real, options = (8 if precision == "double" else 4), run.options
     points = options.n_points * (4 if options.element == "shell4_mitc_plus" else 1)
-    state = 2 * real * (HEAD_ROWS[options.element] + LAYER_ROWS * points)
+    carried = 2 if precision == "single" else 1  # each value with what rounding has taken from it
+    state = 2 * real * (HEAD_ROWS[options.element] + carried * LAYER_ROWS * points)
     corners = 2 * real * 6 * 4 + 2 * 4 * 4  # forces left and gathered, nodes and the list of corners
     move = 2 * (32 + 8 * real) + 6 * real * 3 + 1 + 2 * 16  # place, motion; forces, prescribed; held, work
     see = 32 + 8 * real + 6 * real  # by elements, and the gathered force

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from presswork.study.compensate import Loop
 from validation.compensated_channel import Way, compensate_channel
 
 pytestmark = pytest.mark.validation
@@ -29,27 +30,28 @@ def test_the_implicit_procedure_corrects_a_channel_too(tmp_path: Path) -> None:
     assert all(loop.gap_change < 0.01 for loop in loops)
 
 
-@pytest.mark.parametrize(
-    ("way", "gap_change"),
-    [
-        pytest.param(
-            "trimmed",
-            0.02,
-            marks=pytest.mark.xfail(
-                strict=True, reason="0.116 mm after three loops, 0.041 after four; gaps by 0.023 mm"
-            ),
-        ),
-        ("bent", 0.01),
-    ],
-)
+@pytest.fixture(scope="module", params=["trimmed", "bent"])
+def drawn(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Way, list[Loop]]:
+    """The loops of a drawn channel, three corrections: with the binder as it is, and bent like the part."""
+    way: Way = request.param
+    return way, list(compensate_channel(tmp_path_factory.mktemp(way), way, most=3).loops)
+
+
 def test_a_drawn_channel_comes_within_a_tenth_of_a_millimetre_in_three_loops(
-    way: Way, gap_change: float, tmp_path: Path
+    drawn: tuple[Way, list[Loop]], request: pytest.FixtureRequest
 ) -> None:
-    """0.497 mm, then below 0.1 mm: with the binder as it is, where the field fades off, and bent like the part."""
-    loops = compensate_channel(tmp_path, way, most=3).loops
+    """0.497 mm, then below 0.1 mm."""
+    way, loops = drawn
+    if way == "trimmed":
+        request.applymarker(pytest.mark.xfail(strict=True, reason="0.116 mm after three loops, 0.041 after four"))
     assert loops[0].worst > 0.4
     assert loops[-1].worst < 0.1
-    assert all(loop.gap_change < gap_change for loop in loops)
+
+
+@pytest.mark.xfail(strict=True, reason="0.023 and 0.0055 mm")
+def test_a_drawn_channel_keeps_the_gap_of_its_tools(drawn: tuple[Way, list[Loop]]) -> None:
+    way, loops = drawn
+    assert max(loop.gap_change for loop in loops) < {"trimmed": 0.02, "bent": 0.005}[way]
 
 
 def test_a_fourth_loop_brings_the_channel_with_its_binder_as_it_is_within_a_tenth(tmp_path: Path) -> None:
