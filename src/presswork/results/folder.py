@@ -20,6 +20,7 @@ CASE = "case.toml"
 
 # The case is not among them: a run may be told to write where the user's own case.toml lies.
 _MADE_BY_A_RUN = (CHECKPOINT, RESULTS, HISTORY, SUMMARY, LOG)
+_DRAWN_OF_A_RUN = ("report.html", "plots/*.png", "plots/*.csv", "plots/*.gif", "plots/*.mp4")
 _WORTH_KEEPING = (CHECKPOINT, RESULTS, HISTORY, SUMMARY)
 
 
@@ -27,8 +28,8 @@ def open_output_folder(path: Path | str, *, overwrite: bool = False, resume: boo
     """Make the folder ready for a run, before anything is computed, and return its path.
 
     A new folder is created in an existing parent. A folder that holds results is refused unless `overwrite` (its
-    results are deleted, other files stay) or `resume` (it must hold a checkpoint). Stale NAME.tmp files are removed.
-    One in which a run is at work is refused. Raises OutputError with the remedy.
+    results, pictures and page are deleted, other files stay) or `resume` (it must hold a checkpoint). Stale NAME.tmp
+    files are removed. One in which a run is at work is refused. Raises OutputError with the remedy.
     """
     folder = Path(path)
     try:
@@ -55,6 +56,9 @@ def _open(folder: Path, *, overwrite: bool, resume: bool) -> Path:
     stale = [name + ".tmp" for name in (*_MADE_BY_A_RUN, CASE)]
     for name in [*stale, *(_MADE_BY_A_RUN if overwrite else ())]:
         _delete(folder / name)
+    for pattern in _DRAWN_OF_A_RUN if overwrite else ():  # of other steps and operations, they would stay among the new
+        for path in folder.glob(pattern):
+            _delete(path)
     return folder
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from presswork.results.whole_file import explain_write_error, replace_whole
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.text import Text
 
 COLOURS = "viridis"
 ZONE_COLOURS = ("#3a9d4a", "#f2b134", "#c8102e", "#b8bcc2", "#7fb2e5", "#2b4c9b")
@@ -61,11 +63,35 @@ def draw_pixels(figure: Figure) -> NDArray[np.uint8]:
     try:
         figure.set_dpi(DPI)
         drawing = FigureCanvasAgg(figure)
+        _break_titles(figure)
         drawing.draw()  # type: ignore[no-untyped-call]
         return np.asarray(drawing.buffer_rgba())  # type: ignore[no-untyped-call]
     finally:
         figure.set_canvas(canvas)
         figure.set_dpi(dpi)
+
+
+def _break_titles(figure: Figure) -> None:
+    """Break lines of titles that do not fit between the sides of a figure; it has its canvas and dpi."""
+    width = float(figure.bbox.width)
+    titles = [t for ax in figure.axes for t in (ax.title, ax._left_title)]  # type: ignore[attr-defined]
+    titles += [figure._suptitle] if figure._suptitle else []  # type: ignore[attr-defined]
+    if not any(_longest(t) * _LETTER > 0.5 * width / figure.dpi for t in titles):
+        return  # without the layout, which takes as long as the picture
+    figure.draw_without_rendering()
+    for title in titles:
+        box = title.get_window_extent()
+        if box.x0 >= 0.0 and box.x1 <= width:
+            continue
+        middle = 0.5 * (box.x0 + box.x1)
+        room = width - box.x0 if title.get_horizontalalignment() == "left" else 2.0 * min(middle, width - middle)
+        letters = max(int(_longest(title) * room / box.width), 1)
+        title.set_text("\n".join(part for line in title.get_text().split("\n") for part in wrap(line, letters)))
+
+
+def _longest(title: Text) -> int:
+    """Return the number of letters of the longest line."""
+    return max(len(line) for line in title.get_text().split("\n"))
 
 
 def _cut_margin(picture: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -169,6 +169,15 @@ def test_units_are_the_drawings_own_or_those_given(tmp_path: Path) -> None:
         np.testing.assert_allclose(found, expected * np.where(scale, factor, 1.0), atol=1e-9)
 
 
+@pytest.mark.parametrize("header", ["", "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n0\nENDSEC\n"])
+def test_a_drawing_that_names_no_unit_is_in_mm(tmp_path: Path, header: str) -> None:
+    line = "0\nLINE\n8\n0\n10\n3\n20\n4\n11\n30\n21\n4\n"
+    text = f"{header}0\nSECTION\n2\nENTITIES\n{line}0\nENDSEC\n0\nEOF\n"
+    (tmp_path / "die.dxf").write_text(text)
+    tool = Tool(profile_file="die.dxf", contact="sticking")
+    np.testing.assert_allclose(read_outline(tmp_path / "die.dxf", tool).segments[:, :4], [[3, 4, 30, 4]])
+
+
 def test_blocks_are_taken_apart_and_layers_told_apart(tmp_path: Path) -> None:
     np.testing.assert_allclose(read(tmp_path, draw_block, layer="DIE"), WALL_FILLET_FACE, atol=1e-12)
     with pytest.raises(ProfileFileError, match=r"nothing is drawn on the layer `dye`; did you mean `die`"):

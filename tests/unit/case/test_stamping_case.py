@@ -69,6 +69,9 @@ def test_drawn_tools_are_described_by_their_dimensions(tmp_path: Path) -> None:
     assert "flange_pad: holder, ring, 54 mm across inside and 70 mm outside, edge radii 1 and 5 mm" in line
     channel = describe(build_model(read_case(copy_example("restruck_channel", tmp_path))))
     assert "draw_die: die, straight along y, 53 mm wide, edge radius 6 mm" in channel
+    assert "restrike_punch goes on until it leaves 0.82 mm to restrike_die" in channel
+    assert "moves by 1 mm" not in channel
+    assert "  nothing moves: the tools stand where they touch the part" in line
     cup = describe(build_model(read_case(copy_example("square_cup", tmp_path))))
     assert "punch: punch, 51 x 51 mm, corners 10 mm, edge radius 4 mm" in cup
 

@@ -40,6 +40,14 @@ def test_overwrite_deletes_only_what_a_run_made(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["case.toml", "notes.txt"]
 
 
+def test_overwrite_deletes_the_pictures_of_the_run_before(tmp_path: Path) -> None:
+    (tmp_path / "plots").mkdir()
+    for name in ("history.csv", "report.html", "plots/section_011.png", "plots/draw_in_011.csv", "plots/notes.txt"):
+        (tmp_path / name).write_text("x")
+    open_output_folder(tmp_path, overwrite=True)
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["notes.txt"]
+
+
 def test_resume_needs_a_checkpoint(tmp_path: Path) -> None:
     (tmp_path / "history.csv").write_text("x")
     with pytest.raises(OutputError, match=r"no checkpoint\.h5"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from presswork.geometry.tool_radius import find_least_radius
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.flange import find_held_area
 from presswork.model import (
+    Closing,
     Dwell,
     ExplicitSheet,
     FloatArray,
@@ -140,7 +141,8 @@ def _describe_operation(problem: Model, following: Operation | None) -> Iterator
         how = f", {stage.ramp:.3g} s to start and to stop" if stage.drive is None else ""
         press = f", {stage.process_time:.4g} s in the press" if stage.process_time is not None else ""
         yield f'stage {number} "{stage.name}", {stage.duration:.4g} s{how}{press}:'
-        yield from (f"  {line}" for line in _describe_stage(problem, stage))
+        closes = {c.tool: c for c in (following.closings if following else ()) if c.stage == number - 1}
+        yield from (f"  {line}" for line in _describe_stage(problem, stage, closes))
     for line in problem.trim:
         low, high = line.polygon.min(axis=0), line.polygon.max(axis=0)
         reach = f"x {low[0]:.4g} to {high[0]:.4g} mm, y {low[1]:.4g} to {high[1]:.4g} mm"
@@ -296,13 +298,16 @@ def _describe_shape(shape: SweptProfile) -> str:
     return f"{plan}, edge radi{'us' if len(radii) < 2 else 'i'} {edges or '0'} mm"
 
 
-def _describe_stage(problem: Model, stage: Stage) -> Iterator[str]:
+def _describe_stage(problem: Model, stage: Stage, closing: Mapping[str, Closing]) -> Iterator[str]:
+    """Say what moves and pushes in a stage; closing: of the tools that go on until they leave a given room, by name."""
     holders = {tool.name: tool for tool in problem.tools if tool.kind == "holder"}
     ways = {tool.name: tool.way for tool in problem.tools}
     if stage.drive is not None:
         yield describe_drive(stage.drive)
     for name, motion in stage.tool_motion.items():
-        if motion.push is None:
+        if name in closing:
+            yield f"{name} goes on until it leaves {closing[name].gap:g} mm to {' and '.join(closing[name].dies)}"
+        elif motion.push is None:
             stroke = float(np.dot(motion.move, ways[name] or (0.0, 0.0, 0.0)))
             speed = f", at {abs(stroke) / (stage.duration - stage.ramp):.4g} mm/s" if stage.drive is None else ""
             yield f"{name} moves by {stroke:g} mm{speed}"
@@ -315,5 +320,7 @@ def _describe_stage(problem: Model, stage: Stage) -> Iterator[str]:
                 area = find_held_area(problem.mesh, make_surface(at.surface), at.position) * problem.whole
                 pressure = f", at most {forces.max() / area:.3g} MPa on the flange as it starts" if area > 0 else ""
             yield f"{name} pushes with {span}{pressure}"
+    if not stage.tool_motion and not stage.prescribed:
+        yield "nothing moves: the tools stand where they touch the part"
     for p in stage.prescribed:
         yield f"{p.node_set} moves by {p.value:g} mm along {'xyz'[p.component]}"

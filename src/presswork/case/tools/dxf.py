@@ -18,8 +18,9 @@ from presswork.geometry.biarc import Curve, CurveError, fit_biarcs
 from presswork.geometry.chain import Piece, ProfileFileError
 from presswork.model import FloatArray
 
-# $INSUNITS: inch, foot, mm, cm, m, micrometre; a drawing without a unit is in mm
-_MILLIMETRES = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 13: 0.001}
+_UNIT = "$INSUNITS"
+# its codes: inch, foot, mm, cm, m, thousandth of an inch, micrometre, decimetre; a drawing without a unit is in mm
+_MILLIMETRES = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 9: 0.0254, 13: 0.001, 14: 100.0}
 
 _Spans = tuple[Curve, FloatArray]
 
@@ -33,6 +34,8 @@ def read_drawing(
     from splines and ellipses [mm]; without it RELATIVE_TOLERANCE of the drawing's extent. Raises ProfileFileError.
     """
     drawing = _open(path)
+    if factor is None and _UNIT.encode() not in path.read_bytes():  # ezdxf takes metres where there is no header
+        factor = 1.0
     try:
         with np.errstate(all="ignore"):
             pieces, tolerance = _read(drawing, layer, factor, tolerance)
@@ -67,7 +70,7 @@ def _read(drawing: Any, layer: str | None, factor: float | None, tolerance: floa
             f"draw the profile with these, or name another layer (drawn on: {', '.join(sorted(layers)) or 'none'})",
         )
     if factor is None:
-        factor = _MILLIMETRES.get(int(drawing.header.get("$INSUNITS", 0)), 1.0)
+        factor = _MILLIMETRES.get(int(drawing.header.get(_UNIT, 0)), 1.0)
     if tolerance is None:
         tolerance = RELATIVE_TOLERANCE * factor * _extent(shape for _, shape in shapes)
     return [_make_piece(kind, shape, factor, tolerance) for kind, shape in shapes], tolerance
