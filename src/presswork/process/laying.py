@@ -20,7 +20,7 @@ from presswork.interaction.sheet_contact import share_surface
 from presswork.mesh.faces import nodal_normals
 from presswork.mesh.tool_clearance import find_closing, sample_tool
 from presswork.mesh.topology import list_cell_edges
-from presswork.model import Closing, FloatArray, IntArray, Operation, PartPlace, Stage, Tool, ToolMotion
+from presswork.model import FloatArray, IntArray, Operation, PartPlace, Stage, Tool, ToolMotion
 from presswork.process.refinement import sag_of_sides
 from presswork.process.tipping import TippingError, tip_part
 from presswork.process.transfer import SheetState
@@ -139,7 +139,7 @@ def close_tools(operation: Operation, tools: Sequence[Tool], thickness: float) -
     placed, stages = {tool.name: tool for tool in tools}, list(operation.stages)
     for closing in operation.closings:
         tool, way = placed[closing.tool], np.asarray(placed[closing.tool].way)
-        begin = np.asarray(tool.position) + _gone_before(stages, closing)
+        begin = np.asarray(tool.position) + gone_before(stages, closing.tool, closing.stage)
         travels = [
             find_closing(tool.surface, placed[die].surface, begin - np.asarray(placed[die].position), way,
                          FACETS * closing.gap, closing.gap, STEP * thickness)
@@ -163,12 +163,12 @@ def close_tools(operation: Operation, tools: Sequence[Tool], thickness: float) -
     return tuple(stages)
 
 
-def _gone_before(stages: Sequence[Stage], closing: Closing) -> FloatArray:
-    """Return how far a tool has gone, against still dies, when the stage begins in which it closes (3,) [mm]."""
+def gone_before(stages: Sequence[Stage], tool: str, number: int) -> FloatArray:
+    """Return how far a tool's strokes have taken it when a stage begins (3,) [mm]."""
     before = np.zeros(3)
-    for stage in stages[: closing.stage]:
-        if closing.tool in stage.tool_motion:
-            before += stage.tool_motion[closing.tool].move
+    for stage in stages[:number]:
+        if tool in stage.tool_motion:
+            before += stage.tool_motion[tool].move
     return before
 
 
@@ -246,9 +246,9 @@ def _check_clear(operation: Operation, tool: Tool, points: FloatArray, half: Flo
     worst = int(np.argmin(gap))
     if gap[worst] >= -2.0 * DEEPEST_START * half[worst]:
         return
-    place, key = _written(points[worst]), f"{key_of(operation, tool.name)}.position"
+    place, key = write_place(points[worst]), f"{key_of(operation, tool.name)}.position"
     raise LayingError(
-        f"{key} = {_written(tool.position)}: the part does not fit the {tool.kind}: it lies in it by up to "
+        f"{key} = {write_place(tool.position)}: the part does not fit the {tool.kind}: it lies in it by up to "
         f"{-gap[worst]:.4g} mm, half the thickness counted, at {place}; move the tool off or make it fit, or place the "
         "part otherwise (place)"
     )
@@ -259,5 +259,6 @@ def key_of(operation: Operation, tool: str) -> str:
     return f"operations.{operation.name}.tools.{tool.removeprefix(f'{operation.name}_')}"
 
 
-def _written(place: Sequence[float] | FloatArray) -> str:
+def write_place(place: Sequence[float] | FloatArray) -> str:
+    """Return a place as a case has it."""
     return f"[{', '.join(f'{each:.4g}' for each in place)}]"

@@ -24,6 +24,7 @@ from presswork.outcome import GaveUpError, StartError
 from presswork.process.epochs import NamedArrays
 from presswork.process.laying import LayingError, close_tools, find_plans, find_turn, lay_part, lay_tools, tip_onto
 from presswork.process.limits import Watched
+from presswork.process.part_fit import check_reach, explain_misfit
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Meta, ModelRecording, Report, Row, Snapshot, find_never_touched
@@ -39,6 +40,8 @@ LAID = "laid"
 NUMBER, BEFORE, TURNED, LEVEL = "number", "before", "turned", "level"
 LINE, MESH, SHEET, NOW = "line.", "line.mesh.", "line.sheet.", "now."
 """Prefixes in a checkpoint: of the line, of the part that the present operation has begun with, of that operation."""
+MISFIT = "misfit"
+"""What the line keeps of warnings on the part in the operation after the one that is over."""
 TOLD = "line"
 """Name in the meta of a checkpoint."""
 
@@ -83,6 +86,7 @@ class PressLine(ModelRecording):
             operation, with_edges = self.model.following[number - 1], own.explicit is not None
             tools = lay_tools(operation, part.state, with_edges=with_edges)
             stages = close_tools(operation, tools, own.sheet[0].thickness)
+            check_reach(operation, tools, stages, part.state)
             own = replace(own, mesh=mesh, tools=tools, stages=stages)
         return self._make_operation(own, part)
 
@@ -99,6 +103,7 @@ class PressLine(ModelRecording):
             self._files = {f"{self._name}.dynain": before.write_part()}
         turned = np.eye(3) if self._part is None else self._part.turned
         state, turn = lay_part(before.sheet(), next_one.place), find_turn(next_one.place)
+        formed = before.formed_shape() @ turn.T + np.asarray(next_one.place.move)
         try:
             if next_one.place.tips:
                 with_edges = self.model.explicit is not None
@@ -106,9 +111,11 @@ class PressLine(ModelRecording):
                 turn = tipped @ turn
             part = LaidPart(state, turn @ turned, before.level)
             now = self._make(self._operation + 1, part, before.mesh)
+            laid = now.model
+            misfit = explain_misfit(next_one, laid.tools, laid.stages, state, formed, stops=laid.limits.stop)
         except (LayingError, StartError, ExplicitError, TransferError) as error:
             raise GaveUpError(f"the operation {next_one.name} cannot begin: {error}") from error
-        self._told[self._name] = _tell(before)
+        self._told[self._name] = _tell(before) | {MISFIT: misfit}
         self._before += before.number + 1
         self._time_before += before.time
         self._operation, self._part, self._now = self._operation + 1, part, now
@@ -176,7 +183,8 @@ class PressLine(ModelRecording):
         """Say in which operation the row or increment ended, and where."""
         if report.report is None:
             tools = ", ".join(f"{tool.name} at z = {tool.position[2]:.6g} mm" for tool in self._now.model.tools)
-            return [f"{self._name}: the part is laid in, {tools}"]
+            warnings = self._told[self.model.operations[self._operation - 1]][MISFIT]
+            return [f"{self._name}: the part is laid in, {tools}", *(f"warning: {text}" for text in warnings)]
         return [f"{self._name}: {line}" for line in self._now.log_lines(report.report)]
 
     def progress_text(self, report: LineReport) -> str:
@@ -277,8 +285,9 @@ class PressLine(ModelRecording):
         for number, (name, told) in enumerate(self._told.items()):
             tools = [tool.name for tool in self.model.of_operation(number).tools]
             never = [f"the tool {tool} never touched the blank" for tool in find_never_touched(tools, history)]
-            warnings += [f"{name}: {each}" for each in (*never, *told["warnings"])]
-        over = {name: {key: v for key, v in told.items() if key != "warnings"} for name, told in self._told.items()}
+            warnings += [f"{name}: {each}" for each in (*never, *told["warnings"])] + told[MISFIT]
+        kept = {"warnings", MISFIT}
+        over = {name: {key: v for key, v in told.items() if key not in kept} for name, told in self._told.items()}
         return last | {
             "increments": self.number,
             "operation": self._name,

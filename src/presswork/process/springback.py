@@ -162,6 +162,12 @@ class ReleasedStamping(EpochRecording):
             self.forming.split_evenly()
         return self.forming.sheet()
 
+    def formed_shape(self) -> FloatArray:
+        """Return where the nodes of `mesh` were in the tools, after trimming, before springback (n_points, 3) [mm]."""
+        if self._released is None:
+            return np.asarray(self.sheet().position)
+        return np.asarray(self.mesh.points + self._released.formed)
+
     def files(self) -> dict[str, str]:
         """Return the part as a dynain at its end, where the case asks for it."""
         if not self.model.output.dynain or self.remaining() > 0.0:
