@@ -116,6 +116,33 @@ def test_with_back_stresses_the_direction_is_that_of_the_relative_stress_and_str
     assert law.advance(values, change)[POLAR][0] == pytest.approx(1.0 - 0.2 / limit_by_hand(PLANE), abs=1e-13)
 
 
+def bend(values: dict, p: list[float], sides: list[float], dp: float = 1e-3) -> None:
+    """Take two layers of a place through a step, each pulled (1) or pressed (-1) in plane strain, or at rest (0)."""
+    law, before = FormingPath(sheet(), CURVE), np.array(p)
+    p[:] = [each + dp * abs(side) for each, side in zip(p, sides, strict=True)]
+    flow = K * (E0 + np.array(p)) ** N
+    stress = np.array([side * flow[i] * stress_by_hand(PLANE) for i, side in enumerate(sides)])
+    values.update(law.advance(values, PointChange(stress, stress, before, np.array(p), 1.0, layers=2)))
+
+
+def test_a_sheet_bent_and_straightened_does_not_neck_until_all_its_layers_are_stretched_at_once() -> None:
+    """Each face in turn is far beyond the limit, 0.346; then both are stretched."""
+    values = {name: np.full(2, start) for name, start in FormingPath(sheet(), CURVE).at_rest().items()}
+    p = [0.0, 0.0]
+    for sides in ([1.0, -1.0], [-1.0, 1.0]):
+        for _ in range(500):
+            bend(values, p, sides)
+    assert p == pytest.approx([1.0, 1.0])
+    np.testing.assert_array_equal(values[POLAR], 1.0)
+    assert values[STRESS].min() > 0.1
+    for _ in range(200):
+        bend(values, p, [1.0, 0.0])  # the other layer rests
+    np.testing.assert_array_equal(values[POLAR], 1.0)
+    for _ in range(100):
+        bend(values, p, [1.0, 1.0])
+    np.testing.assert_allclose(values[POLAR], 1.0 - p[1] / limit_by_hand(PLANE), rtol=1e-3)
+
+
 def test_what_unloads_keeps_its_least_margin() -> None:
     told = follow(sheet(), [(PLANE, 0.2)])
     law = FormingPath(sheet(), CURVE)

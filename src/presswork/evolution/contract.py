@@ -37,7 +37,7 @@ class Quantity:
     peak_counts: bool = False
     """Whether its largest value decides, so that no new mesh may flatten it."""
     all_layers: bool = False
-    """Whether a sheet is as bad as its best layer: the largest value through the thickness is that of the cell."""
+    """Whether a sheet is as bad as its best layer, and all layers of a place have the value of the best."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,8 @@ class PointChange:
     """At its end."""
     back_stress: FloatArray | None = None
     """Of a sheet with kinematic hardening at its end, components as the stress [MPa]; None: there is none."""
+    layers: int = 1
+    """Points through the thickness of a sheet, one after the other."""
 
     @cached_property
     def strain(self) -> FloatArray:

@@ -9,7 +9,12 @@ plastic strain so far. The limit in stresses (Arrieux 1982; Stoughton 2000) is t
 
 Where a path turns without unloading, the stress runs along the yield surface, and the direction passes what lies
 between. A neck does not form in so little strain: 1/p* is averaged over the last MEMORY of plastic strain, with weights
-that decay exponentially. On a straight path that changes nothing. The least margins so far are kept.
+that decay exponentially. On a straight path that changes nothing.
+
+A sheet necks when all its layers have reached their limits at the same time (Stoughton & Yoon 2011). Over a radius one
+face is beyond its limit while the other is compressed, and the other way round where the sheet is straightened again:
+neither necks it. So in every increment a place has the margin of its best layer, one that does not flow the whole of
+it, and the least of these so far is kept.
 """
 
 from __future__ import annotations
@@ -17,6 +22,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork.evolution.contract import EvolutionLaw, PointChange, Quantity
 from presswork.formability import POLAR, STRESS, FormingLimitCurve
@@ -74,12 +80,13 @@ class FormingPath(EvolutionLaw):
 
         share = self._find_share(normal[telling])
         before = values[SHARE][flows]
-        share += np.where(before < 0.0, 0.0, np.exp(-grown / MEMORY)) * (before - share)
-        found[SHARE][flows] = share
-        found[POLAR][flows] = np.minimum(found[POLAR][flows], 1.0 - p * share)
+        mean = share + np.where(before < 0.0, 0.0, np.exp(-grown / MEMORY)) * (before - share)
+        found[SHARE][flows] = mean
+        share = np.minimum(share, mean)  # a layer that is compressed now does not neck, whatever it remembers
+        found[POLAR] = _keep_least(found[POLAR], 1.0 - p * share, flows, change.layers)
         if STRESS in values:
             limit = self._law.flow_stress(1.0 / np.maximum(share, 1.0 / FARTHEST))[0]
-            found[STRESS][flows] = np.minimum(found[STRESS][flows], 1.0 - size / limit)
+            found[STRESS] = _keep_least(found[STRESS], 1.0 - size / limit, flows, change.layers)
         return found
 
     def _find_share(self, normal: FloatArray) -> FloatArray:
@@ -90,6 +97,15 @@ class FormingPath(EvolutionLaw):
         stretched = major > 0.0
         ratio = np.divide(minor, major, out=np.full_like(minor, -np.inf), where=stretched)
         return np.where(stretched, major / self._curve.meet(np.where(stretched, ratio, 0.0)), 0.0)
+
+
+def _keep_least(before: FloatArray, margin: FloatArray, flows: NDArray[np.intp], layers: int) -> FloatArray:
+    """Return the least margin of all points (n,), by those of the points that flow now, the best layer's of a place."""
+    now = np.ones_like(before)
+    now[flows] = margin
+    best = now.reshape(-1, layers).max(axis=1)
+    least: FloatArray = np.minimum(before, np.repeat(best, layers))
+    return least
 
 
 def has_stress_limit(material: Material) -> bool:

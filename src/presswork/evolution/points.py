@@ -106,7 +106,7 @@ class Evolution:
     ) -> None:  # fmt: skip
         cells_n, cells = state_n.cells, trial.cells
         before, after = state_n[EvolvedArrays].values, trial[EvolvedArrays].values
-        components = cells.stress[block].shape[-1]
+        components, section = cells.stress[block].shape[-1], self._model.mesh.blocks[block].section
         back, material = None, self._of_blocks[block]
         if material.kinematic is not None and cells.history[block].ndim == 4:  # of shells
             back = back_stress(material, cells.history[block], components).reshape(-1, components)
@@ -119,6 +119,7 @@ class Evolution:
             None if temperatures is None else temperatures[0].ravel(),
             None if temperatures is None else temperatures[1].ravel(),
             back_stress=back,
+            layers=1 if section is None else section.points,
         )
         for law in laws:
             found = law.advance({q.name: before[q.name][block].ravel() for q in law.quantities}, change)

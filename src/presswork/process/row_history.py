@@ -30,7 +30,7 @@ class BlockPoints:
     stress: FloatArray
     """(..., 3 | 4 | 6) [MPa]."""
     eqps: FloatArray
-    """Equivalent plastic strain (...)."""
+    """Equivalent plastic strain (...), of a sheet (n_cells, q, layers)."""
     temperature: FloatArray | None
     """(...) [degrees C]; None: not known."""
     back_stress: FloatArray | None = None
@@ -42,7 +42,7 @@ class RowHistory:
 
     def __init__(self, materials: Sequence[Material], numbers: Sequence[int], *, is_solid: bool) -> None:
         """numbers: which of the materials each block has."""
-        self._materials, self._numbers = materials, numbers
+        self._materials, self._numbers, self._is_solid = materials, numbers, is_solid
         self._laws = [make_other_laws(materials[number], is_solid=is_solid) for number in numbers]
         self.window = LawWindow.at_rest(materials)
         self.values: dict[str, list[FloatArray]] = {}
@@ -99,6 +99,7 @@ class RowHistory:
             None if before.temperature is None else before.temperature.ravel(),
             None if after.temperature is None else after.temperature.ravel(),
             back_stress=None if after.back_stress is None else after.back_stress.reshape(-1, components),
+            layers=1 if self._is_solid else after.eqps.shape[-1],
         )
         hardens = np.ones_like(after.eqps)
         for law in self._laws[block]:
