@@ -77,10 +77,10 @@ def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
     imported = make_stamping(read, found, notes)
     notes.check()
     case = write_case(imported, notes, folder)
-    for note in notes.in_order():
+    for note in sorted(notes.notes, key=lambda note: note.place):
         if note.fate != "dropped":
             typer.echo(str(note))
-    counts = Counter(note.fate for note in notes.notes)
+    counts = Counter(note.fate for note in notes.in_order())
     typer.echo(
         f"units: {found.name}; {', '.join(f'{n} {fate}' for fate, n in counts.items())} ({folder / 'import.txt'})"
     )

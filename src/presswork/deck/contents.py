@@ -146,6 +146,8 @@ class Deck:
     end_place: Place | None = None
     breaks: list[float] = field(default_factory=list)
     """Times at which the deck itself ends a step."""
+    node_place: Place | None = None
+    """Of the first nodes."""
     labels: IndexArray = field(default_factory=lambda: np.empty(0, dtype=np.intp))
     points: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     shells: Shells | None = None
@@ -153,6 +155,8 @@ class Deck:
     sections: dict[int, SectionCard] = field(default_factory=dict)
     materials: dict[int, MaterialCard] = field(default_factory=dict)
     curves: dict[int, FloatArray] = field(default_factory=dict)
+    curve_lines: dict[int, tuple[Place, str]] = field(default_factory=dict)
+    """Where a curve stands, and its keyword, by its number; of some none."""
     motions: list[Motion] = field(default_factory=list)
     pushes: list[Push] = field(default_factory=list)
     contacts: list[Contact] = field(default_factory=list)

@@ -53,11 +53,20 @@ def _describe_hardening(
         if curve is None or not len(curve):
             remedy = "add it (*DEFINE_CURVE, /FUNCT); tables of several rates are not read"
             raise notes.fail(card.place, f"{card.keyword}: there is no curve {hardening.curve} with points", remedy)
+        keep_curve(deck, hardening.curve, card.keyword, notes)
         points = curve.copy()
     else:
         points = np.array(list(hardening.parameters.values())).reshape(-1, 2)
     points[:, 1] *= units.stress * hardening.curve_scale
     return {"law": "table", "points": _clean(points, card, notes).tolist()}
+
+
+def keep_curve(deck: Deck, number: int, keyword: str, notes: Notes) -> None:
+    """Note that a curve is taken by a keyword."""
+    line = deck.curve_lines.get(number)
+    if line is not None:
+        place, own = line
+        notes.see(place, own, f"the curve of {keyword}")
 
 
 def _clean(points: FloatArray, card: MaterialCard, notes: Notes) -> FloatArray:

@@ -10,6 +10,10 @@ from typing import Literal
 from presswork.case.errors import CaseError, Problem
 
 Fate = Literal["kept", "changed", "dropped"]
+KEPT: Fate = "kept"
+DROPPED: Fate = "dropped"
+_RANK: tuple[Fate, ...] = ("dropped", "kept", "changed")
+"""Of several notes on a line the last one of these is what became of it."""
 
 
 @dataclass(frozen=True, order=True)
@@ -44,7 +48,19 @@ class Notes:
     accepted: frozenset[str] = frozenset()
     """Keywords that carry physics and may be dropped nevertheless."""
     notes: list[Note] = field(default_factory=list)
+    seen: dict[Place, Note] = field(default_factory=dict)
+    """What is said of a line that nothing else is noted of."""
+    belonging: dict[Place, tuple[str, Place]] = field(default_factory=dict)
+    """Keywords whose fate is that of another line."""
     faults: list[Problem] = field(default_factory=list)
+
+    def see(self, place: Place, keyword: str, text: str, fate: Fate = "kept") -> None:
+        """Say what becomes of a line unless something else is noted of it, so that no line is missing."""
+        self.seen[place] = Note(place, fate, keyword, text)
+
+    def belong(self, place: Place, keyword: str, to: Place) -> None:
+        """Say that a line is kept, changed or dropped with another one."""
+        self.belonging[place] = (keyword, to)
 
     def keep(self, place: Place, keyword: str, text: str) -> None:
         """Note what was taken over as it is."""
@@ -76,5 +92,14 @@ class Notes:
             raise CaseError(self.faults, self.source)
 
     def in_order(self) -> list[Note]:
-        """Return the notes by file and line."""
-        return sorted(self.notes, key=lambda note: note.place)
+        """Return what became of every line that was seen, by file and line."""
+        noted = {note.place for note in self.notes}
+        others = (note for place, note in self.seen.items() if place not in noted and place not in self.belonging)
+        found = [*dict.fromkeys(self.notes), *others]
+        fates: dict[Place, Fate] = {}
+        for note in found:
+            fates[note.place] = max(fates.get(note.place, note.fate), note.fate, key=_RANK.index)
+        for place, (keyword, to) in self.belonging.items():
+            if place not in noted:
+                found.append(Note(place, fates.get(to, "kept"), keyword, f"with line {to.line} of {to.file}"))
+        return sorted(found, key=lambda note: note.place)

@@ -12,7 +12,7 @@ import numpy as np
 
 from presswork.deck.contents import Deck, MaterialCard, Motion, PartCard, Push
 from presswork.deck.formed import has_past, read_past
-from presswork.deck.material import describe_material
+from presswork.deck.material import describe_material, keep_curve
 from presswork.deck.notes import Notes
 from presswork.deck.place import Seat, find_normal, find_planes, seat
 from presswork.deck.stages import find_breaks, find_way, sample_times
@@ -206,6 +206,7 @@ class _Reader:
             raise self.notes.fail(
                 of.place, f"{of.keyword}: there is no curve {of.curve} of two points", "add *DEFINE_CURVE or /FUNCT"
             )
+        keep_curve(self.deck, of.curve, of.keyword, self.notes)
         return curve
 
     def force(self, push: Push, times: FloatArray) -> FloatArray:
@@ -238,7 +239,8 @@ def make_stamping(deck: Deck, units: Units, notes: Notes) -> ImportedStamping:
     material = describe_material(reader.material, deck, units, notes)
     blank, formed = _describe_blank(reader)
     if text := reader.seat.describe():
-        notes.change(deck.parts[reader.blank].place, "*NODE", text)
+        part = deck.parts[reader.blank]
+        notes.change(deck.node_place or part.place, f"{part.keyword[0]}NODE", text)
     case: dict[str, Any] = {
         "title": deck.title or notes.source.stem,
         "analysis": "stamping",

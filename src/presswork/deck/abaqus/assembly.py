@@ -14,7 +14,7 @@ from presswork.model import FloatArray, IndexArray
 Name = tuple[str, str]
 """Of an instance, empty for the assembly itself, and of a set or surface in it."""
 _SHELLS = ("S4", "S4R", "S4RS", "S4RSW", "S3", "S3R", "S3RS", "R3D4", "R3D3")
-_POINTS = ("MASS", "ROTARYI")
+POINTS = ("MASS", "ROTARYI")
 _LOOSE = 1 << 40
 """What is added to labels of the assembly's own nodes and cells: more than any instance has."""
 
@@ -64,7 +64,7 @@ class PartMesh:
 
     def _take_elements(self, block: Block) -> None:
         kind = block.name_of("TYPE")
-        if kind in _POINTS:
+        if kind in POINTS:
             return
         if kind not in _SHELLS:
             self.others.setdefault(kind, block)

@@ -12,7 +12,7 @@ import numpy as np
 
 from presswork.case.errors import CaseError, Problem
 from presswork.deck.keyword_file import read_keyword_lines
-from presswork.deck.notes import Place
+from presswork.deck.notes import Notes, Place
 from presswork.model import FloatArray
 
 _KEYWORD = re.compile(rb"^\*[^*\r\n][^\r\n]*(?:,\s*\r?\n[^*\r\n][^\r\n]*)*", re.MULTILINE)
@@ -60,7 +60,7 @@ class Block:
         return self.parameters.get(parameter, "").upper()
 
 
-def read_blocks(path: Path, source: Path, depth: int = 0) -> Iterator[Block]:
+def read_blocks(path: Path, source: Path, notes: Notes, depth: int = 0) -> Iterator[Block]:
     """Yield the blocks of a deck and of the files that it includes. Raises CaseError for files that cannot be read."""
     for line in read_keyword_lines(path, _KEYWORD, "Abaqus", depth):
         words = [word.strip() for word in line.text.split(",")]
@@ -68,7 +68,8 @@ def read_blocks(path: Path, source: Path, depth: int = 0) -> Iterator[Block]:
         parameters = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
         block = Block(" ".join(words[0].upper().split()), parameters, line.place, line.data[line.after : line.end])
         if block.name == "INCLUDE":
-            yield from read_blocks(path.parent / parameters.get("INPUT", ""), source, depth + 1)
+            notes.see(block.place, "*INCLUDE", "lines of the file are listed by its name")
+            yield from read_blocks(path.parent / parameters.get("INPUT", ""), source, notes, depth + 1)
         elif block.name == "PARAMETER":
             fault = "parameters are expressions, which are not evaluated"
             raise CaseError([Problem(f"{block.place} *PARAMETER", fault, "write their values into the deck")], source)

@@ -46,8 +46,12 @@ class MaterialReader:
             return False
         if block.name == "MATERIAL":
             self._now = self._found.setdefault(block.name_of("NAME"), _Material(block.place))
+            self._notes.see(block.place, "*MATERIAL", "of no sheet that is taken over", "dropped")
         elif self._now is not None:
+            self._notes.belong(block.place, f"*{block.name}", self._now.place)
             self._take(block, self._now)
+        else:
+            self._notes.see(block.place, f"*{block.name}", "of no material", "dropped")
         return True
 
     def _take(self, block: Block, material: _Material) -> None:

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from presswork.deck.abaqus.assembly import Assembly, PartMesh
+from presswork.deck.abaqus.assembly import POINTS, Assembly, PartMesh
 from presswork.deck.abaqus.blocks import Block, DataError, read_blocks
 from presswork.deck.abaqus.materials import MaterialReader, read_orientation
 from presswork.deck.abaqus.steps import Steps
 from presswork.deck.contents import Contact, Deck, PartCard, SectionCard, Shells
-from presswork.deck.notes import Notes, Place
+from presswork.deck.notes import DROPPED, KEPT, Fate, Notes, Place
 from presswork.model import FloatArray
 
 _SILENT = (
@@ -80,10 +80,11 @@ class AbaqusDeck:
         self._frictions: dict[str, float] = {}
         self._interaction = ""
         self._assigned = ""
+        self._node_place: Place | None = None
 
     def read(self) -> Deck:
         """Read it all. Raises CaseError."""
-        for block in read_blocks(self._path, self._path):
+        for block in read_blocks(self._path, self._path, self.notes):
             try:
                 self._take(block)
             except (DataError, IndexError, ValueError, KeyError) as error:
@@ -97,17 +98,38 @@ class AbaqusDeck:
         return self.notes.fail(place, f"*{name}: {text}", "check the rows below it")
 
     def _take(self, block: Block) -> None:
+        if block.name in _SEEN:
+            fate, text = _SEEN[block.name]
+            self.notes.see(block.place, f"*{block.name}", text, fate)
         handler = _HANDLERS.get(block.name)
         if handler is not None:
             handler(self, block)
         elif block.name in ("NSET", "ELSET") and "INSTANCE" in block.parameters:
             self._assembly.add_set(block)
-        elif self._mesh().take(block) or self._materials.take(block) or self._steps.take(block):
+        elif self._mesh().take(block):
+            self._see_mesh(block)
+        elif self._materials.take(block) or self._steps.take(block):
             return
         elif block.name in _NUMERICS:
             self.notes.drop(block.place, f"*{block.name}", "steers numerics or output: presswork has its own")
-        elif block.name not in _SILENT:
+        elif block.name in _SILENT:
+            self.notes.see(block.place, f"*{block.name}", "how the deck is put together")
+        else:
             self.notes.refuse(block.place, f"*{block.name}", "carries physics that has no counterpart here")
+
+    def _see_mesh(self, block: Block) -> None:
+        """Say what became of nodes, elements, sets and surfaces."""
+        text, kind, fate = "a set or surface, for keywords that name it", block.name_of("TYPE"), KEPT
+        if block.name == "NODE":
+            text = f"{len(self._mesh().nodes[-1])} nodes"
+            self._node_place = self._node_place or block.place
+        elif block.name == "ELEMENT" and kind in POINTS:
+            text, fate = "masses of points: tools move as stages say", DROPPED
+        elif block.name == "ELEMENT" and kind in self._mesh().others:
+            text, fate = f"elements {kind}, which are not read", DROPPED
+        elif block.name == "ELEMENT":
+            text = f"{len(self._mesh().shells[-1])} shells {kind}"
+        self.notes.see(block.place, f"*{block.name}", text, fate)
 
     def _mesh(self) -> PartMesh:
         return self._assembly.parts[self._part] if self._part else self._assembly.loose
@@ -201,7 +223,7 @@ class AbaqusDeck:
         order = np.argsort(labels)
         labels, points = labels[order], points[order]
         shells = self._assembly.all_shells()
-        deck = Deck(title=self._title, labels=np.arange(1, len(labels) + 1), points=points)
+        deck = Deck(title=self._title, node_place=self._node_place, labels=np.arange(1, len(labels) + 1), points=points)
         deck.materials, numbers = self._materials.finish()
         nodes = np.searchsorted(labels, shells[:, 1:]) + 1
         is_known = np.asarray(np.isin(shells[:, 1:], labels)).all(axis=1)
@@ -292,7 +314,7 @@ class AbaqusDeck:
         if self._general is not None:
             everything = tuple(deck.parts)
             friction = self._frictions.get(self._assigned, 0.0)
-            contact = Contact((everything, everything), (friction, 0.0), self._general.place, "*CONTACT")
+            contact = Contact((everything, everything), (friction, 0.0), self._general.place, f"*{self._general.name}")
             deck.contacts.append(contact)
 
 
@@ -311,3 +333,20 @@ _HANDLERS: dict[str, Callable[[AbaqusDeck, Block], None]] = {
     "CONTACT PAIR": AbaqusDeck._contact_pair,
     "CONTACT PROPERTY ASSIGNMENT": AbaqusDeck._property,
 }
+_SEEN: dict[str, tuple[Fate, str]] = {
+    "HEADING": ("kept", "the case's title"),
+    "PART": ("kept", "nodes and shells of a part"),
+    "END PART": ("kept", "how the deck is put together"),
+    "INSTANCE": ("kept", "where a part lies"),
+    "END INSTANCE": ("kept", "how the deck is put together"),
+    "NSET": ("kept", "a set, for keywords that name it"),
+    "ELSET": ("kept", "a set, for keywords that name it"),
+    "SHELL SECTION": ("dropped", "of rigid bodies, or of no shells"),
+    "SHELL GENERAL SECTION": ("dropped", "of rigid bodies, or of no shells"),
+    "RIGID BODY": ("dropped", "of no shells that are left"),
+    "SURFACE INTERACTION": ("kept", "friction, for contacts that name it"),
+    "FRICTION": ("kept", "a coefficient, for contacts that name it"),
+    "CONTACT PAIR": ("dropped", "adds no tool: it joins none with the sheet, or one that has a contact above"),
+    "CONTACT PROPERTY ASSIGNMENT": ("dropped", "adds no tool"),
+}
+"""What becomes of a block of which nothing else is noted."""

@@ -11,7 +11,7 @@ import numpy as np
 from presswork.deck.abaqus.assembly import Assembly
 from presswork.deck.abaqus.blocks import Block, DataError
 from presswork.deck.contents import Deck, Held, Motion, Push
-from presswork.deck.notes import Notes
+from presswork.deck.notes import Notes, Place
 from presswork.model import FloatArray, IndexArray
 
 _NAMED = {
@@ -47,7 +47,7 @@ class Steps:
     _boundaries: list[_Entry] = field(default_factory=list)
     _forces: list[_Entry] = field(default_factory=list)
     _named: list[tuple[Block, str, tuple[bool, ...]]] = field(default_factory=list)
-    _amplitudes: dict[str, tuple[FloatArray, bool]] = field(default_factory=dict)
+    _amplitudes: dict[str, tuple[FloatArray, bool, Place]] = field(default_factory=dict)
     _last: Block | None = None
 
     def take(self, block: Block) -> bool:
@@ -58,10 +58,14 @@ class Steps:
             case "STEP":
                 self._times.append(0.0)
                 self._last = block
+                self.notes.see(block.place, "*STEP", "ends a stage, unless tools go on alike")
             case "STATIC" | "DYNAMIC":
                 rows = block.rows()
                 words = [word for word in rows[0][1:2] if word] if rows else []
                 self._times[-1] = float(words[0]) if words else 1.0
+                self.notes.see(block.place, f"*{block.name}", f"the step takes {self._times[-1]:g}")
+            case "END STEP":
+                self.notes.see(block.place, "*END STEP", "how the deck is put together")
             case "AMPLITUDE":
                 if block.name_of("DEFINITION") not in ("", "TABULAR", "SMOOTH STEP"):
                     self.notes.refuse(block.place, "*AMPLITUDE", "an amplitude that is no table", "give it as a table")
@@ -70,8 +74,12 @@ class Steps:
                 if len(values) < 2 or len(values) % 2:
                     raise DataError("pairs of time and value are cut short")
                 is_total = block.name_of("TIME") == "TOTAL TIME"
-                self._amplitudes[block.name_of("NAME")] = np.array(values).reshape(-1, 2), is_total
+                self._amplitudes[block.name_of("NAME")] = np.array(values).reshape(-1, 2), is_total, block.place
+                text = "no motion and no force of a tool names it"
+                self.notes.see(block.place, "*AMPLITUDE", text, "dropped")
             case "BOUNDARY" | "CLOAD":
+                text = "holds tools, which move as stages say" if block.name == "BOUNDARY" else "pushes no tool"
+                self.notes.see(block.place, f"*{block.name}", text, "dropped")
                 self._take_rows(block)
         return True
 
@@ -159,6 +167,9 @@ class Steps:
         if not any(entry.value for entry in entries):
             return
         first = entries[0].block
+        for entry in entries:
+            if entry.block.place != first.place:
+                self.notes.belong(entry.block.place, f"*{first.name}", first.place)
         curve = self._join(entries, kind)
         number = len(deck.curves) + 1
         deck.curves[number] = curve
@@ -183,7 +194,8 @@ class Steps:
                 continue
             entry = own[-1]
             if entry.amplitude:
-                table, is_total = self._find_amplitude(entry)
+                table, is_total, place = self._find_amplitude(entry)
+                self.notes.belong(place, "*AMPLITUDE", entry.block.place)
                 times = table[:, 0] if is_total else table[:, 0] + begin
                 inside = (times >= begin - tiny) & (times <= begin + duration + tiny)
                 rows += [
@@ -203,7 +215,7 @@ class Steps:
             curve = np.vstack([[0.0, curve[0, 1]], curve])
         return np.asarray(curve[np.concatenate([np.diff(curve[:, 0]) > 0, [True]])])
 
-    def _find_amplitude(self, entry: _Entry) -> tuple[FloatArray, bool]:
+    def _find_amplitude(self, entry: _Entry) -> tuple[FloatArray, bool, Place]:
         if entry.amplitude not in self._amplitudes:
             fault = f"*{entry.block.name}: there is no amplitude {entry.amplitude}"
             raise self.notes.fail(entry.block.place, fault, "add *AMPLITUDE")

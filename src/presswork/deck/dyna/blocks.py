@@ -11,7 +11,7 @@ from pathlib import Path
 from presswork.case.errors import CaseError, Problem
 from presswork.deck.fields import Parameters, read_fields, to_number
 from presswork.deck.keyword_file import KeywordLine, read_keyword_lines, rows_in_pieces
-from presswork.deck.notes import Place
+from presswork.deck.notes import Notes, Place
 
 _KEYWORD = re.compile(rb"^\*[^\r\n]*", re.MULTILINE)
 
@@ -50,8 +50,9 @@ class Block:
 class BlocksOfDeck:
     """Reads a deck and what it includes."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, notes: Notes) -> None:
         self._source = path
+        self._notes = notes
         self._parameters: Parameters = {}
         self._is_long = self._has_wide_labels = False
 
@@ -60,13 +61,20 @@ class BlocksOfDeck:
         yield from self._read(self._source, 0)
 
     def _read(self, path: Path, depth: int) -> Iterator[Block]:
+        is_over = False
         for line in read_keyword_lines(path, _KEYWORD, "LS-DYNA", depth):
             block = self._make(line)
-            if block.name == "END":
-                return
-            if block.name.startswith("INCLUDE"):
+            keyword = f"*{block.name}"
+            if is_over:
+                self._notes.see(block.place, keyword, "stands below *END", "dropped")
+            elif block.name == "END":
+                is_over = True
+                self._notes.see(block.place, keyword, "the file ends here")
+            elif block.name.startswith("INCLUDE"):
+                self._notes.see(block.place, keyword, "lines of the files are listed by their names")
                 yield from self._include(block, path, depth)
             elif block.name.startswith("PARAMETER"):
+                self._notes.see(block.place, keyword, "values stand where they are named")
                 self._define(block)
             else:
                 yield block

@@ -15,7 +15,7 @@ from presswork.deck.contents import Contact, Deck, Held, Motion, PartCard, Push,
 from presswork.deck.dyna.blocks import Block, BlocksOfDeck
 from presswork.deck.dyna.materials import read_material
 from presswork.deck.fields import FieldError, read_table
-from presswork.deck.notes import Notes
+from presswork.deck.notes import Fate, Notes
 from presswork.mesh.dynain import read_layers, read_strains
 from presswork.model import IndexArray
 
@@ -46,7 +46,7 @@ class DynaDeck:
 
     def read(self) -> Deck:
         """Read it all. Raises CaseError."""
-        for block in BlocksOfDeck(self._path).read():
+        for block in BlocksOfDeck(self._path, notes=self.notes).read():
             try:
                 self._take(block)
             except (FieldError, IndexError, ValueError) as error:
@@ -58,9 +58,13 @@ class DynaDeck:
     def _take(self, block: Block) -> None:
         for start, handler in _HANDLERS.items():
             if block.name == start or block.name.startswith(f"{start}_"):
+                if start in _SEEN:
+                    fate, text = _SEEN[start]
+                    self.notes.see(block.place, f"*{block.name}", text, fate)
                 handler(self, block)
                 return
         if block.name.startswith(_SILENT):
+            self.notes.see(block.place, f"*{block.name}", "how the deck is written, or a comment")
             return
         if block.name.startswith("CONTROL_FORMING_") and not block.name.startswith(_OUTPUT_OF_FORMING):
             remedy = "write the deck with its tools placed and moved by curves"
@@ -76,11 +80,15 @@ class DynaDeck:
     # --- the mesh ----------------------------------------------------------------------------------------------------
 
     def _nodes(self, block: Block) -> None:
+        self.deck.node_place = self.deck.node_place or block.place
+        n = 0
         label, number = (20, 20) if block.is_long else (10 if block.has_wide_labels else 8, 16)
         for rows in block.pieces():
             table = read_table(rows, (label, number, number, number), block.parameters)
             self._labels.append(table[:, 0].astype(np.intp))
             self._points.append(table[:, 1:])
+            n += len(table)
+        self.notes.see(block.place, f"*{block.name}", f"{n} nodes")
 
     def _shell_elements(self, block: Block) -> None:
         options = block.name.removeprefix("ELEMENT_SHELL").split("_")[1:]
@@ -89,6 +97,7 @@ class DynaDeck:
             self.notes.refuse(block.place, f"*{block.name}", f"shells with options of their own: {what}")
             return
         width = 20 if block.is_long else 10 if block.has_wide_labels else 8
+        n = 0
         for rows in block.pieces():
             thickness, angle = np.full(len(rows), np.nan), np.zeros(len(rows))
             if "THICKNESS" in options:
@@ -100,6 +109,8 @@ class DynaDeck:
             self._shells.append(table)
             self._own_thickness.append(thickness[: len(rows)])
             self._own_angle.append(angle[: len(rows)])
+            n += len(rows)
+        self.notes.see(block.place, f"*{block.name}", f"{n} shells")
 
     # --- parts -------------------------------------------------------------------------------------------------------
 
@@ -137,6 +148,8 @@ class DynaDeck:
         found = read_material(block, name, block.name.endswith("_TITLE"), self.notes)
         if found is not None:
             self.deck.materials[found[0]] = found[1]
+            if found[1].is_rigid:
+                self.notes.see(block.place, f"*{block.name}", "makes its parts rigid")
 
     def _curve(self, block: Block) -> None:
         if block.name not in ("DEFINE_CURVE", "DEFINE_CURVE_TITLE"):
@@ -147,6 +160,7 @@ class DynaDeck:
         points = read_table([row for row in rows[1:] if row.strip()], (20, 20), block.parameters)
         scale, offset = (x_scale or 1.0, y_scale or 1.0), (x_offset, y_offset)
         self.deck.curves[int(number)] = (points + np.array(offset)) * np.array(scale)
+        self.deck.curve_lines[int(number)] = (block.place, f"*{block.name}")
 
     # --- what tools do -----------------------------------------------------------------------------------------------
 
@@ -254,6 +268,7 @@ class DynaDeck:
     def _end(self, block: Block) -> None:
         self.deck.end = block.numbers(block.rows()[0])[0]
         self.deck.end_place = block.place
+        self.notes.see(block.place, f"*{block.name}", f"the last stage ends at {self.deck.end:g}")
 
     def _adaptive(self, block: Block) -> None:
         cards = [block.numbers(row) for row in block.rows()]
@@ -332,3 +347,18 @@ _HANDLERS: dict[str, Callable[[DynaDeck, Block], None]] = {
     "INITIAL": DynaDeck._initial,
 }
 """By the beginning of a keyword, up to an underscore."""
+_SEEN: dict[str, tuple[Fate, str]] = {
+    "PART": ("dropped", "no part of shells"),
+    "SECTION_SHELL": ("dropped", "of rigid tools, whose thickness does not count, or of no part"),
+    "MAT": ("dropped", "of no sheet that is taken over"),
+    "DEFINE_CURVE": ("dropped", "nothing that is taken over refers to it"),
+    "BOUNDARY_PRESCRIBED_MOTION_RIGID": ("dropped", "moves no tool that is taken over"),
+    "LOAD_RIGID_BODY": ("dropped", "pushes no tool that is taken over"),
+    "CONTACT": ("dropped", "adds no tool: it joins none with the sheet, or one that has a contact above"),
+    "BOUNDARY_SPC": ("dropped", "holds nothing"),
+    "SET_NODE": ("kept", "a set, for keywords that name it"),
+    "SET_PART": ("kept", "a set, for keywords that name it"),
+    "TITLE": ("kept", "the case's title"),
+    "INITIAL": ("kept", "stresses or strains that the sheet begins with (blank.dynain)"),
+}
+"""What becomes of a block of which nothing else is noted."""

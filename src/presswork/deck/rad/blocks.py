@@ -17,7 +17,7 @@ import numpy as np
 from presswork.case.errors import CaseError, Problem
 from presswork.deck.fields import to_number
 from presswork.deck.keyword_file import KeywordLine, read_keyword_lines, rows_in_pieces
-from presswork.deck.notes import Place
+from presswork.deck.notes import Notes, Place
 
 _KEYWORD = re.compile(rb"^(?:/|#include|#enddata)[^\r\n]*", re.MULTILINE | re.IGNORECASE)
 _COMMENTS = (b"#", b"$")
@@ -74,14 +74,22 @@ def read_labels(rows: list[bytes]) -> list[int]:
     return [int(value) for row in rows for value in read_row(row, *[10] * 10) if value]
 
 
-def read_blocks(path: Path, source: Path, depth: int = 0) -> Iterator[Block]:
+def read_blocks(path: Path, source: Path, notes: Notes, depth: int = 0) -> Iterator[Block]:
     """Yield the blocks of a file, and of those that it includes, up to /END. Raises CaseError."""
+    is_over = False
     for line in read_keyword_lines(path, _KEYWORD, "OpenRadioss", depth, "a slash"):
         words = [word.strip() for word in line.text.strip().split("/")]
+        sign = "#" if words[0].lower().startswith(("include", "enddata")) else "/"
+        if is_over:
+            notes.see(line.place, f"{sign}{words[0]}", "stands below the end", "dropped")
+            continue
         if words[0].upper() in ("END", "ENDDATA"):
-            return
+            is_over = True
+            notes.see(line.place, f"{sign}{words[0]}", "the file ends here")
+            continue
         if words[0].lower().startswith("include"):
-            yield from _include(line, path, source, depth)
+            notes.see(line.place, "#include", "lines of the file are listed by its name")
+            yield from _include(line, path, source, notes, depth)
             continue
         numbers: list[int] = []
         while len(words) > 1 and (not words[-1] or words[-1].lstrip("-").isdigit()):
@@ -91,11 +99,11 @@ def read_blocks(path: Path, source: Path, depth: int = 0) -> Iterator[Block]:
         yield Block(tuple(word.upper() for word in words), tuple(numbers), line.place, line.data, begin, line.end)
 
 
-def _include(line: KeywordLine, path: Path, source: Path, depth: int) -> Iterator[Block]:
+def _include(line: KeywordLine, path: Path, source: Path, notes: Notes, depth: int) -> Iterator[Block]:
     rest = line.data[line.after : line.end].split(b"\n")
     if any(row.strip() and not row.startswith(_COMMENTS) for row in rest):
         fault = "rows that go on after an included file"
         problem = Problem(f"{line.place} #include", fault, "write a keyword above them, or the file into the deck")
         raise CaseError([problem], source)
     name = line.text.partition(" ")[2].strip().strip('"')
-    yield from read_blocks(path.parent / name, source, depth + 1)
+    yield from read_blocks(path.parent / name, source, notes, depth + 1)

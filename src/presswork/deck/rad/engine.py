@@ -20,7 +20,7 @@ def read_engine(starter: Path, deck: Deck, notes: Notes) -> None:
         path = starter.with_name(f"{stem[:-4]}{run:04d}{starter.suffix}")
         if not path.exists():
             return
-        for block in read_blocks(path, starter):
+        for block in read_blocks(path, starter, notes):
             take_engine_block(block, deck, notes)
 
 

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Keywords of OpenRadioss that carry nothing of a case."""
+"""Keywords of OpenRadioss that carry nothing of a case, and what becomes of others of which nothing else is noted."""
+
+from presswork.deck.notes import Fate
 
 STARTER = frozenset(
     {
@@ -69,3 +71,20 @@ ENGINE = frozenset(
     }
 )
 """What steers numerics and output."""
+SEEN: dict[str, tuple[Fate, str]] = {
+    "UNIT": ("kept", "units, for keywords that name them"),
+    "TITLE": ("kept", "the case's title"),
+    "PART": ("dropped", "has no shells, or moves with a part that is a tool"),
+    "PROP": ("dropped", "of rigid parts, whose thickness does not count, or of none"),
+    "MAT": ("dropped", "of rigid parts, or of none"),
+    "FUNCT": ("dropped", "nothing that is taken over refers to it"),
+    "ADMESH": ("dropped", "shells are split as /ADMESH/GLOBAL says"),
+    "RBODY": ("kept", "makes its parts rigid"),
+    "IMPVEL": ("dropped", "moves no tool that is taken over"),
+    "IMPACC": ("dropped", "moves no tool that is taken over"),
+    "IMPDISP": ("dropped", "moves no tool that is taken over"),
+    "CLOAD": ("dropped", "pushes no tool that is taken over"),
+    "BCS": ("dropped", "holds nothing"),
+    "INTER": ("dropped", "adds no tool: it joins none with the sheet, or one that has a contact above"),
+}
+"""What becomes of a block of which nothing else is noted."""

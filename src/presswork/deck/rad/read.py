@@ -19,7 +19,7 @@ from presswork.deck.notes import Notes
 from presswork.deck.rad.blocks import Block, read_blocks, read_row
 from presswork.deck.rad.engine import read_engine, take_engine_block
 from presswork.deck.rad.groups import Groups
-from presswork.deck.rad.keywords import STARTER
+from presswork.deck.rad.keywords import SEEN, STARTER
 from presswork.deck.rad.materials import read_material
 from presswork.deck.rad.sections import read_property
 from presswork.deck.units import Units, name_units
@@ -81,7 +81,7 @@ class RadDeck:
 
     def read(self) -> Deck:
         """Read it all, with the engine's files beside it. Raises CaseError."""
-        for block in read_blocks(self._path, self._path):
+        for block in read_blocks(self._path, self._path, self.notes):
             self._try(self._take, block)
         if not self._version:
             raise self.notes.fail(None, "no /BEGIN in it", "give the starter's file, NAME_0000.rad")
@@ -110,6 +110,9 @@ class RadDeck:
 
     def _take(self, block: Block) -> None:
         word = block.words[0]
+        if word in SEEN:
+            fate, text = SEEN[word]
+            self.notes.see(block.place, block.keyword, text, fate)
         handler = _HANDLERS.get(word)
         if handler is not None:
             handler(self, block)
@@ -117,7 +120,7 @@ class RadDeck:
             self._check_units(block, 1)
             self._later.append(block)
         elif self._groups.take(block):
-            return
+            self.notes.see(block.place, block.keyword, "a group, for keywords that name it")
         elif word == "RUN":
             take_engine_block(block, self.deck, self.notes)
         elif word in STARTER:
@@ -161,12 +164,17 @@ class RadDeck:
 
     def _nodes(self, block: Block) -> None:
         self._check_units(block, 0)
+        self.deck.node_place = self.deck.node_place or block.place
+        n = 0
         for rows in block.pieces():
             table = read_table(rows, (10, 20, 20, 20), {})
             self._labels.append(table[:, 0].astype(np.intp))
             self._points.append(table[:, 1:].copy())
+            n += len(table)
+        self.notes.see(block.place, block.keyword, f"{n} nodes")
 
     def _shells(self, block: Block) -> None:
+        n = 0
         for rows in block.pieces():
             table = read_table(rows, (10,) * 6 + (20, 20), {})
             if block.words[0] == "SH3N":
@@ -175,6 +183,8 @@ class RadDeck:
             if table[:, 6].any():
                 self.notes.refuse(block.place, block.keyword, "axes of the material turned cell by cell (Phi)")
             self._rows.append((block.number, table[:, [1, 2, 3, 4, 7]]))
+            n += len(table)
+        self.notes.see(block.place, block.keyword, f"{n} shells of part {block.number}")
 
     def _part(self, block: Block) -> None:
         title, rows = block.titled()
@@ -196,6 +206,7 @@ class RadDeck:
     def _curve(self, block: Block) -> None:
         rows = [row for row in block.titled()[1] if row.strip()]
         self.deck.curves[block.number] = read_table(rows, (20, 20), {})
+        self.deck.curve_lines[block.number] = (block.place, block.keyword)
 
     def _adaptive(self, block: Block) -> None:
         if "GLOBAL" in block.words:
@@ -323,6 +334,7 @@ class RadDeck:
         if curve is None or (along == 1.0 and not begin):
             return number
         found = max(self.deck.curves) + 1
+        self.deck.curve_lines[found] = self.deck.curve_lines[number]
         self.deck.curves[found] = np.column_stack([curve[:, 0] * along - begin, curve[:, 1]])
         return found
 
