@@ -753,6 +753,14 @@ class SheetUnder:
         triangle's fourth is zero) and the sheet's normal (n, 3), of any length.
         """
 
+def find_bending_along(centre: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], bending: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], own: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], along: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], way: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], within: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+    """
+    Find the largest bending strain to either side (n), (n) on lines through cells `own` (n) of a sheet.
+    centre (n_cells, 3), bending (n_cells, 6; xx, yy, zz, xy, yz, xz): of all cells; along (n, 3): unit vectors;
+    way (n, n_places): places on the lines from the cell, outwards to one side, then to the other; within: as way,
+    distance from a place to the nearest centre beyond which no cell lies there.
+    """
+
 class ScalarAssembler:
     """Sparsity pattern and scatter of element arrays, one freedom a node."""
 

@@ -69,8 +69,6 @@ def find_fold_ratio(
     sheet: Mapping[str, FloatArray], blocks: Sequence[CellBlock], points: FloatArray, touched: BoolArray
 ) -> FloatArray:
     """Return the amplitude of bending along the most compressed direction over the compression (n_cells,)."""
-    from scipy.spatial import cKDTree  # loads scipy, which runs without sheets do without
-
     corners = [block.connectivity for block in blocks]
     centre = np.concatenate([points[c].mean(axis=1) for c in corners])
     free = np.flatnonzero(np.concatenate([~touched[c].any(axis=1) for c in corners]))
@@ -81,18 +79,12 @@ def find_fold_ratio(
     if len(own) == 0:
         return ratio
 
-    size = np.concatenate([np.ptp(points[c], axis=1).max(axis=1) for c in corners])[own]
-    steps = np.delete(np.arange(-STEPS, STEPS + 1), STEPS) / STEPS  # not the place of the shell itself
-    way = steps * REACH * sheet["thickness"][own, None]
-    places = centre[own, None] + way[..., None] * along[:, None]
-    distance, near = cKDTree(centre).query(places, workers=_core.max_threads())
+    size = np.concatenate([(points[c].max(axis=1) - points[c].min(axis=1)).max(axis=1) for c in corners])[own]
+    outwards = np.arange(1, STEPS + 1) / STEPS
+    way = np.concatenate([outwards, -outwards]) * REACH * sheet["thickness"][own, None]
+    far = np.maximum(size[:, None], 0.35 * np.abs(way))  # beyond the edge of the sheet
     bending = 0.5 * (sheet["strain_top"] - sheet["strain_bottom"])
-    x, y, z = along.T
-    share = np.stack([x * x, y * y, z * z, 2 * x * y, 2 * y * z, 2 * x * z], axis=1)  # of a tensor along it
-    bent = np.stack([np.einsum("cs,cs->c", share, bending[at]) for at in (*near.T, own)], axis=1)
-    far = np.maximum(size[:, None], 0.35 * np.abs(way))
-    bent[:, :-1][distance > far] = 0.0  # beyond the edge of the sheet
-    up, down = (np.maximum(side.max(axis=1), 0.0) for side in (bent, -bent))
+    up, down = _core.find_bending_along(centre, bending, own.astype(np.int32), along, way, far)
     ratio[own] = np.minimum(up, down) / np.maximum(-compressed, LEAST_COMPRESSION)
     return ratio
 

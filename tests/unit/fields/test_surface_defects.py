@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from presswork import _core
 from presswork.fields.surface_defects import FOLD, STRAIGHTENED, find_straightened, surface_fields
 from presswork.model import CellBlock, FloatArray, Section
 
@@ -94,3 +95,44 @@ def test_straightened_is_what_the_faces_have_more_than_their_bending() -> None:
     plastic = {"bottom": 0.2 + 0.15 * 2 / 3**0.5, "middle": 0.2, "top": 0.2 + 0.15 * 2 / 3**0.5}
     sheet |= {f"equivalent_plastic_strain_{place}": np.array([p]) for place, p in plastic.items()}
     assert find_straightened(sheet)[0] == pytest.approx(0.1 * 2 / 3**0.5)
+
+
+@pytest.mark.parametrize("thickness", [0.0, 2.0, 30.0])  # of the box that holds the cells, beside 30 mm
+@pytest.mark.parametrize("threads", [1, 3])
+def test_bending_along_lines_is_that_of_the_nearest_cells(thickness: float, threads: int) -> None:
+    """Beside a search of all cells, by NumPy."""
+    random = np.random.default_rng(3)
+    centre = random.random((500, 3)) * (30.0, 30.0, thickness)
+    bending, own = random.standard_normal((500, 6)), np.arange(0, 500, 7, dtype=np.int32)
+    along = random.standard_normal((len(own), 3))
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    way = np.tile(np.concatenate([np.arange(1.0, 9.0), -np.arange(1.0, 9.0)]), (len(own), 1))
+    within = random.uniform(0.2, 4.0, way.shape)
+    before = _core.max_threads()
+    _core.set_threads(threads)
+    try:
+        up, down = _core.find_bending_along(centre, bending, own, along, way, within)
+    finally:
+        _core.set_threads(before)
+
+    place = centre[own, None] + way[..., None] * along[:, None]
+    away = np.linalg.norm(place[:, :, None] - centre, axis=3)
+    near = away.argmin(axis=2)
+    outer = np.einsum("ci,cj->cij", along, along)
+    share = outer[:, [0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2]] * (1, 1, 1, 2, 2, 2)
+    bent = np.where(away.min(axis=2) <= within, np.einsum("cs,cps->cp", share, bending[near]), 0.0)
+    bent = np.column_stack([bent, np.einsum("cs,cs->c", share, bending[own])])
+    assert 0.1 < (bent == 0.0).mean() < 0.9  # places with and without a cell
+    np.testing.assert_allclose(up, np.maximum(bent.max(axis=1), 0.0), atol=1e-14)
+    np.testing.assert_allclose(down, np.maximum(-bent.min(axis=1), 0.0), atol=1e-14)
+
+
+@pytest.mark.parametrize("far", [0.0, np.inf, np.nan])
+def test_bending_along_lines_of_cells_in_one_place_or_nowhere(far: float) -> None:
+    """The second cell lies where the first lies, or has been lost: it is no neighbour then."""
+    centre = np.array([[1.0, 2.0, 3.0], [1.0 + far, 2.0, 3.0]])
+    bending = np.zeros((2, 6))
+    bending[:, 0] = 0.1, -0.2
+    lines = (np.zeros(1, dtype=np.int32), np.array([[1.0, 0.0, 0.0]]), np.array([[0.5]]), np.array([[1.0]]))
+    up, down = _core.find_bending_along(centre, bending, *lines)
+    assert (up, down) == (0.1, 0.0)  # of two as near, the one of the lower number
