@@ -69,9 +69,9 @@ def find_fold_ratio(
     sheet: Mapping[str, FloatArray], blocks: Sequence[CellBlock], points: FloatArray, touched: BoolArray
 ) -> FloatArray:
     """Return the amplitude of bending along the most compressed direction over the compression (n_cells,)."""
-    corners = [block.connectivity for block in blocks]
-    centre = np.concatenate([points[c].mean(axis=1) for c in corners])
-    free = np.flatnonzero(np.concatenate([~touched[c].any(axis=1) for c in corners]))
+    corners = [block.connectivity.T for block in blocks]
+    centre = np.concatenate([points[c].mean(axis=0) for c in corners])
+    free = np.flatnonzero(np.concatenate([~touched[c].any(axis=0) for c in corners]))
     values, vectors = np.linalg.eigh(_tensor(sheet["strain_middle"][free]))
     folds = values[:, 0] < -YIELDED
     own, compressed, along = free[folds], values[folds, 0], vectors[folds, :, 0]
@@ -79,7 +79,7 @@ def find_fold_ratio(
     if len(own) == 0:
         return ratio
 
-    size = np.concatenate([(points[c].max(axis=1) - points[c].min(axis=1)).max(axis=1) for c in corners])[own]
+    size = np.concatenate([np.ptp(points[c], axis=0).max(axis=1) for c in corners])[own]
     outwards = np.arange(1, STEPS + 1) / STEPS
     way = np.concatenate([outwards, -outwards]) * REACH * sheet["thickness"][own, None]
     far = np.maximum(size[:, None], 0.35 * np.abs(way))  # beyond the edge of the sheet
