@@ -19,6 +19,7 @@ from presswork.results import OutputError, Result, load_checkpoint, open_output_
 from presswork.results.folder import CASE, CHECKPOINT, RESULTS
 from presswork.study.cluster.connection import Cluster
 from presswork.study.measures import Column, measure_run, parse_column
+from presswork.study.measures_at_hand import check_columns
 from presswork.study.open_runner import open_runner
 from presswork.study.runner import Ended, Moved, Runner, Started, Task
 from presswork.study.table import read_summary, write_table
@@ -101,10 +102,9 @@ def run_sweep(
     `last:` of a column of history.csv. jobs: members that run at a time, 0 for one a core; each has one thread.
     cluster: a Dask cluster that computes them, or the address of its scheduler; its threads are the jobs.
     member_timeout: longest time of a member [s]. A member that gives up or cannot be computed is recorded, and the
-    others go on. Ctrl-C stops all at their checkpoints
-    and returns; with `resume` completed members are kept and the others go on from there, or start anew. Raises
-    CaseError, before anything is run, if no member can be computed, OutputError if the folder cannot be used, and
-    ClusterError if the cluster cannot.
+    others go on. Ctrl-C stops all at their checkpoints and returns; with `resume` completed members are kept and the
+    others go on from there, or start anew. Raises CaseError, before anything is run, if no member can be computed or
+    none will have a column, OutputError if the folder cannot be used, and ClusterError if the cluster cannot.
     """
     twice = [key for key in vary if key in {setting.partition("=")[0].strip() for setting in settings}]
     if twice:
@@ -133,6 +133,7 @@ def run_members(
     from presswork.study.sweep_plot import draw_curves
 
     wanted = [parse_column(text) for text in columns]
+    check_columns(wanted, members)
     with open_runner(jobs, cluster, member_timeout) as runner:
         run = _Sweep(members, _open_folder(Path(folder), members, resume, overwrite), wanted, on_progress)
         run.complete(run.plan(resume, overwrite), runner)

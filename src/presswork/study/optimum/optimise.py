@@ -22,9 +22,9 @@ from presswork.model import Model, OneStepModel
 from presswork.results.whole_file import replace_whole
 from presswork.study.cluster.connection import Cluster
 from presswork.study.measures import Column
+from presswork.study.measures_at_hand import check_measures
 from presswork.study.open_runner import open_runner
 from presswork.study.optimum.gradient import search_by_gradient
-from presswork.study.optimum.measures_at_hand import check_measures
 from presswork.study.optimum.runs import Run, StudyRuns, open_study_folder
 from presswork.study.optimum.search import SpentError, find_best
 from presswork.study.optimum.slopes import Slopes, find_slopes

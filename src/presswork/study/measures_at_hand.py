@@ -4,23 +4,28 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from presswork.api import build
 from presswork.case import CaseError
 from presswork.case.errors import Problem, suggest
 from presswork.fields.surface_defects import FOLD
 from presswork.fields.table import find_row
 from presswork.formability import PATH_MARGINS, POLAR
 from presswork.model import Model, OneStepModel
+from presswork.outcome import StartError
 from presswork.recorder import write_start
 from presswork.results import Result, ResultError
 from presswork.study.measures import Column, parse_column
+from presswork.study.vary import Member
 
 _ALWAYS = (
     "fraction_computed", "increments", "iterations", "cutbacks", "wall_seconds",
     "max_equivalent_plastic_strain", "max_effective_stress",
 )  # fmt: skip
+STAGE = "stage"
+"""The column of history.csv that is a text."""
 _ONE_STEP = ("punch.force", "blank_area", "strip_utilisation_percent")
 
 
@@ -45,6 +50,30 @@ def check_measures(
     if problems:
         raise CaseError(problems, study_file)
     return tuple(columns), tuple(start.history)
+
+
+def check_columns(columns: Sequence[Column], members: Sequence[Member]) -> None:
+    """Raise CaseError, before anything is run, for columns that none of the members will have.
+
+    A member that cannot start says nothing.
+    """
+    missing, found = list(columns), dict[Column, str]()
+    for member in members:
+        if not missing:
+            return
+        if member.case is None:
+            continue
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                start = _Start(build(member.case), Path(folder))
+                faults = {column: start.explain_missing(column) for column in missing}
+        except (CaseError, StartError):
+            continue
+        found = {column: found.get(column, fault) for column, fault in faults.items() if fault}
+        missing = list(found)
+    if found:
+        problems = [Problem("--column", f"{column.title}: {fault}", "") for column, fault in found.items()]
+        raise CaseError(problems)
 
 
 class _Start:
@@ -91,25 +120,27 @@ class _Start:
             remedy += "; or max:FIELD, min:FIELD, last:COLUMN of history.csv"
             raise CaseError([Problem("", "the runs of this case have no such measure", remedy)])
         column = parse_column(measure)
-        if column.name in self.history:
-            return column
-        known = self.history if column.extreme == "last" else list(self.result.field_names) if self.result else []
-        if column.extreme != "last" and self._may_have(column.name):
-            return column
-        what = "columns of history.csv" if column.extreme == "last" else "fields"
-        raise CaseError(
-            [Problem("", f"the runs of this case have no {column.name}", suggest(column.name, known, what))]
-        )
+        if fault := self.explain_missing(column):
+            raise CaseError([Problem("", *fault.split("; ", 1))])
+        return column
 
-    def _may_have(self, field: str) -> bool:
-        """Say whether the start has a field, or a later step may have it."""
-        if self.result is not None:
-            try:
-                self.result.scalar(field)
-                return True
-            except ResultError:
-                pass
-        return find_row(field) is not None and (self.result is None or field not in self.result.field_names)
+    def explain_missing(self, column: Column) -> str:
+        """Return why the runs will not have a column, with the remedy behind a semicolon; empty: they may have it."""
+        if column.name in self.history:
+            return "" if column.name != STAGE else f"{STAGE} is no number; name another column of history.csv"
+        missing = f"the runs of this case have no {column.name}"
+        if column.extreme == "last":
+            return f"{missing}; {suggest(column.name, self.history, 'columns of history.csv')}"
+        if self.result is None:
+            return "" if find_row(column.name) is not None else f"{missing}; {suggest(column.name, [], 'fields')}"
+        try:
+            self.result.scalar(column.name)
+        except ResultError as error:
+            if column.name in self.result.field_names:
+                return str(error)
+            if find_row(column.name) is None:
+                return f"{missing}; {suggest(column.name, list(self.result.field_names), 'fields')}"
+        return ""
 
 
 def _has_pushed_holder(model: Model) -> bool:
