@@ -78,6 +78,7 @@ def print_forging() -> None:
         "packaged, 20 x 14 quad4_fbar": (),
         "30 x 21 quad4_fbar": ("workpiece.mesh.cells=[30,21]",),
         "30 x 21 4CST": ("workpiece.mesh.cells=[30,21]", "workpiece.element=tri3"),
+        "40 x 28 4CST": ("workpiece.mesh.cells=[40,28]", "workpiece.element=tri3"),
         "m = 0.2": ("tools.die.m=0.2",),
     }
     for name, overrides in variants.items():

@@ -22,6 +22,8 @@ from presswork.case.reader import read_toml
 from presswork.case.units import fault
 
 FOLDER = Path(__file__).parents[2] / "material" / "data"
+THICKEST = 100.0
+"""Largest thickness of a sheet that was tested [mm]; more is a slip of units."""
 
 
 @dataclass(frozen=True)
@@ -100,8 +102,8 @@ def read_sheet(path: Path) -> NamedSheet:
     name = _text(data, "name", "what the sheet is called", problems)
     summary = _text(data, "summary", "one line that says what it is", problems)
     thickness = data.get("thickness")
-    if thickness is not None and not (isinstance(thickness, int | float) and thickness > 0):
-        problems.append(Problem("thickness", "expected a thickness > 0", "in mm", thickness))
+    if thickness is not None and not (type(thickness) in (int, float) and 0 < thickness <= THICKEST):
+        problems.append(Problem("thickness", f"expected a thickness from 0 to {THICKEST:g}", "in mm", thickness))
     sources = _texts(data, "sources", problems)
     assumed = _texts(data, "assumed", problems)
     table: Any = data.get("material")
