@@ -169,7 +169,8 @@ def describe_stamping(model: Model) -> Info:
     """Return what results say of a stamping."""
     planes = "".join(name for name, is_cut in zip("xy", model.symmetry, strict=True) if is_cut)
     judged = model.sheet[1].formability
-    return {"title": model.title, "analysis": "stamping", "symmetry": planes, **judged.to_info()}
+    whole = float(model.whole)
+    return {"title": model.title, "analysis": "stamping", "symmetry": planes, "whole": whole, **judged.to_info()}
 
 
 def way_of(tool: Tool) -> tuple[float, float, float]:

@@ -120,6 +120,7 @@ def describe_plane(model: Model) -> Info:
         "title": model.title,
         "analysis": model.analysis,
         "depth": model.depth,
+        "whole": max((tool.sectors * 2.0 ** sum(tool.mirrored_across) for tool in model.tools), default=1.0),
         "mirrored_x": "\n".join(t.name for t in model.plane_tools if t.mirrored_across[0]),
         "mirrored_y": "\n".join(t.name for t in model.plane_tools if t.mirrored_across[1]),
         **({"placing": "\n".join(placing)} if placing else {}),

@@ -11,7 +11,14 @@ from numpy.typing import NDArray
 from presswork.model import FloatArray
 from presswork.report.pack import Blocks
 from presswork.results import OutputError, Result
-from presswork.view.history_plot import find_energies, find_moved_sets, find_moving_tools, find_turning_tools
+from presswork.view.history_plot import (
+    find_energies,
+    find_moved_sets,
+    find_moving_tools,
+    find_turning_tools,
+    is_of_part,
+)
+from presswork.view.style import name_part
 
 _UNITS = {
     "force": ("kN", 1e-3),
@@ -53,11 +60,13 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
         history = {}
     find_ways = _find_strokes_at_work if result.is_line else _find_ways
     ways = {} if result.is_stamping and not result.is_line else find_ways(history)
-    columns = []
+    columns, part = [], name_part(result)
     for name, values in {**history, **ways}.items():
         if name == "stage":
             continue
         label, unit, factor = describe_column(name)
+        if is_of_part(history, name) and part:
+            label = f"{label} {part}"
         packed = blocks.add_numbers(np.asarray(values, dtype=np.float64) * factor)
         columns.append({"name": name, "label": label, "unit": unit, "values": packed})
     stages: list[str] = []

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from presswork.view.style import (
     break_at_parts,
     clean_axes,
     count_operations,
+    name_part,
     new_figure,
     require_matplotlib,
 )
@@ -59,7 +60,8 @@ def plot_history(
             ax.plot(way, shown, label=", ".join(parts), linewidth=1.8)
         drawn += curves
     ax.set_xlabel(_label(sorted({abscissa for abscissa, _ in drawn})))
-    ax.set_ylabel(_label(sorted({ordinate for _, ordinate in drawn})))
+    parts_of_whole = {name_part(run) for run in runs if any(is_of_part(run.history, name) for _, name in drawn)}
+    ax.set_ylabel(_label(sorted({ordinate for _, ordinate in drawn}), ", ".join(sorted(parts_of_whole - {""}))))
     if len(runs) == 1:
         ax.set_title(str(runs[0].info.get("title", "")))
         mark_history(ax, runs[0], drawn)
@@ -81,7 +83,7 @@ def plot_energies(result: Result, ax: Axes | None = None) -> Axes:
     if "kinetic_energy" in history:
         ax.plot(time, 0.05e-3 * history["internal_energy"], "k--", linewidth=0.9, label="5 % of internal")
     ax.set_xlabel("time [ms]")
-    ax.set_ylabel("energy [J]")
+    ax.set_ylabel(f"energy {part} [J]" if (part := name_part(result)) else "energy [J]")
     ax.set_title(str(result.info.get("title", "")))
     ax.legend(frameon=False, fontsize="small")
     begin_at_zero(ax)
@@ -206,8 +208,16 @@ def _is_large(column: str) -> bool:
     return "force" in quantity or "moment" in quantity or quantity == "torque"
 
 
-def _label(columns: Sequence[str]) -> str:
-    """Return a label with unit; a tool is named if there is only one."""
+def is_of_part(history: Mapping[str, NDArray[Any]], column: str) -> bool:
+    """Say whether a column counts what is computed alone, not the whole: energies, work, heat, reactions of sets."""
+    name, _, quantity = column.rpartition(".")
+    if quantity.startswith(("force_", "moment_")):
+        return bool(name) and f"{name}.force" not in history  # tools have their force, of the whole
+    return quantity.endswith(("_energy", "_work")) or quantity.startswith("heat_")
+
+
+def _label(columns: Sequence[str], part: str = "") -> str:
+    """Return a label with unit; a tool is named if there is only one; part: of the whole that the columns are of."""
     tool, _, quantity = columns[0].rpartition(".")
     units = {f"displacement_{axis}": " [mm]" for axis in "xyz"}
     units |= {f"rotation_{axis}": " [degree]" for axis in "xyz"} | {f"moment_{axis}": " [N m]" for axis in "xyz"}
@@ -220,4 +230,5 @@ def _label(columns: Sequence[str]) -> str:
         "torque": " [N m]",
     }
     unit = " [kN]" if "force" in quantity else units.get(quantity, "")
-    return f"{tool + ' ' if tool and len(columns) == 1 else ''}{quantity.replace('_', ' ')}{unit}"
+    own = f"{tool} " if tool and len(columns) == 1 else ""
+    return f"{own}{quantity.replace('_', ' ')}{' ' + part if part else ''}{unit}"

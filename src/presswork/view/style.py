@@ -306,6 +306,17 @@ def create_folder(folder: Path) -> None:
         raise explain_write_error(error, folder, 0) from error
 
 
+def name_part(result: Result) -> str:
+    """Return how a run's energies and reactions are to be labelled: of which part of the whole they are; or nothing."""
+    whole = float(result.info.get("whole", 1.0))
+    if "whole" not in result.info:
+        whole = 2.0 ** len(str(result.info.get("symmetry", "")))
+    if whole <= 1.0:
+        return ""
+    name = {2.0: "half", 4.0: "quarter", 8.0: "eighth"}.get(whole, f"1/{whole:.6g}")
+    return f"of the {name} computed"
+
+
 def break_at_parts(history: Mapping[str, NDArray[Any]], values: NDArray[Any]) -> FloatArray:
     """Return values by row of the history, nan where a part of a series begins: no line goes from part to part."""
     broken = np.array(values, dtype=np.float64)
