@@ -99,10 +99,15 @@ def _tables_with_paths(data: dict[str, Any]) -> list[tuple[dict[str, Any], str]]
     """Return the tables of a case that name a file, each with the key that does."""
     bodies = [data["workpiece"], *data.get("bodies", {}).values()] if "workpiece" in data else []
     tables = [(body["mesh"], "path") for body in bodies] + [(data.get(name, {}), "path") for name in ("blank", "part")]
-    tables += [(tool, key) for tool in data.get("tools", {}).values() for key in ("profile_file", "path")]
-    tables += [(m, "library") for m in data.get("materials", {}).values() if m.get("library", "").endswith(".toml")]
-    tables += [(line, "path") for line in data.get("trim", {}).values()]
-    tables += [(m, "umat") for m in data.get("materials", {}).values()]
+    operations = [data, *data.get("operations", ())]
+    tools = [tool for operation in operations for tool in operation.get("tools", {}).values()]
+    tables += [(tool, key) for tool in tools for key in ("profile_file", "path")]
+    tables += [(tool["cut"], "path") for tool in tools if "cut" in tool]
+    tables += [(line, "path") for operation in operations for line in operation.get("trim", {}).values()]
+    materials = data.get("materials", {}).values()
+    tables += [(m, "library") for m in materials if m.get("library", "").endswith(".toml")]
+    tables += [(m, "umat") for m in materials]
+    tables += [(m["hardening"], "file") for m in materials if "hardening" in m]
     return [(table, key) for table, key in tables if key in table]
 
 

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
+from presswork.mesh.surface_offset import find_offsets, unit_normals
 from presswork.mesh.triangles import double_areas, find_rims, find_triangle_parts, pair_triangles, split_quads
 from presswork.model import BoolArray, FloatArray, IntArray, OneStepModel, ToolKind, Triangulation
 from presswork.onestep.loads import FLAT
@@ -31,10 +32,6 @@ _LARGE = 20_000
 """Corners of a flat piece that is a plane of the part, not a chord of a radius."""
 _ROLL, _ROLLED = 2.0, 6
 """Radius of the holder's inner edge over the thickness, and the number of chords of its quarter circle."""
-_LONGEST = 2.5
-"""Offset of a node over that of its facets, at most: at sharp corners it is longer."""
-_SINGULAR = 0.02
-"""Part of the largest singular value of a node's normals below which they fix nothing."""
 
 
 @dataclass(frozen=True)
@@ -57,15 +54,15 @@ def offset_tools(model: OneStepModel, blank_reach: float, clearance: float = CLE
     """
     points, triangles = _whole_part(model)
     thickness, reach = model.thickness, 1.2 * blank_reach
-    up = _unit_normals(points, triangles)[:, 2]
+    up = unit_normals(points, triangles)[:, 2]
     neighbours = _list_neighbours(triangles)
     flange = _find_flange(points, triangles, up, thickness, neighbours)
     outside = ~_without_pinches(triangles, ~_find_shoulder(points, triangles, flange, neighbours))
     flange = _without_pinches(triangles, flange)
     under_flange = np.zeros(len(points), dtype=bool)
     under_flange[triangles[flange]] = True
-    below = points - _offsets(points, triangles, thickness * (0.5 + np.where(under_flange, 0.0, clearance)))
-    above = points + _offsets(points, triangles, np.full(len(points), 0.5 * thickness))
+    below = points - find_offsets(points, triangles, thickness * (0.5 + np.where(under_flange, 0.0, clearance)))
+    above = points + find_offsets(points, triangles, np.full(len(points), 0.5 * thickness))
     die = _extend(below, triangles, flange, reach, thickness)[:2]
     points_above, face, beyond = _extend(above, triangles, flange, reach, thickness, keep=~outside)
     stroke = thickness + _highest(*die) - _lowest(points_above, face)
@@ -132,11 +129,6 @@ def _turned(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArr
     return points, triangles[:, ::-1]
 
 
-def _unit_normals(points: FloatArray, triangles: IntArray) -> FloatArray:
-    normals = double_areas(points, triangles)
-    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
-
-
 def _list_neighbours(triangles: IntArray) -> list[list[int]]:
     """Return the triangles across the edges of each."""
     neighbours: list[list[int]] = [[] for _ in range(len(triangles))]
@@ -196,29 +188,6 @@ def _spread(start: BoolArray, neighbours: list[list[int]], goes_on: Callable[[in
     return reached
 
 
-def _offsets(points: FloatArray, triangles: IntArray, distance: FloatArray) -> FloatArray:
-    """Return the way of each node (n_points, 3) [mm] by which its triangles move by its distance (n_points,).
-
-    Least squares over the triangles round a node, weighted by their angles there; where they lie almost in a plane,
-    along their mean normal alone.
-    """
-    normals = _unit_normals(points, triangles)
-    corners = points[triangles]
-    matrix, right = np.zeros((len(points), 3, 3)), np.zeros((len(points), 3))
-    for k in range(3):
-        one, other = (corners[:, (k + i) % 3] - corners[:, k] for i in (1, 2))
-        cosine = (one * other).sum(axis=1) / np.maximum(
-            np.linalg.norm(one, axis=1) * np.linalg.norm(other, axis=1), 1e-300
-        )
-        angle = np.arccos(np.clip(cosine, -1.0, 1.0))
-        np.add.at(matrix, triangles[:, k], angle[:, None, None] * normals[:, :, None] * normals[:, None, :])
-        np.add.at(right, triangles[:, k], angle[:, None] * normals)
-    way = np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=_SINGULAR, hermitian=True), right)
-    length = np.linalg.norm(way, axis=1)
-    way *= (np.minimum(length, _LONGEST) / np.maximum(length, 1e-300))[:, None]
-    return np.asarray(way * distance[:, None])
-
-
 def _extend(
     points: FloatArray,
     triangles: IntArray,
@@ -234,7 +203,7 @@ def _extend(
     """
     kept = np.ones(len(triangles), dtype=bool) if keep is None else keep
     rim, after, owner = _outline(points, triangles)
-    out = np.cross(points[after] - points[rim], _unit_normals(points, triangles[owner]))
+    out = np.cross(points[after] - points[rim], unit_normals(points, triangles[owner]))
     out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-300)
     at_node = out + np.roll(out, 1, axis=0)
     at_node /= np.maximum(np.linalg.norm(at_node, axis=1, keepdims=True), 0.3)
@@ -320,7 +289,7 @@ def _smallest_radius(points: FloatArray, triangles: IntArray) -> float:
     At an edge between two flat pieces that turn by theta it is the width of the narrower one over theta: pieces, not
     triangles, since long chords of a radius have been halved.
     """
-    edges, normals = pair_triangles(triangles), _unit_normals(points, triangles)
+    edges, normals = pair_triangles(triangles), unit_normals(points, triangles)
     pairs = edges.triangles
     turn = np.arccos(np.clip((normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1), -1.0, 1.0))
     bent = turn > np.radians(1.0)

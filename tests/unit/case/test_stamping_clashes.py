@@ -214,3 +214,10 @@ def test_check_says_of_a_mesh_that_an_implicit_draw_would_fold_that_it_would(pro
 def test_a_card_that_the_implicit_procedure_would_leave_idle_is_refused():
     refuse(["explicit.device", "explicit procedure alone"], ("procedure", "implicit"), ("explicit", {"device": "cuda"}))
     build(("procedure", "implicit"), ("explicit", {"precision": "single"}))
+
+
+@pytest.mark.parametrize(("tool", "fault"), [
+    ("punch", "punch leaves less than the blank's"), ("holder", "punch strikes holder"),
+])  # fmt: skip
+def test_drawn_tools_that_stand_beside_each_other_are_refused(tool: str, fault: str) -> None:
+    refuse(["stages.0.tools.punch.stroke", fault], ("blank.symmetry", []), (f"tools.{tool}.position", [30, 0, 0.5]))

@@ -13,9 +13,10 @@ from presswork.case.material.library import list_keys
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import check_in_explicit, check_timing
 from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank
+from presswork.case.stamping.plan_line import TrimFile
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.shapes import clearance
-from presswork.case.stamping.stage import VELOCITY, StampingStage, TrimFile
+from presswork.case.stamping.stage import VELOCITY, StampingStage
 from presswork.case.stamping.tools import DrawnTool, ToolFile
 from presswork.case.stamping.tools import Tool as CaseTool
 from presswork.case.units import LENGTH, unit_factor

@@ -11,7 +11,7 @@ import numpy as np
 from presswork.case.errors import Problem
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.stamping.schema import StampingCase
-from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool
+from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool, ToolFile
 from presswork.geometry.tool_surface import make_surface
 from presswork.law.elastic_plastic import first_flow_stress
 from presswork.mesh.flange import find_held_area
@@ -47,7 +47,7 @@ def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> li
     problems += [p for tool in tools if (p := _check_reach(case, mesh, tool))]
     moved = {tool.name: _strokes(case, tool.name) for tool in tools}
     for one, other in itertools.permutations(tools, 2):
-        if (one.kind, other.kind) in (("punch", "die"), ("punch", "holder")):
+        if (one.kind, other.kind) in (("punch", "die"), ("punch", "holder")) and not _share_line(case, one, other):
             problem = _check_pair(case, one, other, moved)
             if problem and case.limits.stop:
                 problems.append(problem)
@@ -210,6 +210,15 @@ def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> li
     return problems
 
 
+def _share_line(case: StampingCase, one: Tool, other: Tool) -> bool:
+    """Tell whether two tools are what lies inside and outside of one line in the plan: they pass each other."""
+    drawn = case.tools[one.name], case.tools[other.name]
+    lines = [tool.cut for tool in drawn if isinstance(tool, ToolFile) and tool.direction is None and tool.cut]
+    if len(lines) < 2 or lines[0].keep == lines[1].keep or tuple(one.position[:2]) != tuple(other.position[:2]):
+        return False
+    return lines[0].model_copy(update={"keep": lines[1].keep}) == lines[1]
+
+
 def _check_pair(case: StampingCase, one: Tool, other: Tool, moved: dict[str, list[float]]) -> Problem | None:
     """Return a problem where two tools, at least one from a file, close on each other or on the sheet between them."""
     closing = find_closing_stroke(one, other, case.blank.thickness)
@@ -246,10 +255,11 @@ def _check_pair(case: StampingCase, one: Tool, other: Tool, moved: dict[str, lis
 def find_closing_stroke(one: Tool, other: Tool, thickness: float) -> Closing | None:
     """Return after how much of its way a tool closes on another, or on the sheet between it and a die.
 
-    None where it never does, and for two drawn tools: their clearances in the plan are exact, and openings go right
-    through.
+    None where it never does, and for two drawn tools with the same middle: their clearances in the plan are exact, and
+    openings go right through.
     """
-    if isinstance(one.shape, SweptProfile) and isinstance(other.shape, SweptProfile):
+    drawn = isinstance(one.shape, SweptProfile) and isinstance(other.shape, SweptProfile)
+    if drawn and tuple(one.position[:2]) == tuple(other.position[:2]):
         return None
     room = CLOSED * thickness if other.kind == "die" else 0.0
     between, way = np.subtract(one.position, other.position), np.array(one.way)

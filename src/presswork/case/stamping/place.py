@@ -10,11 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from presswork.case.errors import Problem
+from presswork.case.stamping.plan_line import draw_line
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.shapes import draw_shape
 from presswork.case.stamping.tools import Tool, ToolFile
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
+from presswork.mesh.surface_offset import cut_surface, move_surface
 from presswork.mesh.tool_file import read_tool
 from presswork.model import FloatArray, Friction, Mesh, Surface, SweptProfile, ToolKind, Triangulation
 from presswork.model import Tool as ToolModel
@@ -23,6 +25,9 @@ logger = logging.getLogger(__name__)
 
 BEYOND = 1.5
 """Times the blank's radius: as far as a face reaches that is given no width."""
+
+CUT = 1e-4
+"""Of the extent of a line that cuts a tool: how far the chords of its arcs may be off."""
 
 
 def build_tools(
@@ -82,7 +87,24 @@ def _make_shape(name: str, tool: Tool, depth: float, radius: float, folder: Path
         return Problem(f"tools.{name}.path", error.fault, error.remedy, tool.path)
     for note in notes:
         logger.warning("tools.%s.path = %s: %s", name, tool.path, note)
-    return read
+    return _move_and_cut(name, tool, read, folder)
+
+
+def _move_and_cut(name: str, tool: ToolFile, surface: Triangulation, folder: Path) -> Triangulation | Problem:
+    """Return what is the tool of the surface in its file."""
+    try:
+        key: tuple[str, float | str] = "offset", tool.offset
+        if tool.offset:
+            surface = move_surface(surface, -tool.offset)
+        if tool.cut is not None:
+            key = "cut", tool.cut.shape
+            line = draw_line(tool.cut, f"tools.{name}.cut", folder, CUT)
+            if isinstance(line, Problem):
+                return line
+            surface = cut_surface(surface, line, inside=tool.cut.keep == "inside")
+    except MeshError as error:
+        return Problem(f"tools.{name}.{key[0]}", error.fault, error.remedy, key[1])
+    return surface
 
 
 def _place(

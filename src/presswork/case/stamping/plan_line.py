@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -104,6 +104,33 @@ class LineFile(Part):
 PlanLine = RectangularLine | CircularLine | PolygonLine | LineFile
 
 
+class _Trim(Part):
+    """A line that the formed part, or the surface of a tool, is cut along, seen along z."""
+
+    keep: Literal["inside", "outside"] = Field(
+        default="inside", description="which side of the line stays: inside; or outside, which cuts a hole"
+    )
+
+
+class RectangularTrim(_Trim, RectangularLine):
+    """A rectangle with sides along x and y."""
+
+
+class CircularTrim(_Trim, CircularLine):
+    """A circle."""
+
+
+class PolygonTrim(_Trim, PolygonLine):
+    """A polygon, whose corners may be rounded."""
+
+
+class TrimFile(_Trim, LineFile):
+    """A line from a file."""
+
+
+Trim = Annotated[RectangularTrim | CircularTrim | PolygonTrim | TrimFile, Field(discriminator="shape")]
+
+
 def _draw(corners: list[tuple[float, float]], radius: float) -> FloatArray:
     """Return the segments of a closed polygon with rounded corners. Raises ProfileError."""
     if len(corners) > 3 and np.allclose(corners[0], corners[-1], rtol=0.0, atol=1e-9 * float(np.ptp(corners))):
@@ -126,10 +153,11 @@ def _check_radius(corners: FloatArray, radius: float) -> None:
         raise ProfileError(worst, text, f"at most {largest[worst]:.4g} mm fits")
 
 
-def draw_line(line: PlanLine, key: str, folder: Path) -> FloatArray | Problem:
+def draw_line(line: PlanLine, key: str, folder: Path, chord: float = FINE) -> FloatArray | Problem:
     """Return a line as a polygon (m, 2) [mm]; or what is wrong with it.
 
-    key: of the line's table in the case; folder: of the case file.
+    key: of the line's table in the case; folder: of the case file; chord: of the line's extent, how far the chords of
+    its arcs may be off.
     """
     at = f"{key}.path" if isinstance(line, LineFile) else key
     value = (line.path,) if isinstance(line, LineFile) else ()
@@ -151,4 +179,4 @@ def draw_line(line: PlanLine, key: str, folder: Path) -> FloatArray | Problem:
     if crossing is not None:
         x, y = crossing.point
         return Problem(at, f"the line crosses or touches itself at ({x:.6g}, {y:.6g})", "draw it without", *value)
-    return np.concatenate([sample_arc(segment, FINE * extent)[:-1] for segment in segments])
+    return np.concatenate([sample_arc(segment, chord * extent)[:-1] for segment in segments])

@@ -17,7 +17,6 @@ from presswork.case.shell.schema import ShellDisplacement
 from presswork.case.stamping.bead import Bead
 from presswork.case.stamping.bead_geometry import BeadGeometry
 from presswork.case.stamping.heat import Dwell
-from presswork.case.stamping.plan_line import CircularLine, LineFile, PolygonLine, RectangularLine
 from presswork.case.units import Force, Length, LineForce, Point, Time, Velocity, fault
 
 VELOCITY = 2000.0
@@ -163,30 +162,3 @@ class Hem(Part):
     def build(self) -> model.Hem:
         """Return the Model's."""
         return model.Hem(None if isinstance(self.outward, str) else self.outward)
-
-
-class _Trim(Part):
-    """A line that the formed part is cut along after the last stage, seen along z."""
-
-    keep: Literal["inside", "outside"] = Field(
-        default="inside", description="which side of the line stays: inside; or outside, which cuts a hole"
-    )
-
-
-class RectangularTrim(_Trim, RectangularLine):
-    """A rectangle with sides along x and y."""
-
-
-class CircularTrim(_Trim, CircularLine):
-    """A circle."""
-
-
-class PolygonTrim(_Trim, PolygonLine):
-    """A polygon, whose corners may be rounded."""
-
-
-class TrimFile(_Trim, LineFile):
-    """A line from a file."""
-
-
-Trim = Annotated[RectangularTrim | CircularTrim | PolygonTrim | TrimFile, Field(discriminator="shape")]

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from presswork.case.heat.forming import ToolHeat
 from presswork.case.part import Part
+from presswork.case.stamping.plan_line import Trim
 from presswork.case.units import Length, Number, Point, Point3, fault
 from presswork.geometry.section_tool import SectionError, draw_section
 from presswork.mesh.cad import is_cad
@@ -264,6 +265,16 @@ class ToolFile(_Tool):
         default=None,
         gt=0,
         description="STEP, IGES: largest distance of triangles from the surface [mm]; default: 1e-4 of its diagonal",
+    )
+    offset: Length = Field(
+        default=0.0,
+        description="by which the surface is moved back from the sheet along its normals [mm]: so far from the die's "
+        "face a punch of the same file stands when both have closed",
+    )
+    cut: Trim | None = Field(
+        default=None,
+        description="line in the plan along which the surface is cut, after it was moved; keep says which side is the "
+        "tool: a punch is what lies inside the die's opening, a holder what lies outside",
     )
 
     @model_validator(mode="after")
