@@ -22,7 +22,7 @@ GAP = 1.1
 
 
 def write_case(folder: Path, *changes: tuple[str, Any]) -> Path:
-    """Write a cup whose die is a file; the punch is its face inside of 60 mm, moved up, the holder that beyond 66 mm."""
+    """Write a cup whose die is a file; its punch is its face inside of 60 mm, moved up, its holder beyond 66."""
     die = draw_closed_die((26.25, 26.25), 26.25, 6.0, width=40.0, depth=20.0, bottom=6.0)
     write_stl(folder / "die.stl", *triangulate(die, 0.02, size=5.0))
     face = {"shape": "file", "path": "die.stl"}
