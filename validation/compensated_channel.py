@@ -17,7 +17,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from presswork.results.stl_file import write_stl
+from presswork.mesh.stl_file import pack_stl
 from presswork.study import Compensation, compensate_springback
 from tests.problems.compensation import channel_face, write_channel
 
@@ -40,7 +40,7 @@ def compensate_channel(folder: Path, way: Way = "formed", *, most: int = 4, tole
         fine["size"] = [90, 4]
         upper = channel_face(0.5, reach=60.0)
         far = (np.abs(upper.points[upper.triangles][:, :, 0]) > _FLANGE).all(axis=1)
-        write_stl(folder / "holder.stl", "holder", replace(upper, triangles=upper.triangles[far]))
+        (folder / "holder.stl").write_bytes(pack_stl("holder", replace(upper, triangles=upper.triangles[far])))
         stage["tools"]["holder"] = {"force": 5e3}
         kinds = ("punch", "die", "holder")
         changes["tools"] = {kind: {"kind": kind, "shape": "file", "path": f"{kind}.stl"} for kind in kinds}
@@ -48,10 +48,10 @@ def compensate_channel(folder: Path, way: Way = "formed", *, most: int = 4, tole
         changes["trim"] = {"edge": line}
     case = write_channel(folder, **changes)
     if is_drawn:
-        write_stl(folder / "die.stl", "die", channel_face(-0.5, reach=60.0))
+        (folder / "die.stl").write_bytes(pack_stl("die", channel_face(-0.5, reach=60.0)))
         punch = channel_face(0.6)
         near = (np.abs(punch.points[punch.triangles][:, :, 0]) < _SHOULDER).all(axis=1)
-        write_stl(folder / "punch.stl", "punch", replace(punch, triangles=punch.triangles[near]))
+        (folder / "punch.stl").write_bytes(pack_stl("punch", replace(punch, triangles=punch.triangles[near])))
     return compensate_springback(
         case, folder / "out", tolerance=tolerance, most=most, fix_binder=way == "trimmed", threads=1, overwrite=True
     )

@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
+from presswork.mesh.stl_file import pack_stl
 from presswork.model import FloatArray, Triangulation
-from presswork.results.stl_file import write_stl
 from presswork.study import Compensation, compensate_springback
 from tests.problems.compensation import channel_face
 
@@ -62,9 +62,9 @@ def outline(half_width: float, beyond: float = 0.0) -> FloatArray:
 def write_rail(folder: Path) -> Path:
     """Write the case and its tools; return its path."""
     folder.mkdir(parents=True, exist_ok=True)
-    write_stl(folder / "die.stl", "die", rail_face(-0.5))
-    write_stl(folder / "punch.stl", "punch", rail_face(0.53, (0.0, _SHOULDER)))
-    write_stl(folder / "holder.stl", "holder", rail_face(0.5, (_FLANGE, _REACH)))
+    (folder / "die.stl").write_bytes(pack_stl("die", rail_face(-0.5)))
+    (folder / "punch.stl").write_bytes(pack_stl("punch", rail_face(0.53, (0.0, _SHOULDER))))
+    (folder / "holder.stl").write_bytes(pack_stl("holder", rail_face(0.5, (_FLANGE, _REACH))))
     np.savetxt(folder / "blank.txt", outline(_REACH - 4.0, 4.0), fmt="%.6f")
     case = {
         "title": "S-rail", "analysis": "stamping",

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from presswork.mesh.stl_file import pack_stl
 from presswork.model import FloatArray, Triangulation
 from presswork.post.released_part import ReleasedPart
-from presswork.results.stl_file import write_stl
 
 THICKNESS, YIELD, YOUNG = 1.0, 300.0, 210e3
 ELASTIC = 2.0 * YIELD / (YOUNG * THICKNESS)
@@ -92,8 +92,8 @@ def channel_face(up: float, *, walls: float = 75.0, depth: float = 16.0, reach: 
 
 def write_channel(folder: Path, **changes: Any) -> Path:
     """Write the case of a slice of a channel crash-formed between punch and die of facets; return its path."""
-    write_stl(folder / "die.stl", "die", channel_face(-0.5))
-    write_stl(folder / "punch.stl", "punch", channel_face(0.6))
+    (folder / "die.stl").write_bytes(pack_stl("die", channel_face(-0.5)))
+    (folder / "punch.stl").write_bytes(pack_stl("punch", channel_face(0.6)))
     case = {
         "title": "hat channel", "analysis": "stamping",
         "blank": {"shape": "rectangle", "size": [76, 4], "thickness": 1, "element_size": [1.5, 4], "points": 5,

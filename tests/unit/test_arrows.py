@@ -103,6 +103,7 @@ PYTHON_ROOMS = {
         "fields",
         "formability",
         "geometry",
+        "mesh",
         "model",
         "outcome",
         "post",

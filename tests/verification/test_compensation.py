@@ -12,9 +12,9 @@ import pytest
 
 from presswork.case import CaseError
 from presswork.geometry.foot_on_triangles import split_long
+from presswork.mesh.stl_file import pack_stl
 from presswork.post.released_part import ReleasedPart
 from presswork.results import OutputError
-from presswork.results.stl_file import write_stl
 from presswork.study import compensate_springback
 from presswork.study.anderson import Anderson
 from presswork.study.compensated_tools import PressedTool, find_undercut
@@ -91,7 +91,7 @@ def test_targets_that_are_not_the_part_are_refused(channel, tmp_path) -> None:
     """The middle of the sheet, in inches, as a file in millimetres; and a channel twice as deep."""
     case, found = channel
     middle = channel_face(0.0, reach=28.0)
-    write_stl(tmp_path / "inch.stl", "die", replace(middle, points=middle.points * SLICE / 25.4))
+    (tmp_path / "inch.stl").write_bytes(pack_stl("die", replace(middle, points=middle.points * SLICE / 25.4)))
     options = {"tolerance": 0.01, "most": 1, "threads": 1}
     with pytest.raises(
         CaseError, match=r"the blank 76\.11 mm: it is not this part, or in another unit; give --unit inch"
@@ -99,7 +99,7 @@ def test_targets_that_are_not_the_part_are_refused(channel, tmp_path) -> None:
         compensate_springback(case, tmp_path / "out", target=tmp_path / "inch.stl", **options)
     assert not (tmp_path / "out").exists()
     deep = channel_face(0.0, depth=32.0, reach=28.0)
-    write_stl(tmp_path / "deep.stl", "die", replace(deep, points=deep.points * SLICE))
+    (tmp_path / "deep.stl").write_bytes(pack_stl("die", replace(deep, points=deep.points * SLICE)))
     with pytest.raises(CaseError, match=r"of the target lie more than .* it is another part"):
         compensate_springback(case, found.folder, target=tmp_path / "deep.stl", resume=True, **options)
     with pytest.raises(CaseError, match="there is no such file"):
@@ -110,7 +110,7 @@ def test_the_target_in_a_file_is_met_as_the_part_as_drawn(channel, tmp_path) -> 
     """The lower face of the channel in inches, as loop 0 measures it: the closed tools form the part 0.05 mm off it."""
     case, found = channel
     face = channel_face(-0.5, reach=28.0)
-    write_stl(tmp_path / "face.stl", "die", replace(face, points=face.points * SLICE / 25.4))
+    (tmp_path / "face.stl").write_bytes(pack_stl("die", replace(face, points=face.points * SLICE / 25.4)))
     shutil.copytree(found.folder / "loop_00", tmp_path / "out" / "loop_00")
     said = compensate_springback(
         case, tmp_path / "out", tolerance=1.0, target=tmp_path / "face.stl", unit="inch", threads=1, resume=True

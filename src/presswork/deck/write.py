@@ -12,8 +12,9 @@ import tomli_w
 from presswork.deck.notes import Notes
 from presswork.deck.stamping import ImportedStamping, Surface
 from presswork.mesh.dynain import write_dynain
+from presswork.mesh.stl_file import pack_stl
 from presswork.mesh.triangles import double_areas
-from presswork.model import FloatArray, IndexArray
+from presswork.model import IndexArray, Triangulation
 
 
 def write_case(imported: ImportedStamping, notes: Notes, folder: Path) -> Path:
@@ -40,7 +41,9 @@ def _write_mesh(surface: Surface, path: Path) -> None:
     if path.suffix == ".stl":
         corners = np.concatenate([triangles, quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
         corners = corners[np.linalg.norm(double_areas(surface.points, corners), axis=1) > 0.0]
-        _write_stl(surface.points, corners, path)
+        used, number = np.unique(corners, return_inverse=True)
+        face = Triangulation(surface.points[used], number.reshape(corners.shape).astype(np.int32), False)
+        path.write_bytes(pack_stl(path.stem, face))
         return
     cells = [(kind, own) for kind, own in (("quad", quads), ("triangle", triangles)) if len(own)]
     meshio.write(path, meshio.Mesh(surface.points, cells), binary=True)
@@ -50,9 +53,3 @@ def _split_kinds(cells: IndexArray) -> tuple[IndexArray, IndexArray]:
     """Return quadrilaterals (n, 4) and triangles (n, 3)."""
     is_triangle = cells[:, 2] == cells[:, 3]
     return cells[~is_triangle], cells[is_triangle][:, :3]
-
-
-def _write_stl(points: FloatArray, triangles: IndexArray, path: Path) -> None:
-    used, number = np.unique(triangles, return_inverse=True)
-    mesh = meshio.Mesh(points[used], [("triangle", number.reshape(triangles.shape))])
-    meshio.write(path, mesh, file_format="stl", binary=True)

@@ -11,6 +11,7 @@ from presswork.mesh.cad import is_cad, read_cad
 from presswork.mesh.checks import MeshError, check_size
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
+from presswork.mesh.stl_file import MERGED, count_own_edges
 from presswork.mesh.topology import count_corners
 from presswork.mesh.triangles import (
     double_areas,
@@ -46,14 +47,14 @@ def read_tool(
     as that of the blank [mm]; where the file is in another unit, the unit that comes nearest is suggested first.
     tolerance: of a model in STEP or IGES, the largest distance of its triangles from the surface [mm] (mesh/cad.py).
     Points that coincide are merged, triangles without area and doubled ones dropped, quadrilaterals split, facets wound
-    against most of their part turned over. Raises MeshError.
+    against most of their part turned over. Open rims that this program has written are not noted. Raises MeshError.
     """
     raw = read_cad(path, tolerance) if is_cad(path) else read_raw(path)
     points, cells = _take_facets(raw, scale)
     size = float(np.linalg.norm(np.ptp(points[cells.reshape(-1)], axis=0)))
     check_size("tool", size, scale, usual_size)
     notes: list[str] = []
-    points, triangles = merge_points(points, cells, 1e-6 * size)
+    points, triangles = merge_points(points, cells, MERGED * size)
     triangles = _drop_flat(points, triangles, 1e-7 * size, notes)
     triangles = _drop_doubled(triangles, notes)
     crowded, count = find_crowded_edges(triangles)
@@ -66,7 +67,8 @@ def read_tool(
     triangles, part = _wind_alike(points, triangles, notes)
     points, triangles = separate_parts(points, triangles, part)
     rims = find_rims(points, triangles)
-    _note_rims(points, rims, closed, notes)
+    if closed or sum(len(rim) for rim in rims) != count_own_edges(path):
+        _note_rims(points, rims, closed, notes)
     triangles = _turn_outwards(points, triangles, part, rims, facing, notes)
     return Triangulation(points, triangles, not rims), tuple(notes)
 

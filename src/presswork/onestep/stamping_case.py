@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from presswork.mesh.stl_file import pack_stl
 from presswork.model import OneStepModel
 from presswork.onestep.offset_tools import CLEARANCE, offset_tools
 from presswork.onestep.outline import BlankOutline
 from presswork.results import OutputError
-from presswork.results.stl_file import write_stl
-from presswork.results.whole_file import replace_whole
+from presswork.results.whole_file import replace_whole, write_whole
 
 _CELLS_ACROSS = (50, 200)
 """Of the blank: at least, and at most where the part's radii ask for more."""
@@ -64,7 +64,7 @@ def write_stamping_case(path: Path, model: OneStepModel, outline: BlankOutline, 
         case["materials"] = data["materials"]
     case["tools"] = {}
     for kind, face in made.faces.items():
-        write_stl(_tool_path(path, kind), kind, face)
+        write_whole(_tool_path(path, kind), pack_stl(kind, face))
         case["tools"][kind] = {"kind": kind, "shape": "file", "path": _tool_path(path, kind).name, "mu": model.mu}
     actions: dict[str, Any] = {"punch": {"stroke": float(f"{made.stroke:.6g}")}}
     if "holder" in case["tools"] and model.holder_force > 0.0:

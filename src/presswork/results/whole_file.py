@@ -47,6 +47,12 @@ def replace_whole(path: Path, *, needed_bytes: int) -> Iterator[Path]:
         raise
 
 
+def write_whole(path: Path, content: bytes) -> None:
+    """Write a file as a whole or not at all. Raises OutputError."""
+    with replace_whole(path, needed_bytes=len(content)) as temporary:
+        temporary.write_bytes(content)
+
+
 def _remove(path: Path) -> None:
     """Remove a file if it can be; where nothing can be written, as on a read-only disk, nothing can be removed."""
     with suppress(OSError):

@@ -24,12 +24,13 @@ from presswork.case.case_file import write_as_run
 from presswork.case.errors import Problem
 from presswork.case.reader import apply_overrides, read_toml
 from presswork.case.stamping.target_part import read_target_part
+from presswork.mesh.stl_file import pack_stl
 from presswork.model import FloatArray, IntArray
 from presswork.post.released_part import Misfit, ReleasedPart, read_released
 from presswork.post.springback import find_formed_step
 from presswork.recorder import Progress
 from presswork.results import Result, open_output_folder
-from presswork.results.stl_file import write_stl
+from presswork.results.whole_file import write_whole
 from presswork.study.anderson import Anderson
 from presswork.study.compensated_tools import (
     PressedTool,
@@ -276,7 +277,7 @@ class _Search:
         folder = self.folder / f"tools_{number:02d}"
         folder.mkdir(exist_ok=True)
         for tool in tools:
-            write_stl(folder / f"{tool.name}.stl", tool.kind, tool.shape)
+            write_whole(folder / f"{tool.name}.stl", pack_stl(tool.kind, tool.shape))
         paths = {tool.name: f"{folder.name}/{tool.name}.stl" for tool in tools}
         data, lower = place_tools(self.case, self.data, tools, self.drawn, paths)
         path = self.folder / f"case_{number:02d}.toml"

@@ -110,3 +110,6 @@ def test_a_list_has_each_line_once_for_each_thing_that_became_of_it(tmp_path, co
     rows = (tmp_path / "case" / "import.txt").read_text().splitlines()[2:]
     assert len(rows) == len(set(rows))
     assert sum("is the tool" in row for row in rows) == count
+    checked = CliRunner().invoke(app, ["check", str(tmp_path / "case" / "case.toml")])
+    assert checked.exit_code == 0
+    assert "open rim" not in checked.output + str(checked.stderr)  # of tools that the import has written itself

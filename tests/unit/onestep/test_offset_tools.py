@@ -8,10 +8,10 @@ import pytest
 
 from presswork.geometry.foot_on_triangles import split_long
 from presswork.geometry.tool_surface import make_surface
+from presswork.mesh.stl_file import pack_stl
 from presswork.mesh.tool_file import read_tool
 from presswork.model import FloatArray, OneStepModel, Triangulation
 from presswork.onestep.offset_tools import CLEARANCE, OffsetTools, _smallest_radius, offset_tools
-from presswork.results.stl_file import write_stl
 from tests.problems.one_step import NO_TRIANGLES, cup_profile, fan, make_model, revolve
 
 T, RADIUS, CORNER, DEPTH, FLANGE = 0.8, 25.0, 5.0, 20.0, 42.0
@@ -89,7 +89,7 @@ def test_punch_in_the_die_leaves_the_sheet_its_room(made, tmp_path) -> None:
     """Read from their files as a stamping reads them; at the end of the stroke, everywhere."""
     read = {}
     for kind, tool in made[1].faces.items():
-        write_stl(tmp_path / f"{kind}.stl", kind, tool)
+        (tmp_path / f"{kind}.stl").write_bytes(pack_stl(kind, tool))
         facing = (0.0, 0.0, 1.0 if kind == "die" else -1.0)
         read[kind], notes = read_tool(tmp_path / f"{kind}.stl", facing=facing)
         assert not any("turned over" in note or "no area" in note for note in notes), notes
