@@ -13,6 +13,7 @@ from presswork.case import StampingCase, build_model
 from presswork.explicit.shells import ExplicitShells
 from presswork.law.elastic_plastic import make_sheet_law
 from presswork.post.section import measure_draw_in
+from presswork.view.outline_plot import plot_outline
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_stamping
 
 TOOL = {"shape": "rectangular", "mu": 0.1}
@@ -52,6 +53,9 @@ def test_a_cup_with_a_bead_draws_in_less_by_both_procedures_alike(tmp_path) -> N
     length = 4 * 30 + 2 * np.pi * 15
     for result in (explicit, implicit):
         assert result.history["bead_1.force"][-1] == pytest.approx(60 * length, rel=1e-3)
+    (bead,) = [line for line in plot_outline(implicit).axes[0].lines if line.get_label() == "bead"]
+    x, y = bead.get_data()  # of the whole part
+    assert [x.min(), x.max(), y.min(), y.max()] == pytest.approx([-30, 30, -30, 30], abs=0.01)
     for angle in (0.0, np.pi / 4):
         without, *with_bead = (measure_draw_in(r, angle) for r in (free, explicit, implicit))
         assert with_bead[0] < 0.75 * without

@@ -15,7 +15,8 @@ from presswork.case import StampingCase, build_model
 from presswork.case.errors import CaseError
 from presswork.post import cut_sheet, measure_draw_in
 from presswork.recorder import run_model
-from presswork.view.section_plot import plot_draw_in
+from presswork.view import plot_history
+from presswork.view.section_plot import plot_draw_in, plot_section
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_stamping, run_to_end
 
 FLAT = {"mu": 0.1, "shape": "ring", "outer_diameter": 24}
@@ -125,6 +126,19 @@ def test_sections_and_cuts_of_a_part_that_was_turned_are_where_it_lies(tmp_path,
     (axes,) = plot_draw_in(upside_down).axes
     assert axes.get_xlabel() == "draw_punch stroke [mm]"
     np.testing.assert_allclose(max(line.get_xdata().max() for line in axes.lines), 4.0, rtol=1e-3)
+
+
+def test_pictures_of_a_line_show_holes_and_the_force_of_a_holder_over_the_stroke_of_its_punch(tmp_path) -> None:
+    draw, pierce, _ = copy.deepcopy(cup_line()["operations"])
+    pierce["trim"]["hole"] |= {"diameter": 5, "centre": [16, 0]}
+    pierced = run_stamping(cup_line(operations=[draw, pierce]), tmp_path / "out")
+    ((strain, *_),) = [axes.lines for axes in plot_section(pierced).axes[1:]]
+    way = strain.get_xdata()
+    (gap,) = np.flatnonzero(np.isnan(way))
+    assert way[gap - 1] < 13.6
+    assert way[gap + 1] > 18.4
+    curves = {line.get_label(): line.get_xdata() for line in plot_history(pierced).lines}
+    assert np.nanmax(curves["draw_holder"]) == pytest.approx(4.0, rel=1e-3)
 
 
 def test_summary_tells_every_operation(formed) -> None:

@@ -31,6 +31,8 @@ from presswork.process.space_surfaces import SHEET_CHORD
 
 FORCE_TIMES = 100
 """Times of each stage at which a force over the stroke is tabulated."""
+BEAD_POINTS = 2000
+"""Of all beads that results keep: an attribute of HDF5 has 64 kB."""
 
 
 class StampingTools:
@@ -169,8 +171,18 @@ def describe_stamping(model: Model) -> Info:
     """Return what results say of a stamping."""
     planes = "".join(name for name, is_cut in zip("xy", model.symmetry, strict=True) if is_cut)
     judged = model.sheet[1].formability
-    whole = float(model.whole)
-    return {"title": model.title, "analysis": "stamping", "symmetry": planes, "whole": whole, **judged.to_info()}
+    told: dict[str, str | float | FloatArray] = {"title": model.title, "analysis": "stamping", "symmetry": planes}
+    beads = [*model.beads, *(bead for operation in model.following for bead in operation.beads)]
+    if beads:
+        told["beads"] = "\n".join(bead.name for bead in beads)
+        told["bead_points"] = _thin([bead.place for bead in beads])
+    return {**told, "whole": float(model.whole), **judged.to_info()}
+
+
+def _thin(lines: Sequence[FloatArray]) -> FloatArray:
+    """Return number of the line, x and y of points of lines in the plan (n, 3), no more than a results file takes."""
+    points = np.concatenate([np.column_stack([np.full(len(line), i), line]) for i, line in enumerate(lines)])
+    return points[:: 1 + len(points) // BEAD_POINTS]
 
 
 def way_of(tool: Tool) -> tuple[float, float, float]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
 from presswork.view.history_marks import mark_history
-from presswork.view.operation_plot import find_idle
+from presswork.view.operation_plot import choose_strokes, find_idle, find_operations
 from presswork.view.style import (
     begin_at_zero,
     break_at_parts,
@@ -180,7 +180,9 @@ def _choose_columns(
             beads = [name for name in history if name.startswith("bead_") and name.endswith(".force")]
             return [(x or f"{main}.stroke", name) for name in (*(f"{tool}.force" for tool in moving), *beads)]
         turning = [(x or f"{tool}.angle", f"{tool}.force") for tool in find_turning_tools(history)]
-        pairs = turning or [(x or f"{tool}.stroke", f"{tool}.force") for tool in moving]
+        own = find_operations(result) if result.is_line else []
+        over = {tool: way for each in own for tool, way in choose_strokes(result, each).items()}
+        pairs = turning or [(x or f"{over.get(tool, tool)}.stroke", f"{tool}.force") for tool in moving]
         pairs = pairs or [(x or moved, force) for moved, force in find_moved_sets(history)]
     if not pairs:
         raise ResultError(f"{result.folder}: nothing has moved, there is no curve of force; choose x and y")

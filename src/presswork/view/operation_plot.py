@@ -17,6 +17,9 @@ from presswork.view.style import begin_at_zero, clean_axes, count_operations, ne
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+HARDLY = 0.1
+"""Part of the stroke of the tool that moves farthest below which another hardly moves."""
+
 
 @dataclass(frozen=True)
 class Operation:
@@ -37,6 +40,12 @@ class Operation:
 
 def list_operations(result: Result) -> list[Operation]:
     """Return the operations in which tools are loaded; none of a run with fewer than two."""
+    found = find_operations(result)
+    return found if len(found) > 1 else []
+
+
+def find_operations(result: Result) -> list[Operation]:
+    """Return the operations in which tools are loaded."""
     history = result.history
     number, stages = count_operations(result), np.asarray(history["stage"])
     names = [name.removesuffix(".stroke") for name in history if name.endswith(".stroke")]
@@ -52,13 +61,24 @@ def list_operations(result: Result) -> list[Operation]:
         loaded = np.any([history[f"{name}.force"][own] != 0.0 for name in tools], axis=0)
         rows = own[: np.flatnonzero(loaded)[-1] + 1]
         found.append(Operation(_name_operation(result, str(stages[own[loaded][0]])), rows.astype(np.int32), tools))
-    return found if len(found) > 1 else []
+    return found
 
 
 def _name_operation(result: Result, stage: str) -> str:
     """Return the operation of a line that a stage belongs to, whose name its own begins with; else the stage."""
     line = str(result.info.get("operations", "")).split("\n")
     return max((name for name in line if name and stage.startswith(f"{name}_")), key=len, default=stage)
+
+
+def choose_strokes(result: Result, operation: Operation) -> dict[str, str]:
+    """Return over whose stroke the force of each tool of an operation is drawn.
+
+    Its own, or that of the tool of a stamping that moves farthest where it hardly moves, as a holder does.
+    """
+    history, rows = result.history, operation.rows
+    far = {tool: float(np.ptp(np.append(0.0, history[f"{tool}.stroke"][rows]))) for tool in operation.tools}
+    main = max(far, key=lambda tool: far[tool])
+    return {tool: main if result.is_stamping and way < HARDLY * far[main] else tool for tool, way in far.items()}
 
 
 def find_idle(result: Result, tool: str) -> BoolArray:
@@ -80,16 +100,16 @@ def plot_operation(result: Result, operation: Operation, ax: Axes | None = None)
     require_matplotlib()
     ax = new_figure(6.4, 4.2).subplots() if ax is None else ax
     history, rows = result.history, operation.rows
-    peaks = []
+    peaks, over = [], choose_strokes(result, operation)
     for tool in operation.tools:
-        stroke, force = history[f"{tool}.stroke"][rows], 1e-3 * history[f"{tool}.force"][rows]
+        stroke, force = history[f"{over[tool]}.stroke"][rows], 1e-3 * history[f"{tool}.force"][rows]
         ax.plot(stroke, force, label=tool, linewidth=1.8)
         top = int(np.argmax(np.abs(force)))
         peaks.append((float(stroke[top]), float(force[top])))
     for x, y in peaks:
         mark_peak(ax, x, y)
     only = f"{operation.tools[0]} " if len(operation.tools) == 1 else ""
-    ax.set_xlabel(f"{only}stroke [mm]")
+    ax.set_xlabel(f"{over[operation.tools[0]]} stroke [mm]" if len(set(over.values())) == 1 else "stroke [mm]")
     ax.set_ylabel(f"{only}force [kN]")
     ax.set_title(f"{result.info.get('title', '')}: {operation.name}", fontsize="medium")
     if len(operation.tools) > 1:

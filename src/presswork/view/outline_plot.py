@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from presswork.model import FloatArray
 from presswork.post.draw_in import measure_draw_in_around
 from presswork.post.outline import trace_outline
 from presswork.results import Result
@@ -35,6 +36,8 @@ def plot_outline(result: Result, step: int = -1, *, figure: Figure | None = None
             closed = np.vstack([loop, loop[:1]])
             name = label if number == 0 else None
             upper.plot(closed[:, 0], closed[:, 1], color=colour, linestyle=style, linewidth=1.4, label=name)
+    for number, points in enumerate(_find_beads(result, step)):
+        upper.plot(*points.T, ".", color="#8a5a2b", markersize=2.0, label=None if number else "bead", zorder=0)
     upper.set_aspect("equal")
     upper.set(xlabel="x [mm]", ylabel="y [mm]")
     title = str(result.info.get("title", "")).strip()
@@ -50,3 +53,18 @@ def plot_outline(result: Result, step: int = -1, *, figure: Figure | None = None
     lower.margins(x=0.0)
     clean_axes(lower)
     return figure
+
+
+def _find_beads(result: Result, step: int) -> list[FloatArray]:
+    """Return points of the lines of the drawbeads at a step in the plan (n, 2) [mm], of the whole part."""
+    if "beads" not in result.info:
+        return []
+    names, rows = str(result.info["beads"]).split("\n"), np.asarray(result.info["bead_points"])
+    own = result.operation_at(step)
+    shown = [i for i, name in enumerate(names) if not own or name.startswith(f"{own}_")]
+    lines = [rows[rows[:, 0] == i, 1:] for i in shown]
+    for axis, plane in enumerate("xy"):
+        if plane in str(result.info.get("symmetry", "")):
+            away = np.where(np.arange(2) == axis, -1.0, 1.0)
+            lines = [np.vstack([line, line * away]) for line in lines]
+    return lines

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 _DRAW_IN_ANGLES = (0.0, 45.0, 90.0)
 _ALIKE = 0.01
 """Part of the largest draw-in by which curves may differ and be drawn as one."""
+_APART = 1e-6
+"""Part of a section's extent by which the ends of neighbours are apart where a hole lies between them."""
 _TOOL_COLOURS = ("0.45", "#8a5a2b", "#2b6a8a", "#5a8a2b")
 
 
@@ -69,7 +71,10 @@ def plot_section(
         upper.legend(frameon=False, fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
     title = str(result.info.get("title", "")).strip()
     upper.set_title(f"{title}\n{describe_step(result, step)}, section at {angle:g} degrees", fontsize="medium")
-    lower.plot(sheet.way, result.field("thickness_strain", step)[sheet.cell], ".-", linewidth=1.2, markersize=3)
+    ends = np.flatnonzero(np.linalg.norm(lines[1:, 0] - lines[:-1, 1], axis=1) > _APART * (high - low).max()) + 1
+    strain = result.field("thickness_strain", step)[sheet.cell]
+    way, strain = np.insert(sheet.way, ends, np.nan), np.insert(strain, ends, np.nan)  # no line goes over a hole
+    lower.plot(way, strain, ".-", linewidth=1.2, markersize=3)
     lower.set_xlabel(f"distance from {beginning} in the undeformed blank [mm]")
     lower.set_ylabel("thickness strain [–]")
     lower.axhline(0.0, color="0.5", linewidth=0.8)

@@ -71,6 +71,7 @@ def test_drawn_tools_are_described_by_their_dimensions(tmp_path: Path) -> None:
     assert "draw_die: die, straight along y, 53 mm wide, edge radius 6 mm" in channel
     assert "restrike_punch goes on until it leaves 0.82 mm to restrike_die" in channel
     assert "moves by 1 mm" not in channel
+    assert "round the edge of pierce_post" not in line
     assert "  nothing moves: the tools stand where they touch the part" in line
     cup = describe(build_model(read_case(copy_example("square_cup", tmp_path))))
     assert "punch: punch, 51 x 51 mm, corners 10 mm, edge radius 4 mm" in cup
