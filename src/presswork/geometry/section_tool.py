@@ -9,7 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from presswork.geometry.polygon import find_crossings, list_sides, polygon_area
-from presswork.model import FloatArray, SweptProfile
+from presswork.geometry.segments import sample_arc
+from presswork.model import FloatArray, SweptProfile, Triangulation
+
+CHORD = 1e-3
+"""Of a radius: how far the chords of a tool of triangles may be off; 5 degrees each."""
 
 
 class SectionError(ValueError):
@@ -22,22 +26,45 @@ def draw_section(corners: Sequence[tuple[float, float]], radii: Sequence[float],
     corners: (x, z) in order [mm], x from the plane x = 0 or from the axis z, on both sides of which, or all round
     which, the tool stands; a side on x = 0 is no surface. radii: of the corners [mm]. Raises SectionError.
     """
-    ring, rounded = np.array(corners, dtype=float), np.array(radii, dtype=float)
-    area = polygon_area(ring)
-    if not abs(area) > 1e-9 * float(np.ptp(ring, axis=0).max()) ** 2:
-        raise SectionError("the corners enclose no area")
+    ring, rounded = _order(corners, radii)
     if ring[:, 0].min() < 0.0:
         raise SectionError(f"a corner lies at x = {ring[:, 0].min():g}, beyond the middle")
-    if area > 0.0:  # clockwise: its metal is on the right
-        ring, rounded = ring[::-1], rounded[::-1]
-    if _crosses_itself(ring):
-        raise SectionError("its sides cross each other")
     widest = float(ring[:, 0].max())
-    segments = np.array(_round_off(ring, rounded))
+    segments = np.array(_round_off(ring, rounded, open_at_middle=True))
     segments[:, [0, 2]] -= widest
     segments[segments[:, 6] != 0.0, 4] -= widest
     half = (widest, widest if is_round else math.inf)
     return SweptProfile(half, widest, segments)
+
+
+def draw_one_sided(corners: Sequence[tuple[float, float]], radii: Sequence[float], half_length: float) -> Triangulation:
+    """Draw the surface of a tool of a closed section that stands where its corners (x, z) say, on one side alone.
+
+    half_length: how far it goes straight along y to either side [mm]; its ends are open. Raises SectionError.
+    """
+    segments = np.array(_round_off(*_order(corners, radii), open_at_middle=False))
+    sizes = np.linalg.norm(segments[:, :2] - segments[:, 4:6], axis=1).tolist()  # of arcs their radii
+    line = np.concatenate([sample_arc(each, CHORD * size)[:-1] for each, size in zip(segments, sizes, strict=True)])
+    n = len(line)
+    points = np.empty((2 * n, 3))
+    points[:, [0, 2]] = np.vstack([line, line])
+    points[:n, 1], points[n:, 1] = -half_length, half_length
+    near, after = np.arange(n), np.roll(np.arange(n), -1)
+    halves = [np.stack([near, after, after + n], axis=1), np.stack([near, after + n, near + n], axis=1)]
+    return Triangulation(points, np.concatenate(halves).astype(np.int32), is_closed=False)
+
+
+def _order(corners: Sequence[tuple[float, float]], radii: Sequence[float]) -> tuple[FloatArray, FloatArray]:
+    """Return corners (n, 2) and radii (n,), clockwise: the metal is on the right. Raises SectionError."""
+    ring, rounded = np.array(corners, dtype=float), np.array(radii, dtype=float)
+    area = polygon_area(ring)
+    if not abs(area) > 1e-9 * float(np.ptp(ring, axis=0).max()) ** 2:
+        raise SectionError("the corners enclose no area")
+    if area > 0.0:
+        ring, rounded = ring[::-1], rounded[::-1]
+    if _crosses_itself(ring):
+        raise SectionError("its sides cross each other")
+    return ring, rounded
 
 
 def _crosses_itself(ring: FloatArray) -> bool:
@@ -49,8 +76,8 @@ def _crosses_itself(ring: FloatArray) -> bool:
     return False
 
 
-def _round_off(ring: FloatArray, radii: FloatArray) -> list[list[float]]:
-    """Return the segments of a clockwise ring (n, 2), its corners rounded, without sides on x = 0."""
+def _round_off(ring: FloatArray, radii: FloatArray, *, open_at_middle: bool) -> list[list[float]]:
+    """Return the segments of a clockwise ring (n, 2), its corners rounded; perhaps without sides on x = 0."""
     n = len(ring)
     before, after = np.zeros((n, 2)), np.zeros((n, 2))
     arcs: list[list[float] | None] = [None] * n
@@ -81,11 +108,11 @@ def _round_off(ring: FloatArray, radii: FloatArray) -> list[list[float]]:
             raise SectionError(text)
         if arc is not None:
             rows.append(arc)
-        on_middle = ring[k][0] == ring[ahead][0] == 0.0
+        on_middle = open_at_middle and ring[k][0] == ring[ahead][0] == 0.0
         if not on_middle and cut[k] + cut[ahead] < length * (1.0 - 1e-9):
             rows.append([*after[k], *before[ahead], 0.0, 0.0, 0.0])
     first = next((k for k in range(n) if ring[k][0] == ring[(k + 1) % n][0] == 0.0), None)
-    if first is not None:  # begin behind the side that is left out
+    if open_at_middle and first is not None:  # begin behind the side that is left out
         start = ring[(first + 1) % n]
         begin = next(i for i, row in enumerate(rows) if np.allclose(row[:2], start))
         rows = rows[begin:] + rows[:begin]

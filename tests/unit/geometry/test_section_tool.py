@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork.geometry.polygon import contains, list_sides, measure_distance
-from presswork.geometry.section_tool import SectionError, draw_section
+from presswork.geometry.section_tool import SectionError, draw_one_sided, draw_section
 from presswork.geometry.tool_surface import make_surface
 
 STEEL = [(30.0, 3.0), (40.0, 3.0), (40.0, 12.0), (31.0, 12.0)]
@@ -39,6 +39,22 @@ def test_an_inner_corner_is_rounded_off_the_metal() -> None:
     shape = draw_section(corners, [0, 0, 0, 2.0, 0, 0], is_round=False)
     gap = make_surface(shape).nearest(np.array([[22.0, 0.0, 12.0], [20.0 + 1e-3, 0.0, 20.0]]))[0]
     assert gap == pytest.approx([2.0, 1e-3], abs=1e-9)
+
+
+def test_a_one_sided_tool_stands_where_it_is_drawn_alone() -> None:
+    """A steel beyond the middle, its corner at (-15, 0) rounded by 4 mm; chords of 5 degrees."""
+    corners = [(-90.0, -20.0), (-15.0, -20.0), (-15.0, 0.0), (-90.0, 0.0)]
+    shape = make_surface(draw_one_sided(corners, [0, 0, 4.0, 0], 50.0))
+    x = [
+        [-50.0, 30.0, 2.0],
+        [-13.0, -40.0, -10.0],
+        [-19.0 + 6.0, 0.0, -4.0],
+        [-19.0 + 3.0, 5.0, -4.0 + 4.0],
+        [15, 0, 0],
+    ]
+    assert shape.nearest(np.array(x))[0][:4] == pytest.approx([2.0, 2.0, 2.0, 1.0], abs=0.005)
+    assert shape.nearest(np.array(x))[0][4] > 29.0  # nothing on the other side
+    assert shape.nearest(np.array([[-20.0, 0.0, -1.0]]))[0] == pytest.approx(-1.0)
 
 
 @pytest.mark.parametrize(("corners", "radii", "told"), [

@@ -130,8 +130,9 @@ def _describe_operation(problem: Model, following: Operation | None) -> Iterator
         yield f"{bead.name}: {length:.4g} mm, {force}, in {stages}"
     if following is None:
         yield from _describe_closing(problem)
-    moving = [name for s in problem.stages for name, motion in s.tool_motion.items() if motion.push is None]
-    if following is None or moving:  # pads that hold a part while it is cut bend nothing
+    holders = {tool.name for tool in problem.tools if tool.kind == "holder"}
+    moved = [(n, motion) for stage in problem.stages for n, motion in stage.tool_motion.items()]
+    if any(motion.push is None or name not in holders for name, motion in moved):  # what holds alone bends nothing
         yield from _hint_at_coarse_mesh(problem)
     for support in problem.supports:
         names = (name for name, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), support.fix, strict=True) if fixed)

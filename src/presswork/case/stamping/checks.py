@@ -17,7 +17,7 @@ from presswork.case.stamping.plan_line import TrimFile
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.shapes import clearance
 from presswork.case.stamping.stage import VELOCITY, StampingStage
-from presswork.case.stamping.tools import DrawnTool, ToolFile
+from presswork.case.stamping.tools import DrawnTool, SectionTool, ToolFile
 from presswork.case.stamping.tools import Tool as CaseTool
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.tool_surface import make_surface
@@ -165,7 +165,7 @@ def check_tools(case: StampingCase) -> list[Problem]:
         key = f"tools.{name}"
         for axis, plane in enumerate("xy"):
             off = tool.position[axis] if tool.position is not None else 0.0
-            if plane in case.blank.symmetry and off != 0.0 and not isinstance(tool, ToolFile):
+            if plane in case.blank.symmetry and off != 0.0 and not _stands_free(tool):
                 fault = f"the tool's middle does not lie in the symmetry plane {plane} = 0"
                 remedy = f"set its {plane} to 0, or leave {plane} out of blank.symmetry"
                 problems.append(Problem(f"{key}.position", fault, remedy, list(tool.position or ())))
@@ -205,9 +205,14 @@ def check_tools(case: StampingCase) -> list[Problem]:
     return problems
 
 
+def _stands_free(tool: CaseTool) -> bool:
+    """Tell whether a tool stands where it is drawn alone, with no image on the other side of the middle."""
+    return isinstance(tool, ToolFile) or (isinstance(tool, SectionTool) and tool.is_one_sided)
+
+
 def _check_direction(case: StampingCase, key: str, tool: CaseTool) -> list[Problem]:
     """Return the problem of a drawn tool that goes aslant, and its mirror image, which is the same tool, with it."""
-    if tool.direction is None or isinstance(tool, ToolFile):
+    if tool.direction is None or _stands_free(tool):
         return []
     aside = [plane for plane, part in zip("xy", tool.direction, strict=False) if part != 0.0]
     is_straight = getattr(tool, "plan", tool.shape) == "strip"

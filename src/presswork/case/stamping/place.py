@@ -18,7 +18,7 @@ from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
 from presswork.mesh.surface_offset import cut_surface, move_surface
 from presswork.mesh.tool_file import read_tool
-from presswork.model import FloatArray, Friction, Mesh, Surface, SweptProfile, ToolKind, Triangulation
+from presswork.model import FloatArray, Friction, Mesh, Surface, ToolKind, Triangulation
 from presswork.model import Tool as ToolModel
 
 logger = logging.getLogger(__name__)
@@ -126,7 +126,7 @@ def _place(
 
 def find_face(tool: Tool, shape: Surface) -> float:
     """Return how high the working face lies over the tool's origin."""
-    if isinstance(shape, SweptProfile):
+    if not isinstance(tool, ToolFile):
         return 0.0
     assert isinstance(shape, Triangulation)
     z: FloatArray = shape.points[:, 2]

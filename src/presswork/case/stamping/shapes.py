@@ -13,7 +13,7 @@ from presswork.case.stamping.tools import (
     RoundTool,
     SectionTool,
 )
-from presswork.geometry.section_tool import draw_section
+from presswork.geometry.section_tool import draw_one_sided, draw_section
 from presswork.geometry.swept_tool import (
     draw_closed_die,
     draw_die,
@@ -22,14 +22,19 @@ from presswork.geometry.swept_tool import (
     draw_punch,
     draw_ring,
 )
-from presswork.model import SweptProfile
+from presswork.model import SweptProfile, Triangulation
 
 
-def draw_shape(tool: DrawnTool | RingTool | SectionTool, depth: float, face_width: float) -> SweptProfile:
+def draw_shape(
+    tool: DrawnTool | RingTool | SectionTool, depth: float, face_width: float
+) -> SweptProfile | Triangulation:
     """Return the surface of a drawn tool.
 
-    depth: height of its wall beyond the radius [mm]. face_width: of a die or holder [mm].
+    depth: height of its wall beyond the radius [mm]. face_width: of a die or holder, half the length of a tool on one
+    side [mm].
     """
+    if isinstance(tool, SectionTool) and tool.is_one_sided:
+        return draw_one_sided(tool.corners, tool.radii(), face_width)
     if isinstance(tool, SectionTool):
         return draw_section(tool.corners, tool.radii(), is_round=tool.plan == "round")
     if isinstance(tool, RingTool):

@@ -11,7 +11,7 @@ from presswork.case.heat.forming import ToolHeat
 from presswork.case.part import Part
 from presswork.case.stamping.plan_line import Trim
 from presswork.case.units import Length, Number, Point, Point3, fault
-from presswork.geometry.section_tool import SectionError, draw_section
+from presswork.geometry.section_tool import SectionError, draw_one_sided, draw_section
 from presswork.mesh.cad import is_cad
 from presswork.model import ToolKind
 
@@ -223,23 +223,25 @@ class SectionTool(_Tool):
     """A tool of any closed section, straight along y or round z: steels, anvils and inner panels of a hem."""
 
     shape: Literal["section"] = Field(description="any closed section, straight along y or round the axis z")
-    plan: Literal["strip", "round"] = Field(
-        default="strip", description="strip: straight along y without end, on both sides of x = 0; round: round z"
+    plan: Literal["strip", "one_sided", "round"] = Field(
+        default="strip",
+        description="strip: straight along y without end, on both sides of x = 0; one_sided: where its corners are "
+        "alone; round: round z",
     )
     corners: tuple[Point, ...] = Field(
         min_length=3,
         description="corners [x, z] of its section in turn, x from the middle or the axis [mm]; a side on x = 0 is no "
-        "surface; z = 0 is what touches the flat blank where no position is given",
+        "surface unless it is one-sided; z = 0 is what touches the flat blank where no position is given",
     )
     radius: Length | tuple[Length, ...] = Field(
-        default=0.0, description="of its corners: one for all off x = 0, or one each [mm]"
+        default=0.0, description="of its corners: one for all (of a strip or round: off x = 0), or one each [mm]"
     )
 
     def radii(self) -> tuple[float, ...]:
         """Return the radius of each corner [mm]."""
         if isinstance(self.radius, tuple):
             return self.radius
-        return tuple(0.0 if x == 0.0 else self.radius for x, _ in self.corners)
+        return tuple(0.0 if x == 0.0 and not self.is_one_sided else self.radius for x, _ in self.corners)
 
     @model_validator(mode="after")
     def _check_section(self) -> Self:
@@ -247,10 +249,21 @@ class SectionTool(_Tool):
             text = f"expected one value >= 0, or {len(self.corners)}, one for each corner"
             raise fault(text, "0 leaves a corner sharp; corners on x = 0 need 0", key="radius")
         try:
-            draw_section(self.corners, self.radii(), is_round=self.plan == "round")
+            if self.plan == "one_sided":
+                draw_one_sided(self.corners, self.radii(), 1.0)
+            else:
+                draw_section(self.corners, self.radii(), is_round=self.plan == "round")
         except SectionError as error:
-            raise fault(str(error), "mend the corners, or take smaller radii", key="corners") from None
+            remedy = "mend the corners, or take smaller radii"
+            if self.plan == "strip" and min(x for x, _ in self.corners) < 0.0:
+                remedy = 'a strip stands on both sides of x = 0: draw the right one, or take plan = "one_sided"'
+            raise fault(str(error), remedy, key="corners") from None
         return self
+
+    @property
+    def is_one_sided(self) -> bool:
+        """Whether it stands on one side alone."""
+        return self.plan == "one_sided"
 
 
 class ToolFile(_Tool):
