@@ -101,22 +101,22 @@ struct Shell {
   };
 
   // Resultants of the layers by powers of z, moments of their moduli at constant thickness, and what E0, E1, E2 change
-  // the logarithm of the thickness by
+  // the logarithm of the thickness by; until that is known, the volume and the area of all layers
   struct Resultants {
     T S[3][3];
     T C[5][3][3];
-    T thickness[3][3];
+    T thickness[3][3], area[3][3];
 
-    // layers of a sheet of constant thickness to those of one that is so many times as thick
-    void change_thickness(T stretch) {
-      const T over = T(1.0) / stretch;
+    // Layers of a sheet of constant thickness to those of one that is so many times as thick: volume over area
+    void change_thickness(T volume, T whole_area) {
+      const T stretch = volume / whole_area, by_volume = T(1.0) / volume, by_area = T(1.0) / whole_area;
       for (auto& row : S)
         for (auto& s : row) s *= stretch;
       for (auto& matrix : C)
         for (auto& row : matrix)
           for (auto& c : row) c *= stretch;
-      for (auto& row : thickness)
-        for (auto& t : row) t *= over;
+      for (int p = 0; p < 3; ++p)
+        for (int c = 0; c < 3; ++c) thickness[p][c] = by_volume * thickness[p][c] - by_area * area[p][c];
     }
   };
 

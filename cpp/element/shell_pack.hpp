@@ -177,7 +177,7 @@ struct ShellPack {
   ShellFailure run_layers(int q, const typename Kernel::Surface& surface, const typename Kernel::Strain& strain,
                           bool with_modulus, typename Kernel::Resultants& sum, Retained<T>* retained = nullptr) const {
     const std::size_t rows = static_cast<std::size_t>(n_points) * view.n_layers;
-    T h, stretch(0.0);
+    T h, area_now(0.0), volume_now(0.0);  // of all layers, over those of one at t as large as the reference cell
     load(view.thickness_n, n_points, q, 1, &h);
     for (int k = 0; k < view.n_layers; ++k) {
       const std::size_t row = static_cast<std::size_t>(q) * view.n_layers + k;
@@ -191,8 +191,8 @@ struct ShellPack {
       for (int c = 0; c < 3; ++c) covariant[c] = strain.E[0][c] + z * (strain.E[1][c] + z * strain.E[2][c]);
       for (int i = 0; i < 3; ++i) E[i] = Q[i][0] * covariant[0] + Q[i][1] * covariant[1] + Q[i][2] * covariant[2];
       // a layer folded onto itself has no stretch
-      T c11 = T(1.0) + T(2.0) * E[0], c22 = T(1.0) + T(2.0) * E[1];
-      T least = view.small ? T(1.0) : smaller(c11, c11 * c22 - E[2] * E[2]);
+      T c11 = T(1.0) + T(2.0) * E[0], c22 = T(1.0) + T(2.0) * E[1], squared = c11 * c22 - E[2] * E[2];
+      T least = view.small ? T(1.0) : smaller(c11, squared);
       if (auto bad = find(!(least > T(1e-6)), ShellFault::inside_out); bad.cell >= 0) return bad;
       StressSquares<T> squares;
       T given(law.start_temperature());
@@ -206,13 +206,17 @@ struct ShellPack {
       if (auto bad = find(failed, ShellFault::law); bad.cell >= 0) return bad;
       T weight = T(0.5 * table.shape.weight[q] * view.layer_weight[k]) * area * h;
       T across = view.small ? T(1.0) : exponential(response.thickness_strain);
-      T volume = view.small ? weight : weight * across * square_root(c11 * c22 - E[2] * E[2]);
-      stretch += T(0.5 * view.layer_weight[k]) * across;
+      T widened = square_root(squared), volume = view.small ? weight : weight * across * widened;
+      T share = T(0.5 * view.layer_weight[k]) * area * widened;
+      area_now += share, volume_now += share * across;
       if (with_modulus && !view.small) {
-        T power = T(0.5 * view.layer_weight[k]) * across;
-        for (int p = 0; p < 3; ++p, power *= z)
+        const T over = T(1.0) / squared, of_area[3] = {c22 * over, c11 * over, -E[2] * over};
+        for (int p = 0; p < 3; ++p, share *= z)
           for (int c = 0; c < 3; ++c)
-            for (int i = 0; i < 3; ++i) sum.thickness[p][c] += power * Q[i][c] * response.thickness_slope[i];
+            for (int i = 0; i < 3; ++i) {
+              sum.area[p][c] += share * Q[i][c] * of_area[i];
+              sum.thickness[p][c] += share * across * Q[i][c] * (of_area[i] + response.thickness_slope[i]);
+            }
       }
       Kernel::add_layer(response, Q, weight, z, with_modulus, sum);
       save(end.state, rows, row, 3, view.stress);
@@ -221,8 +225,8 @@ struct ShellPack {
       save(&volume, rows, row, 1, view.volume);
     }
     if (!view.small) {
-      h *= stretch;
-      sum.change_thickness(stretch);
+      h *= volume_now / area_now;
+      sum.change_thickness(volume_now, area_now);
     }
     save(&h, n_points, q, 1, view.thickness);
     return {};
@@ -346,8 +350,8 @@ struct ShellPack {
   static void clear(typename Kernel::Resultants& sum) {
     for (auto& row : sum.S)
       for (auto& s : row) s = T(0.0);
-    for (auto& row : sum.thickness)
-      for (auto& t : row) t = T(0.0);
+    for (int p = 0; p < 3; ++p)
+      for (int c = 0; c < 3; ++c) sum.thickness[p][c] = sum.area[p][c] = T(0.0);
     for (auto& matrix : sum.C)
       for (auto& row : matrix)
         for (auto& c : row) c = T(0.0);
