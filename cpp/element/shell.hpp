@@ -6,7 +6,8 @@
 // thickness at the point (its own, not interpolated), at t and t+dt:
 //   surface     a_i = sum N_a,i x_a,   b_i = sum N_a,i d_a,   layer  g_i = a_i + z b_i
 //   strain      E_ij = 1/2 (g_i.g_j |t+dt - g_i.g_j |t) = E0 + z E1 + z^2 E2,   shear_i = a_i.d |t+dt - a_i.d |t
-// written as products with the increment, so that nothing cancels however thin the shell. Stress of a layer:
+// written as products with the increment, so that nothing cancels however thin the shell. E2 is taken 6/5 times, since
+// layers outside a bend become thinner and those inside thicker ("Tight bends", docs/theory/shells.md). Stress of a layer:
 // shell_layer.hpp. Transverse shear is elastic, constant through the thickness, with the factor 5/6; its contravariant
 // components p^i per area of the reference cell are kept, p^i += 5/6 G h A^ij shear_j (a Lie derivative: objective, and
 // no frame to turn). The force at the end of an increment is that at the start of the next (docs/theory/shells.md):
@@ -32,6 +33,7 @@
 namespace presswork {
 
 inline constexpr double shear_factor = 5.0 / 6.0;
+inline constexpr double square_share = 6.0 / 5.0;  // how many times E2 is taken
 
 template <class Cell, int n_points, Tying tying, class T = Pack>
 struct Shell {
@@ -86,7 +88,7 @@ struct Shell {
 
   // First derivatives of the strains by nodal values, at one configuration
   struct Gradient {
-    T V[3][nodes][3], W[3][nodes][3];  // dE0/dx = V, dE1/dx = W, dE1/dd = V, dE2/dd = W
+    T V[3][nodes][3], W[3][nodes][3];  // dE0/dx = V, dE1/dx = W, dE1/dd = V, dE2/dd = 6/5 W
     T X[2][nodes][3], Y[2][nodes][3];  // dshear/dx, dshear/dd
   };
 
@@ -151,7 +153,7 @@ struct Shell {
         e1 += dot3(mid.V[c][a], n.turn[a].change) + dot3(mid.W[c][a], n.u[a]);
         e2 += dot3(mid.W[c][a], n.turn[a].change);
       }
-      e.E[0][c] = e0, e.E[1][c] = e1, e.E[2][c] = e2;
+      e.E[0][c] = e0, e.E[1][c] = e1, e.E[2][c] = T(square_share) * e2;
     }
     for (int k = 0; k < 2; ++k) {
       T shear(0.0);
@@ -191,7 +193,7 @@ struct Shell {
         for (int node = 0; node < nodes; ++node) {
           s.a[0][c] += half * dot3(g.V[c][node], n.x[node]);
           s.a[1][c] += T(2.0) * half * dot3(g.W[c][node], n.x[node]);
-          s.a[2][c] += half * dot3(g.W[c][node], n.d[node]);
+          s.a[2][c] += T(square_share) * half * dot3(g.W[c][node], n.d[node]);
         }
       }
     } else {
@@ -199,7 +201,7 @@ struct Shell {
         const int i = c == 1, j = c != 0;
         s.a[0][c] = dot3(a[i], a[j]);
         s.a[1][c] = dot3(a[i], b[j]) + dot3(b[i], a[j]);
-        s.a[2][c] = dot3(b[i], b[j]);
+        s.a[2][c] = T(square_share) * dot3(b[i], b[j]);
       }
     }
     T squared = s.a[0][0] * s.a[0][1] - s.a[0][2] * s.a[0][2];
@@ -250,7 +252,7 @@ struct Shell {
         T &x = force[6 * a + i], &d = force[6 * a + 3 + i];
         for (int c = 0; c < 3; ++c) {
           x += r.S[0][c] * g.V[c][a][i] + r.S[1][c] * g.W[c][a][i];
-          d += r.S[1][c] * g.V[c][a][i] + r.S[2][c] * g.W[c][a][i];
+          d += r.S[1][c] * g.V[c][a][i] + T(square_share) * r.S[2][c] * g.W[c][a][i];
         }
         for (int k = 0; k < 2; ++k) x += shear[k] * g.X[k][a][i], d += shear[k] * g.Y[k][a][i];
       }
@@ -260,13 +262,17 @@ struct Shell {
   // component
   static void add_stiffness(const Forms& forms, int q, const Gradient& g, const Resultants& r, const T shear[2],
                             const T D[2][2], bool with_stress, T (*K)[freedoms]) {
+    const T two(square_share);
     for (int b = 0; b < nodes; ++b)
       for (int j = 0; j < 3; ++j) {
-        T t[4][3], px[2], pd[2];
-        for (int k = 0; k < 4; ++k)
+        T by_x[3][3], by_d[3][3], px[2], pd[2];  // what x and d of node b change the resultants by
+        for (int k = 0; k < 3; ++k)
           for (int c = 0; c < 3; ++c) {
-            t[k][c] = T(0.0);
-            for (int e = 0; e < 3; ++e) t[k][c] += r.C[k][c][e] * g.V[e][b][j] + r.C[k + 1][c][e] * g.W[e][b][j];
+            by_x[k][c] = by_d[k][c] = T(0.0);
+            for (int e = 0; e < 3; ++e) {
+              by_x[k][c] += r.C[k][c][e] * g.V[e][b][j] + r.C[k + 1][c][e] * g.W[e][b][j];
+              by_d[k][c] += r.C[k + 1][c][e] * g.V[e][b][j] + two * r.C[k + 2][c][e] * g.W[e][b][j];
+            }
           }
         for (int k = 0; k < 2; ++k) {
           px[k] = D[k][0] * g.X[0][b][j] + D[k][1] * g.X[1][b][j];
@@ -275,23 +281,25 @@ struct Shell {
         T thickness_x(0.0), thickness_d(0.0);
         for (int c = 0; c < 3; ++c) {
           thickness_x += r.thickness[0][c] * g.V[c][b][j] + r.thickness[1][c] * g.W[c][b][j];
-          thickness_d += r.thickness[1][c] * g.V[c][b][j] + r.thickness[2][c] * g.W[c][b][j];
+          thickness_d += r.thickness[1][c] * g.V[c][b][j] + two * r.thickness[2][c] * g.W[c][b][j];
         }
         for (int a = 0; a < nodes; ++a)
           for (int i = 0; i < 3; ++i) {
-            T xx(0.0), xd(0.0), dd(0.0), force_x(0.0), force_d(0.0);
+            T xx(0.0), xd(0.0), dx(0.0), dd(0.0), force_x(0.0), force_d(0.0);
             for (int c = 0; c < 3; ++c) {
-              xx += g.V[c][a][i] * t[0][c] + g.W[c][a][i] * t[1][c];
-              xd += g.V[c][a][i] * t[1][c] + g.W[c][a][i] * t[2][c];
-              dd += g.V[c][a][i] * t[2][c] + g.W[c][a][i] * t[3][c];
-              force_x += r.S[0][c] * g.V[c][a][i] + r.S[1][c] * g.W[c][a][i];
-              force_d += r.S[1][c] * g.V[c][a][i] + r.S[2][c] * g.W[c][a][i];
+              const T V = g.V[c][a][i], W = g.W[c][a][i];
+              xx += V * by_x[0][c] + W * by_x[1][c];
+              xd += V * by_d[0][c] + W * by_d[1][c];
+              dx += V * by_x[1][c] + two * W * by_x[2][c];
+              dd += V * by_d[1][c] + two * W * by_d[2][c];
+              force_x += r.S[0][c] * V + r.S[1][c] * W;
+              force_d += r.S[1][c] * V + two * r.S[2][c] * W;
             }
             T* row_x = &K[6 * a + i][6 * b + j];
             T* row_d = &K[6 * a + 3 + i][6 * b + j];
             row_x[0] += xx + g.X[0][a][i] * px[0] + g.X[1][a][i] * px[1] + force_x * thickness_x;
             row_x[3] += xd + g.X[0][a][i] * pd[0] + g.X[1][a][i] * pd[1] + force_x * thickness_d;
-            row_d[0] += xd + g.Y[0][a][i] * px[0] + g.Y[1][a][i] * px[1] + force_d * thickness_x;
+            row_d[0] += dx + g.Y[0][a][i] * px[0] + g.Y[1][a][i] * px[1] + force_d * thickness_x;
             row_d[3] += dd + g.Y[0][a][i] * pd[0] + g.Y[1][a][i] * pd[1] + force_d * thickness_d;
           }
       }
@@ -301,7 +309,7 @@ struct Shell {
         T xx(0.0), xd(0.0), dd(0.0), dx;
         for (int c = 0; c < 3; ++c) {
           T G = forms.G(q, c, a, b);
-          xx += G * r.S[0][c], xd += G * r.S[1][c], dd += G * r.S[2][c];
+          xx += G * r.S[0][c], xd += G * r.S[1][c], dd += two * G * r.S[2][c];
         }
         dx = xd;
         for (int k = 0; k < 2; ++k) xd += forms.H(q, k, a, b) * shear[k], dx += forms.H(q, k, b, a) * shear[k];

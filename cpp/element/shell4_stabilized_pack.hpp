@@ -23,6 +23,7 @@ struct StabilizedPack : ShellPack<Quad4, 1, Tying::mitc, T> {
       Base::table, Base::undeformed, Base::view;
   static constexpr int freedoms = 24, internal_values = 8;  // hourglass forces; energy stored, lost
   static constexpr int n_forms = 17;                        // order of shell4::Forms
+  static constexpr double taken[3] = {1.0, 1.0, square_share};
 
   shell4::Patterns<T> mid, end, change;
   T skew[2];
@@ -61,7 +62,7 @@ struct StabilizedPack : ShellPack<Quad4, 1, Tying::mitc, T> {
     shell4::Forms<T> e;
     shell4::measure<true>(skew, mid, change, e);
     for (int c = 0; c < 3; ++c)
-      strain.E[0][c] = e.membrane[c], strain.E[1][c] = e.bending[c], strain.E[2][c] = e.second[c];
+      strain.E[0][c] = e.membrane[c], strain.E[1][c] = e.bending[c], strain.E[2][c] = T(square_share) * e.second[c];
     Base::clear(sum);
     Retained<T> retained;
     if (auto bad = this->run_layers(0, surface, strain, view.stiffness != nullptr, sum, &retained); bad.cell >= 0)
@@ -75,11 +76,12 @@ struct StabilizedPack : ShellPack<Quad4, 1, Tying::mitc, T> {
       for (auto& c : row) c = T(0.0);
     for (int p = 0; p < 3; ++p)
       for (int c = 0; c < 3; ++c) {
-        form(r, 3 * p + c) = sum.S[p][c];
+        form(r, 3 * p + c) = T(taken[p]) * sum.S[p][c];
         if (view.stiffness)
           for (int o = 0; o < 3; ++o)
             for (int j = 0; j < 3; ++j)
-              C[3 * p + c][3 * o + j] = sum.C[p + o][c][j] + sum.S[p][c] * sum.thickness[o][j];
+              C[3 * p + c][3 * o + j] =
+                  T(taken[p] * taken[o]) * (sum.C[p + o][c][j] + sum.S[p][c] * sum.thickness[o][j]);
       }
     for (int k = 0; k < 2; ++k) {
       r.shear[k] = shear[k];
@@ -118,7 +120,7 @@ struct StabilizedPack : ShellPack<Quad4, 1, Tying::mitc, T> {
       C[11 + i][11 + i] = scale * k[i] * T(in_plane ? 1.0 : 1.0 + view.penalty);
       if (in_plane)
         for (int p = 0; p < 3; ++p)
-          for (int c = 0; c < 3; ++c) C[11 + i][3 * p + c] = trial * slope[i / 2][p][c];
+          for (int c = 0; c < 3; ++c) C[11 + i][3 * p + c] = T(taken[p]) * trial * slope[i / 2][p][c];
     }
     Q[7] += work - (Q[6] - stored);
     save(Q, 1, 0, internal_values, view.internal);
