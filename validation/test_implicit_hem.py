@@ -1,28 +1,39 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A rim hemmed onto the panel itself by both procedures: the flange lies a thickness off it, in the same place."""
+"""A rim hemmed onto the panel itself by both procedures: the flange lies a thickness off it, in the same place.
+
+With the fold left open, a rope hem, and by increments pressed flat, without an inner radius.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from presswork import Result
 from presswork.model import FloatArray
-from tests.problems.hems import SHEET, block, hem_line
+from tests.problems.hems import ROOM, SHEET, block, hem_line
 from tests.regression.whole_runs import run_stamping
 
 pytestmark = pytest.mark.validation
 
 
-def rope_hem(procedure: str, folder: Path) -> Result:
-    """Hem the line of tests/regression slowly, the panel held down and the fold left open: a rope hem."""
+def held_hem() -> dict[str, Any]:
+    """Return the line of tests/regression with the panel held down and a longer face at 45 degrees."""
     data = hem_line(0.0)
     flange, hem = data["operations"]
     flange["springback"] = {}
     hem["tools"]["pad"] = block("holder", 0, 2, 0, 0.9, radius=[0, 0.3, 0.3, 0], position=[0, 0, 0.5 * SHEET])
     hem["tools"]["prehem"]["corners"] = [[16.5, 3], [22, 8.5], [10, 20.5], [4.5, 15]]
+    return data
+
+
+def rope_hem(procedure: str, folder: Path) -> Result:
+    """Hem slowly and leave the fold open."""
+    data = held_hem()
+    flange, hem = data["operations"]
     hem["tools"]["steel"] = block("punch", 0, 8, 0, 8, radius=[0, 1, 0, 0], position=[0, 0, 9.0])
     flange["stages"][0]["velocity"] = hem["stages"][0]["velocity"] = "0.6 m/s"
     hem["stages"][1]["duration"] = "12 ms"
@@ -74,3 +85,21 @@ def test_both_procedures_hem_alike(hems) -> None:
         ours, theirs = (force_at(hem, tool, stage, strokes) for hem in hems)
         np.testing.assert_allclose(ours, theirs, rtol=tolerance)
     assert abs(implicit.history["energy_error_percent"][-1]) < 1.0
+
+
+@pytest.mark.parametrize(("size", "overlap"), [(0.5, 0.01), (0.25, 0.03)])
+def test_a_fold_is_pressed_flat_by_increments_without_an_inner_radius(size, overlap, tmp_path) -> None:
+    """It stands up by less than a twentieth of the two layers, and its edge lies where the explicit one does.
+
+    Shells turn inside out in such a fold if their inner face is 1 - t/2R as long as their middle.
+    """
+    data = held_hem()
+    data["blank"]["element_size"] = [size, 1.0]
+    hem = run_stamping(data, tmp_path, procedure="implicit")
+    x, blank = lie(hem)
+    flange, panel = (x[:, 0] < 7.0) & (blank[:, 0] > 12.0), blank[:, 0] < 9.0
+    gap = x[flange, 2].mean() - x[panel, 2].mean()
+    assert gap == pytest.approx(ROOM - SHEET, abs=0.04 * SHEET)
+    assert x[:, 2].max() - x[panel, 2].mean() < ROOM - SHEET + 0.1 * SHEET
+    assert x[:, 0].max() == pytest.approx(11.09, abs=0.15 * SHEET)
+    assert hem.summary["overlap_mm"] < overlap * SHEET

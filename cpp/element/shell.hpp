@@ -7,13 +7,13 @@
 //   surface     a_i = sum N_a,i x_a,   b_i = sum N_a,i d_a,   layer  g_i = a_i + z b_i
 //   strain      E_ij = 1/2 (g_i.g_j |t+dt - g_i.g_j |t) = E0 + z E1 + z^2 E2,   shear_i = a_i.d |t+dt - a_i.d |t
 // written as products with the increment, so that nothing cancels however thin the shell. E2 is taken 6/5 times, since
-// layers outside a bend become thinner and those inside thicker ("Tight bends", docs/theory/shells.md). Stress of a layer:
-// shell_layer.hpp. Transverse shear is elastic, constant through the thickness, with the factor 5/6; its contravariant
-// components p^i per area of the reference cell are kept, p^i += 5/6 G h A^ij shear_j (a Lie derivative: objective, and
-// no frame to turn). The force at the end of an increment is that at the start of the next (docs/theory/shells.md):
-// the metric comes from the strains' tables, and all layers of a point share the change of its thickness. Internal
-// work: sum over layers of S:dE, plus p.dshear; three resultants (1, z, z^2) of the layers carry it to the nodes, so
-// the cost of a layer is that of its law.
+// layers outside a bend become thinner and those inside thicker ("Tight bends", docs/theory/shells.md). Stress of a
+// layer: shell_layer.hpp. Transverse shear is elastic, constant through the thickness, with the factor 5/6; its
+// contravariant components p^i per area of the reference cell are kept, p^i += 5/6 G h A^ij shear_j (a Lie derivative:
+// objective, and no frame to turn). The force at the end of an increment is that at the start of the next
+// (docs/theory/shells.md): the metric comes from the strains' tables, and all layers of a point share the change of its
+// thickness. Internal work: sum over layers of S:dE, plus p.dshear; three resultants (1, z, z^2) of the layers carry it
+// to the nodes, so the cost of a layer is that of its law.
 //
 // Six freedoms a node: displacement, and the rotation vector of the increment (director.hpp). The residual's derivative
 // is complete: law, stress on second derivatives of strain, and curvature of the rotation. `penalty` adds the Kirchhoff

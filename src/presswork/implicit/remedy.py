@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from presswork.body.sharp_fold import SharpFold
 from presswork.interaction.resting import find_loose
 from presswork.model import Model
 
@@ -15,20 +14,12 @@ SNAP = (
 )
 
 
-FOLD = (
-    "Leave the fold room: let tools close less or press beside it, or put an inner panel in; or take "
-    'procedure = "explicit", whose shells are folded flat'
-)
-
-
-def find_remedy(model: Model, negative_pivots: int, fold: SharpFold | None = None) -> str:
+def find_remedy(model: Model, negative_pivots: int) -> str:
     """Return a sentence on what to do.
 
     negative_pivots: the most of any tangent in the last attempt; of shells they tell of a limit load. Solids are
-    softened by much else. fold: of a sheet, where it is folded without an inner radius.
+    softened by much else.
     """
-    if fold is not None and _is_stamping(model):
-        return f"{fold}. {FOLD}"
     if _is_stamping(model) and model.solver.inertia == 0.0:
         return f"{SNAP}. {MESH}"
     if model.analysis != "shell" or negative_pivots == 0 or model.solver.inertia > 0.0:

@@ -14,7 +14,6 @@ import numpy as np
 
 from presswork import _core
 from presswork.body.make import make_mechanics
-from presswork.body.sharp_fold import find_sharp_fold
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
 from presswork.body.thermoelastic import find_thermal_work, keep_temperatures
@@ -168,9 +167,7 @@ class ImplicitProcedure:
         )
 
     def _find_remedy(self) -> str:
-        sheet = self.mechanics if isinstance(self.mechanics, ShellMechanics) else None
-        fold = find_sharp_fold(self.model.mesh, sheet, self._start) if sheet is not None else None
-        return find_remedy(self.model, self.equilibrium.system.negative_pivots, fold)
+        return find_remedy(self.model, self.equilibrium.system.negative_pivots)
 
     def _next_increment(self) -> IncrementReport:
         progress = self.state[Progress]

@@ -201,16 +201,6 @@ def test_a_mesh_too_coarse_for_the_radius_of_a_tool_from_a_file_is_told_as_for_a
     assert "edge of punch" not in fine
 
 
-@pytest.mark.parametrize(
-    ("procedure", "size", "folds"), [("implicit", 7, True), ("implicit", 5, False), ("explicit", 7, False)]
-)
-def test_check_says_of_a_mesh_that_an_implicit_draw_would_fold_that_it_would(procedure, size, folds) -> None:
-    """A radius of 5 mm: elements of 7 mm are 1.3 of a quarter turn, of 5 mm 1.8."""
-    case = changed(CUP, ("procedure", procedure), ("blank.element_size", size))
-    (hint,) = [h for h in describe(build_model(StampingCase.model_validate(case))).splitlines() if "edge of punch" in h]
-    assert ("likely to stop with elements turned inside out" in hint) == folds
-
-
 def test_a_card_that_the_implicit_procedure_would_leave_idle_is_refused():
     refuse(["explicit.device", "explicit procedure alone"], ("procedure", "implicit"), ("explicit", {"device": "cuda"}))
     build(("procedure", "implicit"), ("explicit", {"precision": "single"}))

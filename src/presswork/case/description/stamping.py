@@ -38,9 +38,6 @@ SECONDS = 0.25e-6
 """Of one core for an element and a cycle with contact, about."""
 ELEMENTS_ROUND_AN_EDGE = 3
 """Of a quarter turn: the fewest that bend a sheet round it without large errors."""
-FOLDING = 1.5
-"""Elements of a quarter turn below which an implicit draw folds them over the edge: the packaged cup of 4 mm, 1.6 of
-them, goes to its end, that of 5 mm, 1.3, stops on its way with an element turned inside out."""
 MANY_CYCLES = 5e6
 """A hundred times those of a usual draw."""
 _SOUGHT = "held by a force that a run first finds from its geometry, by pulling a strip through it"
@@ -195,8 +192,6 @@ def _hint_at_coarse_mesh(problem: Model) -> Iterator[str]:
                 advice = f"elements of {wanted:.2g} mm would be {ELEMENTS_ROUND_AN_EDGE}"
                 if radius < SHARPEST * size:
                     advice = "the tool has sharp edges there: round them, or leave away what does not touch the sheet"
-                elif count < FOLDING and problem.explicit is None:
-                    advice += "; with so few the implicit procedure is likely to stop with elements turned inside out"
                 least = "" if isinstance(tool.shape, SweptProfile) else f", whose least radius is about {radius:.2g} mm"
                 yield f"hint: {count:.2g} elements round the edge of {tool.name}{least}; {advice}"
 
