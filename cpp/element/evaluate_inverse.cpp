@@ -18,11 +18,18 @@ int evaluate_pack(const InverseBlock& b, const DeformationLaw& law, int pack, do
   int cell[width];
   Pack edges[2][2], curvature[3];
   T blank[3][2], local[3][2];
+  Formed<Pack> formed[most_inverse_layers];
   for (int lane = 0; lane < width; ++lane) cell[lane] = std::min(pack * width + lane, b.n - 1);
   for (int lane = 0; lane < width; ++lane) {
     for (int i = 0; i < 4; ++i) edges[i / 2][i % 2].set(lane, b.edges[4 * std::size_t(cell[lane]) + i]);
     for (int i = 0; i < 3; ++i) curvature[i].set(lane, b.curvature[3 * std::size_t(cell[lane]) + i]);
   }
+  for (int k = 0; k < layers.n; ++k)
+    for (int lane = 0; lane < width; ++lane) {
+      const double* given = b.formed + 4 * (layers.n * std::size_t(cell[lane]) + k);
+      for (int i = 0; i < 3; ++i) formed[k].strain[i].set(lane, given[i]);
+      formed[k].hardened.set(lane, given[3]);
+    }
   for (int i = 0; i < 6; ++i) {
     Pack place;
     for (int lane = 0; lane < width; ++lane) {
@@ -34,7 +41,7 @@ int evaluate_pack(const InverseBlock& b, const DeformationLaw& law, int pack, do
     else
       blank[i / 2][i % 2] = place;
   }
-  Pack area2 = value_of(inverse_membrane(law, layers, b.thickness, edges, curvature, blank, local));
+  Pack area2 = value_of(inverse_membrane(law, layers, b.thickness, formed, edges, curvature, blank, local));
   int failed = INT_MAX;
   for (int lane = 0; lane < width && pack * width + lane < b.n; ++lane) {
     const std::size_t c = cell[lane];

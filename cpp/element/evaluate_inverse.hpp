@@ -8,6 +8,8 @@
 
 namespace presswork {
 
+inline constexpr int most_inverse_layers = 16;
+
 struct InverseBlock {
   int n;
   const int* triangles;     // (n, 3)
@@ -17,6 +19,7 @@ struct InverseBlock {
   const double* curvature;  // (n, 3): xx, yy, xy in them [1/mm]
   const double* bases;      // (n_nodes, 2, 3): tangent vectors along which a node's equilibrium is asked
   const double* blank;      // (n_nodes, 2) [mm]
+  const double* formed;     // (n, layers, 4): what each layer has gone through: strain free of stress, plastic strain
   double thickness;         // [mm]
   std::vector<double> height, weight;
 };

@@ -1707,9 +1707,14 @@ class DeformationLaw:
     def flow_curve(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
         """Stress [MPa] and its slope at total equivalent strains (n)."""
 
-def evaluate_inverse(triangles: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axes: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], edges: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], curvature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], bases: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], blank: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], thickness: float, law: DeformationLaw, height: Sequence[float], weight: Sequence[float], *, with_stiffness: bool) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], int]:
+    def form(self, strain: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], formed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> NDArray[numpy.float64]:
+        """
+        What layers with logarithmic strains (n, 3: xx, yy, 2 xy) have gone through, and had before (n, 4): the strain at which they are free of stress, and equivalent plastic strain.
+        """
+
+def evaluate_inverse(triangles: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], share: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axes: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], edges: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], curvature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], bases: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], blank: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], formed: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], thickness: float, law: DeformationLaw, height: Sequence[float], weight: Sequence[float], *, with_stiffness: bool) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64], int]:
     """
-    Forces (n, 3, 3) [N] of the triangles of a part whose nodes come from `blank`, their derivatives (n, 6, 6) along the nodes' bases, and the index of a triangle turned over in the blank, or -1.
+    Forces (n, 3, 3) [N] of the triangles of a part whose nodes come from `blank`, after what their layers have gone through (`formed`, see DeformationLaw.form), their derivatives (n, 6, 6) along the nodes' bases, and the index of a triangle turned over in the blank, or -1.
     """
 
 class AdiabaticMises:

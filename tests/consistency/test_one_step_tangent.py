@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The one-step kernel: forces against the derivative of its energy, its tangent against finite differences."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
 from presswork import _core
 from presswork.model import Hardening, Material, YieldFunction
+from presswork.onestep.fields import form_layers
 from presswork.onestep.law import find_metric, make_law
 from presswork.onestep.newton import Friction, OneStep, OneStepProblem
 from presswork.onestep.part import prepare_part
@@ -75,16 +78,20 @@ def test_forces_are_the_derivative_of_the_work(hill):
         assert forces[node, axis] == pytest.approx((sides[0] - sides[1]) / (2 * h), rel=1e-6, abs=1e-3)
 
 
-@pytest.mark.parametrize("layers", [1, 3])
+@pytest.mark.parametrize(("layers", "formed_before"), [(1, False), (3, False), (3, True)])
 @pytest.mark.parametrize("law", HARDENINGS)
-def test_tangent_against_finite_differences(law, layers):
+def test_tangent_against_finite_differences(law, layers, formed_before):
     points, quads, blank = bowl()
     chosen = material(law, HILL)
     compiled = make_law(chosen, find_metric(chosen, 0.4))
     part = prepare_part(points, quads[:0, :3], quads, with_bending=layers > 1)
     level = np.full(len(points), 3.0)
     friction = (Friction(np.linspace(5.0, 20.0, len(points)), level),)
-    solver = OneStep(OneStepProblem(part, compiled, 0.8, 300.0, layers, friction=friction))
+    problem = OneStepProblem(part, compiled, 0.8, 300.0, layers, friction=friction)
+    if formed_before:  # on the way to another blank: some layers flow on, others are unloaded
+        near = blank * [1.02, 0.995] + 0.02 * np.random.default_rng(5).normal(size=blank.shape)
+        problem = replace(problem, formed=form_layers(problem, near))
+    solver = OneStep(problem)
     data, _ = solver.matrix(blank, compiled, with_friction=True)
     n = 2 * len(points)
     shape = (n + 4, n + 4)
@@ -98,6 +105,27 @@ def test_tangent_against_finite_differences(law, layers):
             sides.append(solver.residual(moved, np.zeros(3), compiled, with_friction=True)[0].ravel())
         numeric[:, j] = (sides[0] - sides[1]) / (2 * h)
     assert np.abs(matrix - numeric).max() < 2e-6 * np.abs(numeric).max()
+
+
+@pytest.mark.parametrize("law", HARDENINGS)
+def test_a_straight_path_in_parts_is_the_path_at_once(law):
+    """And on the way back the layer is elastic: it keeps its plastic strain."""
+    chosen = material(law, HILL)
+    compiled = make_law(chosen, find_metric(chosen, 0.4))
+    strain, nothing = np.array([[0.21, -0.08, 0.13]]), np.zeros((1, 4))
+    once = compiled.form(strain, nothing)
+    parts = nothing
+    for share in (0.2, 0.5, 0.7, 1.0):
+        parts = compiled.form(share * strain, parts)
+    assert parts == pytest.approx(once, rel=1e-9)
+    stress = compiled.flow_curve(np.sqrt(np.einsum("ni,ij,nj->n", strain, metric_of(chosen), strain)))[0]
+    elastic = strain - once[:, :3]
+    assert np.sqrt(np.einsum("ni,ij,nj->n", elastic, metric_of(chosen), elastic)) == pytest.approx(stress / 2e5)
+    assert compiled.form(strain - 1.5 * elastic, once) == pytest.approx(once, rel=1e-12)
+
+
+def metric_of(chosen: Material) -> np.ndarray:
+    return np.array(find_metric(chosen, 0.4)).reshape(3, 3)
 
 
 def test_flow_curve_against_its_definition():

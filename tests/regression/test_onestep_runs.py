@@ -84,6 +84,7 @@ def test_the_case_it_leaves_gives_the_same(part, tmp_path):
         ([*SHEET, "--bhf", "5 mm"], "process.holder_force"),
         ([*SHEET, "--symmetry", "x"], "both sides"),
         ([*SHEET, "--addendum", "-3"], "part.addendum"),
+        ([*SHEET, "--stages", "12"], "--stages"),
     ],
 )
 def test_bad_input_is_refused(part, tmp_path, words, said):
@@ -91,6 +92,16 @@ def test_bad_input_is_refused(part, tmp_path, words, said):
     assert done.exit_code in (2, 3), done.output
     assert said in done.output
     assert "Traceback" not in done.output
+
+
+def test_stages_come_from_the_command_line_and_from_the_case(part, tmp_path):
+    """This part has no wall that could be raised: the summary says that the blank is that of one step."""
+    done = run(part, *SHEET, "--stages", "3", "--output", tmp_path / "out", "--no-plot")
+    assert done.exit_code == 0, done.output
+    assert "stages = 3" in (tmp_path / "out" / "case.toml").read_text()
+    told = Result(tmp_path / "out").summary
+    assert told["stages"] == 1
+    assert any("the stages were left out" in warning for warning in told["warnings"])
 
 
 def test_resume_is_refused_and_keeps_what_is_there(part, tmp_path):

@@ -112,7 +112,7 @@ PYTHON_ROOMS = {
         "view",
     },
     "material": {"case", "formability", "law", "model", "view"},
-    "onestep": {"case", "explicit", "fields", "implicit", "mesh", "model", "results"},
+    "onestep": {"case", "explicit", "fields", "geometry", "implicit", "mesh", "model", "results"},
     "bead_forces": {"case", "model", "recorder", "results"},
     "api": {"bead_forces", "case", "mesh", "model", "onestep", "recorder", "results"},
     "notebook": {"case", "outcome", "recorder", "report", "results"},

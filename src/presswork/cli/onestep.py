@@ -31,6 +31,7 @@ _IN_CASE = {
     "symmetry": "part.symmetry",
     "element_size": "part.element_size",
     "addendum": "part.addendum",
+    "stages": "process.stages",
 }
 """Options that a case file has keys for."""
 
@@ -56,6 +57,9 @@ def onestep(
         Path | None,
         typer.Option(help="Write a stamping (TOML) of the blank, with punch, die and holder made from the part (STL)."),
     ] = None,
+    stages: Annotated[
+        int, typer.Option(min=1, max=9, help="Shapes that the sheet goes through; 1: one step. 3 for deep parts.")
+    ] = 1,
     addendum: Annotated[str, typer.Option(help="Width of a level flange to add to the part's outline (mm).")] = "0",
     output: Annotated[Path | None, typer.Option(help="Output folder; default: the part's name beside it.")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace results in the folder.")] = False,
@@ -69,7 +73,7 @@ def onestep(
     folder = output or part.with_suffix("")
     model = _load(
         part, material, thickness,
-        {"holder_force": _plain(bhf), "mu": mu},
+        {"holder_force": _plain(bhf), "mu": mu, "stages": stages},
         {
             "draw_direction": draw_direction, "unit": unit, "symmetry": symmetry or [],
             "addendum": _plain(addendum),

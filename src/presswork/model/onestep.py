@@ -51,6 +51,8 @@ class OneStepModel:
     beads: tuple[PartBead, ...] = ()
     layers: int = 3
     """Points through the thickness; 1: no bending."""
+    stages: int = 1
+    """Shapes through which the part comes from its blank, itself among them; 1: one step."""
     notes: tuple[str, ...] = ()
     """What was changed in the part's mesh."""
     case_text: str = ""

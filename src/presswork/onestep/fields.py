@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork import _core
+from presswork.explicit.options import layer_rule
 from presswork.model import FloatArray
 from presswork.onestep.newton import OneStepProblem
 
@@ -31,22 +32,46 @@ def triangle_fields(problem: OneStepProblem, metric: list[float], blank: FloatAr
 
     metric: Q by rows, of the law.
     """
-    f = deformation_gradients(problem, blank)
-    value, vector = np.linalg.eigh(np.swapaxes(f, 1, 2) @ f)
-    log = 0.5 * np.log(value)
-    tensor = np.einsum("nia,na,nja->nij", vector, log, vector)
-    strain = np.stack([tensor[:, 0, 0], tensor[:, 1, 1], 2.0 * tensor[:, 0, 1]], axis=1)
-    total = np.sqrt(np.einsum("ni,ij,nj->n", strain, np.array(metric).reshape(3, 3), strain))
-    stress, _ = problem.law.flow_curve(total)
+    strain, log = _find_strain(deformation_gradients(problem, blank))
+    formed = problem.find_formed()
+    height, _ = layer_rule(problem.layers, "gauss")
+    before = formed[:, np.abs(height) < np.abs(height).min() + 1e-9].mean(axis=1)
+    now = problem.law.form(strain, before)
+    since = strain - before[:, :3]
+    total = np.sqrt(np.einsum("ni,ij,nj->n", since, np.array(metric).reshape(3, 3), since))
+    hardened = now[:, 3]
     thinning = -log.sum(axis=1)
     return {
         "thickness": problem.thickness * np.exp(thinning),
         "thickness_strain": thinning,
         "major_strain_middle": log[:, 1],
         "minor_strain_middle": log[:, 0],
-        "equivalent_plastic_strain": np.maximum(total - stress / _young(problem.law), 0.0),
-        "effective_stress": stress,
+        "equivalent_plastic_strain": hardened,
+        "effective_stress": _young(problem.law) * (total - (hardened - before[:, 3])),
     }
+
+
+def form_layers(problem: OneStepProblem, blank: FloatArray) -> FloatArray:
+    """Return what each triangle's layers have gone through in the part (n, layers, 4), see DeformationLaw.form."""
+    f = deformation_gradients(problem, blank)
+    half = 0.5 * problem.thickness / np.linalg.det(f)
+    b = problem.part.curvature
+    tensor = b[:, [0, 2, 2, 1]].reshape(-1, 2, 2)
+    height, _ = layer_rule(problem.layers, "gauss")
+    formed = problem.find_formed()
+    layers = [
+        problem.law.form(_find_strain((np.eye(2) + (half * h)[:, None, None] * tensor) @ f)[0], formed[:, k].copy())
+        for k, h in enumerate(height)
+    ]
+    return np.ascontiguousarray(np.stack(layers, axis=1))
+
+
+def _find_strain(f: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return logarithmic strains in the blank's axes (n, 3: xx, yy, 2 xy), and principal ones, ascending (n, 2)."""
+    value, vector = np.linalg.eigh(np.swapaxes(f, 1, 2) @ f)
+    log = 0.5 * np.log(value)
+    tensor = np.einsum("nia,na,nja->nij", vector, log, vector)
+    return np.stack([tensor[:, 0, 0], tensor[:, 1, 1], 2.0 * tensor[:, 0, 1]], axis=1), log
 
 
 def _young(law: _core.DeformationLaw) -> float:

@@ -57,6 +57,12 @@ class OneStepProblem:
     held: tuple[BoolArray, BoolArray] | None = None
     """Nodes on symmetry planes normal to x | y, each (n_nodes,)."""
     friction: tuple[Friction, ...] = ()
+    formed: FloatArray | None = None
+    """What each triangle's layers have gone through in the stages before (n, layers, 4), see DeformationLaw.form."""
+
+    def find_formed(self) -> FloatArray:
+        """Return what the layers have gone through, zero in the first stage (n, layers, 4)."""
+        return np.zeros((len(self.part.triangles), self.layers, 4)) if self.formed is None else self.formed
 
 
 @dataclass
@@ -84,6 +90,7 @@ class OneStep:
         self._height, self._weight = layer_rule(problem.layers, "gauss")
         self._bases, self._fixed = self._choose_tangents()
         self._areas = part.nodal_areas
+        self._formed = problem.find_formed()
         across = [bool(self._fixed[:, i].any()) for i in (0, 1)]
         self._used = np.array([not across[0], not across[1], not any(across)])
         self._is_free = bool(self._used.any())
@@ -155,9 +162,10 @@ class OneStep:
     ) -> tuple[FloatArray, FloatArray, bool]:
         """Return the nodal forces in space (n_nodes, 3), the triangles' stiffness and whether none is turned over."""
         part = self.problem.part
+        formed = self._formed if law is self.problem.law else np.zeros_like(self._formed)
         force, stiffness, failed = _core.evaluate_inverse(
             part.triangles, part.share, part.axes, part.edges, part.curvature, self._bases,
-            np.ascontiguousarray(blank), self.problem.thickness, law, self._height, self._weight,
+            np.ascontiguousarray(blank), formed, self.problem.thickness, law, self._height, self._weight,
             with_stiffness=with_stiffness,
         )  # fmt: skip
         nodes = part.triangles.ravel()
@@ -231,11 +239,18 @@ class OneStep:
         A sheet with the elastic law alone comes first: its blank is near, and its forces never fall. Raises
         OneStepError when the iteration does not end.
         """
+        solution = self.stretch(start, on_iteration=on_iteration)
+        self.go_on(solution, on_iteration=on_iteration)
+        return solution
+
+    def stretch(
+        self, start: FloatArray, *, on_iteration: Callable[[int, float], None] | None = None
+    ) -> OneStepSolution:
+        """Find the blank of a sheet that stays elastic, without friction, from a first guess (n_nodes, 2)."""
         solution = OneStepSolution(self._place(start), np.zeros((self._n, 3)), np.zeros(3))
         elastic = _core.DeformationLaw(1.0, STRAIN_METRIC, _core.HardeningLaw.linear, [1e30, 0.0])
         self._iterate(solution, elastic, 1e-3, on_iteration, with_friction=False)
         solution.held_force = np.zeros(3)
-        self.go_on(solution, on_iteration=on_iteration)
         return solution
 
     def go_on(self, solution: OneStepSolution, *, on_iteration: Callable[[int, float], None] | None = None) -> None:

@@ -53,11 +53,13 @@ def prepare_part(
     *,
     held: tuple[BoolArray, BoolArray] | None = None,
     with_bending: bool = True,
+    normals: FloatArray | None = None,
 ) -> PartSurface:
     """Prepare a part's mesh. Quadrilaterals are cut along both diagonals, each cut counting half.
 
     points (n_nodes, 3); triangles (n, 3) and quadrilaterals (m, 4), all with their normals to the same side. held:
-    nodes on symmetry planes normal to x | y, in which their normals lie.
+    nodes on symmetry planes normal to x | y, in which their normals lie. normals: of the nodes, unit (n_nodes, 3);
+    without them, those of the triangles round each node.
     """
     q = quadrilaterals.reshape(-1, 4)
     halves = [q[:, [0, 1, 2]], q[:, [0, 2, 3]], q[:, [0, 1, 3]], q[:, [1, 2, 3]]]
@@ -70,8 +72,8 @@ def prepare_part(
     y = np.cross(normal, x) / np.linalg.norm(normal, axis=1)[:, None]
     axes = np.stack([x, y], axis=1)
     edges = np.stack([np.einsum("nai,ni->na", axes, e) for e in (first, second)], axis=2)
-    nodal = np.zeros_like(points)
-    for corner in range(3):
+    nodal = np.zeros_like(points) if normals is None else normals.copy()
+    for corner in range(3) if normals is None else ():
         np.add.at(nodal, cells[:, corner], share[:, None] * normal)
     for i, on_plane in enumerate(held or ()):
         nodal[on_plane, i] = 0.0

@@ -46,7 +46,7 @@ def run_one_step(
     (path / CASE).write_text(model.case_text, encoding="utf-8")
     _write_results(path / RESULTS, result)
     write_outline(outline.loops, path / BLANK_POINTS)
-    warnings = list(model.notes)
+    warnings = [*model.notes, *result.notes]
     try:
         write_outline(outline.loops, path / BLANK_DRAWING)
     except OutputError as error:
@@ -128,6 +128,7 @@ def _summarise(result: OneStepResult, outline: BlankOutline, warnings: list[str]
         "warnings": warnings,
         "iterations": result.iterations,
         "passes": result.passes,
+        "stages": 1 if result.notes else model.stages,
         "cells": len(model.triangles) + len(model.quadrilaterals),
         "wall_seconds": {"total": total, **result.seconds},
         "extremes": {name: [float(v.min()), float(v.max())] for name, v in result.fields.items()},

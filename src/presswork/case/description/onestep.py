@@ -28,6 +28,8 @@ def describe_onestep(problem: OneStepModel) -> list[str]:
     if problem.holder_force:
         lines.append(f"holder {problem.holder_force / 1e3:g} kN")
     lines.append(f"friction mu = {problem.mu:g}")
+    if problem.stages > 1:
+        lines.append(f"by way of {problem.stages} shapes, the part among them")
     lines += [f"bead of {len(b.points)} points, {b.force:g} N/mm" for b in problem.beads]
     lines += [f"note: {note}" for note in problem.notes]
     return lines

@@ -71,6 +71,13 @@ class Process(Part):
     holder_force: Force = Field(default=0.0, ge=0, description="blank-holder force on the whole part [N]")
     mu: Number = Field(default=0.1, ge=0, lt=1, description="coefficient of friction under the holder and on radii")
     beads: tuple[Bead, ...] = Field(default=(), description="drawbeads")
+    stages: int = Field(
+        default=1,
+        strict=True,
+        ge=1,
+        le=9,
+        description="shapes that the sheet goes through, the part among them; 1: one step. 3 for deep parts",
+    )
 
 
 NOT_IN_ONE_STEP = {
@@ -162,6 +169,7 @@ def build_onestep_model(case: OneStepCase) -> OneStepModel:
         mu=case.process.mu,
         beads=tuple(PartBead(bead.polyline(), bead.force) for bead in case.process.beads),
         layers=case.blank.points,
+        stages=case.process.stages,
         notes=notes,
         case_text=case.text,
     )
