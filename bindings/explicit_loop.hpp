@@ -5,6 +5,7 @@
 #include <nanobind/stl/map.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -29,6 +30,12 @@ struct Columns {
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < width; ++j) *to++ = first[std::size_t(i) * stride + j];
     return array;
+  }
+  bool is_finite() const {
+    bool all = true;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < width; ++j) all &= std::isfinite(first[std::size_t(i) * stride + j]);
+    return all;
   }
   void set(Doubles from, const std::string& name) const {
     require(from.ndim() == 2 && from.shape(0) == std::size_t(n) && from.shape(1) == std::size_t(width),
@@ -368,6 +375,9 @@ void bind_loop(nb::class_<Loop, Rest...>& c) {
         name, [of](Loop& self) { return of(self.nodes).get(); },
         [of, name](Loop& self, Doubles x) { of(self.nodes).set(x, name); }, nb::rv_policy::move, text);
   };
+  c.def_prop_ro(
+      "is_finite", [](Loop& self) { return position_of(self.nodes).is_finite(); },
+      "Whether the positions of all nodes are finite numbers.");
   columns("position", [](auto& nodes) { return position_of(nodes); }, "Positions (n_nodes, dimension) [mm].");
   columns(
       "velocity", [](auto& nodes) { return velocity_of(nodes); },

@@ -1032,6 +1032,10 @@ class SpaceLoop:
         """All that the next cycle depends on: arrays by owner and name."""
 
     @property
+    def is_finite(self) -> bool:
+        """Whether the positions of all nodes are finite numbers."""
+
+    @property
     def position(self) -> NDArray[numpy.float64]:
         """Positions (n_nodes, dimension) [mm]."""
 
@@ -1467,6 +1471,10 @@ class SpaceLoopSingle:
         """All that the next cycle depends on: arrays by owner and name."""
 
     @property
+    def is_finite(self) -> bool:
+        """Whether the positions of all nodes are finite numbers."""
+
+    @property
     def position(self) -> NDArray[numpy.float64]:
         """Positions (n_nodes, dimension) [mm]."""
 
@@ -1803,6 +1811,10 @@ class PlaneLoop:
 
     def state(self) -> dict[str, dict[str, NDArray[numpy.float64]]]:
         """All that the next cycle depends on: arrays by owner and name."""
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether the positions of all nodes are finite numbers."""
 
     @property
     def position(self) -> NDArray[numpy.float64]:

@@ -163,7 +163,8 @@ class Dynamics(NodalMotion):
         """
         if n < 1:
             raise ExplicitError(f"n = {n}: advance at least one cycle")
-        force, velocity = (np.broadcast_to(np.asarray(s, dtype=float), n).copy() for s in (force_scale, velocity_scale))
+        force, velocity = np.empty(n), np.empty(n)
+        force[:], velocity[:] = force_scale, velocity_scale
         self._prepare(velocity)
         if self._reference is None:
             self._begin_balance(damping, float(force[0]), float(velocity[0]))
@@ -187,8 +188,10 @@ class Dynamics(NodalMotion):
 
     def _find_gone(self) -> int:
         """Return a node whose place is not finite; -1 where there is none."""
-        finite = np.ones(1) if self._parts and self._parts.is_finite else np.isfinite(self.position).all(axis=1)
-        return -1 if finite.all() else int(np.argmin(finite))
+        if self._loop.is_finite:
+            return -1
+        gone = ~np.isfinite(self.position).all(axis=1)
+        return int(np.argmax(gone)) if gone.any() else -1
 
     def _begin_balance(self, *scales: float) -> None:
         """Count the energies of the run from now on."""

@@ -213,9 +213,6 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
     # What a device measures it measures in every run, so that a run that goes on from a dump has the same bits; before
     # the first cycle the loop does, which a run begins with.
 
-    def _find_gone(self) -> int:
-        return -1 if self._resident and self._resident.is_finite else super()._find_gone()
-
     def stable_step(self) -> float:
         """Give the bound of the stable time step [s] of the elements as they are now."""
         if self._resident and self.cycle > 0:
