@@ -273,6 +273,7 @@ void Loop<Nodes>::let_interactions_act(Team& team, Thread& own, const Step& step
 template <class Nodes>
 typename Loop<Nodes>::Failure Loop<Nodes>::advance(const Cycles& of) {
   if (neighbours_ && !shares_enough()) throw std::invalid_argument("the parts share the forces on fewer tools");
+  nodes.note_forces();
   for (auto* each : interactions) each->begin(nodes, of.n);
   for (const auto& block : blocks) block->begin_damage();
   const bool shared = n_elements() >= Nodes::serial_elements;

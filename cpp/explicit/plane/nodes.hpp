@@ -45,6 +45,7 @@ class PlaneNodes {
     }
   }
   // Advance nodes [first, last), a chunk, by a step.
+  void note_forces() {}  // they are read in every move
   Moved move(int first, int last, const Step& step);
   // Kinetic energy, and the work of the first half of the next step.
   void add_half_step(const Step& step, Energies& energies) const;

@@ -65,12 +65,14 @@ FreeMotion SpaceNodes<Real>::free_motion(int node) const {
 }
 
 template <class Real>
+template <bool pushed>
 [[gnu::always_inline]] inline void SpaceNodes<Real>::next_velocity(int node, const Step& step, Record& after,
                                                                    Record& outer) const {
   constexpr std::int64_t on = -1;
   const Record before = load_record(motion.data() + std::size_t(motion_stride) * node);
   const Record inner = load_record(internal_force.data() + row_at(node));
-  outer = step.force_scale * load_record(force.data() + row_at(node));
+  outer = Record{};
+  if constexpr (pushed) outer = step.force_scale * load_record(force.data() + row_at(node));
   after = step.kept * before + step.push * inverse_masses(before) * (outer - inner);
   after = Freedoms{on, on, on, on, on, on, 0, 0} ? after : before;
   if (held_[node]) hold(node, step, after, outer);
@@ -116,6 +118,12 @@ template <class Real>
 
 template <class Real>
 Moved SpaceNodes<Real>::move(int first, int last, const Step& step) {
+  return is_pushed_ ? move_nodes<true>(first, last, step) : move_nodes<false>(first, last, step);
+}
+
+template <class Real>
+template <bool pushed>
+Moved SpaceNodes<Real>::move_nodes(int first, int last, const Step& step) {
   Record external{}, damped{};
   Moved sums;
   double fastest = 0.0;
@@ -123,11 +131,11 @@ Moved SpaceNodes<Real>::move(int first, int last, const Step& step) {
   for (int node = first; node < last; ++node) {
     if (!follows.empty() && follows[node]) continue;
     Record after, outer;
-    next_velocity(node, step, after, outer);
+    next_velocity<pushed>(node, step, after, outer);
     if (!touches_walls.empty() && touches_walls[node]) sums.work.add(meet_walls(node, step, true, after));
     Real* own = motion.data() + std::size_t(motion_stride) * node;
     const Record before = load_record(own);
-    external += outer * (before + after);
+    if (pushed || held_[node]) external += outer * (before + after);
     if (held_[node]) add_reaction(node, step, outer);
     if (step.damping > 0.0) {
       const Record mean = 0.5 * (before + after), inverse = inverse_masses(before);
@@ -151,7 +159,7 @@ void SpaceNodes<Real>::add_half_step(const Step& step, Energies& e) const {
   for (int node = 0; node < n; ++node) {
     if (!follows.empty() && follows[node]) continue;  // without mass, or counted in another part
     Record after, outer;
-    next_velocity(node, step, after, outer);
+    next_velocity<true>(node, step, after, outer);
     if (!touches_walls.empty() && touches_walls[node]) {
       const Work done = meet_walls(node, step, false, after);
       e.external += done.external, e.contact += done.contact, e.friction += done.friction;

@@ -5,6 +5,7 @@
 // Positions are double in single precision too: a step moves a node by less than a float of its coordinate resolves.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -42,6 +43,10 @@ class SpaceNodes {
     store_place(load_place(x) + dt * velocity, x);
     return velocity;
   }
+  // Note whether any force acts from outside; before moves, and again when forces are given.
+  void note_forces() {
+    is_pushed_ = std::any_of(force.data(), force.data() + force.size(), [](Real f) { return f != Real(0); });
+  }
   // Advance nodes [first, last) by a step; those that follow others stay.
   Moved move(int first, int last, const Step& step);
   // Kinetic energy, and the work of the first half of the next step.
@@ -72,7 +77,11 @@ class SpaceNodes {
   // Correct that velocity by the walls, over the whole step, when their forces are kept too, or over its first half;
   // gives what forces and walls do meanwhile beside the work of the outer force.
   Work meet_walls(int node, const Step& step, bool whole, Record& after) const;
-  // Velocity half a step on of one node, its masses as they are, and its outer force at present.
+  template <bool pushed>
+  Moved move_nodes(int first, int last, const Step& step);
+  // Velocity half a step on of one node, its masses as they are, and its outer force at present; without `pushed` none
+  // acts and none is read.
+  template <bool pushed>
   void next_velocity(int node, const Step& step, Record& after, Record& outer) const;
   // Give held freedoms their velocity, and the outer force that gives it to them.
   [[gnu::noinline]] void hold(int node, const Step& step, Record& after, Record& outer) const;
@@ -80,6 +89,7 @@ class SpaceNodes {
 
   FreeMotion free_motion(int node) const;
 
+  bool is_pushed_ = true;
   std::vector<std::uint8_t> held_;  // (n): a bit for each freedom, the first the lowest: its velocity is prescribed
   std::vector<Real> prescribed_;    // (n, 6): velocities of the held freedoms
   std::vector<HeldAlong> held_along_;
