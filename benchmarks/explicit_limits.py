@@ -16,8 +16,8 @@ from benchmarks.explicit_shells import SWIFT, time_cycle
 from benchmarks.machine import measure_machine, run_program
 from presswork.explicit.shells import ShellOptions
 
-STATE = 8 * (16 + 5 * 4)
-"""Bytes of a shell's state: 16 values of its own and 4 at each of five points."""
+STATE = 8 * (18 + 5 * 4)
+"""Bytes of a shell's state: 18 values of its own and 4 at each of five points."""
 NODE = 8 * (8 + 4 + 6)
 """Bytes of a node's motion, position and internal force; there is a node a shell in a large sheet."""
 LISTS = 4 * (4 + 4 + 3)

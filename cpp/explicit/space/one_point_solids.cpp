@@ -25,6 +25,7 @@ class OnePointBlock final : public SpaceSolids {
     LawOfPack<Law, 1> law(law_.view);
     for (int pack = first; pack < last; ++pack, force += record * lanes) {
       Pack x[count][3], du[count][3], spin[count][3], nodal[record];
+      expect_pack(pack + 1);
       gather_positions<count>(nodes, pack_nodes(pack), x);
       gather_motion<count>(nodes, pack_nodes(pack), du, spin);
       for (int a = 0; a < count; ++a)

@@ -93,6 +93,7 @@ class ShellBlock final : public SheetBlock<Real> {
     [[maybe_unused]] std::optional<ShellPlaces> places;
     for (int pack = first; pack < last; ++pack) {
       P x[each][3], v[each][3], w[each][3], nodal[forces];
+      this->expect_pack(pack + 1);
       gather_positions<each>(nodes, this->pack_nodes(pack), x);
       gather_motion<each>(nodes, this->pack_nodes(pack), v, w);
       P room[each];
