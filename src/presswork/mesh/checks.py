@@ -114,10 +114,10 @@ def wind_counter_clockwise(points: FloatArray, connectivity: IntArray) -> tuple[
     )
 
 
-def check_connected(points: FloatArray, connectivity: IntArray, *, most: int = 2) -> None:
+def check_connected(points: FloatArray, connectivity: IntArray, *, most: int = 2, in_parts: bool = False) -> None:
     """Raise MeshError when the mesh falls into parts that share no node, or cells overlap.
 
-    most: cells that may share an edge: two in a plane, more where shells meet.
+    most: cells that may share an edge: two in a plane, more where shells meet. in_parts: whether it may have several.
     """
     edges, count = count_cells_of_edges([connectivity])
     if (count > most).any():
@@ -129,7 +129,7 @@ def check_connected(points: FloatArray, connectivity: IntArray, *, most: int = 2
             "remove cells that are doubled or overlap",
         )
     n_parts, part = find_parts([connectivity], len(points))
-    if n_parts == 1:
+    if n_parts == 1 or in_parts:
         return
     places = []
     for index in range(min(n_parts, 4)):

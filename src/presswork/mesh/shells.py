@@ -44,12 +44,12 @@ def mesh_shell_rectangle(
 
 
 def read_shell_mesh(
-    path: Path, *, element: ElementName, section: Section, scale: float = 1.0, material: int = 0
+    path: Path, *, element: ElementName, section: Section, scale: float = 1.0, material: int = 0, in_parts: bool = False
 ) -> tuple[Mesh, tuple[str, ...]]:
     """Read the mesh of a shell; return it and notes on what was changed.
 
-    scale: factor of the file's coordinates to mm. Sets as in read_mesh, by x and y. Cells may be wound either way.
-    Raises MeshError.
+    scale: factor of the file's coordinates to mm. in_parts: whether it may have several, which share no node. Sets as
+    in read_mesh, by x and y. Cells may be wound either way. Raises MeshError.
     """
     raw = read_raw(path)
     if not len(raw.points):
@@ -60,7 +60,7 @@ def read_shell_mesh(
     cells = take_cells(raw, element)
     points, number = drop_unused_points(space, [cells])
     cells = number[cells].astype(np.int32)
-    check_connected(points, cells, most=8)
+    check_connected(points, cells, most=8, in_parts=in_parts)
     boundary = find_boundary_edges([cells])
     node_sets, edge_sets = build_sets(raw, number, points, boundary)
     notes = []

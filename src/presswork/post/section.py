@@ -4,20 +4,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from presswork.mesh.topology import find_parts
 from presswork.model import FloatArray, IntArray
 from presswork.results import Result, ResultMesh
 from presswork.results.whole_file import replace_whole
 
 ORIGIN = (0.0, 0.0)
+_APART = 1e-6
+"""Part of a section's extent by which the ends of neighbours are apart where a hole lies between them."""
 
 
 @dataclass(frozen=True)
 class SheetSection:
-    """The sheet along a plane that cuts it, cell by cell, outwards from where the section begins."""
+    """The sheet along a plane that cuts it, cell by cell, outwards from where the section begins; one sheet after the
+    other where several lie on each other."""
 
     way: FloatArray
     """Undeformed distance from the beginning of the middle of each piece (n,) [mm]."""
@@ -48,6 +54,14 @@ def cut_sheet(
     return _cut_mesh(result.mesh_at(step), result.points(step), angle, start, least, plan)
 
 
+def find_breaks(line: FloatArray) -> NDArray[np.intp]:
+    """Return the pieces of a section (n, 2, 2) that do not go on where the piece before ends: beyond holes, of other
+    sheets.
+    """
+    size = float(np.ptp(line.reshape(-1, 2), axis=0).max())
+    return np.flatnonzero(np.linalg.norm(line[1:, 0] - line[:-1, 1], axis=1) > _APART * size) + 1
+
+
 def find_ray(
     result: Result, angle: float = 0.0, step: int = -1, *, start: tuple[float, float] = ORIGIN
 ) -> tuple[float, tuple[float, float]]:
@@ -75,8 +89,8 @@ def _cut_mesh(
     along, off = before @ out, before @ across
     size = float(np.ptp(before, axis=0).max())
     off = np.where(np.abs(off) < 1e-9 * size, 0.0, off)
-    pieces: list[tuple[float, FloatArray, int]] = []
-    first = 0
+    pieces: list[tuple[int, float, FloatArray, int]] = []
+    first, part = 0, find_parts([np.asarray(b.connectivity, dtype=np.int32) for b in mesh.blocks], len(mesh.points))[1]
     for block in mesh.blocks:
         cells = block.connectivity
         sides = np.sign(off[cells])
@@ -90,14 +104,15 @@ def _cut_mesh(
             middle = 0.5 * float(places[0][0] + places[1][0])
             if middle > least:
                 line = np.array([[float((p[:2] - origin_now) @ out_now), float(p[2])] for _, p in places])
-                pieces.append((middle, line, first + int(number)))
+                pieces.append((int(part[cells[number, 0]]), middle, line, first + int(number)))
         first += len(cells)
-    pieces.sort(key=lambda piece: piece[0])
-    kept = [p for i, p in enumerate(pieces) if i == 0 or p[0] - pieces[i - 1][0] > 1e-9 * size]
+    pieces.sort(key=lambda piece: piece[:2])
+    kept = pieces[:1]
+    kept += [p for last, p in pairwise(pieces) if p[0] != last[0] or p[1] - last[1] > 1e-9 * size]
     return SheetSection(
-        np.array([p[0] for p in kept]),
-        np.array([p[1] for p in kept]).reshape(-1, 2, 2),
-        np.array([p[2] for p in kept], dtype=np.int32),
+        np.array([p[1] for p in kept]),
+        np.array([p[2] for p in kept]).reshape(-1, 2, 2),
+        np.array([p[3] for p in kept], dtype=np.int32),
     )
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from presswork.model import FloatArray, Hem
+from presswork.model import FloatArray, Hem, IntArray
 
 STRIPS = 20
 """At most."""
@@ -68,6 +68,12 @@ def measure_hem(hem: Hem, undeformed: FloatArray, position: FloatArray, half: Fl
             if len(own := np.flatnonzero(rim & (strip == k))) > 2]  # fmt: skip
     edge, thickest, thinnest, opening = np.array(rows).T
     return HemShape(edge, thickest, thinnest, opening)
+
+
+def find_hemmed(hem: Hem, undeformed: FloatArray, part: IntArray) -> IntArray:
+    """Return the nodes of the sheet with the hem, the one that reaches farthest out; part: sheet of each node (n,)."""
+    out, _ = _split(hem, undeformed)
+    return np.flatnonzero(part == part[np.argmax(out)]).astype(np.int32)
 
 
 def _split(hem: Hem, points: FloatArray) -> tuple[FloatArray, FloatArray]:

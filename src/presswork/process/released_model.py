@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from presswork.mesh.topology import find_parts
 from presswork.model import (
     FloatArray,
     Mesh,
@@ -59,7 +60,13 @@ def make_springback_model(model: Model, mesh: Mesh, turned: FloatArray | None = 
     node_sets = dict(mesh.node_sets)
     supports = list(planes)
     points = mesh.points if turned is None else mesh.points @ turned.T
-    for node, fixed in hold_rigidly(points, model.symmetry).items():
+    cells = [block.connectivity for block in mesh.blocks]
+    part = find_parts(cells, len(points))[1]
+    held: dict[int, tuple[bool, bool, bool]] = {}
+    for index in np.unique(np.concatenate([part[each[:, 0]] for each in cells])):  # of sheets on each other each
+        own = np.flatnonzero(part == index)
+        held |= {int(own[node]): fixed for node, fixed in hold_rigidly(points[own], model.symmetry).items()}
+    for node, fixed in held.items():
         name = f"held_{node}"
         node_sets[name] = np.array([node], dtype=np.int32)
         supports.append(Support(name, (*fixed, False, False, False)))

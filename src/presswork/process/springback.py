@@ -24,11 +24,12 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.mesh.checks import MeshError
 from presswork.mesh.dynain import write_dynain
+from presswork.mesh.topology import find_parts
 from presswork.model import FloatArray, Mesh, Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.epochs import EpochRecording, NamedArrays
 from presswork.process.formed_sheet import make_formed
-from presswork.process.hem import HemShape, measure_hem, tell_hem
+from presswork.process.hem import HemShape, find_hemmed, measure_hem, tell_hem
 from presswork.process.implicit_stamping import ImplicitStamping
 from presswork.process.laying import find_half_thickness
 from presswork.process.limits import Watched
@@ -376,7 +377,8 @@ class ReleasedStamping(EpochRecording):
 
         def measure(state: SheetState, mesh: Mesh) -> HemShape:
             flat = mesh.points if self._turned is None else mesh.points @ self._turned.T
-            return measure_hem(hem, flat, state.position, find_half_thickness(state))
+            own = find_hemmed(hem, flat, find_parts([b.connectivity for b in mesh.blocks], len(flat))[1])
+            return measure_hem(hem, flat[own], state.position[own], find_half_thickness(state)[own])
 
         before = None if self._begin is None else measure(self._begin, self._first_mesh)
         released = None if self._released is None else measure(self.sheet(), self.mesh)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from presswork.model import FloatArray
-from presswork.post.section import ORIGIN, cut_sheet, cut_tool, find_ray, measure_draw_in
+from presswork.post.section import ORIGIN, cut_sheet, cut_tool, find_breaks, find_ray, measure_draw_in
 from presswork.results import Result, ResultError
 from presswork.view.style import begin_at_zero, clean_axes, describe_step, is_released, new_figure, require_matplotlib
 
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 _DRAW_IN_ANGLES = (0.0, 45.0, 90.0)
 _ALIKE = 0.01
 """Part of the largest draw-in by which curves may differ and be drawn as one."""
-_APART = 1e-6
-"""Part of a section's extent by which the ends of neighbours are apart where a hole lies between them."""
 _TOOL_COLOURS = ("0.45", "#8a5a2b", "#2b6a8a", "#5a8a2b")
 
 
@@ -71,7 +69,7 @@ def plot_section(
         upper.legend(frameon=False, fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
     title = str(result.info.get("title", "")).strip()
     upper.set_title(f"{title}\n{describe_step(result, step)}, section at {angle:g} degrees", fontsize="medium")
-    ends = np.flatnonzero(np.linalg.norm(lines[1:, 0] - lines[:-1, 1], axis=1) > _APART * (high - low).max()) + 1
+    ends = find_breaks(lines)
     strain = result.field("thickness_strain", step)[sheet.cell]
     way, strain = np.insert(sheet.way, ends, np.nan), np.insert(strain, ends, np.nan)  # no line goes over a hole
     lower.plot(way, strain, ".-", linewidth=1.2, markersize=3)

@@ -6,8 +6,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork.model import FloatArray
+from presswork.post.section import find_breaks
 from presswork.post.springback import SectionSpringback, measure_springback
 from presswork.results import Result, ResultError
 from presswork.view.style import clean_axes, new_figure, require_matplotlib
@@ -38,10 +40,11 @@ def plot_springback(
     found = measure_springback(result, float(np.radians(angle)), step, start=start)
     if len(found.formed.way) == 0:
         raise ResultError(f"the section at {angle:g} degrees misses the part")
-    formed, free = _trace(found.formed.line), _trace(found.free.line)
-    moved = float(np.linalg.norm(free - formed, axis=1).max())
+    breaks = find_breaks(found.formed.line)
+    formed, free = _trace(found.formed.line, breaks), _trace(found.free.line, breaks)
+    moved = float(np.nanmax(np.linalg.norm(free - formed, axis=1)))
     if exaggeration is None:
-        wanted = _SHOWN * float(np.ptp(formed, axis=0).max()) / max(moved, 1e-300)
+        wanted = _SHOWN * float(np.ptp(found.formed.line, axis=(0, 1)).max()) / max(moved, 1e-300)
         exaggeration = float(_FACTORS[max(wanted, 1.0) >= _FACTORS][-1])
     ax = figure.subplots()
     ax.plot(*formed.T, color="0.45", linewidth=1.6, label="as formed")
@@ -60,9 +63,10 @@ def plot_springback(
     return figure
 
 
-def _trace(line: FloatArray) -> FloatArray:
-    """Return the section as one polyline (n + 1, 2) of its pieces (n, 2, 2)."""
-    return np.concatenate([line[:, 0], line[-1:, 1]])
+def _trace(line: FloatArray, breaks: NDArray[np.intp]) -> FloatArray:
+    """Return the section as polylines (m, 2), NaN between them, of its pieces (n, 2, 2)."""
+    gap = np.full((1, 2), np.nan)
+    return np.concatenate([part for own in np.split(line, breaks) for part in (own[:, 0], own[-1:, 1], gap)])
 
 
 def _describe(found: SectionSpringback) -> str:

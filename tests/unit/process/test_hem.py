@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork.model import Hem
-from presswork.process.hem import measure_hem, tell_hem
+from presswork.process.hem import find_hemmed, measure_hem, tell_hem
 
 HALF, RADIUS, FOLD = 0.4, 0.8, 25.0
 
@@ -74,3 +74,8 @@ def test_a_round_hem_is_measured_radially() -> None:
     shape = measure_hem(Hem(), swing(flat), swing(folded), np.full(len(flat), HALF))
     assert shape.edge == pytest.approx(40.0 + FOLD + RADIUS + HALF, abs=0.002)
     assert shape.opening == pytest.approx(0.0, abs=1e-6)
+
+
+def test_the_hem_is_that_of_the_sheet_that_reaches_farthest_out() -> None:
+    points = np.array([[0.0, 0, 0], [20, 0, 0], [0, 0, 1], [30, 0, 1]])
+    assert find_hemmed(Hem((1.0, 0.0)), points, np.array([0, 0, 1, 1], dtype=np.int32)).tolist() == [2, 3]

@@ -57,7 +57,7 @@ from presswork.mesh.outer_edge import find_outer_edge
 from presswork.mesh.outlined_blank import mesh_outlined_blank
 from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
-from presswork.mesh.topology import find_boundary_edges
+from presswork.mesh.topology import find_boundary_edges, find_parts
 
 logger = logging.getLogger(__name__)
 
@@ -125,6 +125,9 @@ def _build_parts(
     beads, problems = build_beads(case, mesh, tools)
     _stop_at(problems, case)
     _stop_at(check_closing(case, beads, 2 ** len(set(case.blank.symmetry))), case)
+    if case.trim and case.self_contact and find_parts([b.connectivity for b in mesh.blocks], len(mesh.points))[0] > 1:
+        fault = "a blank of several sheets that lie on each other is not trimmed"
+        _stop_at([Problem("trim", fault, "cut the sheets in their file")], case)
     trim, problems = _build_trim(case, None if is_moved else mesh)
     _stop_at(problems, case)
     symmetry = ("x" in case.blank.symmetry, "y" in case.blank.symmetry)
@@ -269,9 +272,14 @@ def _read_mesh(
             )
         element = IMPLICIT_ELEMENTS[4 if kinds == {"quad4"} else 3]
         scale = unit_factor(blank.unit, LENGTH)
-        mesh, notes = read_shell_mesh(path, element=element, section=section, scale=scale, material=material)
+        mesh, notes = read_shell_mesh(
+            path, element=element, section=section, scale=scale, material=material, in_parts=bool(case.self_contact)
+        )
     except MeshError as error:
-        raise CaseError([Problem("blank.path", error.fault, error.remedy, blank.path)], case.source) from error
+        remedy = error.remedy
+        if "share no node" in error.fault:
+            remedy += "; sheets that lie on each other and touch need [self_contact]"
+        raise CaseError([Problem("blank.path", error.fault, remedy, blank.path)], case.source) from error
     for note in notes:
         logger.warning("blank.path = %s: %s", blank.path, note)
     return assign_section(_name_nodes(case, blank, mesh, symmetry), _elements(case), section, material)
