@@ -9,16 +9,17 @@ from presswork.model import FloatArray
 
 _KEPT = 3
 """Differences of steps that are combined."""
-_SINGULAR = 1e-3
-"""Singular values of these, over the largest, that count as noise."""
+_DAMPING = 0.07
+"""Weight of the shares' own squares, over the root sum of squares of all differences of residuals."""
 
 
 class Anderson:
     """Finds x where a residual vanishes, of which x - residual(x) is a better x.
 
     Anderson (1965), Iterative procedures for nonlinear integral equations, J. ACM 12, 547, as written by Walker and Ni
-    (2011), Anderson acceleration for fixed-point iterations, SIAM J. Numer. Anal. 49, 1715. A residual that has grown
-    forgets what was before.
+    (2011), Anderson acceleration for fixed-point iterations, SIAM J. Numer. Anal. 49, 1715. The least squares are
+    damped (Scieur, d'Aspremont and Bach 2016, Regularized nonlinear acceleration): differences that are nearly alike
+    would else be told apart by their noise. A residual that has grown forgets what was before.
     """
 
     def __init__(self, weight: FloatArray) -> None:
@@ -38,5 +39,7 @@ class Anderson:
             return x - residual
         moved, changed = np.diff(np.array(self._x), axis=0), np.diff(np.array(self._residual), axis=0)
         columns = (self._root * changed).reshape(len(changed), -1).T
-        share, *_ = np.linalg.lstsq(columns, (self._root * residual).ravel(), rcond=_SINGULAR)
+        square = columns.T @ columns
+        square += _DAMPING**2 * np.trace(square) * np.eye(len(square))
+        share = np.linalg.solve(square, columns.T @ (self._root * residual).ravel())
         return np.asarray(x - residual - np.einsum("m,mnk->nk", share, moved - changed))

@@ -53,6 +53,7 @@ _STUCK = 0.9
 """Largest deviation over the best before it, from which on a loop has not helped; two of them end the search."""
 _LONGEST = 1.5
 """Edges of the tools' triangles over those of the blank's cells."""
+
 _NEAR = 3.0
 """Times the thickness within which the gap between tools counts."""
 
@@ -188,7 +189,8 @@ class _Search:
         for number in range(most + 1):
             tools = self.drawn
             if self.goal is not None and correction is not None:
-                tools = bend_tools(self.drawn, self.goal.make_warp(correction), fix_holders=self.fix_binder)
+                thickness, warp = self.case.blank.thickness, self.goal.make_warp(correction)
+                tools = bend_tools(self.drawn, warp, thickness, fix_holders=self.fix_binder)
             folder = self.folder / f"loop_{number:02d}"
             try:
                 case, lower = self.write_case(number, tools)

@@ -23,6 +23,8 @@ WITHIN = 0.002
 """Largest distance of a drawn tool's triangles from its surface [mm]."""
 _STRIP = 1.2
 """Length of a strip's tools over the blank's along y."""
+_UNDER, _FADES = 1.4, 2.0
+"""Thicknesses from a holder's corners up to which a die's are held by it, and over which the map fades beside it."""
 _UPRIGHT = 1e-3
 """Part of a facet's normal along the press [1], beyond which it faces away from the sheet."""
 
@@ -87,16 +89,32 @@ def find_closed(tools: Sequence[PressedTool], result: Result, step: int) -> tupl
     return tuple(replace(tool, travel=result.surface_displacement(tool.name, step)) for tool in tools)
 
 
-def bend_tools(tools: Sequence[PressedTool], warp: RigidWarp, *, fix_holders: bool = False) -> tuple[PressedTool, ...]:
-    """Return the tools with their faces carried by a map of the closed tools' space; fix_holders: theirs are not."""
+def bend_tools(
+    tools: Sequence[PressedTool], warp: RigidWarp, thickness: float, *, fix_holders: bool = False
+) -> tuple[PressedTool, ...]:
+    """Return the tools with their faces carried by a map of the closed tools' space.
+
+    thickness: of the sheet [mm]. fix_holders: holders stay, and what lies under them: the map, which smooths over nodes
+    on either side of their rims, fades towards these.
+    """
+    fixed = [tool for tool in tools if fix_holders and tool.kind == "holder"]
     bent = []
     for tool in tools:
         if fix_holders and tool.kind == "holder":
             bent.append(tool)
             continue
-        points = warp.carry(tool.closed) - tool.position - tool.travel
-        bent.append(replace(tool, shape=replace(tool.shape, points=points)))
+        moved = warp.carry(tool.closed) - tool.closed
+        if fixed:
+            moved *= _fade(tool.closed, fixed, thickness)[:, None]
+        bent.append(replace(tool, shape=replace(tool.shape, points=tool.shape.points + moved)))
     return tuple(bent)
+
+
+def _fade(places: FloatArray, holders: Sequence[PressedTool], thickness: float) -> FloatArray:
+    """Return which part of a map holds at places of the closed tools (n,): none under holders, all off their rims."""
+    away, _ = cKDTree(np.concatenate([holder.closed for holder in holders])).query(places)
+    part = np.clip((away / thickness - _UNDER) / _FADES, 0.0, 1.0)
+    return np.asarray(part**2 * (3.0 - 2.0 * part))
 
 
 def find_undercut(

@@ -30,3 +30,13 @@ def test_a_residual_that_has_grown_forgets_what_was_before() -> None:
     x = anderson.step(np.zeros((2, 1)), np.array([[1.0], [0.0]]))
     x = anderson.step(x, np.array([[0.0], [2.0]]))
     assert x.ravel().tolist() == [-1.0, -2.0]
+
+
+def test_differences_that_differ_by_noise_alone_are_not_told_apart() -> None:
+    """One mode of slope 0.5, and noise of a thousandth in each residual: the third step stays near the solution."""
+    noise = np.array([[0.0, 0.0], [2e-3, 0.0], [0.0, 2e-3], [2e-3, 2e-3]])
+    anderson, x = Anderson(np.ones(2)), np.zeros((2, 1))
+    wanted = np.array([[1.0], [1.0]])
+    for each in noise:
+        x = anderson.step(x, 0.5 * x - wanted + each[:, None])
+    np.testing.assert_allclose(x, 2.0 * wanted, atol=0.01)
