@@ -13,8 +13,8 @@ from validation.compensated_channel import Way, compensate_channel
 pytestmark = pytest.mark.validation
 
 
-def test_four_loops_leave_a_hundredth_of_a_channels_deviation(tmp_path: Path) -> None:
-    """1.03 mm, then 0.147, 0.052, 0.023 and 0.007 mm."""
+def test_four_loops_leave_a_fiftieth_of_a_channels_deviation(tmp_path: Path) -> None:
+    """0.934 mm, then 0.084, 0.037, 0.033 and 0.018 mm."""
     loops = compensate_channel(tmp_path).loops
     assert loops[0].worst > 0.9
     assert loops[2].worst < 0.1 * loops[0].worst
@@ -23,7 +23,7 @@ def test_four_loops_leave_a_hundredth_of_a_channels_deviation(tmp_path: Path) ->
 
 
 def test_the_implicit_procedure_corrects_a_channel_too(tmp_path: Path) -> None:
-    """0.973 mm, then 0.159, 0.046, 0.027 and 0.013 mm; without inertia its wall snaps over, and the run gives up."""
+    """0.967 mm, then 0.136, 0.044, 0.029 and 0.018 mm; without inertia its wall snaps over, and the run gives up."""
     loops = compensate_channel(tmp_path, "implicit").loops
     assert loops[0].worst == pytest.approx(1.0, abs=0.06)
     assert min(loop.worst for loop in loops) < 0.03
@@ -38,7 +38,7 @@ def drawn(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 
 
 def test_a_drawn_channel_comes_within_a_tenth_of_a_millimetre_in_three_loops(drawn: tuple[Way, list[Loop]]) -> None:
-    """0.497 mm, then below 0.1 mm."""
+    """0.497 mm, then 0.217, 0.130 and 0.017 mm; bent 0.143, 0.083 and 0.038 mm."""
     _, loops = drawn
     assert loops[0].worst > 0.4
     assert loops[-1].worst < 0.1

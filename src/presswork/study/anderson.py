@@ -41,5 +41,5 @@ class Anderson:
         columns = (self._root * changed).reshape(len(changed), -1).T
         square = columns.T @ columns
         square += _DAMPING**2 * np.trace(square) * np.eye(len(square))
-        share = np.linalg.solve(square, columns.T @ (self._root * residual).ravel())
+        share, *_ = np.linalg.lstsq(square, columns.T @ (self._root * residual).ravel(), rcond=None)
         return np.asarray(x - residual - np.einsum("m,mnk->nk", share, moved - changed))

@@ -53,7 +53,6 @@ _STUCK = 0.9
 """Largest deviation over the best before it, from which on a loop has not helped; two of them end the search."""
 _LONGEST = 1.5
 """Edges of the tools' triangles over those of the blank's cells."""
-
 _NEAR = 3.0
 """Times the thickness within which the gap between tools counts."""
 
