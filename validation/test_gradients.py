@@ -372,10 +372,8 @@ def check(data: dict[str, Any], by: dict[str, float], of: list[str], folder: Pat
     apart = {
         key: 1e-4
         if key.startswith("materials")
-        else 2e-3
-        if key.endswith("mu")
         else 1e-3
-        if key.endswith("force")
+        if key.endswith(("mu", "force"))
         else radius
         if key.endswith("radius")
         else 2e-5
