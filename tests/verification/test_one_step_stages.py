@@ -32,6 +32,14 @@ def test_a_round_cup_stays_round(found):
     assert len(found[3].residuals) == found[3].iterations
 
 
+def test_one_step_of_a_deep_cup_tells_of_stages(found):
+    assert "--stages 3" in found[1].notes[0]
+    assert [result.stages for result in found.values()] == [1, 3]
+    points, quads = revolve(cup_profile(25.0, 5.0, 14.0, 34.0, 2.5), AROUND)
+    shallow = make_model(points, fan(AROUND), quads, layers=3, holder_force=15e3, mu=0.1)
+    assert not solve_one_step(shallow).notes
+
+
 def test_the_wall_keeps_the_stretch_that_the_flange_gave_it(found):
     """As metal left a flange that was wider, its pull was larger than at the end: the upper wall comes out longer."""
     one, three = (
@@ -58,6 +66,7 @@ def test_a_part_without_walls_is_found_by_one_step_and_says_so():
     one, three = solve_one_step(model), solve_one_step(replace(model, stages=3))
     assert (one.blank == three.blank).all()
     assert "no wall" in three.notes[0]
+    assert three.stages == 1
 
 
 @pytest.mark.parametrize("stages", [0, 10, 2.5])

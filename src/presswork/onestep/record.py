@@ -128,7 +128,7 @@ def _summarise(result: OneStepResult, outline: BlankOutline, warnings: list[str]
         "warnings": warnings,
         "iterations": result.iterations,
         "passes": result.passes,
-        "stages": 1 if result.notes else model.stages,
+        "stages": result.stages,
         "cells": len(model.triangles) + len(model.quadrilaterals),
         "wall_seconds": {"total": total, **result.seconds},
         "extremes": {name: [float(v.min()), float(v.max())] for name, v in result.fields.items()},

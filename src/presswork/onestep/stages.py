@@ -23,12 +23,43 @@ _HIGHEST = 0.8
 """Way by which the first stage is raised over that at which a wall is used up."""
 _SHALLOW = 4.0
 """Thicknesses; a part that can be raised by no more takes no stages."""
+_DEEP = 20.0
+"""Thicknesses; in a part that is deeper the path of the metal may move the edge of the blank by a thickness."""
 _ROUNDS = 2
 """Times that all stages are gone through, each time from the blank found before."""
 _MOST_PLACINGS = 4
 """Times at most that the sheet is placed on a raised part."""
 _NEAR = 0.25
 """Thicknesses by which metal may be elsewhere in the blank of a stage than in the blank sought."""
+
+
+def has_deep_walls(process: Process, part: PartSurface) -> bool:
+    """Tell whether a part is so deep, with walls that could be raised, that stages between are worth their time."""
+    if _find_depth(part) <= _DEEP * process.model.thickness:
+        return False
+    try:
+        _raise_bottom(process, part)
+    except OneStepError:
+        return False
+    return True
+
+
+def _find_depth(part: PartSurface) -> float:
+    return float(np.ptp(part.points[:, 2]))
+
+
+def _raise_bottom(process: Process, part: PartSurface) -> tuple[FloatArray, float]:
+    """Return the share of the punch's way that each node is raised by, and the way to the first stage [mm].
+
+    Raises OneStepError where there is no wall that could be raised.
+    """
+    model = process.model
+    bottom = part.points[:, 2] - part.points[:, 2].min() < 0.5 * model.thickness
+    curved = prepare_part(part.points, model.triangles, model.quadrilaterals, held=process.held)
+    share, most = find_raise(curved, process.find_tools(part).flange & ~bottom, bottom, model.thickness)
+    if most * _HIGHEST <= _SHALLOW * model.thickness:
+        raise OneStepError("the part has no wall between a level flange and its bottom that could be raised")
+    return share, most * _HIGHEST
 
 
 class Stages:
@@ -40,15 +71,9 @@ class Stages:
         self._process, self._part, self._lay_flat = process, part, lay_flat
         halves = model.quadrilaterals[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
         self._triangles: IntArray = np.concatenate([model.triangles, halves])
-        height = part.points[:, 2] - part.points[:, 2].min()
-        bottom = height < 0.5 * model.thickness
-        self._depth = float(height.max())
-        curved = prepare_part(part.points, model.triangles, model.quadrilaterals, held=process.held)
-        self._share, most = find_raise(curved, process.find_tools(part).flange & ~bottom, bottom, model.thickness)
-        if most * _HIGHEST <= _SHALLOW * model.thickness:
-            raise OneStepError("the part has no wall between a level flange and its bottom that could be raised")
-        down = np.linspace(1.0, 0.0, model.stages)[:-1]
-        self._ways = most * _HIGHEST * down
+        self._depth = _find_depth(part)
+        self._share, highest = _raise_bottom(process, part)
+        self._ways = highest * np.linspace(1.0, 0.0, model.stages)[:-1]
         up = np.array([0.0, 0.0, 1.0])
         self._raised = [process.shape(part.points + way * self._share[:, None] * up) for way in self._ways]
         self.residuals: list[float] = []
