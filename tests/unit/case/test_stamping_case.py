@@ -446,6 +446,14 @@ def test_direction_turns_strokes() -> None:
     assert model.self_contact.mu == 0.2
 
 
+def test_a_tool_that_works_its_usual_way_needs_no_position() -> None:
+    usual, told = build(), build(**{"tools.punch.direction": [0, 0, -2], "tools.die.direction": [0, 0, 1]})
+    for one, other in zip(usual.tools, told.tools, strict=True):
+        assert np.array_equal(one.position, other.position)
+    with pytest.raises(CaseError, match="give its position"):
+        build(**{"tools.punch.direction": [0, 0, 1]})
+
+
 SECTION = {"kind": "punch", "shape": "section", "corners": [[0, 0], [20, 0], [20, 9], [0, 9]]}
 
 

@@ -37,7 +37,7 @@ class _Tool(Part):
     direction: Point3 | None = Field(
         default=None,
         description="direction [x, y, z], of any length, in which it works: strokes and forces count along it; without "
-        "it punch and holder work down, a die up. It needs a position",
+        "it punch and holder work down, a die up. Another one needs a position",
     )
     heat: ToolHeat | None = Field(
         default=None, description="its temperature and conductance, with [heat]; without it: no heat passes into it"
@@ -57,8 +57,10 @@ class _Tool(Part):
             return self
         if not any(self.direction):
             raise fault("has no length", "for instance [-1, 0, -1]: aslant, down and to the left", key="direction")
-        if self.position is None:
-            fault_text = "where a tool that works aslant touches the blank is not looked for"
+        down_or_up = 1.0 if self.kind == "die" else -1.0
+        is_usual = not any(self.direction[:2]) and self.direction[2] * down_or_up > 0.0
+        if self.position is None and not is_usual:
+            fault_text = "where a tool that works another way than its kind does touches the blank is not looked for"
             raise fault(fault_text, "give its position = [x, y, z]", key="direction")
         return self
 
