@@ -323,8 +323,8 @@ def stamp_hot() -> dict[str, Any]:
         ("tools.die.mu", 0.1),
         ("tools.die.heat.conductance", 2.0),
     )
-    tight = {"max_iterations": 60, "force_tolerance": 2e-10, "displacement_tolerance": 1e-9}
-    return data | {"implicit": tight | {"initial_increment": 0.05, "max_increment": 0.1}}
+    tight = {"max_iterations": 60, "force_tolerance": 1e-9, "displacement_tolerance": 1e-8}
+    return data | {"implicit": tight | {"initial_increment": 0.05, "max_increment": 0.05}}
 
 
 def draw_under_holder() -> dict[str, Any]:
