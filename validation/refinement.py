@@ -2,16 +2,18 @@
 """Blanks that are refined as they are formed beside blanks as fine from the start: what is lost, what is won.
 
     python -m validation.refinement OUT [docs/img/refinement.png]
+    python -m validation.refinement OUT key=value ...
 
-prints thickness strains, draw-in, punch force and time of the square cup and of the hemispherical punch, some ten
-minutes on one core, and draws the cups' meshes.
+The first prints thickness strains, draw-in, punch force and time of the square cup and of the hemispherical punch, some
+ten minutes on one core, and draws the cups' meshes. The second prints them for the refined cup as it is, and with each
+key in turn.
 """
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
 
@@ -42,13 +44,29 @@ def form(folder: Path, name: str, element_size: float, *overrides: str) -> Resul
 def form_all(folder: Path, name: str, *overrides: str) -> dict[str, Result]:
     """Run a case coarse, refined and fine, without ironing, whose share of the holder's force depends on the shells."""
     size, levels = CASES[name]
-    overrides = ("explicit.ironing=false", *overrides)
-    refine = f'blank.refine={{levels = {levels}, angle = "{ANGLE} deg"}}'
+    plain = ("explicit.ironing=false", *overrides)
     return {
-        "coarse": form(folder / name / "coarse", name, size, *overrides),
-        "refined": form(folder / name / "refined", name, size, refine, *overrides),
-        "fine": form(folder / name / "fine", name, size / 2**levels, *overrides),
+        "coarse": form(folder / name / "coarse", name, size, *plain),
+        "refined": form_refined(folder / name / "refined", name, *overrides),
+        "fine": form(folder / name / "fine", name, size / 2**levels, *plain),
     }
+
+
+def form_refined(folder: Path, name: str, *overrides: str) -> Result:
+    size, levels = CASES[name]
+    refine = f'blank.refine={{levels = {levels}, angle = "{ANGLE} deg"}}'
+    return form(folder, name, size, "explicit.ironing=false", refine, *overrides)
+
+
+def compare_keys(folder: Path, name: str, keys: list[str]) -> None:
+    """Print the figures of a refined blank as it is, and with each of some keys."""
+    for number, overrides in enumerate([(), *((key,) for key in keys)]):
+        started = process_time()
+        result = form_refined(folder / f"{number}", name, *overrides)
+        print(*overrides or ("as it is",), f"{process_time() - started:.1f} s of CPU")
+        print(f"  {'largest force':18s} {result.history['punch.force'].max():9.0f} N")
+        for what, value in measure(result).items():
+            print(f"  {what:18s} {value:9.4f}")
 
 
 def time_shells(results: dict[str, Result], rounds: int = 6, cycles: int = 300) -> dict[str, float]:
@@ -108,6 +126,8 @@ def draw(results: dict[str, Result], path: str) -> None:
 
 
 if __name__ == "__main__":
+    if any("=" in given for given in sys.argv[2:]):
+        sys.exit(compare_keys(Path(sys.argv[1]), "square_cup", sys.argv[2:]))
     for case_name in CASES:
         found = form_all(Path(sys.argv[1]), case_name)
         figures = {name: measure(result) for name, result in found.items()}
