@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import logging
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from presswork.case import CaseError, build_model
 from presswork.case.errors import Problem
 from presswork.recorder import StartError, fingerprint, run_model
 from presswork.results import OutputError, Result
-from presswork.results.whole_file import replace_whole
+from presswork.results.whole_file import write_whole
 
 if TYPE_CHECKING:
     from presswork.case.kinds import AnyCase
@@ -102,8 +103,5 @@ def _keep(case: StampingCase, kept: dict[str, dict[str, object]]) -> None:
     if path is None:
         return
     content = (json.dumps(kept, indent=1) + "\n").encode()
-    try:
-        with replace_whole(path, needed_bytes=len(content)) as temporary:
-            temporary.write_bytes(content)
-    except OutputError:
-        pass
+    with suppress(OutputError):
+        write_whole(path, content)

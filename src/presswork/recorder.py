@@ -5,12 +5,14 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import os
 import platform
 import resource
 import sys
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass, fields
+from io import TextIOWrapper
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
@@ -38,7 +40,7 @@ from presswork.results import (
 )
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
 from presswork.results.progress import ProgressFile
-from presswork.results.whole_file import explain_write_error, replace_whole
+from presswork.results.whole_file import explain_write_error, open_to_append, write_whole
 from presswork.step_writer import StepWriter, append_snapshot
 
 __all__ = ["Outcome", "Progress", "StartError", "fingerprint", "run_model"]
@@ -185,12 +187,19 @@ def write_start(model: Model, folder: Path) -> list[str]:
     recording = begin(model, 1)
     (folder / RESULTS).unlink(missing_ok=True)
     append_snapshot(folder / RESULTS, recording.mesh, recording.snapshot())
-    (folder / CASE).write_text(model.case_text, encoding="utf-8")
+    write_whole(folder / CASE, model.case_text.encode())
     return list(recording.columns)
 
 
 class _Log(logging.FileHandler):
-    """The log; a line that the disk has no room for is lost."""
+    """The log; what was there is kept, in a file that no other name leads to. A line without room is lost."""
+
+    def __init__(self, path: Path) -> None:
+        write_whole(path, path.read_bytes() if path.exists() else b"")
+        super().__init__(path, encoding="utf-8")
+
+    def _open(self) -> TextIOWrapper:
+        return os.fdopen(open_to_append(Path(self.baseFilename)), "a", encoding=self.encoding, errors=self.errors)
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802
         """Do nothing: files that matter say so themselves."""
@@ -213,7 +222,7 @@ class _Run:
         self.log.setLevel(logging.INFO)
         self.log.propagate = False
         try:
-            handler = _Log(folder / LOG, encoding="utf-8")
+            handler = _Log(folder / LOG)
         except OSError as error:
             raise explain_write_error(error, folder / LOG, 0) from error
         handler.setFormatter(logging.Formatter("%(asctime)s %(message)s", "%H:%M:%S"))
@@ -225,9 +234,7 @@ class _Run:
 
     def begin(self, case_text: str) -> None:
         """Write the case and the undeformed state."""
-        text = case_text.encode()
-        with replace_whole(self.folder / CASE, needed_bytes=len(text)) as temporary:
-            temporary.write_bytes(text)
+        write_whole(self.folder / CASE, case_text.encode())
         self.save_step()
         self.save_checkpoint()
 
@@ -298,8 +305,7 @@ class _Run:
         if report.is_save_point:
             self.save_step()
             for name, text in recording.files().items():
-                with replace_whole(self.folder / name, needed_bytes=len(text)) as path:
-                    path.write_text(text, encoding="utf-8")
+                write_whole(self.folder / name, text.encode())
         self.recorded = report.number
         if report.number % recording.checkpoint_every == 0 or recording.remaining() == 0.0:
             self.save_checkpoint()

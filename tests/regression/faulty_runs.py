@@ -71,7 +71,7 @@ def _work(case: Path, overrides: list[str], folder: Path, fault: Fault | None, r
 
     for module, names in (
         (os, ("replace", "fsync", "write", "unlink")),
-        (shutil, ("copyfile",)),
+        (shutil, ("copyfileobj",)),
         (whole_file._ForgivingFile, ("write", "readinto")),
     ):
         for name in names:

@@ -10,6 +10,7 @@ import typer
 
 from presswork.cli.terminal import console, exit_on
 from presswork.results import OutputError, Result
+from presswork.results.folder import PLOTS, refuse_link
 
 
 def animate(
@@ -28,6 +29,7 @@ def animate(
     with exit_on(OutputError, ImportError):
         result = Result(folder)
         if out is None:
-            create_folder(folder / "plots")
-        path = write_film(result, out or folder / "plots" / f"{field or 'film'}.gif", field, seconds=seconds)
+            refuse_link(folder / PLOTS)
+            create_folder(folder / PLOTS)
+        path = write_film(result, out or folder / PLOTS / f"{field or 'film'}.gif", field, seconds=seconds)
     console().print(f"{path}, {path.stat().st_size / 1e6:.1f} MB", markup=False)

@@ -18,6 +18,7 @@ from presswork.deck.rad.read import RadDeck
 from presswork.deck.stamping import make_stamping
 from presswork.deck.units import SYSTEMS, find_units
 from presswork.deck.write import write_case
+from presswork.results import OutputError
 
 app = typer.Typer(add_completion=False)
 _READERS: dict[str, type[DynaDeck | AbaqusDeck | RadDeck]] = {
@@ -49,7 +50,7 @@ def import_deck(
     ] = None,
 ) -> None:
     """Make a case of another program's deck, and say line by line what was kept, changed and dropped."""
-    with exit_on(CaseError, OSError):
+    with exit_on(CaseError, OSError, OutputError):
         _import(deck, output or deck.with_name(deck.stem.removesuffix("_0000")), units, drop or [])
 
 

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -35,6 +34,7 @@ from presswork.material.identify_hot import HOT_LAWS
 from presswork.material.identify_yld2000 import BIAXIAL, R_WEIGHT, YieldData, fit_yld2000, read_yield_data
 from presswork.material.sheet_plot import draw_sheet
 from presswork.material.tensile import TensileTest, read_tensile
+from presswork.results.whole_file import OutputError, write_whole
 
 app = typer.Typer(help="Sheet materials at a point.", no_args_is_help=True, add_completion=False)
 
@@ -57,7 +57,7 @@ def compile_(
 @app.command()
 def show(name: Name) -> None:
     """Say what a material is and where its numbers come from."""
-    with exit_on(CaseError, ImportError, OSError):
+    with exit_on(CaseError, ImportError, OSError, OutputError):
         sheet = find_sheet(name)
     typer.echo(f"{sheet.name}: {sheet.summary}" + (f", {sheet.thickness:g} mm" if sheet.thickness else ""))
     for key, value in sheet.material.model_dump(exclude_none=True).items():
@@ -73,7 +73,7 @@ def plot(
     output: Annotated[Path | None, typer.Option(help="The picture; default: the material's name here.")] = None,
 ) -> None:
     """Draw a material: yield locus, yield stress and r-value by direction, flow stress; of hot laws by temperature."""
-    with exit_on(CaseError, ImportError, OSError):
+    with exit_on(CaseError, ImportError, OSError, OutputError):
         sheet = find_sheet(name)
         draw = draw_hot_law if isinstance(sheet.material.hardening, HotLaw) else draw_sheet
         typer.echo(draw(sheet, output or Path(f"{sheet.key}.png")))
@@ -88,14 +88,12 @@ def flc(
     ] = None,
 ) -> None:
     """Find a material's forming limit curve; write its points and draw it."""
-    with exit_on(CaseError, ImportError, OSError):
+    with exit_on(CaseError, ImportError, OSError, OutputError):
         sheet = find_sheet(name)
         curve = build_curve(sheet.material, sheet.thickness if thickness is None else thickness)
         path = output or Path(f"{sheet.key}_flc.png")
-        with path.with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(["minor", "major"])
-            writer.writerows([f"{a:.6g}", f"{b:.6g}"] for a, b in zip(curve.minor, curve.major, strict=True))
+        rows = [f"{a:.6g},{b:.6g}" for a, b in zip(curve.minor, curve.major, strict=True)]
+        write_whole(path.with_suffix(".csv"), "\n".join(["minor,major", *rows, ""]).encode())
         minor, major = curve.lowest()
         typer.echo(f"{curve.method}: lowest at minor {minor:.3f}, major {major:.3f}")
         typer.echo(draw_curves({"": curve}, sheet.name, path, r=mean_r_value(sheet.material)))
@@ -127,7 +125,7 @@ def fit(
 
     Hot compression tests are corrected for friction and for heating; beside the law a table of their curves is written.
     """
-    with exit_on(CaseError, ImportError, OSError):
+    with exit_on(CaseError, ImportError, OSError, OutputError):
         if is_hot_compression(tensile):
             fit_compression(tensile, law, _read_stress("--young", young), poisson, density, specific_heat, output)
             return
@@ -166,7 +164,7 @@ def yld2000(
     r_weight: Weight = R_WEIGHT,
 ) -> None:  # fmt: skip
     """Fit Yld2000-2d to yield stresses over one reference and r-values, by all angles of a file or the usual eight."""
-    with exit_on(CaseError, ImportError, OSError):
+    with exit_on(CaseError, ImportError, OSError, OutputError):
         usual = YieldData(np.array([0.0, 45.0, 90.0]), np.array([s00, s45, s90]), np.array([r00, r45, r90]), sb, rb)
         if data is not None and usual.count():
             raise CaseError([Problem("", "data in a file and by options", "give one of them")], "Yld2000-2d")
@@ -252,4 +250,4 @@ def _write_material(
         "sources": {"all": f"{source.name}, fitted to a plastic strain of {best.largest_strain:.3f}"},
         "assumed": {"young": "as given to the fit", "poisson": "as given to the fit"},
     }
-    path.write_text(tomli_w.dumps(data), encoding="utf-8")
+    write_whole(path, tomli_w.dumps(data).encode())

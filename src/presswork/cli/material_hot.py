@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from presswork.case.units import DENSITY, HEAT_CAPACITY, Dimension, to_number
 from presswork.material.compression import CompressionTest, correct, find_adiabatic_part, read_compression
 from presswork.material.hot_plot import draw_hot_fit
 from presswork.material.identify_hot import HOT_LAWS, HotFit, fit_hot, tabulate
+from presswork.results.whole_file import write_whole
 
 
 def is_hot_compression(path: Path) -> bool:
@@ -48,10 +48,8 @@ def fit_compression(
     target = output or path.with_suffix(".toml")
     _write(target, path, fits[0], {"young": young, "poisson": poisson}, capacity)
     table = target.with_name(f"{target.stem}_table.csv")
-    with table.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["strain", "rate", "temperature", "stress"])
-        writer.writerows([f"{value:.6g}" for value in row] for row in tabulate(tests, fits[0]))
+    rows = [",".join(f"{value:.6g}" for value in row) for row in tabulate(tests, fits[0])]
+    write_whole(table, "\n".join(["strain,rate,temperature,stress", *rows, ""]).encode())
     picture = draw_hot_fit(tests, fits, path.stem, target.with_suffix(".png"))
     typer.echo(f"{target}\n{table}\n{picture}")
 
@@ -99,4 +97,4 @@ def _write(path: Path, source: Path, fit: HotFit, elastic: dict[str, Any], capac
         "sources": {"all": f"{source.name}, {heated}; scatter {fit.scatter:.2f} MPa ({100 * fit.relative:.2f} %)"},
         "assumed": {"young": "as given to the fit", "poisson": "as given to the fit"},
     }
-    path.write_text(tomli_w.dumps(data), encoding="utf-8")
+    write_whole(path, tomli_w.dumps(data).encode())

@@ -27,6 +27,7 @@ def view(
 
 def serve(folder: Path, page: str, port: int, browser: bool) -> None:
     """Serve a folder, beginning with a page of it, until Ctrl-C."""
+    from presswork.server.confined import confine
     from presswork.server.http import Server
     from presswork.server.site import Site
 
@@ -42,6 +43,7 @@ def serve(folder: Path, page: str, port: int, browser: bool) -> None:
         typer.echo("Ctrl-C ends it; runs that were begun here stop with a checkpoint", err=True)
         if browser:
             webbrowser.open(f"{server.address}{page}")
+        confine(site.opened.root, site.scratch.folder)
         with suppress(KeyboardInterrupt):
             server.serve_forever()
     site.close()

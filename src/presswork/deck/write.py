@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 
 import meshio
@@ -15,6 +16,7 @@ from presswork.mesh.dynain import write_dynain
 from presswork.mesh.stl_file import pack_stl
 from presswork.mesh.triangles import double_areas
 from presswork.model import IndexArray, Triangulation
+from presswork.results.whole_file import write_whole
 
 
 def write_case(imported: ImportedStamping, notes: Notes, folder: Path) -> Path:
@@ -23,16 +25,15 @@ def write_case(imported: ImportedStamping, notes: Notes, folder: Path) -> Path:
     for name, surface in imported.meshes.items():
         _write_mesh(surface, folder / name)
     if imported.formed is not None:
-        (folder / "blank.dynain").write_text(
-            write_dynain(imported.formed, str(imported.case["title"])), encoding="ascii"
-        )
+        text = write_dynain(imported.formed, str(imported.case["title"]))
+        write_whole(folder / "blank.dynain", text.encode("ascii"))
     lines = [f"What became of {notes.source.name}, by file and line", "", *(str(note) for note in notes.in_order())]
-    (folder / "import.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_whole(folder / "import.txt", ("\n".join(lines) + "\n").encode())
     lost = [note for note in notes.in_order() if note.fate == "changed"]
     head = [f"# From {notes.source.name}; import.txt says what was kept, changed and dropped.", ""]
     head[1:1] = [f"# {note.keyword} {note.place}: {note.text}" for note in lost]
     case = folder / "case.toml"
-    case.write_text("\n".join(head) + tomli_w.dumps(imported.case), encoding="utf-8")
+    write_whole(case, ("\n".join(head) + tomli_w.dumps(imported.case)).encode())
     return case
 
 
@@ -43,10 +44,13 @@ def _write_mesh(surface: Surface, path: Path) -> None:
         corners = corners[np.linalg.norm(double_areas(surface.points, corners), axis=1) > 0.0]
         used, number = np.unique(corners, return_inverse=True)
         face = Triangulation(surface.points[used], number.reshape(corners.shape).astype(np.int32), False)
-        path.write_bytes(pack_stl(path.stem, face))
+        write_whole(path, pack_stl(path.stem, face))
         return
     cells = [(kind, own) for kind, own in (("quad", quads), ("triangle", triangles)) if len(own)]
-    meshio.write(path, meshio.Mesh(surface.points, cells), binary=True)
+    with tempfile.TemporaryDirectory() as place:
+        file = Path(place) / path.name
+        meshio.write(file, meshio.Mesh(surface.points, cells), binary=True)
+        write_whole(path, file.read_bytes())
 
 
 def _split_kinds(cells: IndexArray) -> tuple[IndexArray, IndexArray]:

@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
 from pathlib import Path
 
 from presswork.case import CaseError, Problem
 from presswork.case.errors import suggest
+from presswork.results import OutputError
+from presswork.results.whole_file import write_whole
 
 _FOLDER = Path(__file__).parent
 
@@ -30,7 +33,7 @@ def copy_example(name: str, target_dir: str | Path) -> Path:
     tools, mesh = case.get("tools", {}), case.get("workpiece", {}).get("mesh", {})
     files: list[str] = [f"{name}.toml", *(tool["profile_file"] for tool in tools.values() if "profile_file" in tool)]
     files += [part["path"] for part in (mesh, *tools.values()) if "path" in part]
-    there = [folder / file for file in files if (folder / file).exists()]
+    there = [folder / file for file in files if os.path.lexists(folder / file)]
     if there:
         raise CaseError(
             [Problem("", f"{path} is there already", "remove it, or copy elsewhere") for path in there], "examples"
@@ -38,8 +41,10 @@ def copy_example(name: str, target_dir: str | Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for file in files:
-            (folder / file).write_bytes((_FOLDER / file).read_bytes())
-    except OSError as error:
-        text = f"{error.filename or folder} cannot be written: {error.strerror or error}"
+            write_whole(folder / file, (_FOLDER / file).read_bytes())
+    except (OSError, OutputError) as error:
+        text = str(error)
+        if isinstance(error, OSError):
+            text = f"{error.filename or folder} cannot be written: {error.strerror or error}"
         raise CaseError([Problem("", text, "copy elsewhere, by --to")], "examples") from error
     return folder / files[0]

@@ -152,7 +152,7 @@ def try_umat(law: model.Umat, components: int) -> Trial:
     read, write = os.pipe()
     try:
         done = subprocess.run(
-            [sys.executable, "-m", "presswork.law.umat", str(write)],
+            [sys.executable, "-P", "-m", "presswork.law.umat", str(write)],
             input=json.dumps([asdict(law), components]), text=True, pass_fds=(write,), timeout=_LONGEST,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip

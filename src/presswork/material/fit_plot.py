@@ -11,7 +11,7 @@ import numpy as np
 from presswork.formability import FormingLimitCurve
 from presswork.material.identify import HardeningFit
 from presswork.material.tensile import TensileTest
-from presswork.view.style import DPI, clean_axes, new_figure
+from presswork.view.style import clean_axes, new_figure, save_picture
 
 _LARGEST_STRAIN = 0.8
 
@@ -38,8 +38,7 @@ def draw_fit(tests: Sequence[TensileTest], fits: Sequence[HardeningFit], young: 
     ax.set_ylabel("true stress [MPa]")
     ax.legend(frameon=False, fontsize=8)
     clean_axes(ax)
-    figure.savefig(path, format="png", dpi=DPI)
-    return path
+    return save_picture(figure, path)
 
 
 def draw_curves(curves: Mapping[str, FormingLimitCurve], title: str, path: Path, *, r: float = 1.0) -> Path:
@@ -64,5 +63,4 @@ def draw_curves(curves: Mapping[str, FormingLimitCurve], title: str, path: Path,
     ax.set_title(title)
     ax.legend(frameon=False, fontsize=8)
     clean_axes(ax)
-    figure.savefig(path, format="png", dpi=DPI)
-    return path
+    return save_picture(figure, path)

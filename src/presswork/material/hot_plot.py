@@ -11,7 +11,7 @@ import numpy as np
 from presswork.case.material.library import NamedSheet
 from presswork.material.compression import CompressionTest
 from presswork.material.identify_hot import HotFit
-from presswork.view.style import DPI, clean_axes, new_figure
+from presswork.view.style import clean_axes, new_figure, save_picture
 
 MOST_IN_A_ROW = 3
 LARGEST_STRAIN = 1.0
@@ -45,8 +45,7 @@ def draw_hot_fit(tests: Sequence[CompressionTest], fits: Sequence[HotFit], title
         ax.set_axis_off()
     scatter = f"{best.scatter:.2f} MPa ({100 * best.relative:.2f} %)"
     figure.suptitle(f"{title}: points measured, lines {best.law}, {scatter}")
-    figure.savefig(path, format="png", dpi=DPI)
-    return path
+    return save_picture(figure, path)
 
 
 def draw_hot_law(named: NamedSheet, path: Path) -> Path:
@@ -70,5 +69,4 @@ def draw_hot_law(named: NamedSheet, path: Path) -> Path:
     axes[0].set_ylabel("flow stress [MPa]")
     axes[0].legend(frameon=False, fontsize=8)
     figure.suptitle(f"{named.name}: {hardening.law} within its window")
-    figure.savefig(path, format="png", dpi=DPI)
-    return path
+    return save_picture(figure, path)

@@ -10,7 +10,7 @@ import numpy as np
 
 from presswork.case.material.library import NamedSheet
 from presswork.material.predict import predict_shear, predict_tension, trace_locus
-from presswork.view.style import DPI, clean_axes, new_figure
+from presswork.view.style import clean_axes, new_figure, save_picture
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,8 +26,7 @@ def draw_sheet(sheet: NamedSheet, path: Path) -> Path:
     _draw_directions(axes[1], sheet)
     _draw_hardening(axes[2], sheet)
     figure.suptitle(sheet.name)
-    figure.savefig(path, format="png", dpi=DPI)
-    return path
+    return save_picture(figure, path)
 
 
 def _draw_locus(ax: Axes, sheet: NamedSheet) -> None:

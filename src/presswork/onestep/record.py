@@ -24,6 +24,7 @@ from presswork.onestep.outline import BlankOutline, nest
 from presswork.onestep.solve import OneStepResult, solve_one_step
 from presswork.results import History, OutputError, append_step, open_output_folder, write_outline, write_summary
 from presswork.results.folder import CASE, HISTORY, LOG, RESULTS, SUMMARY
+from presswork.results.whole_file import write_whole
 
 STRAIGHT = "one step knows the strains of the part alone: it judges them as if every path had been straight"
 """Of the forming limit."""
@@ -43,7 +44,7 @@ def run_one_step(
     path = open_output_folder(folder, overwrite=overwrite)
     result = solve_one_step(model, threads=threads, on_iteration=on_iteration)
     outline = BlankOutline(tuple(result.blank[rim] for rim in model.rims)).mirrored(model.symmetry)
-    (path / CASE).write_text(model.case_text, encoding="utf-8")
+    write_whole(path / CASE, model.case_text.encode())
     _write_results(path / RESULTS, result)
     write_outline(outline.loops, path / BLANK_POINTS)
     warnings = [*model.notes, *result.notes]
@@ -56,7 +57,7 @@ def run_one_step(
     for i, unbalanced in enumerate(result.residuals, start=1):
         history.append({"iteration": i, "unbalanced": unbalanced})
     lines = [f"{i:3d}  unbalanced {r:.2e}" for i, r in enumerate(result.residuals, start=1)]
-    (path / LOG).write_text("\n".join([f"presswork {__version__}: {model.title}", *lines]) + "\n", encoding="utf-8")
+    write_whole(path / LOG, "\n".join([f"presswork {__version__}: {model.title}", *lines, ""]).encode())
     return result, outline
 
 

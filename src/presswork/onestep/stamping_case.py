@@ -16,7 +16,7 @@ from presswork.model import OneStepModel
 from presswork.onestep.offset_tools import CLEARANCE, offset_tools
 from presswork.onestep.outline import BlankOutline
 from presswork.results import OutputError
-from presswork.results.whole_file import replace_whole, write_whole
+from presswork.results.whole_file import write_whole
 
 _CELLS_ACROSS = (50, 200)
 """Of the blank: at least, and at most where the part's radii ask for more."""
@@ -79,8 +79,7 @@ def write_stamping_case(path: Path, model: OneStepModel, outline: BlankOutline, 
         notes.append(f"{len(outline.loops) - 1} holes of the blank are left out, and filled in the tools: trim them")
     text = _HEAD.format(clearance=CLEARANCE * model.thickness)
     content = (text + "".join(f"# {note}\n" for note in notes) + "\n" + tomli_w.dumps(case)).encode()
-    with replace_whole(path, needed_bytes=len(content)) as temporary:
-        temporary.write_bytes(content)
+    write_whole(path, content)
     return tuple(notes)
 
 

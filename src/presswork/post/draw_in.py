@@ -10,7 +10,7 @@ import numpy as np
 from presswork.model import FloatArray
 from presswork.post.section import cut_sheet
 from presswork.results import Result
-from presswork.results.whole_file import replace_whole
+from presswork.results.whole_file import write_whole
 
 EVERY = 3.0
 """Degrees between two directions."""
@@ -35,5 +35,4 @@ def write_draw_in(result: Result, path: Path | str, step: int = -1) -> None:
     """Write the draw-in in every direction as CSV. Raises OutputError."""
     lines = ["angle_degree,draw_in_mm", *(f"{a:.7g},{d:.7g}" for a, d in measure_draw_in_around(result, step))]
     content = ("\n".join(lines) + "\n").encode()
-    with replace_whole(Path(path), needed_bytes=len(content)) as temporary:
-        temporary.write_bytes(content)
+    write_whole(Path(path), content)

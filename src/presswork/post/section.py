@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from presswork.mesh.topology import find_parts
 from presswork.model import FloatArray, IntArray
 from presswork.results import Result, ResultMesh
-from presswork.results.whole_file import replace_whole
+from presswork.results.whole_file import write_whole
 
 ORIGIN = (0.0, 0.0)
 _APART = 1e-6
@@ -191,5 +191,4 @@ def write_section(
     lines = ["undeformed_distance_mm,distance_mm,z_mm,thickness_mm,thickness_strain"]
     lines += [",".join(f"{value:.7g}" for value in row) for row in rows]
     content = ("\n".join(lines) + "\n").encode()
-    with replace_whole(Path(path), needed_bytes=len(content)) as temporary:
-        temporary.write_bytes(content)
+    write_whole(Path(path), content)

@@ -12,7 +12,7 @@ from presswork.report.pack import Blocks
 from presswork.report.page_file import assemble_page
 from presswork.report.run_data import pack_run
 from presswork.results import Result
-from presswork.results.whole_file import replace_whole
+from presswork.results.whole_file import write_whole
 
 BUDGET = 20_000_000
 """Bytes of a page at most, as long as two steps with their first fields fit."""
@@ -37,6 +37,5 @@ def write_report(results: Result | Sequence[Result], path: Path | str | None = N
         "runs": [pack_run(run, blocks, share) for run in runs],
     }
     content = assemble_page(header, blocks).encode()
-    with replace_whole(target, needed_bytes=len(content)) as temporary:
-        temporary.write_bytes(content)
+    write_whole(target, content)
     return target

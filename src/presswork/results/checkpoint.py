@@ -30,7 +30,7 @@ def save_checkpoint(
     whole = {name: np.asarray(values) for name, values in arrays.items()}
     text = json.dumps({name: _plain(value) for name, value in meta.items()}, sort_keys=True)
     needed = sum(values.nbytes for values in whole.values()) + _OVERHEAD_BYTES
-    with replace_whole(path, needed_bytes=needed) as temporary, write_hdf5(temporary, "w") as file:
+    with replace_whole(path, needed_bytes=needed) as new, write_hdf5(new, "w") as file:
         file.attrs["format_version"] = FORMAT_VERSION
         file.attrs["written_by"] = f"presswork {__version__}"
         file.attrs["meta"] = text

@@ -5,22 +5,26 @@ from __future__ import annotations
 
 import fcntl
 import os
+import shutil
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from presswork.results.whole_file import CHECKPOINT as CHECKPOINT
 from presswork.results.whole_file import HISTORY as HISTORY
-from presswork.results.whole_file import OutputError, explain_write_error
+from presswork.results.whole_file import OutputError, create_file, explain_write_error, list_temporaries
 
 RESULTS = "results.vtkhdf"
 SUMMARY = "summary.json"
 LOG = "run.log"
 CASE = "case.toml"
+PROGRESS = "progress.json"
+PLOTS = "plots"
 
 # The case is not among them: a run may be told to write where the user's own case.toml lies.
 _MADE_BY_A_RUN = (CHECKPOINT, RESULTS, HISTORY, SUMMARY, LOG)
-_DRAWN_OF_A_RUN = ("report.html", "plots/*.png", "plots/*.csv", "plots/*.gif", "plots/*.mp4")
+_DRAWN_OF_A_RUN = ("report.html", *(f"{PLOTS}/*.{kind}" for kind in ("png", "csv", "gif", "mp4")))
 _WORTH_KEEPING = (CHECKPOINT, RESULTS, HISTORY, SUMMARY)
 
 
@@ -28,8 +32,9 @@ def open_output_folder(path: Path | str, *, overwrite: bool = False, resume: boo
     """Make the folder ready for a run, before anything is computed, and return its path.
 
     A new folder is created in an existing parent. A folder that holds results is refused unless `overwrite` (its
-    results, pictures and page are deleted, other files stay) or `resume` (it must hold a checkpoint). Stale NAME.tmp
-    files are removed. One in which a run is at work is refused. Raises OutputError with the remedy.
+    results, pictures and page are deleted, other files stay) or `resume` (it must hold a checkpoint). What killed
+    writers have left is removed. Refused are a folder in which a run is at work, and links in the place of what a run
+    writes: what they lead to is neither deleted nor written. Raises OutputError with the remedy.
     """
     folder = Path(path)
     try:
@@ -46,15 +51,20 @@ def _open(folder: Path, *, overwrite: bool, resume: bool) -> Path:
     _create(folder)
     with occupy(folder):
         pass
-    present = [name for name in _WORTH_KEEPING if (folder / name).exists()]
+    refuse_link(folder / PLOTS)
+    present = [name for name in _WORTH_KEEPING if os.path.lexists(folder / name)]
     if present and not (overwrite or resume):
         raise OutputError(
             f"{folder} already holds results ({', '.join(present)}); choose another folder, "
             "or run with --overwrite to replace them or --resume to continue"
         )
+    for name in () if overwrite else _MADE_BY_A_RUN:
+        _require_file(folder / name)
     _check_writable(folder)
-    stale = [name + ".tmp" for name in (*_MADE_BY_A_RUN, CASE)]
-    for name in [*stale, *(_MADE_BY_A_RUN if overwrite else ())]:
+    for name in (*_MADE_BY_A_RUN, CASE, PROGRESS):
+        for path in list_temporaries(folder, name):
+            _delete(path)
+    for name in _MADE_BY_A_RUN if overwrite else ():
         _delete(folder / name)
     for pattern in _DRAWN_OF_A_RUN if overwrite else ():  # of other steps and operations, they would stay among the new
         for path in folder.glob(pattern):
@@ -109,12 +119,46 @@ def _check_writable(folder: Path) -> None:
     """Write and remove a byte, the only test that holds on every file system."""
     probe = folder / f"writable-{os.getpid()}.tmp"
     try:
-        probe.write_bytes(b"1")
+        with create_file(probe) as file:
+            file.write(b"1")
     except OSError as error:
         with suppress(OSError):
             probe.unlink(missing_ok=True)
         raise explain_write_error(error, probe, 1) from error
     _delete(probe)
+
+
+def _require_file(path: Path) -> None:
+    """Raise OutputError if something else than a file of its own is there: a link, a pipe."""
+    refuse_link(path)
+    if path.exists() and not stat.S_ISREG(path.stat().st_mode):
+        raise OutputError(f"{path} is no file; remove it, or choose another folder by --output")
+
+
+def refuse_link(path: Path) -> None:
+    """Raise OutputError if a link is there, by which the program would write, or delete, where it leads."""
+    if path.is_symlink():
+        raise OutputError(f"{path} is a link, which is not followed; remove it, or choose another folder by --output")
+
+
+def find_members(folder: Path, pattern: str) -> list[Path]:
+    """Return the folders of the runs that a study keeps in its own. Raises OutputError where one is a link.
+
+    pattern: of their names, such as "member_*".
+    """
+    found = sorted(folder.glob(pattern))
+    for path in found:
+        refuse_link(path)
+    return found
+
+
+def delete_folder(path: Path) -> None:
+    """Delete a folder with all that it holds. Raises OutputError."""
+    refuse_link(path)
+    try:
+        shutil.rmtree(path)
+    except OSError as error:
+        raise OutputError(f"{path} cannot be deleted: {error.strerror or error}") from error
 
 
 def _delete(path: Path) -> None:

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.results.whole_file import OutputError, explain_write_error, replace_whole
+from presswork.results.whole_file import OutputError, explain_write_error, open_to_append, write_whole
+from presswork.text_file import UnreadableError, read_bytes
 
 INTEGERS = ("increment", "iteration", "iterations", "cycles", "blow", "remesh_cause")
 TEXTS = ("stage",)
@@ -59,7 +60,7 @@ class History:
         if self.path.exists() and self.path.stat().st_size > 0:
             self._continue()
         else:
-            self._write(_format_row(self.columns), os.O_CREAT)
+            self._replace([_format_row(self.columns)])
 
     def append(self, row: Mapping[str, float | int | str]) -> None:
         """Append one row; it has every column and no other. Floats are written so that they read back exactly."""
@@ -93,11 +94,11 @@ class History:
         if sum(len(line) for line in lines) != self._size:
             self._replace(lines)
 
-    def _write(self, line: bytes, create: int = 0) -> None:
+    def _write(self, line: bytes) -> None:
         """Append a line; if it does not fit on the disk, take back the part that did."""
         rest = line
         try:
-            handle = os.open(self.path, os.O_WRONLY | os.O_APPEND | create, 0o666)
+            handle = open_to_append(self.path)
             try:
                 self._check_size(handle)
                 while rest:
@@ -114,8 +115,7 @@ class History:
     def _replace(self, lines: Sequence[bytes]) -> None:
         """Put these lines in the place of the file."""
         content = b"".join(lines)
-        with replace_whole(self.path, needed_bytes=len(content)) as temporary:
-            temporary.write_bytes(content)
+        write_whole(self.path, content)
         self._size = len(content)
 
     def _check_size(self, handle: int) -> None:
@@ -181,4 +181,8 @@ def _parse_row(line: bytes) -> list[str]:
 
 def _whole_lines(path: Path) -> list[bytes]:
     """Return the lines that end in a line break; only the last one can lack it."""
-    return [line for line in path.read_bytes().splitlines(keepends=True) if line.endswith(b"\n")]
+    try:
+        content = read_bytes(path)
+    except UnreadableError as error:
+        raise OutputError(f"{path} is {error}") from error
+    return [line for line in content.splitlines(keepends=True) if line.endswith(b"\n")]

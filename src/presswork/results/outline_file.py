@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 
 from presswork.model import FloatArray
-from presswork.results.whole_file import OutputError, replace_whole
+from presswork.results.whole_file import OutputError, write_whole
 
 _COLUMNS = ("x_mm", "y_mm", "z_mm")
 
@@ -26,8 +27,7 @@ def write_outline(loops: Sequence[FloatArray], path: Path | str) -> None:
         head = ",".join(["loop", *_COLUMNS[: loops[0].shape[1] if loops else 2]])
         rows = [",".join([str(i), *(f"{x:.7g}" for x in point)]) for i, loop in enumerate(loops) for point in loop]
         content = ("\n".join([head, *rows]) + "\n").encode()
-        with replace_whole(path, needed_bytes=len(content)) as temporary:
-            temporary.write_bytes(content)
+        write_whole(path, content)
     else:
         raise OutputError(f"{path}: an outline is written as .csv or .dxf, not as {kind or 'a file without ending'}")
 
@@ -38,5 +38,6 @@ def _write_dxf(loops: Sequence[FloatArray], path: Path) -> None:
     drawing = ezdxf.new("R2010", units=4)  # type: ignore[attr-defined]  # millimetres
     for loop in loops:
         drawing.modelspace().add_lwpolyline([(float(point[0]), float(point[1])) for point in loop], close=True)
-    with replace_whole(path, needed_bytes=200_000) as temporary:
-        drawing.saveas(temporary)
+    text = io.StringIO()
+    drawing.write(text)
+    write_whole(path, text.getvalue().encode())

@@ -11,11 +11,14 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
-from presswork.results.folder import is_occupied
+from presswork.results.folder import PROGRESS, is_occupied
+from presswork.results.whole_file import OutputError, replace_whole
+from presswork.text_file import UnreadableError, read_text
 
-PROGRESS = "progress.json"
 _PAUSE = 0.5
 """Seconds between two writings, at least."""
+_LARGEST = 100_000
+"""Bytes of the file, at most."""
 
 
 @dataclass(frozen=True)
@@ -41,10 +44,9 @@ class ProgressFile:
         """Write how far the run is, unless it was said just now."""
         if monotonic() - self._last < _PAUSE:
             return
-        temporary = self._path.with_suffix(".tmp")
-        with suppress(OSError):
-            temporary.write_text(json.dumps({"process": os.getpid(), "fraction": fraction, "text": text}))
-            os.replace(temporary, self._path)
+        content = json.dumps({"process": os.getpid(), "fraction": fraction, "text": text}).encode()
+        with suppress(OutputError), replace_whole(self._path, needed_bytes=len(content), is_durable=False) as file:
+            file.write(content)
         self._last = monotonic()
 
     def remove(self) -> None:
@@ -56,9 +58,9 @@ class ProgressFile:
 def read_progress(folder: Path) -> RunProgress | None:
     """Return how far the run is that is at work in a folder; None if there is none."""
     try:
-        found: dict[str, Any] = json.loads((folder / PROGRESS).read_text(encoding="utf-8"))
+        found: dict[str, Any] = json.loads(read_text(folder / PROGRESS, most=_LARGEST))
         progress = RunProgress(int(found["process"]), float(found["fraction"]), str(found["text"]))
         os.kill(progress.process, 0)
-    except (OSError, ValueError, TypeError, KeyError, OverflowError):
+    except (OSError, UnreadableError, ValueError, TypeError, KeyError, OverflowError):
         return None
     return progress if progress.process > 1 and is_occupied(folder) else None

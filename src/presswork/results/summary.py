@@ -11,15 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from presswork.results.whole_file import replace_whole
+from presswork.results.whole_file import write_whole
 
 
 def write_summary(path: Path | str, summary: Mapping[str, Any]) -> None:
     """Replace the summary. Numpy numbers and arrays become numbers and lists, NaN and infinity null, paths text."""
     path = Path(path)
     content = (json.dumps(_strict(summary), indent=2, allow_nan=False, ensure_ascii=False) + "\n").encode()
-    with replace_whole(path, needed_bytes=len(content)) as temporary:
-        temporary.write_bytes(content)
+    write_whole(path, content)
 
 
 def _strict(value: Any) -> Any:

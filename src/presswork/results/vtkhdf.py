@@ -17,7 +17,6 @@ instant, for ParaView too. Reference: VTK file formats, "VTKHDF File Format" (Ki
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -40,7 +39,7 @@ from presswork.results.vtkhdf_tools import (
     truncate_tool_blocks,
     write_tool_blocks,
 )
-from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
+from presswork.results.whole_file import OutputError, copy_content, replace_whole, write_hdf5
 
 VTK_TYPES = {"tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28, "hex8": 12, "tet4": 10, "tet10": 24}
 """VTK's number of each kind of cell."""
@@ -91,10 +90,10 @@ def append_step(
     added = sum(values.nbytes for fields in data.values() for values in fields.values()) + _OVERHEAD_BYTES
     added += mesh.points.nbytes * 2 + n_cells * 100
     old = 0 if is_new else path.stat().st_size
-    with replace_whole(path, needed_bytes=old + added) as temporary:
+    with replace_whole(path, needed_bytes=old + added) as new:
         if not is_new:
-            shutil.copyfile(path, temporary)
-        with write_hdf5(temporary, "w" if is_new else "r+") as file:
+            copy_content(path, new)
+        with write_hdf5(new, "w" if is_new else "r+") as file:
             if is_new:
                 _write_frame(file, info or {})
                 _write_tools(file, tools or {}, tool_centre or {}, surfaces or {})
@@ -129,9 +128,9 @@ def truncate_steps(path: Path | str, n: int) -> None:
     if n == 0:
         path.unlink()
         return
-    with replace_whole(path, needed_bytes=path.stat().st_size) as temporary:
-        shutil.copyfile(path, temporary)
-        with write_hdf5(temporary, "r+") as file:
+    with replace_whole(path, needed_bytes=path.stat().st_size) as new:
+        copy_content(path, new)
+        with write_hdf5(new, "r+") as file:
             try:
                 _truncate(file, n)
             except (KeyError, ValueError, TypeError, RuntimeError) as error:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Replace files so that what is on disk is always whole.
+"""Replace files so that what is on disk is always whole, and nothing is written where a link leads.
 
-A file is written beside the one it replaces (NAME.tmp), forced to disk, and then takes its name in one rename. A
-process killed at any instant leaves the former file as it was and at most a stale NAME.tmp.
+A file is written beside the one it replaces, under a name that nobody can guess (NAME.1a2b3c4d.tmp), forced to disk,
+and then takes its name in one rename. A process killed at any instant leaves the former file as it was and at most a
+stale temporary. A link in the place of a file is replaced; what it leads to stays as it is.
 """
 
 from __future__ import annotations
@@ -10,15 +11,19 @@ from __future__ import annotations
 import errno
 import io
 import os
+import secrets
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
     import h5py
 
 CHECKPOINT, HISTORY = "checkpoint.h5", "history.csv"
+_COPIED_AT_A_TIME = 1 << 22
+"""Bytes."""
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
@@ -27,18 +32,22 @@ class OutputError(Exception):
 
 
 @contextmanager
-def replace_whole(path: Path, *, needed_bytes: int) -> Iterator[Path]:
-    """Provide a temporary path to write to, and replace `path` by that file when the block ends.
+def replace_whole(path: Path, *, needed_bytes: int, is_durable: bool = True) -> Iterator[io.BufferedRandom]:
+    """Provide a new file to write to, and put it in the place of `path` when the block ends.
 
-    `needed_bytes` is what the new file takes, for the message when the disk is full. If the block fails, `path` stays
-    as it was. Raises OutputError in place of OSError.
+    `needed_bytes` is what the new file takes, for the message when the disk is full. is_durable: wait until it is on
+    the disk. If the block fails, `path` stays as it was. Raises OutputError in place of OSError.
     """
-    temporary = path.with_name(path.name + ".tmp")
+    temporary = path.with_name(f"{path.name}.{secrets.token_hex(4)}.tmp")
     try:
-        yield temporary
-        _force_to_disk(temporary)
+        with create_file(temporary) as file:
+            yield file
+            file.flush()
+            if is_durable:
+                os.fsync(file.fileno())
         os.replace(temporary, path)
-        _force_to_disk(path.parent)
+        if is_durable:
+            _force_to_disk(path.parent)
     except OSError as error:
         _remove(temporary)
         raise explain_write_error(error, path, needed_bytes) from error
@@ -49,8 +58,30 @@ def replace_whole(path: Path, *, needed_bytes: int) -> Iterator[Path]:
 
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file as a whole or not at all. Raises OutputError."""
-    with replace_whole(path, needed_bytes=len(content)) as temporary:
-        temporary.write_bytes(content)
+    with replace_whole(path, needed_bytes=len(content)) as file:
+        file.write(content)
+
+
+def create_file(path: Path) -> io.BufferedRandom:
+    """Create a file and open it. Raises OSError where there is one, or a link."""
+    handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
+    return os.fdopen(handle, "w+b")
+
+
+def copy_content(path: Path, file: io.BufferedRandom) -> None:
+    """Write what a file holds to another. Raises OSError."""
+    with open(path, "rb") as source:
+        shutil.copyfileobj(source, file, _COPIED_AT_A_TIME)
+
+
+def open_to_append(path: Path) -> int:
+    """Open a file that is there, not one that a link leads to, and return its handle. Raises OSError."""
+    return os.open(path, os.O_WRONLY | os.O_APPEND | os.O_NOFOLLOW | os.O_CLOEXEC)
+
+
+def list_temporaries(folder: Path, name: str) -> Iterator[Path]:
+    """Return what killed writers of a file have left."""
+    return folder.glob(f"{name}.{'[0-9a-f]' * 8}.tmp")
 
 
 def _remove(path: Path) -> None:
@@ -77,29 +108,30 @@ def _how_to_go_on(folder: Path) -> str:
 
 
 @contextmanager
-def write_hdf5(path: Path, mode: str) -> Iterator[h5py.File]:
-    """Open an HDF5 file for writing ("w" new, "r+" existing); raise OSError if any write failed.
+def write_hdf5(file: io.BufferedRandom, mode: str) -> Iterator[h5py.File]:
+    """Open a file as HDF5 for writing ("w" new, "r+" what it holds); raise OSError if any write failed.
 
     The HDF5 library does not survive a failed write (it can crash the process as it closes the file), so it is shown a
     file whose writes always succeed, and the failure is raised once the library has closed it.
     """
     import h5py
 
-    with _ForgivingFile(path, "w+" if mode == "w" else "r+") as raw:
-        try:
-            with h5py.File(raw, mode) as file:
-                yield file
-        except Exception:
-            raw.raise_failure()
-            raise
+    file.flush()
+    raw = _ForgivingFile(file.raw)
+    try:
+        with h5py.File(raw, mode) as opened:
+            yield opened
+    except Exception:
         raw.raise_failure()
+        raise
+    raw.raise_failure()
 
 
 class _ForgivingFile(io.RawIOBase):
     """A binary file that keeps the first error of a write to itself and then pretends that all is well."""
 
-    def __init__(self, path: Path, mode: str) -> None:
-        self._file = io.FileIO(path, mode)
+    def __init__(self, file: io.RawIOBase) -> None:
+        self._file = cast(io.FileIO, file)
         self._failure: OSError | None = None
 
     def raise_failure(self) -> None:
@@ -153,11 +185,6 @@ class _ForgivingFile(io.RawIOBase):
 
     def flush(self) -> None:
         """Do nothing: there is no buffer."""
-
-    def close(self) -> None:
-        """Close the file below."""
-        self._file.close()
-        super().close()
 
     def readable(self) -> bool:
         """Return True."""

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import json
+import os
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -25,7 +25,7 @@ from presswork.report import assemble_page
 from presswork.report.pack import Blocks
 from presswork.report.run_data import pack_run
 from presswork.results import Result
-from presswork.results.whole_file import replace_whole
+from presswork.results.whole_file import write_whole
 from presswork.server.opened_folder import OpenedFolder, RefusedError
 from presswork.server.toml_text import rewrite
 
@@ -41,10 +41,10 @@ _UPLOADS = ("stl", "step", "stp", "dxf", "csv", "txt", "inp", "msh", "unv", "vtk
 class Drafts:
     """The cases of an opened folder that are edited."""
 
-    def __init__(self, opened: OpenedFolder) -> None:
+    def __init__(self, opened: OpenedFolder, scratch: Path) -> None:
+        """scratch: a folder for drawings."""
         self._opened = opened
-        self._place = tempfile.TemporaryDirectory(prefix="presswork-")
-        self.folder = Path(self._place.name)
+        self.folder = scratch
         self._drawn = 0
         self._process: subprocess.Popen[str] | None = None
         self._lock = threading.Lock()
@@ -67,19 +67,19 @@ class Drafts:
     def create(self, starter: str, name: str) -> str:
         """Copy a starter or an example, with its files, into the folder under a name; return the case's name."""
         path = self._new_file(f"{name}.toml")
-        if path.exists():
+        if os.path.lexists(path):
             raise RefusedError(f"{path.name} is there already; choose another name", 409)
         own = [entry.name for entry in _STARTERS.iterdir()]
         if f"{starter}.toml" in own:
-            path.write_bytes((_STARTERS / f"{starter}.toml").read_bytes())
+            write_whole(path, (_STARTERS / f"{starter}.toml").read_bytes())
             return self._opened.name(path)
         try:
-            with tempfile.TemporaryDirectory() as place:
+            with tempfile.TemporaryDirectory(dir=self.folder) as place:
                 copied = copy_example(starter, place)
                 for file in Path(place).iterdir():
                     target = path if file == copied else self._new_file(file.name)
-                    if not target.exists():
-                        shutil.copyfile(file, target)
+                    if not os.path.lexists(target):
+                        write_whole(target, file.read_bytes())
         except CaseError as error:
             raise RefusedError(str(error), 404) from error
         return self._opened.name(path)
@@ -91,7 +91,7 @@ class Drafts:
                 "a name has letters, digits, blanks, points and hyphens, and begins with a letter or digit"
             )
         path = self._opened.find(f"{folder}/{name}" if folder else name)
-        if path.is_dir() or not path.parent.is_dir():
+        if (path.exists() and not path.is_file()) or not path.parent.is_dir():
             raise RefusedError(f"{name} cannot be a file here")
         return path
 
@@ -118,8 +118,7 @@ class Drafts:
         if path.is_file() and path.read_text(encoding="utf-8") != before:
             raise RefusedError(f"{name} was changed elsewhere meanwhile; copy your text, and open it anew", 409)
         content = text.encode()
-        with replace_whole(path, needed_bytes=len(content)) as temporary:
-            temporary.write_bytes(content)
+        write_whole(path, content)
 
     def _find_case(self, name: str) -> Path:
         path = self._opened.find(name)
@@ -137,8 +136,7 @@ class Drafts:
         _require_content(ending, content)
         if path.exists() and path.read_bytes() != content:
             raise RefusedError(f"another {name} lies there already; rename yours", 409)
-        with replace_whole(path, needed_bytes=len(content)) as temporary:
-            temporary.write_bytes(content)
+        write_whole(path, content)
         return path.name
 
     # --- check and draw ----------------------------------------------------------------------------------------------
@@ -159,9 +157,10 @@ class Drafts:
         with self._lock:
             case = self.folder / "draft.toml"
             try:
-                case.write_text(write_as_run(data, path.parent), encoding="utf-8")
+                draft = write_as_run(data, path.parent)
             except (AttributeError, KeyError, TypeError, ValueError):  # tables where none belong: the schema says so
-                case.write_text(text, encoding="utf-8")
+                draft = text
+            write_whole(case, draft.encode())
             answer = self._ask({"case": str(case), "folder": str(self.folder)})
             if answer.pop("is_drawn", False):
                 self._drawn += 1
@@ -180,7 +179,7 @@ class Drafts:
     def _ask(self, request: dict[str, str]) -> dict[str, Any]:
         """Return the answer of the checking process; one that takes too long is ended."""
         if self._process is None or self._process.poll() is not None:
-            command = [sys.executable, "-m", "presswork.server.drawing", str(self._opened.root), str(self.folder)]
+            command = [sys.executable, "-P", "-m", "presswork.server.drawing", str(self._opened.root), str(self.folder)]
             pipe = subprocess.PIPE
             self._process = subprocess.Popen(
                 command, stdin=pipe, stdout=pipe, stderr=subprocess.DEVNULL, text=True, start_new_session=True
@@ -205,11 +204,10 @@ class Drafts:
         return {"problems": [{"key": "", "text": text}]}
 
     def close(self) -> None:
-        """End the checking process and remove the drawings."""
+        """End the checking process."""
         if self._process is not None:
             self._process.kill()
             self._process.wait()
-        self._place.cleanup()
 
 
 def _parse(text: str) -> dict[str, Any]:

@@ -39,10 +39,10 @@ def check(case_file: Path, folder: Path) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Answer requests {case, folder} until the input ends; confined to the folders that the arguments name."""
+    """Answer requests {case, folder} until the input ends; confined to the opened folder and that of drawings."""
     from presswork.process import implicit_recording  # noqa: F401  what the first check would wait for
 
-    confine(*map(Path, sys.argv[1:]))
+    confine(Path(sys.argv[1]), Path(sys.argv[2]))
     for line in sys.stdin:
         request = json.loads(line)
         try:

@@ -17,10 +17,16 @@ from presswork.results.folder import CASE, CHECKPOINT, RESULTS
 from presswork.results.progress import RunProgress, read_progress
 from presswork.server.opened_folder import RefusedError
 
-_PROGRAM = """import sys, pathlib, presswork.server.confined as confined
-confined.confine(pathlib.Path(sys.argv.pop(1)))
+_PROGRAM = """import sys, pathlib
+from presswork.server.confined import confine
+from presswork.server.scratch import Scratch
+scratch = Scratch()
+confine(pathlib.Path(sys.argv.pop(1)), scratch.folder)
 from presswork.cli import main
-main()"""
+try:
+    main()
+finally:
+    scratch.close()"""
 """The command line, confined to the folder that is the first argument."""
 
 
@@ -39,8 +45,9 @@ class _Job:
 class Jobs:
     """The runs at work in the opened folder."""
 
-    def __init__(self, root: Path) -> None:
-        self._root = root
+    def __init__(self, root: Path, scratch: Path) -> None:
+        """scratch: a folder for what runs say."""
+        self._root, self._scratch = root, scratch
         self._begun: dict[Path, _Job] = {}
         self._held: dict[Path, int] = {}
         self._lock = threading.Lock()
@@ -51,15 +58,9 @@ class Jobs:
             job = self._begun.get(folder)
             if read_progress(folder) or (job and job.process.poll() is None):
                 raise RefusedError("this run is at work already", 409)
-            errors = tempfile.TemporaryFile()  # noqa: SIM115
+            errors = tempfile.TemporaryFile(dir=self._scratch)  # noqa: SIM115
             arguments = ["run", str(case), "--output", str(folder), "--quiet", *options]
-            command = [
-                sys.executable,
-                "-c",
-                _PROGRAM,
-                str(self._root),
-                *arguments,
-            ]
+            command = [sys.executable, "-P", "-c", _PROGRAM, str(self._root), *arguments]
             process = subprocess.Popen(
                 command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=errors, start_new_session=True
             )

@@ -11,6 +11,7 @@ from typing import Any
 import h5py
 
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, RESULTS, SUMMARY
+from presswork.text_file import UnreadableError, read_text
 
 MOST_DEEP = 5
 """Folders in each other that are searched for runs."""
@@ -63,7 +64,9 @@ class OpenedFolder:
     def find_run(self, name: str) -> Path:
         """Return the folder of a run whose files are all its own. Raises RefusedError."""
         folder = self.find(name)
-        path, *_ = [self.find(f"{name}/{file}") for file in (RESULTS, SUMMARY, HISTORY, CASE, CHECKPOINT)]
+        path, *others = [self.find(f"{name}/{file}") for file in (RESULTS, SUMMARY, HISTORY, CASE, CHECKPOINT)]
+        if odd := next((other for other in others if other.exists() and not other.is_file()), None):
+            raise RefusedError(f"{self.name(odd)} is no file", 403)
         if not path.is_file():
             raise RefusedError(f"{name} holds no results yet", 404)
         changed = path.stat().st_mtime_ns
@@ -115,8 +118,8 @@ def require_plain(path: Path) -> None:
 def read_case_data(path: Path) -> dict[str, Any]:
     """Return the data of a case file. Raises RefusedError."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
+        return tomllib.loads(read_text(path))
+    except (OSError, UnreadableError, ValueError, RecursionError) as error:
         raise RefusedError(f"{path.name} cannot be read: {error}") from error
 
 

@@ -12,6 +12,7 @@ from typing import Any
 from presswork.results.folder import CASE, RESULTS, SUMMARY
 from presswork.server.jobs import Jobs
 from presswork.server.opened_folder import OpenedFolder, RefusedError, read_case_data
+from presswork.text_file import UnreadableError, read_text
 
 _TABLE = "table.csv"
 _PICTURES = ("mesh_formability", "mesh_", "shell_", "section", "force")
@@ -58,7 +59,7 @@ class RunList:
 
     def read_summary(self, folder: Path) -> dict[str, Any]:
         """Return a run's summary; empty without one, or if it is damaged."""
-        return self._read(folder / SUMMARY, lambda path: json.loads(path.read_text(encoding="utf-8")))
+        return self._read(folder / SUMMARY, lambda path: json.loads(read_text(path)))
 
     def _describe_case(self, path: Path) -> dict[str, Any]:
         data = self._read(path, read_case_data)
@@ -74,7 +75,7 @@ class RunList:
                 return self._known[path][1]
             self._opened.find(str(path))
             found = read(path) if stat.st_size < _MOST_BYTES else {}
-        except (OSError, ValueError, RecursionError, RefusedError):
+        except (OSError, UnreadableError, ValueError, RecursionError, RefusedError):
             found = {}
             stat = None
         found = found if isinstance(found, dict) else {}
@@ -85,7 +86,7 @@ class RunList:
     def find_picture(self, folder: Path) -> Path | None:
         """Return the picture that tells most of a run."""
         pictures = sorted((folder / "plots").glob("*.png"), reverse=True)
-        pictures = [path for path in pictures if not path.is_symlink() and not path.parent.is_symlink()]
+        pictures = [path for path in pictures if path.is_file() and not (path.is_symlink() or path.parent.is_symlink())]
         for start in _PICTURES:
             found = next((path for path in pictures if path.name.startswith(start)), None)
             if found:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from datetime import UTC, datetime
 from importlib.resources import files
@@ -19,6 +20,7 @@ from presswork.server.jobs import Jobs
 from presswork.server.material_curves import describe_material
 from presswork.server.opened_folder import OpenedFolder, RefusedError, read_case_data, require_no_code
 from presswork.server.run_list import RunList
+from presswork.server.scratch import Scratch
 
 _PAGE = files("presswork.server") / "page"
 _KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css"}
@@ -31,9 +33,10 @@ class Site:
 
     def __init__(self, root: Path) -> None:
         self.opened = OpenedFolder(root)
-        self.jobs = Jobs(self.opened.root)
+        self.scratch = Scratch()
+        self.jobs = Jobs(self.opened.root, self.scratch.folder)
         self.list = RunList(self.opened, self.jobs)
-        self.drafts = Drafts(self.opened)
+        self.drafts = Drafts(self.opened, self.scratch.folder)
         self._runs: dict[str, ServedRun] = {}
         get: dict[str, Callable[[Request], Response]] = {
             "": lambda _: self._page("list.html"),
@@ -167,7 +170,8 @@ class Site:
         self.opened.require_own_files(data, case.parent)
         names = [case.with_suffix(""), *(case.with_name(f"{case.stem}_{i}") for i in range(2, 10_000))]
         used = (RESULTS, CHECKPOINT)
-        folder = next(path for path in names if not path.is_file() and not any((path / file).exists() for file in used))
+        free = (path for path in names if not (path.is_file() or path.is_symlink()))
+        folder = next(path for path in free if not any(os.path.lexists(path / file) for file in used))
         self.jobs.begin(case, folder)
         return answer_json({"run": self.opened.name(folder)})
 
@@ -175,3 +179,4 @@ class Site:
         """Stop the runs begun here, at their checkpoints, and remove drawings."""
         self.jobs.close()
         self.drafts.close()
+        self.scratch.close()

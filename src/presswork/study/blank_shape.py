@@ -7,7 +7,6 @@ best blank is left as blank.csv, blank.dxf and blank.toml.
 
 from __future__ import annotations
 
-import shutil
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -28,6 +27,8 @@ from presswork.model import FloatArray, Model
 from presswork.post import FlangeFit, fit_flange
 from presswork.recorder import Progress
 from presswork.results import OutputError, Result, open_output_folder, write_outline
+from presswork.results.folder import delete_folder
+from presswork.results.whole_file import write_whole
 from presswork.study.cluster.connection import Cluster
 from presswork.study.one_member import compute_member, open_search_folder
 from presswork.study.open_runner import open_runner
@@ -170,7 +171,7 @@ class _Search:
         present = open_search_folder(folder, "draw_*", resume, overwrite)
         self.folder = open_output_folder(folder)
         for path in present if overwrite else ():
-            shutil.rmtree(path)
+            delete_folder(path)
 
     def run(
         self,
@@ -235,7 +236,7 @@ class _Search:
         if is_outlined:
             kept = {key: value for key, value in self.data["blank"].items() if key in _KEPT}
             data["blank"] = {"shape": "outline", "path": points, "element_size": self.element_size, **kept}
-        path.write_text(tomli_w.dumps(data), encoding="utf-8")
+        write_whole(path, tomli_w.dumps(data).encode())
         return path
 
     def row(self, draw: Draw) -> dict[str, Any]:

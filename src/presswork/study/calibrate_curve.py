@@ -16,6 +16,7 @@ from presswork.case.gradients import find_number
 from presswork.case.table_file import read_table_lines
 from presswork.model import FloatArray
 from presswork.results import Result, write_summary
+from presswork.results.folder import find_members
 from presswork.results.history import name_derivative
 from presswork.study.vary import format_override
 
@@ -69,6 +70,7 @@ def calibrate_curve(
         raise CaseError([Problem("", text, "give more points, or fewer keys")], measured)
     scale, numbers, cost, damping = float(np.abs(points[:, 1]).max()), best, np.inf, 1e-6
     folder.mkdir(exist_ok=True)
+    find_members(folder, "run_*")
     count = 0
     while count < most_runs:
         count += 1

@@ -8,7 +8,6 @@ table.csv and deviation.png tell how it went; the best tools are left as TOOL.st
 
 from __future__ import annotations
 
-import shutil
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -30,6 +29,7 @@ from presswork.post.released_part import Misfit, ReleasedPart, read_released
 from presswork.post.springback import find_formed_step
 from presswork.recorder import Progress
 from presswork.results import Result, open_output_folder
+from presswork.results.folder import delete_folder, find_members
 from presswork.results.whole_file import write_whole
 from presswork.study.anderson import Anderson
 from presswork.study.compensated_tools import (
@@ -168,9 +168,10 @@ class _Search:
     def open_folder(self, folder: Path, resume: bool, overwrite: bool) -> None:
         """Create the folder, or see that it may be used."""
         present = open_search_folder(folder, "loop_*", resume, overwrite)
+        find_members(folder, "tools_*")
         self.folder = open_output_folder(folder)
         for path in present if overwrite else ():
-            shutil.rmtree(path)
+            delete_folder(path)
 
     def run(
         self,
@@ -282,7 +283,7 @@ class _Search:
         paths = {tool.name: f"{folder.name}/{tool.name}.stl" for tool in tools}
         data, lower = place_tools(self.case, self.data, tools, self.drawn, paths)
         path = self.folder / f"case_{number:02d}.toml"
-        path.write_text(tomli_w.dumps(data), encoding="utf-8")
+        write_whole(path, tomli_w.dumps(data).encode())
         return StampingCase.from_toml(path), lower
 
     def row(self, loop: Loop) -> dict[str, Any]:
@@ -314,9 +315,9 @@ class _Search:
         text = (self.folder / f"case_{best.number:02d}.toml").read_text(encoding="utf-8")
         data = tomllib.loads(text)
         for name, tool in data["tools"].items():
-            shutil.copyfile(self.folder / tool["path"], self.folder / f"{name}.stl")
+            write_whole(self.folder / f"{name}.stl", (self.folder / tool["path"]).read_bytes())
             tool["path"] = f"{name}.stl"
-        (self.folder / CASE).write_text(tomli_w.dumps(data), encoding="utf-8")
+        write_whole(self.folder / CASE, tomli_w.dumps(data).encode())
 
 
 def _rms(loop: Loop, share: FloatArray) -> float:

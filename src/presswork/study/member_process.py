@@ -51,7 +51,7 @@ class MemberProcess:
         self._work = work
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 (`follow` closes it)
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "presswork.study.member"],
+            [sys.executable, "-P", "-m", "presswork.study.member"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,

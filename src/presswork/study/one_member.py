@@ -9,7 +9,7 @@ from pathlib import Path
 from presswork.model import Model
 from presswork.recorder import Progress, fingerprint
 from presswork.results import OutputError, load_checkpoint
-from presswork.results.folder import CHECKPOINT
+from presswork.results.folder import CHECKPOINT, find_members
 from presswork.study.member_process import Ending, Mode
 from presswork.study.runner import Ended, Moved, Runner, Task
 from presswork.study.table import read_summary
@@ -49,7 +49,7 @@ def open_search_folder(folder: Path, pattern: str, resume: bool, overwrite: bool
     """
     if resume and overwrite:
         raise OutputError("--overwrite and --resume exclude each other: the first deletes what the second continues")
-    present = sorted(folder.glob(pattern))
+    present = find_members(folder, pattern)
     if resume and not present:
         raise OutputError(f"there is no search in {folder} to resume; run without --resume to start anew")
     if present and not (resume or overwrite):

@@ -6,7 +6,6 @@ Each member has a process of its own, so that one that gives up, or dies, leaves
 
 from __future__ import annotations
 
-import shutil
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from typing import Any, Literal
 from presswork.case import CaseError
 from presswork.case.errors import Problem
 from presswork.results import OutputError, Result, load_checkpoint, open_output_folder
-from presswork.results.folder import CASE, CHECKPOINT, RESULTS
+from presswork.results.folder import CASE, CHECKPOINT, RESULTS, delete_folder, find_members
 from presswork.study.cluster.connection import Cluster
 from presswork.study.measures import Column, measure_run, parse_column
 from presswork.study.measures_at_hand import check_columns
@@ -147,7 +146,7 @@ def _open_folder(folder: Path, members: Sequence[Member], resume: bool, overwrit
     """Create the sweep's folder, or see that it may be used; with `overwrite` surplus members are deleted."""
     if resume and overwrite:
         raise OutputError("--overwrite and --resume exclude each other: the first deletes what the second continues")
-    present = sorted(path for path in folder.glob("member_*") if (path / CASE).is_file())
+    present = [path for path in find_members(folder, "member_*") if (path / CASE).is_file()]
     if resume and not folder.is_dir():
         raise OutputError(f"there is no {folder} to resume; run without --resume to start anew")
     if present and not (resume or overwrite):
@@ -159,7 +158,7 @@ def _open_folder(folder: Path, members: Sequence[Member], resume: bool, overwrit
     wanted = {member.folder_name for member in members if member.case is not None}
     for path in present if overwrite else ():
         if path.name not in wanted:
-            shutil.rmtree(path)
+            delete_folder(path)
     return folder
 
 

@@ -14,14 +14,15 @@ import numpy as np
 
 from presswork.results import OutputError
 from presswork.results.folder import SUMMARY
-from presswork.results.whole_file import replace_whole
+from presswork.results.whole_file import replace_whole, write_whole
+from presswork.text_file import UnreadableError, read_text
 
 
 def read_summary(folder: Path) -> dict[str, Any]:
     """Return a run's summary; empty if there is none, or a damaged one."""
     try:
-        summary: dict[str, Any] = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        summary: dict[str, Any] = json.loads(read_text(folder / SUMMARY))
+    except (OSError, UnreadableError, ValueError):
         return {}
     return summary
 
@@ -34,8 +35,7 @@ def write_table(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     writer.writerow(columns)
     writer.writerows([_format(row.get(name)) for name in columns] for row in rows)
     content = text.getvalue().encode()
-    with replace_whole(path, needed_bytes=len(content)) as temporary:
-        temporary.write_bytes(content)
+    write_whole(path, content)
 
 
 def write_parquet(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
@@ -48,8 +48,8 @@ def write_parquet(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
 
     arrays = {name: pyarrow.array(_column([row.get(name) for row in rows])) for name in _columns(rows)}
     table = pyarrow.table(arrays)
-    with replace_whole(path, needed_bytes=table.nbytes + 65536) as temporary:
-        parquet.write_table(table, temporary)
+    with replace_whole(path, needed_bytes=table.nbytes + 65536) as file:
+        parquet.write_table(table, file)
 
 
 def require_pyarrow() -> Any:

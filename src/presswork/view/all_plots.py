@@ -16,6 +16,7 @@ from presswork.post.draw_in import write_draw_in
 from presswork.post.section import write_section
 from presswork.post.springback import find_formed_step
 from presswork.results import Result, ResultError
+from presswork.results.folder import PLOTS, refuse_link
 from presswork.view.blank_plot import plot_blank
 from presswork.view.crack_mark import find_judged_damage
 from presswork.view.die_plot import plot_dies, plot_parts
@@ -101,8 +102,10 @@ def plot_all(
     require_matplotlib()
     from matplotlib import rc_context
 
+    if out_dir is None:
+        refuse_link(result.folder / PLOTS)
     with result.kept_open(), rc_context({"axes.titley": 1.0}):  # so that no axes looks for room above their ticks
-        return _plot_all(result, result.folder / "plots" if out_dir is None else Path(out_dir), fields, steps, mirror,
+        return _plot_all(result, result.folder / PLOTS if out_dir is None else Path(out_dir), fields, steps, mirror,
                          sections, flow_lines)  # fmt: skip
 
 

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Iterator, Sequence
+from io import BufferedRandom
 from pathlib import Path
 from typing import cast
 
@@ -12,7 +14,7 @@ from numpy.typing import NDArray
 
 from presswork.model import FloatArray
 from presswork.results import OutputError, Result
-from presswork.results.whole_file import replace_whole
+from presswork.results.whole_file import copy_content, replace_whole
 from presswork.view.all_plots import default_fields
 from presswork.view.mesh_plot import plot_mesh
 from presswork.view.mirror import IMAGES, Mirror
@@ -47,8 +49,8 @@ def animate(
         chosen = list(range(len(result.times))) if steps is None else [step % len(result.times) for step in steps]
         pictures = _draw(result, name, chosen)
         rate = len(chosen) / seconds
-        with replace_whole(path, needed_bytes=_NEEDED_BYTES) as temporary:
-            (_write_gif if path.suffix == ".gif" else _write_mp4)(temporary, pictures, rate)
+        with replace_whole(path, needed_bytes=_NEEDED_BYTES) as file:
+            (_write_gif if path.suffix == ".gif" else _write_mp4)(file, pictures, rate)
     return path
 
 
@@ -88,25 +90,28 @@ def _choose_size(frame: tuple[FloatArray, FloatArray]) -> tuple[float, float]:
     return width + 1.6, float(np.clip(width * size[1] / size[0], 2.0, 8.0)) + 1.3
 
 
-def _write_gif(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
+def _write_gif(file: BufferedRandom, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
     from PIL import Image
 
     images = [Image.fromarray(picture) for picture in pictures]
     palette = images[-1].quantize(255)  # the last one has the most colours, and one palette for all does not flicker
     coded = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     pauses = [round(1000 / rate)] * (len(coded) - 1) + [round(1000 * max(_LAST, 1 / rate))]
-    coded[0].save(path, "gif", save_all=True, append_images=coded[1:], duration=pauses, loop=0)
+    coded[0].save(file, "gif", save_all=True, append_images=coded[1:], duration=pauses, loop=0)
 
 
-def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
+def _write_mp4(file: BufferedRandom, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:
     try:
         from imageio_ffmpeg import write_frames
     except ImportError as error:
         raise OutputError('an MP4 needs imageio-ffmpeg: pip install "presswork[video]"; a GIF does not') from error
     first = next(pictures)
     rows, columns = (2 * (size // 2) for size in first.shape[:2])  # the code of an MP4 takes even numbers alone
-    writer = write_frames(str(path), (columns, rows), fps=rate, macro_block_size=2, output_params=["-f", "mp4"])
-    writer.send(None)
-    for picture in (first, *pictures):
-        writer.send(np.ascontiguousarray(picture[:rows, :columns]))
-    writer.close()
+    with tempfile.TemporaryDirectory() as place:
+        film = Path(place) / "film.mp4"
+        writer = write_frames(str(film), (columns, rows), fps=rate, macro_block_size=2)
+        writer.send(None)
+        for picture in (first, *pictures):
+            writer.send(np.ascontiguousarray(picture[:rows, :columns]))
+        writer.close()
+        copy_content(film, file)

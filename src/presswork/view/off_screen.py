@@ -28,7 +28,7 @@ logger = logging.getLogger(__name__)
 
 _LONGEST = 60.0
 """Seconds that a picture may take."""
-_PROGRAM = (sys.executable, "-m", "presswork.view.off_screen")
+_PROGRAM = (sys.executable, "-P", "-m", "presswork.view.off_screen")
 
 
 @dataclass(frozen=True)

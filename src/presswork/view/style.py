@@ -50,8 +50,8 @@ def save_picture(figure: Figure, path: Path, *, needed_bytes: int = 200_000) -> 
     from matplotlib.image import imsave
 
     picture = _cut_margin(draw_pixels(figure))
-    with replace_whole(path, needed_bytes=needed_bytes) as temporary:
-        imsave(temporary, picture, format="png", dpi=DPI, pil_kwargs={"compress_level": 3})
+    with replace_whole(path, needed_bytes=needed_bytes) as file:
+        imsave(file, picture, format="png", dpi=DPI, pil_kwargs={"compress_level": 3})
     return path
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from presswork.results import OutputError
-from presswork.results.whole_file import replace_whole
+from presswork.results.whole_file import create_file, open_to_append, replace_whole, write_whole
 
 # Writes under a limit on the size of a file, which the kernel enforces as it would a full disk, from one byte up.
 _WRITE_UNDER_LIMITS = """
@@ -56,11 +56,25 @@ print("all whole")
 def test_new_content_takes_the_name_only_when_complete(tmp_path: Path) -> None:
     target = tmp_path / "file"
     target.write_text("former")
-    with replace_whole(target, needed_bytes=3) as temporary:
-        temporary.write_text("new")
+    with replace_whole(target, needed_bytes=3) as file:
+        file.write(b"new")
         assert target.read_text() == "former"
     assert target.read_text() == "new"
     assert os.listdir(tmp_path) == ["file"]
+
+
+def test_nothing_is_written_where_links_lead(tmp_path: Path) -> None:
+    outside = tmp_path / "outside"
+    outside.write_text("precious")
+    for name in ("file", "file.tmp"):
+        (tmp_path / name).symlink_to(outside)
+    write_whole(tmp_path / "file", b"new")
+    assert (tmp_path / "file").read_text() == "new"
+    assert not (tmp_path / "file").is_symlink()
+    for use in (open_to_append, create_file):
+        with pytest.raises(OSError, match=r"File exists|symbolic links"):
+            use(tmp_path / "file.tmp")
+    assert outside.read_text() == "precious"
 
 
 def test_any_failure_leaves_the_former_file_and_no_rest(tmp_path: Path) -> None:
@@ -68,8 +82,8 @@ def test_any_failure_leaves_the_former_file_and_no_rest(tmp_path: Path) -> None:
     target.write_text("former")
 
     def write_half() -> None:
-        with replace_whole(target, needed_bytes=3) as temporary:
-            temporary.write_text("ne")
+        with replace_whole(target, needed_bytes=3) as file:
+            file.write(b"ne")
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -92,8 +106,8 @@ def test_full_disk_is_named_with_bytes_and_a_remedy_that_works(tmp_path: Path, p
 
 
 def test_other_errors_are_told_as_they_are(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match="No such file"), replace_whole(tmp_path / "no" / "file", needed_bytes=1) as t:
-        t.write_text("x")
+    with pytest.raises(OutputError, match="No such file"):
+        write_whole(tmp_path / "no" / "file", b"x")
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="limits are POSIX")

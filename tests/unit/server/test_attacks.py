@@ -6,6 +6,7 @@ from __future__ import annotations
 import http.client
 import json
 import os
+import shutil
 import subprocess
 import sys
 import threading
@@ -309,11 +310,75 @@ def test_code_of_a_case_is_neither_checked_nor_run(server: Server, folder: Path)
         (folder / path).unlink()
 
 
-def test_confined_process_opens_no_file_outside(folder: Path) -> None:
-    program = "import sys, pathlib; from presswork.server.confined import confine; confine(pathlib.Path(sys.argv[1]))\n"
-    program += "open(sys.argv[2])"
-    for path, is_open in ((folder / "upsetting_q4.toml", True), (folder.parent / "secret.txt", False)):
-        found = subprocess.run(
-            [sys.executable, "-c", program, str(folder), str(path)], capture_output=True, check=False
+@pytest.mark.parametrize(
+    "deed",
+    [
+        "open({}/'f')",
+        "os.mkdir({}/'new')",
+        "os.rename({}/'f', {}/'g')",
+        "os.remove({}/'f')",
+        "os.symlink('x', {}/'l')",
+        "os.truncate({}/'f', 0)",
+        "os.remove('f', dir_fd=held)",
+        "open({}/'linked'/'f', 'w')",
+    ],
+)
+def test_confined_process_opens_and_changes_nothing_outside(tmp_path: Path, deed: str) -> None:
+    for name in ("in", "out", "scratch"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "f").write_text(name)
+    (tmp_path / "in" / "linked").symlink_to(tmp_path / "out")
+    (tmp_path / "out" / "linked").symlink_to(tmp_path / "out")
+
+    def look() -> dict[Path, tuple[int, int]]:
+        return {path: (path.lstat().st_size, path.lstat().st_mtime_ns) for path in (tmp_path / "out").rglob("*")}
+
+    before = look()
+    for place in ("in", "out"):
+        program = (
+            "import os, sys, pathlib; from presswork.server.confined import confine; p = pathlib.Path(sys.argv[1])\n"
         )
-        assert (found.returncode == 0) == is_open
+        program += f"held = os.open(p / '{place}', os.O_RDONLY); confine(p / 'in', p / 'scratch')\n"
+        program += deed.replace("{}", f"(p/'{place}')")
+        found = subprocess.run([sys.executable, "-c", program, str(tmp_path)], capture_output=True, check=False)
+        assert (found.returncode == 0) == (place == "in" and "linked" not in deed), found.stderr
+        assert look() == before
+
+
+def test_saving_writes_through_no_link(server: Server, folder: Path) -> None:
+    """Temporaries have names that nobody can guess, and a link in the place of a new file is not followed."""
+    (folder / "mine.toml").write_text("a = 1")
+    for name in ("mine.toml.tmp", "tool.csv.tmp", "new.toml"):
+        (folder / name).symlink_to(folder.parent / f"made_by_{name}")
+    assert send(server, "save?case=mine.toml", text="a = 3", before="a = 1")[0] == 200
+    assert ask(server, "upload?case=mine.toml&name=tool.csv", "POST", body=b"0 0\n")[0] == 200
+    assert ask(server, "create?starter=cylindrical_cup&name=new", "POST")[0] in (403, 409)
+    assert not list(folder.parent.glob("made_by_*"))
+    for name in ("mine.toml", "tool.csv", "mine.toml.tmp", "tool.csv.tmp", "new.toml"):
+        (folder / name).unlink()
+
+
+def test_a_pipe_in_the_place_of_a_file_holds_nobody(server: Server, folder: Path) -> None:
+    made = folder / "piped"
+    (made / "plots").mkdir(parents=True)
+    (made / "results.vtkhdf").write_bytes((folder / "run" / "results.vtkhdf").read_bytes())
+    for name in ("summary.json", "history.csv", "case.toml", "plots/mesh_x.png", "progress.json"):
+        os.mkfifo(made / name)
+    assert ask(server, "runs")[0] == 200
+    for address in ("run?run=piped", "state?run=piped", "picture?run=piped", "draft?case=piped%2Fcase.toml"):
+        assert ask(server, address)[0] in (200, 403, 404), address
+    shutil.rmtree(made)
+
+
+def test_modules_in_the_opened_folder_are_not_run(tmp_path: Path) -> None:
+    """A folder from elsewhere may hold a numpy.py; processes that begin in it import the installed one."""
+    (tmp_path / "numpy.py").write_text("open('taken', 'w')")
+    case = copy_example("upsetting_q4", tmp_path)
+    program = "import sys, pathlib; from presswork.server.site import Site; site = Site(pathlib.Path(sys.argv[1]))\n"
+    program += f"print(site.drafts.check('{case.name}', pathlib.Path('{case.name}').read_text(), None).get('drawn'))\n"
+    program += "site.close()"
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", program, str(tmp_path)], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.stdout.strip() == "1", done.stderr
+    assert not (tmp_path / "taken").exists()

@@ -9,6 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from presswork.results import OutputError
+from presswork.results.whole_file import create_file
 from presswork.study.cluster.on_worker import delete_folder, read_part
 
 if TYPE_CHECKING:
@@ -22,13 +24,15 @@ def bring_back(client: Client, news: Mapping[str, Any], place: Path) -> Path:
     """Fetch the files of an attempt into a folder beside the member's place, and return it.
 
     news: what the worker told at the end. Raises ConnectionError if the worker is gone, OSError if the files cannot be
-    written here.
+    written here, OutputError for names that lead elsewhere.
     """
     folder = place.with_name(f".{place.name}-{news['attempt']}")
-    folder.mkdir(exist_ok=True)
+    if any(Path(name).name != name for name in (folder.name, *(name for name, _ in news["files"]))):
+        raise OutputError(f"worker {news['worker']} names files outside its folder")
+    folder.mkdir()
     worker = news["worker"]
     for name, size in news["files"]:
-        with open(folder / name, "wb") as file:
+        with create_file(folder / name) as file:
             for offset in range(0, size, PART):
                 file.write(_ask(client, worker, read_part, f"{news['folder']}/{name}", offset, PART))
     _ask(client, worker, delete_folder, news["folder"])
@@ -48,6 +52,6 @@ def pack_folder(folder: Path) -> bytes:
     packed = io.BytesIO()
     with tarfile.open(fileobj=packed, mode="w") as archive:
         for path in sorted(folder.iterdir()):
-            if path.is_file():
+            if path.is_file() and not path.is_symlink():
                 archive.add(path, path.name)
     return packed.getvalue()

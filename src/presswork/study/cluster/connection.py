@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from presswork.results import OutputError
+from presswork.results.whole_file import create_file
 from presswork.study.processes import count_cores
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def _find_scheduler(address: str, jobs: int) -> Iterator[str]:
             raise ClusterError(f"no scheduler answers at {address}: {text}")
         yield address
         return
-    command = [sys.executable, "-m", "presswork.study.cluster.local", str(jobs or count_cores())]
+    command = [sys.executable, "-P", "-m", "presswork.study.cluster.local", str(jobs or count_cores())]
     with (
         tempfile.TemporaryFile() as errors,
         subprocess.Popen(
@@ -151,7 +152,8 @@ def check_sight(client: Client, folder: Path) -> None:
     words = uuid.uuid4().hex
     token = folder / f".token-{words}"
     try:
-        token.write_text(words)
+        with create_file(token) as file:
+            file.write(words.encode())
         seen = client.run(holds_token, str(token), words)
     except OSError as error:
         raise OutputError(f"{folder} cannot be used as an output folder: {error.strerror or error}") from error

@@ -19,7 +19,7 @@ from presswork.api import build
 from presswork.case import CaseError, read_case
 from presswork.case.errors import Problem
 from presswork.model import Model, OneStepModel
-from presswork.results.whole_file import replace_whole
+from presswork.results.whole_file import write_whole
 from presswork.study.cluster.connection import Cluster
 from presswork.study.measures import Column
 from presswork.study.measures_at_hand import check_measures
@@ -177,5 +177,4 @@ def _explain_none(runs: Sequence[Run], reason: str) -> str:
 
 def _write(path: Path, text: str) -> None:
     content = text.encode()
-    with replace_whole(path, needed_bytes=len(content)) as temporary:
-        temporary.write_bytes(content)
+    write_whole(path, content)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import shutil
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -18,7 +17,7 @@ from presswork.api import build, identify
 from presswork.case import CaseError, read_case
 from presswork.model import FloatArray
 from presswork.results import OutputError, Result, load_checkpoint, open_output_folder
-from presswork.results.folder import CASE, CHECKPOINT, RESULTS
+from presswork.results.folder import CASE, CHECKPOINT, RESULTS, delete_folder, find_members
 from presswork.study.measures import Column, measure_run
 from presswork.study.member_process import Mode
 from presswork.study.optimum.search import Outcome, SpentError
@@ -236,7 +235,7 @@ def open_study_folder(folder: Path, resume: bool, overwrite: bool) -> Path:
     """Create the study's folder, or see that it may be used. Raises OutputError."""
     if resume and overwrite:
         raise OutputError("--overwrite and --resume exclude each other: the first deletes what the second continues")
-    present = sorted(path for path in folder.glob("run_*") if (path / CASE).is_file())
+    present = [path for path in find_members(folder, "run_*") if (path / CASE).is_file()]
     if resume and not folder.is_dir():
         raise OutputError(f"there is no {folder} to resume; run without --resume to start anew")
     if present and not (resume or overwrite):
@@ -246,7 +245,7 @@ def open_study_folder(folder: Path, resume: bool, overwrite: bool) -> Path:
         )
     open_output_folder(folder)
     for path in present if overwrite else ():
-        shutil.rmtree(path)
+        delete_folder(path)
     return folder
 
 
