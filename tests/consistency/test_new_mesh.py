@@ -25,7 +25,6 @@ from presswork.state import ANEW, RUN, Arrays
 
 REFUSED = {
     "drawbeads": "sheets are refined, not remeshed",
-    "fading_loads": "of shells",
     "former": "of shells",
     "sensitivities": "found anew on each mesh (process/differentiated_remeshing.py)",
     "shells": "of shells",

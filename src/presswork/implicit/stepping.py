@@ -35,7 +35,7 @@ from presswork.interaction.contract import Interaction
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.supports import NotHeldError
 from presswork.model import FloatArray, Model
-from presswork.outcome import BadGuess, Converged, Failed, GaveUpError, IterationLog, Step
+from presswork.outcome import Converged, Failed, GaveUpError, IterationLog, Step
 from presswork.ranks.world import World
 from presswork.state import State
 from presswork.threads import available_threads
@@ -382,15 +382,8 @@ class ImplicitProcedure:
 
     def end_stage(self, state: State, next_stage: int) -> None:
         """Prepare a converged state for the next stage."""
-
-        def internal() -> FloatArray:
-            nothing = np.zeros_like(state.nodes.displacement)
-            force = self.mechanics.evaluate(state, state.duplicate(), nothing, with_stiffness=False)
-            assert not isinstance(force, BadGuess), "a converged state can be evaluated"
-            return force
-
         for interaction in self.interactions.all:
-            interaction.end_stage(state, next_stage, internal)
+            interaction.end_stage(state, next_stage)
 
     def energy_balance(self) -> dict[str, float]:
         """Return what energy.balance says of the converged state [N mm, per cent]."""

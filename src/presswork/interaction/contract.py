@@ -27,7 +27,7 @@ in Arrays that the interaction declares and returns from at_rest(): `state[Inert
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, Self
 
@@ -319,8 +319,8 @@ class Interaction:
     def stop(self, state: State, stage: int, fraction: float) -> None:
         """Let what a stage moves rest where it is: the stage ends at a fraction of its way."""
 
-    def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
-        """Prepare a converged state for the next stage; internal: returns the force of its cells."""
+    def end_stage(self, state: State, next_stage: int) -> None:
+        """Prepare a converged state for the next stage."""
 
     def work(self, state_n: State, trial: State) -> Mapping[str, float]:
         """Return the work done in an increment by the names of energy.balance [N mm]."""

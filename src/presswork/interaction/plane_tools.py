@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Self
 
 import numpy as np
@@ -240,7 +240,7 @@ class PlaneTools(TravellingTools):
         """Let the tools rest where they are at a fraction of a stage's way: later stages count from its end."""
         self._course.stop(state[ToolArrays], stage, fraction)
 
-    def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
+    def end_stage(self, state: State, next_stage: int) -> None:
         """Keep the force on each tool from which a push of the next stage begins."""
         placed = state[ToolArrays]
         placed.force_start = placed.force[:, :2].copy()

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -12,11 +12,12 @@ from presswork import _core
 from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shells import measure_shells
 from presswork.interaction.contract import Forces, Guess, Interaction
-from presswork.interaction.loads import FadingLoads
+from presswork.interaction.loads import LoadArrays, end_stage
 from presswork.interaction.supports import Supports
 from presswork.mesh.directors import Directors
 from presswork.mesh.edges import GAUSS_3, edge_shape_functions
-from presswork.model import FloatArray, IndexArray, IntArray, Model
+from presswork.model import FloatArray, IndexArray, IntArray, Model, ShellPressure
+from presswork.outcome import Step
 from presswork.state import Arrays, State
 
 
@@ -46,8 +47,8 @@ class ShellLoads(Interaction):
         self._dead = [self._dead_loads(s) for s in range(len(model.stages))]
 
     def at_rest(self) -> tuple[Arrays, ...]:
-        """Return no forces left."""
-        return (FadingLoads(np.zeros((len(self._model.mesh.points), 6))),)
+        """Return no loads."""
+        return (LoadArrays.at_rest(self._model),)
 
     def _dead_loads(self, stage: int) -> FloatArray:
         """Return the forces and moments of a whole stage that keep their direction (n_points, 6)."""
@@ -72,14 +73,13 @@ class ShellLoads(Interaction):
         """Return the loads at a guess."""
         return self.at(state_n, guess.increment, guess.step.stage, guess.step.fraction)
 
-    def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
-        """Keep what holds a converged state in balance where the next stage holds nothing: it fades over that stage.
+    def commit(self, state_n: State, trial: State, step: Step) -> None:
+        """Keep how far the stage has gone."""
+        trial[LoadArrays].fraction = step.fraction
 
-        What tools, beads and the sheet itself bear they go on bearing.
-        """
-        force = state.nodes.reaction + state.nodes.external_force
-        force[self._supports.fixed(next_stage)] = 0.0
-        state[FadingLoads].force = force
+    def end_stage(self, state: State, next_stage: int) -> None:
+        """Keep from where the loads of the next stage go on."""
+        end_stage(self._model, self._supports, state, next_stage)
 
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep the loads of a converged state."""
@@ -88,11 +88,14 @@ class ShellLoads(Interaction):
     def at(self, state_n: State, increment: FloatArray, stage: int, fraction: float) -> Forces:
         """Return the loads at a fraction of a stage, `increment` (n_points, 6) after state_n.
 
-        They grow linearly; what was left from the stage before fades linearly.
         A moment does work on the spin of its node: on the rotation vector of the increment it acts through the
         rotation's tangent. What of it lies along the director of a smooth node does nothing.
         """
-        force = fraction * self._dead[stage] + (1.0 - fraction) * state_n[FadingLoads].force
+        loads = state_n[LoadArrays]
+        shares = loads.shares_at(stage, fraction)
+        force = loads.released_at(fraction)
+        for share, dead in zip(shares, self._dead, strict=True):
+            force += share * dead
         is_small = self._model.solver.is_small
         if is_small:
             increment = np.zeros_like(increment)
@@ -104,16 +107,22 @@ class ShellLoads(Interaction):
         points = self._model.mesh.points
         if not is_small:
             points = points + state_n.nodes.displacement[:, :3] + increment[:, :3]
-        for pressure in self._model.stages[stage].shell_pressures:
+        for share, pressure in self._pressures(shares):
             inside = np.zeros(len(points), dtype=bool)
             inside[self._model.mesh.node_sets[pressure.node_set]] = True
             for block, shape in zip(self._model.mesh.blocks, self._shapes, strict=True):
                 cells = block.connectivity[inside[block.connectivity].all(axis=1)]
-                more, stiffness = _press(points, cells, shape, fraction * pressure.value, force)
+                more, stiffness = _press(points, cells, shape, share * pressure.value, force)
                 if not is_small and self._model.solver.pressure_stiffness:
                     pairs.append(more)
                     blocks.append(stiffness)
         return Forces(force, np.concatenate(pairs), np.concatenate(blocks))
+
+    def _pressures(self, shares: FloatArray) -> Iterator[tuple[float, ShellPressure]]:
+        """Yield the pressures of all stages that act, and how much of each (n_stages,)."""
+        for share, stage in zip(shares, self._model.stages, strict=True):
+            if share != 0.0:
+                yield from ((float(share), pressure) for pressure in stage.shell_pressures)
 
     def _on_rotation_vector(
         self, nodes: IndexArray, moment: FloatArray, state_n: State, theta: FloatArray

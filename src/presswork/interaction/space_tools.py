@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
@@ -181,7 +181,7 @@ class SpaceTools(TravellingTools):
         """Let the tools rest where they are at a fraction of a stage's way: later stages count from its end."""
         self._course.stop(state[SpaceToolArrays], stage, fraction)
 
-    def end_stage(self, state: State, next_stage: int, internal: Callable[[], FloatArray]) -> None:
+    def end_stage(self, state: State, next_stage: int) -> None:
         """Keep the force on each tool from which a push of the next stage begins."""
         state[SpaceToolArrays].force_start = self.contact.tool_forces(state)
 

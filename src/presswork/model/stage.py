@@ -170,7 +170,10 @@ class Dwell:
 
 @dataclass(frozen=True)
 class Stage:
-    """A part of the process in which every motion and load grows in proportion to the part that is done."""
+    """A part of the process, in which motions go in proportion to the part that is done.
+
+    Loads go linearly from their value at its beginning to that given, to zero where none is given.
+    """
 
     name: str
     duration: float = 1.0

@@ -30,7 +30,7 @@ from presswork.fields.instant import Instant
 from presswork.implicit.energy import Work
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.loads import FadingLoads
+from presswork.interaction.loads import LoadArrays
 from presswork.law.umat import open_sheet_law
 from presswork.mesh.directors import cell_normals
 from presswork.mesh.thickness_rule import thickness_rule
@@ -158,7 +158,7 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
     _check_fit(sheet, procedure)
     state, mesh, points = procedure.state, procedure.model.mesh, sheet.position
     state.nodes.displacement[:, :3] = points - mesh.points
-    own, fading = state[ShellArrays], state[FadingLoads]
+    own, loads = state[ShellArrays], state[LoadArrays]
     own.director[:] = _normals(procedure, points)
     for i, block in enumerate(sheet.blocks):
         cells, q, k = state.cells.history[i].shape[:3]
@@ -186,8 +186,8 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
     mechanics.complete(trial)
     state.cells.volume = trial.cells.volume
     procedure.initial_volume = procedure.volume()
-    fading.force = np.where(procedure.interactions.supports.fixed(0), 0.0, force)
-    state.nodes.external_force, state.nodes.reaction = fading.force.copy(), force - fading.force
+    loads.released = np.where(procedure.interactions.supports.fixed(0), 0.0, force)
+    state.nodes.external_force, state.nodes.reaction = loads.released.copy(), force - loads.released
     state[Progress].peak_force = float(np.abs(force / mechanics.length).max())
     state[Work].external_work = mechanics.elastic_energy(state)
 

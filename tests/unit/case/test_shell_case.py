@@ -54,7 +54,12 @@ def test_model_holds_what_the_case_says() -> None:
     assert [(p.component, pytest.approx(p.value)) for p in stage.prescribed] == [(2, 3.0), (4, np.pi / 2)]
     assert not model.solver.line_search, "shells iterate with full steps unless told otherwise"
     words = describe(model)
-    for fragment in ("0.8 mm thick, 7 Lobatto points", "turns by 90 degrees about y", "pressure 0.2 MPa", "memory:"):
+    for fragment in (
+        "0.8 mm thick, 7 Lobatto points",
+        "turns by 90 degrees about y",
+        "pressure on all: 0 to 0.2 MPa",
+        "memory:",
+    ):
         assert fragment in words
 
 

@@ -71,7 +71,7 @@ def test_the_model_is_described() -> None:
     text = describe(build_model(SpaceCase(**CASE)))
     assert "6 hex8_fbar (8-node hexahedra, F-bar) of steel" in text
     assert "freedoms: 72" in text
-    assert "pressure 10 MPa on the faces of right" in text
+    assert "pressure on the faces of right: 0 to 10 MPa" in text
 
 
 @pytest.mark.parametrize(

@@ -40,7 +40,7 @@ def test_follower_stiffness_is_the_derivative_of_the_pressure_force(element, ana
     model = model_with(element, analysis, pressure=[{"set": "right", "value": 100.0}])
     rng = np.random.default_rng(1)
     points = model.mesh.points + 0.1 * rng.standard_normal(model.mesh.points.shape)
-    loads = evaluate_loads(model, points, 0, 0.7)
+    loads = evaluate_loads(model, points, [0.7])
     n = points.size
     stiffness = np.zeros((n, n))
     for (a, b), block in zip(loads.pairs, loads.blocks, strict=True):
@@ -48,8 +48,8 @@ def test_follower_stiffness_is_the_derivative_of_the_pressure_force(element, ana
     for j in range(n):
         move = np.zeros(n)
         move[j] = 1e-6
-        ahead = evaluate_loads(model, points + move.reshape(-1, 2), 0, 0.7).force
-        behind = evaluate_loads(model, points - move.reshape(-1, 2), 0, 0.7).force
+        ahead = evaluate_loads(model, points + move.reshape(-1, 2), [0.7]).force
+        behind = evaluate_loads(model, points - move.reshape(-1, 2), [0.7]).force
         derivative = -(ahead - behind).ravel() / 2e-6
         np.testing.assert_allclose(stiffness[:, j], derivative, atol=1e-5 * np.abs(stiffness).max())
 
@@ -57,13 +57,13 @@ def test_follower_stiffness_is_the_derivative_of_the_pressure_force(element, ana
 @pytest.mark.parametrize("element", ["quad4", "quad8_2x2"])
 def test_pressure_adds_up_to_its_resultant(element) -> None:
     model = model_with(element, "axisymmetric", pressure=[{"set": "top", "value": 50.0}])
-    force = evaluate_loads(model, model.mesh.points, 0, 1.0).force
+    force = evaluate_loads(model, model.mesh.points, [1.0]).force
     assert force[:, 1].sum() == pytest.approx(-50.0 * np.pi * (9**2 - 5**2))
 
 
 def test_point_force_is_shared_by_the_set() -> None:
     model = model_with("quad4", "plane_strain", force=[{"set": "top", "value": [30.0, -60.0]}])
-    force = evaluate_loads(model, model.mesh.points, 0, 0.5).force
+    force = evaluate_loads(model, model.mesh.points, [0.5]).force
     np.testing.assert_allclose(force.sum(axis=0), [15.0, -30.0])
 
 

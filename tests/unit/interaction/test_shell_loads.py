@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Loads on shells: totals, the stiffness of a pressure, moments on rotation vectors, what fades from stage to stage."""
+"""Loads on shells: totals, the stiffness of a pressure, moments on rotation vectors, what stages release."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_a_moment_does_the_work_of_a_spin() -> None:
         assert force[node, 3 + i] == pytest.approx(float(moment @ spin), rel=1e-6)
 
 
-def test_what_a_stage_holds_fades_over_the_next() -> None:
+def test_what_a_stage_holds_is_released_over_the_next() -> None:
     """Let go of, the end of a strip comes back with the stage, not at its first increment."""
     bend = Stage("bend", prescribed=(PrescribedDisplacement("right", Z, 0.4),))
     procedure = procedure_of(bend, Stage("release"))

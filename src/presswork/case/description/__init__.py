@@ -11,9 +11,10 @@ import numpy as np
 from presswork import model
 from presswork.case.description.explicit import describe_explicit
 from presswork.case.description.heat import describe_heat, describe_heat_of_forming
+from presswork.case.description.loads import describe_loads
 from presswork.case.description.material import describe_material
 from presswork.case.description.press import describe_drive
-from presswork.case.description.shell import describe_sheet, describe_sheet_loads
+from presswork.case.description.shell import describe_sheet
 from presswork.geometry.crossing import bound_segments
 from presswork.geometry.pose import start_profile
 from presswork.memory import available_memory, estimate_memory
@@ -48,6 +49,7 @@ def describe(problem: model.Model | OneStepModel) -> str:
         lines += [
             f'stage {number} "{stage.name}", {stage.duration:g} s:',
             *(f"  {line}" for line in _describe_stage(stage, problem.dimension)),
+            *(f"  {line}" for line in describe_loads(problem, number - 1)),
         ]
     meshes = [_describe_remeshing(problem.remeshing)] if problem.remeshing is not None else []
     if isinstance(problem.explicit, model.ExplicitSolid):
@@ -200,24 +202,6 @@ def _describe_stage(stage: model.Stage, dimension: int) -> Iterator[str]:
             yield f"{entry.node_set} moves by {entry.value:g} mm along {'xyz'[entry.component]}"
         else:
             yield f"{entry.node_set} turns by {np.degrees(entry.value):g} degrees about {'xyz'[entry.component - 3]}"
-    for force in stage.forces:
-        yield f"{_describe_force(force.force)} on {force.node_set}"
-    yield from describe_sheet_loads(stage)
-    for edge in stage.edge_forces:
-        unit = "MPa" if len(edge.force) == 2 else "N/mm"
-        yield f"force ({', '.join(f'{f:g}' for f in edge.force)}) {unit} along {edge.edge_set}"
-    for pressure in stage.pressures:
-        yield f"pressure {pressure.value:g} MPa on {pressure.edge_set}"
-    for face in stage.face_forces:
-        yield f"force ({', '.join(f'{f:g}' for f in face.force)}) MPa on the faces of {face.face_set}"
-    for face_pressure in stage.face_pressures:
-        yield f"pressure {face_pressure.value:g} MPa on the faces of {face_pressure.face_set}"
-
-
-def _describe_force(components: tuple[float, ...]) -> str:
-    """A force, and a moment if there are six components."""
-    text = f"force ({', '.join(f'{f:g}' for f in components[:3])}) N"
-    return text + (f" and moment ({', '.join(f'{m:g}' for m in components[3:])}) N mm" if any(components[3:]) else "")
 
 
 def _describe_settings(settings: object, default: object) -> str:

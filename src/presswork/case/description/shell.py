@@ -25,11 +25,3 @@ def describe_sheet(problem: model.Model) -> Iterator[str]:
     yield f"nodes: {n}, freedoms: {6 * n} before supports, boundary edges: {len(mesh.boundary_edges)}"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     yield f"edge sets: {', '.join(f'{name} ({len(edges)})' for name, edges in sorted(mesh.edge_sets.items()))}"
-
-
-def describe_sheet_loads(stage: model.Stage) -> Iterator[str]:
-    """Describe the loads that only shells have."""
-    for pressure in stage.shell_pressures:
-        yield f"pressure {pressure.value:g} MPa on {pressure.node_set}"
-    for body in stage.body_forces:
-        yield f"force ({', '.join(f'{f:g}' for f in body.force)}) N/mm3 on the whole sheet"

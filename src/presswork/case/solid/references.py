@@ -81,7 +81,7 @@ def check_references(case: schema.Case) -> list[Problem]:
                     f"tools: {', '.join(case.tools) or 'none'}",
                 )
             )
-        unloads = unloads or _is_loaded(stage)
+        unloads = unloads or _is_loaded(stage) or bool(stage.displacement)
     return problems
 
 
