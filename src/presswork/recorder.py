@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass, fields
+from functools import partial
 from io import TextIOWrapper
 from pathlib import Path
 from time import perf_counter
@@ -39,6 +40,7 @@ from presswork.results import (
     write_summary,
 )
 from presswork.results.folder import CASE, CHECKPOINT, HISTORY, LOG, RESULTS, SUMMARY
+from presswork.results.pause import end_pause, is_paused
 from presswork.results.progress import ProgressFile
 from presswork.results.whole_file import explain_write_error, open_to_append, write_whole
 from presswork.step_writer import StepWriter, append_snapshot
@@ -99,7 +101,7 @@ def run_model(
     if world is not None and world.rank > 0:
         with stop.listen(world.largest):
             return _follow(recording, Path(folder), world, resume=resume)
-    with stop.listen(world.largest if world else None), ExitStack() as stack:
+    with stop.listen(world.largest if world else None, partial(is_paused, Path(folder))), ExitStack() as stack:
         with _leading(world):
             path = open_output_folder(folder, overwrite=overwrite, resume=resume)
             stack.enter_context(occupy(path))
@@ -266,6 +268,7 @@ class _Run:
         with _leading(self.world):
             self._end(status, reason)
         self.progress.remove()
+        end_pause(self.folder)
         timing = self.recording.timing
         self.log.info("%.1f s of wall time: %s", timing.total(), timing.shares())
         for handler in list(self.log.handlers):

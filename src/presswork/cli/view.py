@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
+import signal
 import webbrowser
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -26,24 +27,24 @@ def view(
 
 
 def serve(folder: Path, page: str, port: int, browser: bool) -> None:
-    """Serve a folder, beginning with a page of it, until Ctrl-C."""
+    """Serve a folder, beginning with a page of it, until Ctrl-C, SIGTERM or SIGHUP."""
     from presswork.server.confined import confine
     from presswork.server.http import Server
     from presswork.server.site import Site
 
     if not folder.is_dir():
         raise refuse(f"there is no folder {folder}")
-    site = Site(folder)
-    try:
-        server = Server(site.answer, port)
-    except OSError as error:
-        raise refuse(f"port {port} cannot be used: {error.strerror or error}; choose another by --port") from error
-    with server:
-        typer.echo(f"{server.address}{page}")
-        typer.echo("Ctrl-C ends it; runs that were begun here stop with a checkpoint", err=True)
-        if browser:
-            webbrowser.open(f"{server.address}{page}")
-        confine(site.opened.root, site.scratch.folder)
-        with suppress(KeyboardInterrupt):
+    for number in (signal.SIGTERM, signal.SIGHUP):  # a terminal that is closed ends it as Ctrl-C does
+        signal.signal(number, signal.default_int_handler)
+    with suppress(KeyboardInterrupt), closing(Site(folder)) as site:
+        try:
+            server = Server(site.answer, port)
+        except OSError as error:
+            raise refuse(f"port {port} cannot be used: {error.strerror or error}; choose another by --port") from error
+        with server:
+            typer.echo(f"{server.address}{page}")
+            typer.echo("Ctrl-C ends it; runs that were begun here stop with a checkpoint", err=True)
+            if browser:
+                webbrowser.open(f"{server.address}{page}")
+            confine(site.opened.root, site.scratch.folder)
             server.serve_forever()
-    site.close()

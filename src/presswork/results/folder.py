@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from presswork.results.pause import PAUSE, end_pause, is_paused
 from presswork.results.whole_file import CHECKPOINT as CHECKPOINT
 from presswork.results.whole_file import HISTORY as HISTORY
 from presswork.results.whole_file import OutputError, create_file, explain_write_error, list_temporaries
@@ -61,7 +62,9 @@ def _open(folder: Path, *, overwrite: bool, resume: bool) -> Path:
     for name in () if overwrite else _MADE_BY_A_RUN:
         _require_file(folder / name)
     _check_writable(folder)
-    for name in (*_MADE_BY_A_RUN, CASE, PROGRESS):
+    if not is_paused(folder):
+        end_pause(folder)  # of a server that was killed
+    for name in (*_MADE_BY_A_RUN, CASE, PROGRESS, PAUSE):
         for path in list_temporaries(folder, name):
             _delete(path)
     for name in _MADE_BY_A_RUN if overwrite else ():
@@ -83,13 +86,24 @@ def occupy(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            remedy = "wait until it has ended, or choose another folder by --output"
-            raise OutputError(f"another run is at work in {folder}; {remedy}") from None
+            raise OutputError(f"another run is at work in {folder}; {_find_remedy(folder)}") from None
         except OSError:
             pass  # a file system that knows no locks
         yield
     finally:
         os.close(handle)
+
+
+def _find_remedy(folder: Path) -> str:
+    """Say what to do about the run that is at work in a folder."""
+    from presswork.results.progress import find_stopped
+
+    other = "or choose another folder by --output"
+    if (process := find_stopped(folder)) is not None:
+        return f"its process is stopped: let it go on by `kill -CONT {process}`, {other}"
+    if is_paused(folder):
+        return f"it is paused in the browser: let it go on there, {other}"
+    return f"wait until it has ended, {other}"
 
 
 def is_occupied(folder: Path) -> bool:

@@ -57,10 +57,44 @@ class ProgressFile:
 
 def read_progress(folder: Path) -> RunProgress | None:
     """Return how far the run is that is at work in a folder; None if there is none."""
+    return _read(folder) if is_occupied(folder) else None
+
+
+def find_stopped(folder: Path) -> int | None:
+    """Return the process of the run that is at work in a folder if it is stopped, as by Ctrl-Z, and waits to go on."""
+    progress = _read(folder)
+    return progress.process if progress and is_stopped(progress.process) else None
+
+
+def _read(folder: Path) -> RunProgress | None:
+    """Return what the file says, if the process that it names is there and has the folder open."""
     try:
         found: dict[str, Any] = json.loads(read_text(folder / PROGRESS, most=_LARGEST))
         progress = RunProgress(int(found["process"]), float(found["fraction"]), str(found["text"]))
         os.kill(progress.process, 0)
     except (OSError, UnreadableError, ValueError, TypeError, KeyError, OverflowError):
         return None
-    return progress if progress.process > 1 and is_occupied(folder) else None
+    return progress if progress.process > 1 and _has_open(progress.process, folder) else None
+
+
+def _has_open(process: int, folder: Path) -> bool:
+    """Say whether a process has a folder open, as the run at work there has; the file may name any process."""
+    handles = Path(f"/proc/{process}/fd")
+    try:
+        own = os.stat(folder)
+        for handle in handles.iterdir():
+            with suppress(OSError):  # closed meanwhile
+                if os.path.samestat(os.stat(handle), own):
+                    return True
+    except OSError:
+        return not Path("/proc/self/fd").exists()  # a system that does not say what processes have open
+    return False
+
+
+def is_stopped(process: int) -> bool:
+    """Say whether a process is stopped, as by Ctrl-Z or SIGSTOP, and waits for SIGCONT."""
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except (OSError, IndexError):
+        return False
+    return state in "Tt"

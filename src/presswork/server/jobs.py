@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs in processes of their own: begun here, held, stopped at a checkpoint, let go on; those begun elsewhere, too."""
+"""Runs in processes of their own: begun here, paused, stopped at a checkpoint, resumed; those begun elsewhere, too."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from pathlib import Path
 from typing import IO, Any
 
 from presswork.results.folder import CASE, CHECKPOINT, RESULTS
-from presswork.results.progress import RunProgress, read_progress
+from presswork.results.pause import end_pause, is_paused, pause_run
+from presswork.results.progress import RunProgress, find_stopped, is_stopped, read_progress
 from presswork.server.opened_folder import RefusedError
 
 _PROGRAM = """import sys, pathlib
@@ -49,7 +50,8 @@ class Jobs:
         """scratch: a folder for what runs say."""
         self._root, self._scratch = root, scratch
         self._begun: dict[Path, _Job] = {}
-        self._held: dict[Path, int] = {}
+        self._paused: dict[Path, int] = {}
+        """Handles that keep runs paused."""
         self._lock = threading.Lock()
 
     def begin(self, case: Path, folder: Path, *options: str) -> None:
@@ -67,31 +69,43 @@ class Jobs:
             self._begun[folder] = _Job(process, errors)
 
     def resume(self, folder: Path) -> None:
-        """Let a run go on: one that is held, at once; one that was stopped, from its checkpoint."""
-        if folder in self._held:
-            self._signal(folder, signal.SIGCONT)
-            self._held.pop(folder, None)
+        """Let a run go on: one that is paused, at once; one that was stopped, from its checkpoint."""
+        if read_progress(folder) and (is_paused(folder) or find_stopped(folder)):
+            self._let_go_on(folder)
             return
         if not (folder / CHECKPOINT).is_file():
             raise RefusedError("there is no checkpoint to go on from", 409)
         self.begin(folder / CASE, folder, "--resume")
 
     def pause(self, folder: Path) -> None:
-        """Hold a run; it keeps its memory and goes on at once."""
-        self._held[folder] = self._signal(folder, signal.SIGSTOP)
+        """Pause a run; it keeps its memory and goes on at once, also where this process is killed."""
+        with self._lock:
+            if read_progress(folder) is None:
+                raise RefusedError("no run is at work there", 409)
+            if not is_paused(folder):
+                self._forget(folder)
+                self._paused[folder] = pause_run(folder)
 
     def stop(self, folder: Path) -> None:
         """Stop a run after the increment at work, with a checkpoint, as Ctrl-C does."""
-        self._signal(folder, signal.SIGINT)
-        if self._held.pop(folder, None):
-            self._signal(folder, signal.SIGCONT)
-
-    def _signal(self, folder: Path, number: signal.Signals) -> int:
         progress = read_progress(folder)
         if progress is None:
             raise RefusedError("no run is at work there", 409)
-        os.kill(progress.process, number)
-        return progress.process
+        os.kill(progress.process, signal.SIGINT)
+        self._let_go_on(folder)
+
+    def _let_go_on(self, folder: Path) -> None:
+        """End the pause of a run, whoever made it, and wake one that is stopped."""
+        with self._lock:
+            end_pause(folder)
+            self._forget(folder)
+        if (process := find_stopped(folder)) is not None:
+            os.kill(process, signal.SIGCONT)
+
+    def _forget(self, folder: Path) -> None:
+        """Close the handle that keeps a run paused, if there is one."""
+        if (handle := self._paused.pop(folder, None)) is not None:
+            os.close(handle)
 
     def state(self, folder: Path, summary: dict[str, Any]) -> dict[str, Any]:
         """Return how a run stands: a word, how far it is, what can be done with it."""
@@ -100,7 +114,8 @@ class Jobs:
         text = "" if job is None or is_begun or job.process.returncode == 0 else job.last_words()
         if progress:
             return self._state_at_work(folder, progress)
-        self._held.pop(folder, None)
+        with self._lock:
+            self._forget(folder)
         fraction = float(summary.get("fraction_computed") or (1.0 if summary.get("status") == "completed" else 0.0))
         if is_begun and summary.get("status") != "completed":
             return {"word": "starting", "fraction": fraction, "text": "", "is_running": True, "can": []}
@@ -109,7 +124,7 @@ class Jobs:
         return {"word": word, "fraction": fraction, "text": text, "is_running": is_begun, "can": can}
 
     def _state_at_work(self, folder: Path, progress: RunProgress) -> dict[str, Any]:
-        is_held = self._held.get(folder) == progress.process
+        is_held = is_paused(folder) or is_stopped(progress.process)
         return {
             "word": "paused" if is_held else "running",
             "fraction": progress.fraction,
@@ -119,12 +134,12 @@ class Jobs:
         }
 
     def close(self) -> None:
-        """Stop the runs begun here, at their checkpoints, and wait for them."""
-        for folder, job in self._begun.items():
+        """Stop the runs begun here, at their checkpoints, and wait for them; what is paused goes on."""
+        for job in self._begun.values():
             if job.process.poll() is None:
                 job.process.send_signal(signal.SIGINT)
-                if folder in self._held:
-                    job.process.send_signal(signal.SIGCONT)
+        for folder in list(self._paused):
+            self._let_go_on(folder)
         for job in self._begun.values():
             job.process.wait()
             job.errors.close()
