@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import difflib
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from pkgutil import resolve_name
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import h5py
 import numpy as np
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     import pandas
 
     from presswork.results.dataframe import Rows
+
+T = TypeVar("T")
 
 
 class ResultError(OutputError):
@@ -67,7 +69,8 @@ class Result:
     def __init__(self, folder: Path | str) -> None:
         self.folder = Path(folder)
         self._file: h5py.File | None = None
-        self._kept: dict[str, NDArray[Any]] = {}
+        self._kept: dict[str, Any] = {}
+        self._meshes: dict[int, ResultMesh] = {}
         if not self.folder.is_dir():
             raise ResultError(f"there is no folder {self.folder}")
         if not (self.folder / RESULTS).is_file():
@@ -94,7 +97,7 @@ class Result:
     @property
     def history(self) -> dict[str, NDArray[Any]]:
         """Every column of history.csv, shape (n_increments,)."""
-        return read_history(self.folder / HISTORY)
+        return self.keep(HISTORY, lambda: read_history(self.folder / HISTORY))
 
     @property
     def times(self) -> FloatArray:
@@ -129,10 +132,6 @@ class Result:
         if part not in self._meshes:
             self._meshes[part] = self._read_mesh(part)
         return self._meshes[part]
-
-    @cached_property
-    def _meshes(self) -> dict[int, ResultMesh]:
-        return {}
 
     def _read_mesh(self, part: int) -> ResultMesh:
         with self._open() as file:
@@ -372,14 +371,18 @@ class Result:
                 self._file = None
                 self._kept.clear()
 
+    def keep(self, name: str, find: Callable[[], T]) -> T:
+        """Return what a function finds; while the file is kept open, it is called once for each name."""
+        if self._file is None:
+            return find()
+        if name not in self._kept:
+            self._kept[name] = find()
+        found: T = self._kept[name]
+        return found
+
     def _whole(self, group: h5py.Group, path: str) -> NDArray[Any]:
-        """Return all of a small dataset; while the file is kept open, it is read once."""
-        if path not in self._kept:
-            values = group[path][()]
-            if self._file is None:
-                return np.asarray(values)
-            self._kept[path] = values
-        return self._kept[path]
+        """Return all of a small dataset."""
+        return self.keep(path, lambda: np.asarray(group[path][()]))
 
     @contextmanager
     def _open(self) -> Iterator[h5py.File]:

@@ -17,11 +17,11 @@ from presswork.view.style import (
     begin_at_zero,
     break_at_parts,
     clean_axes,
-    count_operations,
     name_part,
     new_figure,
     require_matplotlib,
 )
+from presswork.view.tool_course import count_operations
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -12,7 +12,8 @@ import numpy as np
 from presswork.model import BoolArray, IntArray
 from presswork.results import Result
 from presswork.view.history_marks import mark_peak
-from presswork.view.style import begin_at_zero, clean_axes, count_operations, new_figure, require_matplotlib
+from presswork.view.style import begin_at_zero, clean_axes, new_figure, require_matplotlib
+from presswork.view.tool_course import count_operations
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.fields.table import describe_field
-from presswork.model import FloatArray, IntArray
+from presswork.model import FloatArray
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import explain_write_error, replace_whole
+from presswork.view.tool_course import find_course
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -134,63 +135,19 @@ class Progress:
 
 def measure_progress(result: Result, step: int) -> Progress | None:
     """Return the stroke and the body's reduction along it; None if no tool moves in the whole run."""
-    tool = find_working_tool(result, step)
+    course = find_course(result)
+    at, tool = step % len(result.times), course.find_working(step)
     if tool is None:
         return None
-    strokes = find_strokes(result, step)
     moved = result.tool_displacement(tool, step) - result.tool_displacement(tool, 0)
-    if strokes is not None:
-        at = step % len(result.times)
+    if course.strokes is not None:
         moved = result.tool_displacement(tool, at) - result.tool_displacement(tool, max(at - 1, 0))
     axis = int(np.argmax(np.abs(moved)))
     extent = float(np.ptp(result.points(step)[:, axis])) / float(np.ptp(result.mesh.points[:, axis]))
-    stroke = float(np.linalg.norm(result.tool_displacement(tool, step))) if strokes is None else abs(strokes[tool])
+    stroke = course.measure_stroke(tool, step)
+    if stroke is None:
+        stroke = float(np.linalg.norm(result.tool_displacement(tool, step)))
     return Progress(tool, stroke, ("width", "height")[axis], 1 - extent)
-
-
-def find_working_tool(result: Result, step: int) -> str | None:
-    """Return the tool that has moved most since the step before, or since the last one since which any has moved.
-
-    At the first step it is the one that moves first. None if no tool moves in the whole run.
-    """
-    place = result.surface_displacement if result.surfaces else result.tool_displacement
-    at = step % len(result.times)
-    names = result.tools_at_work(at) if result.surfaces else list(result.tools)
-    for now in [*range(at, 0, -1), *range(at + 1, len(result.times))]:
-        way = {name: float(np.nan_to_num(np.linalg.norm(place(name, now) - place(name, now - 1)))) for name in names}
-        strokes, before = find_strokes(result, now), find_strokes(result, now - 1)
-        if strokes is not None and before is not None:  # what placing moves does no work
-            anew = find_operation(result, now) != find_operation(result, now - 1)
-            way = {name: abs(strokes[name] - (0.0 if anew else before[name])) for name in names}
-        tool = max(names, key=lambda name: way[name], default=None)
-        if tool is not None and way[tool] > 0:
-            return tool
-    return None
-
-
-def find_strokes(result: Result, step: int) -> dict[str, float] | None:
-    """Return the stroke of each tool since it was placed [mm]; None of a run whose stages place no tools."""
-    if not result.info.get("placing"):
-        return None
-    row = find_history_row(result, step) if step % len(result.times) else {}
-    return {name: float(row.get(f"{name}.stroke", 0.0)) for name in result.surfaces or result.tools}
-
-
-def find_operation(result: Result, step: int) -> int:
-    """Return the number of stages that have placed tools by a saved step."""
-    row = find_history_row(result, step) if step % len(result.times) else {}
-    if not row:
-        return 0
-    times = np.asarray(result.history["time"])
-    return int(count_operations(result)[np.abs(times - result.times[step]).argmin()])
-
-
-def count_operations(result: Result) -> IntArray:
-    """Return the number of stages that have placed tools by each row of the history (n_rows,)."""
-    stages = np.asarray(result.history["stage"])
-    begins = np.append(True, stages[1:] != stages[:-1])
-    placing = str(result.info.get("placing", "")).split("\n")
-    return np.cumsum(begins & np.isin(stages, placing)).astype(np.int32)
 
 
 def find_turning_tool(result: Result) -> str | None:
@@ -216,9 +173,10 @@ def describe_step(result: Result, step: int) -> str:
     """Return what tells a step from others: a roll's angle, stroke and reduction, or the time if no tool moves."""
     if result.is_onestep:
         return "part" if step % len(result.times) else "blank"
-    if result.surfaces and (tool := find_working_tool(result, step)) is not None:
-        strokes = find_strokes(result, step)
-        way = abs(strokes[tool]) if strokes else np.linalg.norm(result.surface_displacement(tool, step))
+    course = find_course(result)
+    if result.surfaces and (tool := course.find_working(step)) is not None:
+        stroked = course.measure_stroke(tool, step)
+        way = np.linalg.norm(result.surface_displacement(tool, step)) if stroked is None else stroked
         stroke = f"{tool} stroke {way:.2f} mm" if way or not result.is_line else _describe_laid(result, step)
         return f"{stroke}, after springback" if is_released(result, step) else stroke
     if (roll := find_turning_tool(result)) is not None:

@@ -17,7 +17,7 @@ from presswork.examples import copy_example
 from presswork.report import write_report
 from presswork.report.case_data import list_defaults
 from presswork.report.choose import choose
-from presswork.results import Result
+from presswork.results import Result, reader
 from tests.unit.report.unpack import unpack
 from tests.unit.results.upset_output import write_upset_output
 
@@ -45,6 +45,32 @@ def test_page_holds_fields_and_places_of_all_steps(tmp_path: Path) -> None:
     np.testing.assert_allclose(unpack(force["values"], blocks), 1e-3 * result.history["die.force"], rtol=1e-6)
     assert force["unit"] == "kN"
     assert run["history"]["curves"] == [["die.stroke", "die.force"]]
+
+
+@pytest.mark.parametrize("placing", ["", "press"])
+def test_a_page_of_four_times_the_steps_reads_the_history_once_and_four_times_the_places(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, placing: str
+) -> None:
+    calls = {"history": 0, "places": 0}
+
+    def count(name: str, call):
+        def counted(*arguments):
+            calls[name] += 1
+            return call(*arguments)
+
+        return counted
+
+    monkeypatch.setattr(reader, "read_history", count("history", reader.read_history))
+    monkeypatch.setattr(Result, "tool_pose", count("places", Result.tool_pose))
+    places = []
+    for steps in (10, 40):
+        calls.update(history=0, places=0)
+        result = Result(write_upset_output(tmp_path / f"of_{steps}", steps=steps))
+        result.__dict__["info"] = {**result.info, "placing": placing}
+        write_report(result)
+        assert calls["history"] == 1
+        places.append(calls["places"])
+    assert places[1] <= 4 * places[0]
 
 
 def test_first_field_is_the_one_that_pictures_show_first(tmp_path: Path) -> None:

@@ -14,7 +14,8 @@ from presswork.cli import app
 from presswork.results import Result
 from presswork.view import overlay_plot
 from presswork.view.shell_plot import DIVERGING_COLOURS, scale_colours
-from presswork.view.style import _describe_load, bare_figure, begin_at_zero, describe_step, find_working_tool
+from presswork.view.style import _describe_load, bare_figure, begin_at_zero, describe_step
+from presswork.view.tool_course import find_course
 from tests.unit.results.upset_output import write_upset_output
 
 pytest.importorskip("matplotlib")
@@ -33,10 +34,13 @@ class TwoStages:
     def tool_displacement(self, tool: str, step: int) -> np.ndarray:
         return np.array([0.0, self._way[tool][step]])
 
+    def keep(self, _: str, find):
+        return find()
+
 
 @pytest.mark.parametrize(("step", "tool"), [(0, "punch"), (1, "punch"), (2, "punch"), (3, "ejector"), (-1, "ejector")])
 def test_a_step_is_named_after_the_tool_that_works_then(step, tool) -> None:
-    assert find_working_tool(TwoStages(), step) == tool  # type: ignore[arg-type]
+    assert find_course(TwoStages()).find_working(step) == tool  # type: ignore[arg-type]
 
 
 def test_a_one_step_result_is_named_after_blank_and_part() -> None:
