@@ -3,7 +3,8 @@
 
 A point is held by a simplex of the mesh's nodes (a triangle; in a hexahedron a tetrahedron) and its shares in them, and
 moves with it. On a new mesh of a deformed body it is looked for where it is then, so that its path does not depend on
-what is carried. Values of cells are those of a linear fit over the cells that touch its simplex, at the point.
+what is carried. Values of cells are those of a linear fit over the cells of its material that touch its simplex, at the
+point, and stay within the range of these cells. A temperature at nodes is interpolated.
 """
 
 from __future__ import annotations
@@ -85,12 +86,12 @@ class MarkedPoints:
         places = self.places(position)
         found = {name: field for name in FOLLOWED if (field := compute_field(name, now)) is not None}
         row: Row = {}
-        for point, place, nodes in zip(self._points, places, self.nodes, strict=True):
+        for point, place, nodes, share in zip(self._points, places, self.nodes, self.share, strict=True):
             row |= {f"{point.name}.{axis}": float(x) for axis, x in zip("xyz", place, strict=False)}
-            cells, weight = _weigh_cells(mesh, position, nodes, place)
-            for name, field in found.items():
-                value = float(weight @ field[cells])
-                row[f"{point.name}.{name}"] = max(value, 0.0) if field[cells].min() >= 0.0 else value
+            cells, weight = weigh_cells(mesh, position, nodes, place)
+            row |= {f"{point.name}.{name}": take_within(field[cells], weight) for name, field in found.items()}
+            if now.temperature is not None:
+                row[f"{point.name}.temperature"] = take_within(now.temperature[nodes], share)
         return row
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
@@ -103,16 +104,33 @@ class MarkedPoints:
             self.nodes, self.share = arrays["points.nodes"].copy(), arrays["points.share"].copy()
 
 
-def _weigh_cells(
+def weigh_cells(
     mesh: Mesh, position: FloatArray, nodes: IndexArray, place: FloatArray
 ) -> tuple[IndexArray, FloatArray]:
-    """Return the cells that touch nodes (k,), and their weights in a linear fit's value at a place (d,)."""
-    cells, middles, first = [], [], 0
+    """Return the cells round a simplex of nodes (k,), and their weights in a linear fit's value at a place (d,).
+
+    They touch the simplex, and have the material of the cell that it belongs to.
+    """
+    cells, middles, materials, home, first = [], [], [], -1, 0
     for block in mesh.blocks:
-        own = np.flatnonzero(np.isin(block.connectivity, nodes).any(axis=1))
+        held = np.isin(block.connectivity, nodes)
+        own = np.flatnonzero(held.any(axis=1))
+        if (held.sum(axis=1) == len(nodes)).any():
+            home = block.material
         cells.append(first + own)
         middles.append(position[block.connectivity[own]].mean(axis=1))
+        materials.append(np.full(len(own), block.material))
         first += len(block.connectivity)
-    away = np.concatenate(middles) - place
+    alike = np.concatenate(materials) == home
+    away = np.concatenate(middles)[alike] - place
     basis = np.column_stack([np.ones(len(away)), away / max(float(np.abs(away).max()), 1e-300)])
-    return np.concatenate(cells), np.asarray(np.linalg.pinv(basis, rcond=1e-6)[0])
+    return np.concatenate(cells)[alike], np.asarray(np.linalg.pinv(basis, rcond=1e-6)[0])
+
+
+def take_within(values: FloatArray, weight: FloatArray) -> float:
+    """Return the weighted sum of values (n,), brought into their range: a linear fit overshoots beside a steep change.
+
+    >>> take_within(np.array([80.0, 60.0]), np.array([1.5, -0.5]))
+    80.0
+    """
+    return float(np.clip(weight @ values, values.min(), values.max()))
