@@ -26,6 +26,7 @@ from presswork.model import Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
 from presswork.process.recording import Meta, Recording, Report
+from presswork.process.verdict import judge_run
 from presswork.process.watch import Watch
 from presswork.ranks.world import LeadFailed, World
 from presswork.results import (
@@ -105,7 +106,7 @@ def run_model(
         with _leading(world):
             path = open_output_folder(folder, overwrite=overwrite, resume=resume)
             stack.enter_context(occupy(path))
-            run = _Run(recording, path, fingerprint(model), Watch(model.limits), world)
+            run = _Run(recording, path, model, Watch(model.limits), world)
             stack.callback(run.steps.close)
             found = run.read_checkpoint() if resume else None
             if found is None:
@@ -210,12 +211,13 @@ class _Log(logging.FileHandler):
 class _Run:
     """One run in one folder."""
 
-    def __init__(self, recording: Recording, folder: Path, model: str, watch: Watch, world: World | None) -> None:
+    def __init__(self, recording: Recording, folder: Path, model: Model, watch: Watch, world: World | None) -> None:
         self.recording = recording
         self.world = world
         self.watch = watch
         self.folder = folder
         self.model = model
+        self.fingerprint = fingerprint(model)
         self.history = History(folder / HISTORY, recording.columns)
         self.progress = ProgressFile(folder)
         self.steps = StepWriter(folder / RESULTS)
@@ -339,14 +341,14 @@ class _Run:
         self.steps.wait()
         self.history.sync()
         meta = self.recording.meta()
-        meta |= {"model": self.model, "saved_steps": self.steps.count, "increments": self.recording.number}
+        meta |= {"model": self.fingerprint, "saved_steps": self.steps.count, "increments": self.recording.number}
         meta["watch"] = self.watch.to_text()
         save_checkpoint(self.folder / CHECKPOINT, self.recording.to_arrays(), meta)
 
     def read_checkpoint(self) -> tuple[dict[str, NDArray[Any]], Meta]:
         """Return the arrays of the checkpoint, and what it tells beside. Raises OutputError."""
         arrays, meta = load_checkpoint(self.folder / CHECKPOINT)
-        if meta["model"] != self.model:
+        if meta["model"] != self.fingerprint:
             raise OutputError(
                 f"{self.folder / CHECKPOINT} belongs to another case: mesh, materials, tools, stages or solver "
                 "settings differ, or the steps at which the implicit procedure ends increments (output.steps, "
@@ -379,7 +381,8 @@ class _Run:
         self.steps.check()
         history = read_history(self.folder / HISTORY)
         found = recording.summary(history)
-        warnings = [*self.watch.warnings(), *found["warnings"]]
+        verdict = judge_run(self.model, history, found.get("extremes", {}), is_over=status == "completed")
+        warnings = [*verdict.warnings, *self.watch.warnings(), *found["warnings"]]
         for warning in warnings:
             self.log.warning("warning: %s", warning)
         write_summary(
@@ -387,6 +390,7 @@ class _Run:
             {
                 "status": status,
                 "reason": reason,
+                "verdict": verdict.worst,
                 "title": recording.title,
                 "version": __version__,
                 "fraction_computed": 1.0 - recording.remaining(),

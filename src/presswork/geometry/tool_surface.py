@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from presswork import _core
-from presswork.model import Plane, Surface, SweptProfile, Triangulation
+from presswork.model import FloatArray, Plane, Surface, SweptProfile, Triangulation
 
 ENDLESS = 1e5
 """Half the width of the square that stands for a plane without end [mm]."""
@@ -36,3 +36,12 @@ def cut_plane(plane: Plane, half_width: float) -> Triangulation:
     across = np.cross(normal, along)
     points = np.array([-along - across, along - across, along + across, across - along])
     return Triangulation(points, np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32), False)
+
+
+def list_extreme_points(shape: SweptProfile | Triangulation) -> FloatArray:
+    """Return points whose extent is that of a shape, in its own frame (n, 3) [mm]."""
+    if isinstance(shape, Triangulation):
+        return shape.points
+    outwards, heights = shape.segments[:, [0, 2]], shape.segments[:, [1, 3]]
+    x, y = np.array(shape.half_widths) + max(float(outwards.max()), 0.0)
+    return np.array([(i * x, j * y, z) for i in (-1, 1) for j in (-1, 1) for z in (heights.min(), heights.max())])

@@ -151,6 +151,11 @@ class ToolMotion:
     touch: where the tool first touches the workpiece along its motion; touch_again: the same, but its stroke goes on;
     None: where the stage before has left it."""
 
+    @property
+    def moves(self) -> bool:
+        """Whether the tool moves, turns or is pushed."""
+        return any(self.move) or self.turn != 0.0 or self.push is not None
+
 
 def find_direction(motion: ToolMotion, dimension: int = 3) -> FloatArray:
     """Return the unit vector along which a motion moves or pushes its tool (d,)."""

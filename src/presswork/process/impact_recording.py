@@ -29,7 +29,7 @@ from presswork.process.peaks import find_peaks, peak_columns, peak_row
 from presswork.process.penetration import Penetration
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram, warn_of_ram
 from presswork.process.reactions import Reactions
-from presswork.process.recording import Row, Snapshot, find_never_touched
+from presswork.process.recording import Row, Snapshot
 from presswork.process.row_history import BlockPoints, RowHistory
 from presswork.process.rows import LAST_COLUMNS, RowRecording, RowReport, last_energies
 from presswork.process.tool_quantities import describe_plane, find_way, force_on_whole, size_of_force, tool_columns
@@ -258,7 +258,6 @@ class ImpactRecording(RowRecording):
             speed[0] = 0.0  # of the whole ring
         flies = any(self.settings.velocity)
         advice = {name: text for name, text in ADVICE.items() if not (flies and name == "kinetic")}
-        names = [t.name for t in self.model.tools]
         n_cells = len(fields["effective_stress"])
         return {
             "increments": self.number,
@@ -277,7 +276,6 @@ class ImpactRecording(RowRecording):
             **self.points.window.summarise(self.model.materials),
             "warnings": [
                 *self.points.window.warnings(self.model.materials),
-                *(f"the tool {name} never touched the workpiece" for name in find_never_touched(names, history)),
                 *warn_of_energies(history, advice),
                 *(warn_of_tables(self.model, history) if self.heat else ()),
                 *(warn_of_ram(self.model, history, np.ones(len(self.model.stages))) if has_ram(self.model) else ()),

@@ -53,10 +53,11 @@ from presswork.process.peaks import peak_columns, peak_row
 from presswork.process.penetration import Penetration, measure_bodies
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, measure_ram, summarise_ram, warn_of_ram
 from presswork.process.reactions import Reactions
-from presswork.process.recording import Meta, Row, Snapshot, find_never_touched
+from presswork.process.recording import Meta, Row, Snapshot
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.tool_ends import explain_passed_ends
 from presswork.process.tool_quantities import ToolQuantities, describe_plane, measure_tools
+from presswork.process.verdict import find_never_touched
 from presswork.ranks.world import World
 from presswork.results import history_columns
 
@@ -344,7 +345,7 @@ class ImplicitRecording(IncrementRecording):
             "largest_node_penetration_mm": self.penetration.node,
             "largest_edge_penetration_mm": self.penetration.edge,
             "largest_penetration_of_an_edge": self.penetration.share,
-            "tools_never_touched": find_never_touched([t.name for t in model.tools], history),
+            "tools_never_touched": find_never_touched(model, model.tools, history),
         }
         return {
             **self._count_work(),
@@ -386,11 +387,10 @@ class ImplicitRecording(IncrementRecording):
 
 def _warn(contact: Mapping[str, Any]) -> list[str]:
     """Return what a user should know of contact with tools."""
-    warnings = [f"the tool {tool} never touched the workpiece" for tool in contact["tools_never_touched"]]
     depth, share = contact["largest_edge_penetration_mm"], contact["largest_penetration_of_an_edge"]
-    if share > CUT_EDGE:
-        warnings.append(
-            f"a tool has cut into an edge between two nodes by {share:.0%} of its length (no edge by more than "
-            f"{depth:.3g} mm): contact is at nodes, refine the mesh where tools are curved or narrow"
-        )
-    return warnings
+    if share <= CUT_EDGE:
+        return []
+    return [
+        f"a tool has cut into an edge between two nodes by {share:.0%} of its length (no edge by more than "
+        f"{depth:.3g} mm): contact is at nodes, refine the mesh where tools are curved or narrow"
+    ]

@@ -46,7 +46,7 @@ from presswork.process.press_quantities import (
     warn_of_ram,
 )
 from presswork.process.reactions import Reactions
-from presswork.process.recording import Row, Snapshot, find_never_touched
+from presswork.process.recording import Row, Snapshot
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.stamping_tools import (
     bead_columns,
@@ -336,8 +336,7 @@ class ImplicitStamping(IncrementRecording):
         verdict = self._judge({**fields, **now.surface})
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
         energy = self.procedure.energy_balance()
-        untouched = find_never_touched([t.name for t in self.model.tools], history)
-        warnings = [f"the tool {name} never touched the blank" for name in untouched]
+        warnings: list[str] = []
         held: dict[str, dict[str, float]] = {}
         if not self._begins_formed:
             thickest = float(fields["thickness"].max())

@@ -27,7 +27,7 @@ from presswork.process.limits import Watched
 from presswork.process.part_fit import check_reach, explain_misfit
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram
 from presswork.process.reactions import Reactions
-from presswork.process.recording import Meta, ModelRecording, Report, Row, Snapshot, find_never_touched
+from presswork.process.recording import Meta, ModelRecording, Report, Row, Snapshot
 from presswork.process.sheet_dump import dump_sheet, load_sheet
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.springback import LaidPart, ReleasedStamping, SpringbackReport, TrimReport
@@ -282,10 +282,8 @@ class PressLine(ModelRecording):
         """Return what the summary of the last operation says, and what became of the others."""
         last = self._now.summary(history)
         warnings = []
-        for number, (name, told) in enumerate(self._told.items()):
-            tools = [tool.name for tool in self.model.of_operation(number).tools]
-            never = [f"the tool {tool} never touched the blank" for tool in find_never_touched(tools, history)]
-            warnings += [f"{name}: {each}" for each in (*never, *told["warnings"])] + told[MISFIT]
+        for name, told in self._told.items():
+            warnings += [f"{name}: {each}" for each in told["warnings"]] + told[MISFIT]
         kept = {"warnings", MISFIT}
         over = {name: {key: v for key, v in told.items() if key not in kept} for name, told in self._told.items()}
         return last | {

@@ -165,8 +165,3 @@ class ModelRecording:
 
     def load_meta(self, meta: Mapping[str, Any]) -> None:
         """Take up nothing."""
-
-
-def find_never_touched(tools: list[str], history: Mapping[str, NDArray[Any]]) -> list[str]:
-    """Return the tools that no force of the workpiece has ever reached."""
-    return [name for name in tools if not any(np.any(history[f"{name}.force_{axis}"]) for axis in "xyz")]

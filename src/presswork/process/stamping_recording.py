@@ -32,7 +32,7 @@ from presswork.process.overlap import OVERLAP, summarise_overlap, warn_of_overla
 from presswork.process.peaks import find_peaks, peak_row
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
 from presswork.process.reactions import Reactions
-from presswork.process.recording import Row, Snapshot, find_never_touched
+from presswork.process.recording import Row, Snapshot
 from presswork.process.rows import LAST_COLUMNS, RowRecording, RowReport, last_energies, process_time
 from presswork.process.sheet_history import SheetHistory
 from presswork.process.space_surfaces import cut_tools
@@ -235,7 +235,6 @@ class StampingRecording(RowRecording):
         verdict = self._judge({**fields, **now.surface})
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
         cycles = int(self._progress[CYCLES])
-        names_of_tools = [t.name for t in self.model.tools]
         return {
             "increments": self.number,
             "cycles": cycles,
@@ -252,7 +251,6 @@ class StampingRecording(RowRecording):
             **summarise_overlap(self.model, history),
             **self._summarise_holders(history, float(fields["thickness"].max())),
             "warnings": [
-                *(f"the tool {name} never touched the blank" for name in find_never_touched(names_of_tools, history)),
                 *warn_of_overlap(self.model, history),
                 *self._warn_of_holders(history, float(fields["thickness"].max())),
                 *warn_of_energies(history),

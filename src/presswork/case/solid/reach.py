@@ -140,7 +140,7 @@ def _explain_room(tool: Tool, stage: int, node: FloatArray, part: float, move: F
 
 
 def _moves(motion: ToolMotion | None) -> bool:
-    return motion is not None and (any(motion.move) or motion.turn != 0.0 or motion.push is not None)
+    return motion is not None and motion.moves
 
 
 def _leaves(first: float, later: float, tolerance: float) -> bool:

@@ -31,7 +31,7 @@ from presswork.geometry.crossing import find_crossing
 from presswork.geometry.pose import SpacePose, find_axis, find_space_pose
 from presswork.geometry.segments import TURN, X0, X1, reverse_segments, sample_arc
 from presswork.geometry.swept_tool import draw_block
-from presswork.geometry.tool_surface import make_surface
+from presswork.geometry.tool_surface import list_extreme_points, make_surface
 from presswork.geometry.touch_in_space import find_touch_in_space
 from presswork.mesh import MeshError
 from presswork.mesh.tool_file import read_tool
@@ -85,7 +85,7 @@ def build_tool(
 
     start = find_space_pose(drawn, np.zeros(3))
     if tool.position == "touch":
-        corners = np.zeros((1, 3)) if isinstance(shape, Plane) else start.carry(_corners(shape))
+        corners = np.zeros((1, 3)) if isinstance(shape, Plane) else start.carry(list_extreme_points(shape))
         afar = size + float(np.linalg.norm(corners, axis=1).max() + np.linalg.norm(nodes, axis=1).max())
         aside = start
         for places in (nodes, np.concatenate([nodes, look_inside_faces(mesh)[0]])):
@@ -319,16 +319,7 @@ def _find_mirrors(tool: Tool, pose: SpacePose, mirrors: tuple[FloatArray, ...], 
         if isinstance(shape, Plane):  # one across the plane leaves it whole
             cut.append(abs(pose.turn(np.array([shape.normal]))[0, axis]) < 1.0 - 1e-9)
             continue
-        reach = pose.carry(_corners(shape))[:, axis]
+        reach = pose.carry(list_extreme_points(shape))[:, axis]
         low, high = float(reach.min()), float(reach.max())
         cut.append(low < planes[0] + 1e-6 * size and high > planes[0] - 1e-6 * size)
     return cut[0], cut[1], cut[2]
-
-
-def _corners(shape: SweptProfile | Triangulation) -> FloatArray:
-    """Return points whose extent is that of a shape (n, 3) [mm]."""
-    if isinstance(shape, Triangulation):
-        return shape.points
-    heights = shape.segments[:, [1, 3]]
-    x, y = shape.half_widths
-    return np.array([(i * x, j * y, z) for i in (-1, 1) for j in (-1, 1) for z in (heights.min(), heights.max())])

@@ -21,11 +21,14 @@ function showHead() {
   words.push(`presswork ${summary.version ?? header.version}`, `written ${header.written}`);
   find("facts").textContent = words.join("  ·  ");
   const warnings = runs.reduce((sum, one) => sum + (one.summary.warnings?.length ?? 0), 0);
+  const empty = runs.filter((one) => one.summary.verdict);
   const failed = runs.filter((one) => one.summary.status && one.summary.status !== "completed");
   const status = find("status");
   status.textContent = failed.length ? failed.map((one) => `${runs.length > 1 ? `${one.name}: ` : ""}${one.summary.status.replace("_", " ")}`).join(", ")
+    : empty.length ? empty.map((one) => `${runs.length > 1 ? `${one.name}: ` : ""}${one.summary.verdict.split(":")[0]}`).join("; ")
     : warnings ? `${warnings} warning${warnings > 1 ? "s" : ""}` : runs.every((one) => one.summary.status) ? "completed" : "not finished";
-  status.className = failed.length ? "bad" : warnings ? "warn" : "";
+  status.title = empty.map((one) => one.summary.verdict).join("; ");
+  status.className = failed.length || empty.length ? "bad" : warnings ? "warn" : "";
 }
 
 const isDrawing = Boolean(header.is_drawing);

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a rigid tool stands where points would go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from presswork.geometry.pose import find_space_pose, start_profile
+from presswork.geometry.segments import measure_distance
+from presswork.geometry.tool_surface import make_surface
+from presswork.geometry.touch_in_space import find_touch_in_space
+from presswork.model import FloatArray, Profile, Tool
+
+
+def look_at(tool: Tool) -> Callable[[FloatArray, float], tuple[FloatArray, FloatArray]]:
+    """Return what gives gap (n,) and normal (n, d) of a tool where it starts, at points (n, d) within a reach [mm].
+
+    Beside the ends of an open profile there is no metal, on neither side.
+    """
+    if isinstance(tool.shape, Profile):
+        segments = start_profile(tool)
+
+        def nearest_in_plane(points: FloatArray, _: float) -> tuple[FloatArray, FloatArray]:
+            place = measure_distance(points, segments)
+            return np.where(place.beside, place.distance, np.abs(place.distance)), place.outwards
+
+        return nearest_in_plane
+    surface, pose = make_surface(tool.surface), find_space_pose(tool, np.zeros(3))
+
+    def nearest_in_space(points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
+        gap, normal, *_ = surface.nearest(np.ascontiguousarray(pose.to_frame(points)), reach)
+        return gap, pose.turn(normal)
+
+    return nearest_in_space
+
+
+def is_in_the_way(tool: Tool, points: FloatArray, way: FloatArray) -> bool:
+    """Say whether points (n, d) that go along a unit vector (d,), however far, come upon a tool where it starts."""
+    return find_touch_in_space(look_at(tool), points, -way) is not None

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether a run has formed anything: asked once of every procedure, by the history, the extremes and the Model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.law.elastic_plastic import first_flow_stress, is_hot
+from presswork.mesh.forgotten_planes import find_forgotten_planes
+from presswork.model import Material, Model, Tool
+
+NOTHING = 1e-11
+"""Of Young's modulus times the least face of the workpiece: a force that is none, from round-off alone."""
+OF_METAL = 0.05
+"""Of Young's modulus: a first flow stress above it is that of a body that is meant to stay elastic."""
+ELASTIC = 1e-9
+"""Equivalent plastic strain up to which nothing has yielded."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What makes a run doubtful, the worst first."""
+
+    worst: str
+    """Why what was computed means nothing; empty where it may mean something."""
+    warnings: tuple[str, ...]
+    """All of it, the worst first."""
+
+
+def judge_run(
+    model: Model, history: Mapping[str, NDArray[Any]], extremes: Mapping[str, Sequence[float]], *, is_over: bool
+) -> Verdict:
+    """Return the verdict on a run.
+
+    extremes: least and largest value of fields at the end, by name. is_over: whether the whole process was computed;
+    else the verdict names the tools alone that have not touched yet.
+    """
+    moving, standing = _find_idle(model, history, is_over=is_over)
+    if not is_over:
+        return Verdict("", (*moving, *standing))
+    doubts = [_explain_plane(side.describe(dict(model.mesh.node_sets))) for side in find_forgotten_planes(model)]
+    all_moving = [name for n in range(len(model.operations)) for name in _list_moving(model.of_operation(n))]
+    elastic = _find_elastic(model, extremes) if all_moving else []
+    if elastic or (all_moving and len(moving) == len(all_moving)):
+        worst = f"nothing was formed: {'; '.join([*moving, *elastic])}"
+        return Verdict(worst, (worst, *doubts, *standing))
+    return Verdict("", (*moving, *doubts, *standing))
+
+
+def find_never_touched(model: Model, tools: Sequence[Tool], history: Mapping[str, NDArray[Any]]) -> list[str]:
+    """Return the tools that the workpiece has never pressed on, by more than round-off."""
+    least = _negligible_force(model)
+    return [tool.name for tool in tools if _largest_force(tool.name, history) <= least]
+
+
+def _negligible_force(model: Model) -> float:
+    """Return a force that is none [N]."""
+    extent = np.sort(np.ptp(model.mesh.points, axis=0))
+    if model.analysis == "axisymmetric":
+        face = np.pi * float(np.abs(model.mesh.points[:, 0]).max()) ** 2
+    elif model.dimension == 2:
+        face = float(extent[0]) * model.depth
+    elif model.analysis in ("shell", "stamping"):
+        face = float(extent[-1]) * model.sheet[0].thickness
+    else:
+        face = float(extent[0] * extent[1])
+    return NOTHING * min((material.young for material in model.materials), default=0.0) * face
+
+
+def _largest_force(name: str, history: Mapping[str, NDArray[Any]]) -> float:
+    """Return the largest component of the force that a tool has ever had [N]; 0 without a history."""
+    columns = [history[key] for axis in "xyz" if (key := f"{name}.force_{axis}") in history]
+    return max((float(np.abs(column).max(initial=0.0)) for column in columns), default=0.0)
+
+
+def _find_idle(model: Model, history: Mapping[str, NDArray[Any]], *, is_over: bool) -> tuple[list[str], list[str]]:
+    """Return what there is to say of tools that were never pressed: of those that move, and of others."""
+    moving: list[str] = []
+    standing: list[str] = []
+    what = "blank" if model.analysis == "stamping" else "workpiece"
+    for number, name in enumerate(model.operations):
+        own = model.of_operation(number)
+        has_begun = is_over or not model.following or any(_has_moved(tool.name, history) for tool in own.tools)
+        movers = _list_moving(own)
+        for tool in find_never_touched(model, own.tools, history) if has_begun else ():
+            text = f"{name}: the tool" if model.following else "the tool"
+            if tool in movers:
+                moving.append(f"{text} {tool} moves, but never touched the {what}, or met no resistance there")
+            else:
+                standing.append(f"{text} {tool} never touched the {what}")
+    return moving, standing
+
+
+def _list_moving(model: Model) -> list[str]:
+    """Return the tools that some stage of an operation moves."""
+    motions = [stage.tool_motion for stage in model.stages]
+    return [t.name for t in model.tools if any(t.name in each and each[t.name].moves for each in motions)]
+
+
+def _has_moved(name: str, history: Mapping[str, NDArray[Any]]) -> bool:
+    return bool(np.any(history.get(f"{name}.stroke", 0.0)))
+
+
+def _find_elastic(model: Model, extremes: Mapping[str, Sequence[float]]) -> list[str]:
+    """Say that nothing has yielded in a workpiece that could."""
+    strain = extremes.get("equivalent_plastic_strain")
+    could = any(_can_yield(material) for material in model.materials)
+    if strain is None or not could or strain[1] > ELASTIC:
+        return []
+    stress = extremes.get("effective_stress")
+    reached = f": its effective stress reaches {stress[1]:.3g} MPa at the end" if stress else ""
+    return [f"nothing of the workpiece has yielded{reached}"]
+
+
+def _can_yield(material: Material) -> bool:
+    """Say whether a material is meant to yield: its first flow stress is far below Young's modulus."""
+    if material.hardening is None:
+        return False
+    return is_hot(material) or first_flow_stress(material) < OF_METAL * material.young
+
+
+def _explain_plane(place: str) -> str:
+    """Say that a side looks like a symmetry plane that was forgotten."""
+    return f"nothing held, loaded or touched the workpiece on {place}, which looks like a symmetry plane"

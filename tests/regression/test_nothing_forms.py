@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs in which nothing is formed say so first, in every family; runs that mean something do not."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from presswork.case import Case, build_model
+from presswork.case.space.schema import SpaceCase
+from presswork.case.stamping.schema import StampingCase
+from presswork.recorder import run_model
+from tests.unit.case.test_resistance import AXIS, DOWN, MIDDLE, STEEL, flat, line, plane_case, space_case
+
+QUICK = {"solver": {"initial_increment": 0.5, "max_increment": 0.5}, "output": {"steps": 1}}
+SHORT = {"output": {"steps": 1, "rows": 2}, "limits": {"stop": False}}
+MESH = {"size": [10, 12, 15], "cells": [1, 1, 1]}
+SIDES = {"x0": {"set": "left", "fix": ["x"]}, "y0": {"set": "bottom", "fix": ["y"]}}
+NEVER = {"law": "linear", "yield_stress": 1e6, "modulus": 1.0}
+ELASTIC = {"young": 200e3, "poisson": 0.3, "magnitudes": "any", "hardening": NEVER}
+
+
+def run(case: Case | SpaceCase | StampingCase, folder: Path) -> dict[str, Any]:
+    """Return the summary of a run that ends."""
+    assert run_model(build_model(case), folder, threads=1).status == "completed"
+    found: dict[str, Any] = json.loads((folder / "summary.json").read_text("utf-8"))
+    return found
+
+
+def in_plane(kind: str) -> Case:
+    dynamic = {"procedure": "explicit", "stages": [{"name": "press", "duration": 2e-4}]} if kind == "explicit" else {}
+    options = SHORT if dynamic else QUICK | {"limits": {"stop": False}}
+    slow = {"punch": {"stroke": 0.01, "direction": [0, -1]}} if dynamic else DOWN
+    return plane_case({"punch": line(15)}, AXIS, slow, **options, **dynamic)
+
+
+def in_space(kind: str) -> SpaceCase:
+    dynamic = {"procedure": "explicit", "stages": [{"name": "press", "duration": 2e-4}]} if kind == "explicit" else {}
+    options = SHORT if dynamic else QUICK | {"limits": {"stop": False}}
+    slow = {"punch": {"stroke": 0.01 if dynamic else 5, "direction": [0, 0, -1]}}
+    return space_case(MESH, {"punch": flat(15, -1)}, SIDES, slow, **options, **dynamic)
+
+
+@pytest.mark.parametrize("kind", ["implicit", "explicit"])
+def test_a_workpiece_that_rides_along_is_the_first_line_in_the_plane(kind: str, tmp_path: Path) -> None:
+    found = run(in_plane(kind), tmp_path / "out")
+    assert found["verdict"].startswith("nothing was formed: ")
+    assert found["warnings"][0] == found["verdict"]
+
+
+@pytest.mark.parametrize("kind", ["implicit", "explicit"])
+def test_a_workpiece_that_rides_along_is_the_first_line_in_space(kind: str, tmp_path: Path) -> None:
+    found = run(in_space(kind), tmp_path / "out")
+    assert found["warnings"][0] == found["verdict"]
+    assert found["verdict"].startswith("nothing was formed: ")
+
+
+@pytest.mark.parametrize("procedure", ["implicit", "explicit"])
+def test_a_stamping_whose_sheet_stays_elastic_says_so_first(procedure: str, tmp_path: Path) -> None:
+    tool = {"shape": "round", "edge_radius": 5, "mu": 0.1}
+    case = StampingCase.model_validate(
+        {
+            "title": "t",
+            "analysis": "stamping",
+            "procedure": procedure,
+            "blank": {
+                "shape": "circle", "diameter": 100, "thickness": 1, "material": "steel", "element_size": 12,
+                "symmetry": ["x", "y"],
+            },
+            "materials": {"steel": STEEL},
+            "tools": {
+                "punch": tool | {"kind": "punch", "diameter": 50},
+                "die": tool | {"kind": "die", "diameter": 53},
+            },
+            "boundary": {"rim": {"set": "edge", "fix": ["z"]}},
+            "stages": [{"name": "draw", "tools": {"punch": {"stroke": 1e-3}}}],
+            "output": {"steps": 1, "rows": 1},
+            "implicit": {"initial_increment": 1, "max_increment": 1},
+        }
+    )  # fmt: skip
+    found = run(case, tmp_path / "out")
+    assert found["verdict"].startswith("nothing was formed: ")
+    assert found["warnings"][0] == found["verdict"]
+
+
+@pytest.mark.parametrize("name", ["formed", "elastic"])
+def test_a_run_that_forms_or_is_meant_to_stay_elastic_has_no_verdict(name: str, tmp_path: Path) -> None:
+    materials = {"materials": {"steel": ELASTIC}} if name == "elastic" else {}
+    stroke = {"punch": {"stroke": 0.1, "direction": [0, -1]}}
+    found = run(plane_case({"punch": line(15)}, AXIS | MIDDLE, stroke, **QUICK, **materials), tmp_path / "out")
+    assert found["verdict"] == ""
+    assert found["warnings"] == []
