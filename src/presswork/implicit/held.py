@@ -1,15 +1,32 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether anything holds the workpiece when a run begins, and stops a tool that a force pushes."""
+"""Whether anything holds the bodies when a run begins and in each increment, and stops a tool that a force pushes."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from presswork.interaction.loose_bodies import LooseArrays
 from presswork.interaction.of_model import Interactions
-from presswork.interaction.supports import NotHeldError, check_held_in_space
+from presswork.interaction.rigid_motions import (
+    Held,
+    RigidMotions,
+    about_points,
+    find_free,
+    find_named,
+    hold_along,
+    hold_by_supports,
+    name_body,
+    name_motions,
+    spread,
+    spread_contact,
+)
+from presswork.interaction.supports import NotHeldError
 from presswork.interaction.tool_arrays import ContactArrays
-from presswork.model import Body, BoolArray, Model
+from presswork.model import BoolArray, FloatArray, Model, list_bodies
 from presswork.state import State
+
+SLANTED = 0.1
+"""Of a unit vector: part along an axis that holds there."""
 
 
 def check_held(model: Model, interactions: Interactions, state: State) -> None:
@@ -17,50 +34,111 @@ def check_held(model: Model, interactions: Interactions, state: State) -> None:
     if interactions.inertia:
         return
     if model.dimension == 3:
-        tools = interactions.space_tools
-        touched = tools.held_directions(state) if tools else None
-        touching = interactions.bodies.touching(state) if model.contacts else []
-        check_held_in_space(model, interactions.supports.fixed(0), touched, touching)
-        check_pushed(model, interactions, state, 0)
-        return
-    whole = Body("workpiece", range(len(model.mesh.points)), range(len(model.mesh.blocks)))
-    bodies = model.bodies or (whole,)
-    touching = interactions.bodies.touching(state)
-    for number, body in enumerate(bodies):
-        held = _held_by_tools(model, interactions, state, body)
-        for contact, _, directions in touching:
-            if number in contact.between and contact.between[0] != contact.between[1]:
-                held |= (np.abs(directions) > 0.1).any(axis=0)
-        if not held.all():
-            free = " and ".join(axis for axis, is_held in zip("xy", held, strict=True) if not is_held)
-            name = f"the {body.name}" if number == 0 else f"the body {body.name!r}"
-            others = " and no other body" if model.contacts else ""
-            raise NotHeldError(
-                f"nothing holds {name} in {free}: no boundary or displacement fixes a point there, and no tool "
-                f"that holds its place{others} touches it at the start. Add a [boundary] entry, or let a tool "
-                "touch it"
-            )
+        _check_held_in_space(model, interactions, state)
+    else:
+        _check_held_in_plane(model, interactions, state)
     check_pushed(model, interactions, state, 0)
 
 
-def _held_by_tools(model: Model, interactions: Interactions, state: State, body: Body) -> BoolArray:
-    """Say for x and y whether supports, or tools that touch it at the start, hold a body."""
+def _check_held_in_space(model: Model, interactions: Interactions, state: State) -> None:
+    """Refuse bodies in space that are free to move as rigid ones."""
+    free = find_free(_find_holds(model, interactions, state, 0, lying=False))
+    if not free.shape[2]:
+        return
+    bodies, names = list_bodies(model), name_motions(model)
+    most = np.abs(free).max(axis=2)
+    number = int(most.max(axis=1).argmax())
+    named = " and ".join(name for name, part in zip(names, find_named(free)[number], strict=True) if part)
+    others = " and no other body that is held touches it there" if len(bodies) > 1 else ""
+    count = free.shape[2]
+    raise NotHeldError(
+        f"nothing holds {name_body(model, bodies[number])} against {count} rigid motion{'s' * (count > 1)} "
+        f"({named}){others}. Add a [boundary] entry"
+    )
+
+
+def _check_held_in_plane(model: Model, interactions: Interactions, state: State) -> None:
+    """Refuse bodies in the plane that are free to move along x or y."""
+    bodies = list_bodies(model)
+    held = _find_holds(model, interactions, state, 0, lying=False)
+    for number, body in enumerate(bodies):
+        axes = "y" if model.analysis == "axisymmetric" else "xy"
+        felt: BoolArray = np.asarray((np.abs(held[:, number, : len(axes)]) > SLANTED).any(axis=0))
+        if not felt.all():
+            free = " and ".join(axis for axis, is_held in zip(axes, felt, strict=True) if not is_held)
+            others = " and no other body" if model.contacts else ""
+            raise NotHeldError(
+                f"nothing holds {name_body(model, body)} in {free}: no boundary or displacement fixes a point there, "
+                f"and no tool that holds its place{others} touches it at the start. Add a [boundary] entry, or let a "
+                "tool touch it"
+            )
+
+
+def note_loose(model: Model, interactions: Interactions, state: State, stage: int) -> None:
+    """Note in a converged state the motions of bodies that nothing holds; bodies that lie on a tool are held by it."""
+    if interactions.inertia:
+        return
+    if not _leaves_free(model, interactions, state, stage):
+        return
+    loose = find_named(find_free(_find_holds(model, interactions, state, stage, lying=True)))
+    first = state[LooseArrays].stage
+    first[loose & (first < 0)] = stage
+
+
+def _leaves_free(model: Model, interactions: Interactions, state: State, stage: int) -> bool:
+    """Say whether supports leave any body a motion."""
+    rows, _ = _find_support_rows(model, interactions, state, stage)
+    return int(find_free(rows).shape[2]) > 0
+
+
+def _find_support_rows(
+    model: Model, interactions: Interactions, state: State, stage: int
+) -> tuple[FloatArray, RigidMotions]:
+    """Return what supports feel of the rigid motions of bodies (n, n_bodies, n_motions), and these."""
+    points, supports = model.mesh.points + state.nodes.moved, interactions.supports
+    motions = about_points(model, points)
+    rows = hold_by_supports(motions, points, supports.fixed(stage), supports.slanted)
+    return spread(list_bodies(model), rows, len(name_motions(model))), motions
+
+
+def _find_holds(model: Model, interactions: Interactions, state: State, stage: int, *, lying: bool) -> FloatArray:
+    """Return what all that holds bodies feels of their rigid motions (n, n_bodies, n_motions).
+
+    lying: tools hold nodes that lie on them without a push, too.
+    """
+    rows, motions = _find_support_rows(model, interactions, state, stage)
+    bodies, points = list_bodies(model), model.mesh.points + state.nodes.moved
+    tools = interactions.space_tools
+    by_tools: Held | None
+    if model.dimension == 3:
+        by_tools = tools.held_directions(state, stage, lying=lying) if tools else None
+    else:
+        by_tools = _hold_by_plane_tools(model, interactions, state, stage)
+    found = [rows]
+    if by_tools is not None:
+        found.append(spread(bodies, [hold_along(motions, points, by_tools)], rows.shape[2]))
+    for contact, places, directions in interactions.bodies.touching(state):
+        found.append(spread_contact(motions, len(bodies), contact, places, directions))
+    return np.concatenate(found)
+
+
+def _hold_by_plane_tools(model: Model, interactions: Interactions, state: State, stage: int) -> Held:
+    """Return the nodes (n,) that tools touch, and unit vectors (n, 2) along which these hold them."""
     tools = interactions.tools
-    fixed = interactions.supports.fixed(0)[body.points.start : body.points.stop]
-    held: BoolArray = np.asarray(fixed.any(axis=0))
-    held[0] |= model.analysis == "axisymmetric"  # a ring resists its growth
-    pushed = tools.floating.pushed(0)
-    own = np.isin(tools.contact.nodes, body.points)
+    pushed = tools.floating.pushed(stage)
+    nodes, directions = [np.zeros(0, dtype=np.int32)], [np.zeros((0, 2))]
+    tools.contact.search(state, state.nodes.displacement)
     for t, tool in enumerate(model.plane_tools):
-        face, place = np.nonzero(state[ContactArrays].status[2 * t : 2 * t + 2] * own)
-        along = tools.contact.normal[2 * t + face, place]
+        face, place = np.nonzero(state[ContactArrays].status[2 * t : 2 * t + 2])
+        along, own = tools.contact.normal[2 * t + face, place], tools.contact.nodes[place]
         if tool.friction.law != "frictionless":
-            along = np.concatenate([along, along[:, ::-1] * (-1, 1)])
+            along, own = np.concatenate([along, along[:, ::-1] * (-1, 1)]), np.concatenate([own, own])
         if t in pushed:  # it holds only across its way
             direction, _ = pushed[t]
             along = along - (along @ direction)[:, None] * direction
-        held |= (np.abs(along) > 0.1).any(axis=0)
-    return held
+        nodes.append(own)
+        directions.append(along)
+    return np.concatenate(nodes), np.concatenate(directions)
 
 
 def check_pushed(model: Model, interactions: Interactions, state: State, stage: int) -> None:

@@ -221,10 +221,12 @@ class Equilibrium:
     def _settle(
         self, state_n: State, trial: State, point: Point, balance: Balance, log: IterationLog
     ) -> Converged | Failed:
-        """Fill the trial state, unless contact does not settle."""
+        """Fill the trial state, unless contact does not settle or an interaction finds a fault."""
         unsettled = sum(i.n_unsettled for i in self._interactions)
         if unsettled:
             return Failed(log, f"contact of {unsettled} nodes does not settle", 0.5)
+        if fault := self.forces.find_fault(point, state_n[Progress].peak_force):
+            return Failed(log, fault, 0.5)
         self._mechanics.complete(trial)
         self.forces.fill(state_n, trial, point, balance.constraints)
         return Converged(log)

@@ -134,6 +134,16 @@ class NodalForces:
             interaction.settle(state_n, trial, forces, constraints)
         trial[Progress].peak_force = max(state_n[Progress].peak_force, self.largest_force(point))
 
+    def find_fault(self, point: Point, peak: float) -> str:
+        """Say why equilibrium at a point is none; empty: it is one. peak: largest nodal force before it [N]."""
+        loads = np.zeros_like(point.reaction)
+        for interaction, forces in zip(self._interactions, point.forces, strict=True):
+            if forces and interaction.is_driving:
+                loads[:, : forces.force.shape[1]] += forces.force
+        peak = max(peak, self.largest_force(point))
+        faults = (i.find_fault(forces, loads, peak) for i, forces in zip(self._interactions, point.forces, strict=True))
+        return next(filter(None, faults), "")
+
     def largest_force(self, point: Point) -> float:
         """Largest nodal force of the cells and of what drives them [N]."""
         length = self._mechanics.length

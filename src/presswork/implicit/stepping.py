@@ -24,7 +24,7 @@ from presswork.implicit.follower import Follower
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.heat_of_increments import MOST_PASSES, HeatOfIncrements
 from presswork.implicit.heat_of_stamping import HeatOfStamping
-from presswork.implicit.held import check_held, check_pushed
+from presswork.implicit.held import check_held, check_pushed, note_loose
 from presswork.implicit.newton import Equilibrium
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import Ram
@@ -337,6 +337,7 @@ class ImplicitProcedure:
         if self.sheet_heat is not None:
             self.sheet_heat.take(trial)
         self.evolve(state_n, trial, step)
+        note_loose(self.model, self.interactions, trial, stage)
         if FormerIncrement in trial:
             keep_former(state_n, trial)
         p = trial[Progress]

@@ -16,6 +16,7 @@ Newton's method asks every interaction of a run the same questions, in this orde
     augment_like      the same: take multipliers over where the run has
     find_travel, ...  the same: where its own freedoms are, what their equations lack and how they depend on the nodes
     augment           in equilibrium: whether multipliers are taken over and the iteration goes on
+    find_fault        in equilibrium: why it is none
     settle            the increment has converged; what the next one needs goes into the trial state
     commit, work      the trial state becomes the converged one; work done in the increment [N mm]
     stop              the stage ends before its way is gone
@@ -309,6 +310,13 @@ class Interaction:
     def augment(self, trial: State, own: Forces | None) -> bool:
         """Take multipliers over in equilibrium if they are not good enough yet."""
         return False
+
+    def find_fault(self, own: Forces | None, loads: FloatArray, peak: float) -> str:
+        """Say why an equilibrium that is found is none; empty: it is one.
+
+        loads: on the nodes (n_points, d) [N]. peak: largest nodal force so far [N].
+        """
+        return ""
 
     def settle(self, state_n: State, trial: State, own: Forces | None, constraints: Constraints) -> None:
         """Keep what an increment in equilibrium has found."""

@@ -56,8 +56,7 @@ class Inertia(Interaction):
         self._freedoms, self._moving = model.freedoms, model.dimension
         self._mass = np.zeros(len(model.mesh.points))
         for block in model.mesh.blocks:
-            density = model.solver.inertia * model.materials[block.material].density
-            self._mass += density * (_share_sheet(model, block) if block.section else _share_solid(model, block))
+            self._mass += model.solver.inertia * model.materials[block.material].density * share_volume(model, block)
         nodes = np.arange(len(self._mass), dtype=np.int32)
         self._pairs = np.column_stack([nodes, nodes])
 
@@ -85,6 +84,11 @@ class Inertia(Interaction):
         resistance = state_n[InertiaArrays].force + trial[InertiaArrays].force
         moved = trial.nodes.increment[:, : resistance.shape[1]]
         return {"inertia_work": 0.5 * float((resistance * moved).sum())}
+
+
+def share_volume(model: Model, block: CellBlock) -> FloatArray:
+    """Return the volume of a block's cells that each node stands for (n_points,) [mm3]."""
+    return _share_sheet(model, block) if block.section else _share_solid(model, block)
 
 
 def _share_sheet(model: Model, block: CellBlock) -> FloatArray:

@@ -13,6 +13,7 @@ from presswork.interaction.cyclic import CyclicTies
 from presswork.interaction.inertia import Inertia
 from presswork.interaction.laps import LapMarks
 from presswork.interaction.loads import Loads
+from presswork.interaction.loose_bodies import LooseBodies
 from presswork.interaction.plane_tools import PlaneTools
 from presswork.interaction.sheet_on_itself import SheetOnItself
 from presswork.interaction.shell_loads import ShellLoads
@@ -52,6 +53,7 @@ class Interactions:
         self.all: tuple[Interaction, ...] = (
             self.supports,
             self.loads,
+            *(() if self.inertia else (LooseBodies(model, self.supports),)),
             *((self.bodies,) if model.contacts else ()),
             *((LapMarks(model, self.bodies),) if model.remeshing is not None else ()),
             *((CyclicTies(model, cells),) if model.cyclic and isinstance(cells, Mechanics) else ()),

@@ -125,9 +125,11 @@ class SheetContact(SpaceContact):
         assert found.beads is not None
         self.beads.settle(trial, found.beads)
 
-    def held_directions(self, state: State, ways: Mapping[int, FloatArray]) -> tuple[IndexArray, FloatArray]:
+    def held_directions(
+        self, state: State, ways: Mapping[int, FloatArray], *, lying: bool
+    ) -> tuple[IndexArray, FloatArray]:
         """Return nodes (n,) and vectors (n, 3) along which beads and tools hold them; rough tools in all three."""
-        nodes, directions = super().held_directions(state, ways)
+        nodes, directions = super().held_directions(state, ways, lying=lying)
         beneath, across = self.beads.held_directions()
         return np.concatenate([beneath, nodes]), np.concatenate([across, directions])
 

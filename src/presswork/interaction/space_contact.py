@@ -20,6 +20,9 @@ from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import FloatArray, IndexArray, IntArray, Model, Tool
 from presswork.state import Arrays, State
 
+LIES = 200.0
+"""Times the rounding of contact: gap within which a node lies on a tool."""
+
 
 @dataclass(frozen=True)
 class SpaceForces(Forces):
@@ -192,15 +195,21 @@ class SpaceContact:
         self.begin_increment(state)
         return self.evaluate(state, state, state.nodes.displacement).by_tool
 
-    def held_directions(self, state: State, ways: Mapping[int, FloatArray]) -> tuple[IndexArray, FloatArray]:
+    def held_directions(
+        self, state: State, ways: Mapping[int, FloatArray], *, lying: bool
+    ) -> tuple[IndexArray, FloatArray]:
         """Return nodes (n,) and vectors (n, 3) along which tools hold them; rough tools in all three.
 
-        ways: directions (3,) of tools that forces push, by their numbers, along which these hold nothing.
+        ways: directions (3,) of tools that forces push, by their numbers, along which these hold nothing. lying: nodes
+        that lie on tools are held, too, pushed or not.
         """
         nodes, directions = [np.zeros(0, dtype=np.intp)], [np.zeros((0, 3))]
-        for t, (tool, force) in enumerate(zip(self._model.space_tools, self.touched(state), strict=True)):
-            touched = np.flatnonzero(np.linalg.norm(force, axis=1) > 0.0)
-            along = force[touched] / np.linalg.norm(force[touched], axis=1)[:, None]
+        forces = self.touched(state)
+        lies = self._find_lying(state) if lying else [(np.zeros(0, dtype=np.intp), np.zeros((0, 3)))] * len(forces)
+        for t, (tool, force, (beside, out)) in enumerate(zip(self._model.space_tools, forces, lies, strict=True)):
+            pushed = np.flatnonzero(np.linalg.norm(force, axis=1) > 0.0)
+            along = force[pushed] / np.linalg.norm(force[pushed], axis=1)[:, None]
+            touched, along = np.concatenate([pushed, beside]), np.concatenate([along, out])
             if not is_frictionless(tool.friction):
                 touched, along = np.repeat(touched, 3), np.tile(np.eye(3), (len(touched), 1))
             if t in ways:
@@ -208,6 +217,18 @@ class SpaceContact:
             nodes.append(touched)
             directions.append(along)
         return np.concatenate(nodes), np.concatenate(directions)
+
+    def _find_lying(self, state: State) -> list[tuple[IndexArray, FloatArray]]:
+        """Return the nodes that lie on each tool (n,), and its normals there (n, 3)."""
+        places, found = self._model.mesh.points + state.nodes.moved, []
+        for t in range(len(self._surfaces)):
+            touching = self.touching(t)
+            near = touching.reach + LIES * touching.rounding
+            surface = self.placed(t, state[SpaceToolArrays])
+            gap, out = self._look([(surface.nearest, float(near.max()))], places)[0]
+            nodes = np.flatnonzero(gap <= near)
+            found.append((nodes, out[nodes]))
+        return found
 
     def work(self, state_n: State, trial: State) -> tuple[float, float]:
         """Return the work of the tools in an increment, by their own motion, and what friction takes [N mm]."""

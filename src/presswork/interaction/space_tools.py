@@ -77,10 +77,13 @@ class SpaceTools(TravellingTools):
         outside = np.unique(self._model.mesh.boundary_faces)
         return np.asarray(self._model.mesh.points[outside] + state.nodes.displacement[outside, :3])
 
-    def held_directions(self, state: State) -> tuple[IndexArray, FloatArray]:
-        """Return nodes (n,) and vectors (n, 3) along which tools hold them in the first stage."""
-        ways = {t: np.array(push.direction) for t, push in self.floating.pushes(0).items()}
-        return self.contact.held_directions(state, ways if self._model.analysis == "solid" else {})
+    def held_directions(self, state: State, stage: int, *, lying: bool) -> tuple[IndexArray, FloatArray]:
+        """Return nodes (n,) and vectors (n, 3) along which tools hold them in a stage.
+
+        lying: nodes that lie on tools are held, too, pushed or not.
+        """
+        ways = {t: np.array(push.direction) for t, push in self.floating.pushes(stage).items()}
+        return self.contact.held_directions(state, ways if self._model.analysis == "solid" else {}, lying=lying)
 
     def lead(self, state_n: State, trial: State, guess: FloatArray) -> FloatArray:
         """Return a first guess with the nodes of a sheet where the tools push on them as they did."""

@@ -8,14 +8,11 @@ x, y, z that supports hold, and, where the sheet is smooth, the drilling about t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from presswork.body.shell_arrays import ShellArrays
 from presswork.interaction.contract import Constraints, Interaction, Point
-from presswork.interaction.cyclic import hold_rigid_motions
-from presswork.model import Body, BodyContact, BoolArray, FloatArray, IndexArray, IntArray, Model
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.outcome import StartError
 from presswork.state import State
 
@@ -25,82 +22,6 @@ SAME = 1e-6
 
 class NotHeldError(StartError):
     """Nothing holds the workpiece in some direction: it would move as a rigid body."""
-
-
-def check_held_in_space(
-    model: Model,
-    fixed: BoolArray,
-    touched: tuple[IndexArray, FloatArray] | None = None,
-    touching: Sequence[tuple[BodyContact, FloatArray, FloatArray]] = (),
-) -> None:
-    """Refuse bodies in space that are free to move as rigid ones: `fixed` (n_points, freedoms) marks what is held.
-
-    touched: nodes (n,) that tools hold too, and along which unit vectors (n, 3). touching: contacts of bodies, with
-    places (n, 3) where they touch and unit vectors (n, 3) along which they hold each other there.
-    """
-    middle = model.mesh.points.mean(axis=0)
-    modes = _rigid_modes(model.mesh.points, middle)
-    nodes, components = np.nonzero(fixed)
-    rows: list[tuple[IndexArray | IntArray, FloatArray]] = [(nodes, modes[nodes, components])]
-    for support in model.supports:
-        if support.normal is not None:
-            own = model.mesh.node_sets[support.node_set]
-            rows.append((own, np.einsum("i,nij->nj", np.array(support.normal), modes[own, :3])))
-    if model.cyclic is not None:
-        rows.append(hold_rigid_motions(model.cyclic, model.mesh, modes[:, :3]))
-    if touched is not None:
-        nodes, directions = touched
-        rows.append((nodes, np.einsum("ni,nij->nj", directions, modes[nodes, :3])))
-    whole = Body("workpiece" if model.analysis == "solid" else "shell", range(len(modes)), range(0))
-    bodies = model.bodies or (whole,)
-    parts = []
-    for at, row in rows:  # each body has six rigid motions of its own
-        part = np.zeros((len(at), len(bodies), 6))
-        for number, body in enumerate(bodies):
-            inside = (at >= body.points.start) & (at < body.points.stop)
-            part[inside, number] = row[inside]
-        parts.append(part)
-    size = float(np.abs(model.mesh.points - middle).max())
-    for contact, places, directions in touching:
-        row = np.einsum("ni,nij->nj", directions, _rigid_modes(places, middle, size)[:, :3])
-        part = np.zeros((len(row), len(bodies), 6))
-        part[:, contact.slave] += row
-        part[:, contact.master] -= row
-        parts.append(part)
-    _refuse_loose(bodies, np.concatenate(parts))
-
-
-def _rigid_modes(points: FloatArray, middle: FloatArray, size: float | None = None) -> FloatArray:
-    """Return displacement and rotation of each point (n_points, 6) in the six rigid motions, about the middle.
-
-    Shape (n_points, 6, 6); the moves of a rotation are over the size of the body, without it that of the points.
-    """
-    from_middle = points - middle
-    modes = np.zeros((len(points), 6, 6))
-    modes[:, :3, :3] = np.eye(3)
-    modes[:, 3:, 3:] = np.eye(3)
-    size = float(np.abs(from_middle).max()) if size is None else size
-    modes[:, :3, 3:] = np.cross(np.eye(3)[None], from_middle[:, None] / size).transpose(0, 2, 1)
-    return modes
-
-
-def _refuse_loose(bodies: Sequence[Body], held: FloatArray) -> None:
-    """Raise NotHeldError for rigid motions of bodies that the rows of `held` (n, n_bodies, 6) do not prevent."""
-    rows = held.reshape(len(held), 6 * len(bodies))
-    values, vectors = np.linalg.eigh(rows.T @ rows)
-    loose = vectors[:, values < 1e-12 * max(float(values.max()), 1.0)]
-    if loose.shape[1] == 0:
-        return
-    names = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
-    most = np.abs(loose).max(axis=1).reshape(-1, 6)
-    number = int(most.max(axis=1).argmax())
-    free = " and ".join(name for name, part in zip(names, most[number], strict=True) if part > 0.3)
-    which = f"body {bodies[number].name!r}" if number else bodies[0].name
-    others = " and no other body that is held touches it there" if len(bodies) > 1 else ""
-    raise NotHeldError(
-        f"nothing holds the {which} against {loose.shape[1]} rigid motion{'s' * (loose.shape[1] > 1)} ({free}){others}"
-        ". Add a [boundary] entry"
-    )
 
 
 class Supports(Interaction):

@@ -34,6 +34,7 @@ from presswork.implicit.heat_of_forming import KINDS as HEAT_KINDS
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.interaction.loose_bodies import warn_of_loose
 from presswork.interaction.solid_contact import SolidContact
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.interaction.tool_course import find_turning
@@ -365,6 +366,7 @@ class ImplicitRecording(IncrementRecording):
             "linear_solver": procedure.equilibrium.solver.name,
             **({"formability": verdict.to_summary()} if verdict else {}),
             "warnings": [
+                *warn_of_loose(model, state),
                 *_warn(contact),
                 *(warn_of_ram(model, history, state[RamArrays].plastic_share) if RamArrays in state else ()),
                 *state[LawWindow].warnings(model.materials),

@@ -27,6 +27,7 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.heat_of_sheet import SheetHeatArrays
+from presswork.interaction.loose_bodies import warn_of_loose
 from presswork.interaction.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
@@ -365,6 +366,7 @@ class ImplicitStamping(IncrementRecording):
             **held,
             "linear_solver": self.procedure.equilibrium.solver.name,
             "warnings": [
+                *warn_of_loose(self.procedure.model, self.procedure.state),
                 *warnings,
                 *self._warn_of_ram(history),
                 *warn_of_overlap(self.model, history),

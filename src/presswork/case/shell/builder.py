@@ -117,8 +117,11 @@ def _check_names(case: ShellCase) -> list[Problem]:
                 Problem(f"stages.{index}.name", "two stages have this name", "give each its own", stage.name)
             )
         loads = stage.displacement + stage.rotation + stage.force + stage.edge_force + stage.pressure + stage.body_force
-        if not (loads or loaded):
-            remedy = "add [[stages.force]], [[stages.pressure]], [[stages.displacement]] or another load"
+        if not (loads or loaded or "duration" in stage.model_fields_set):
+            remedy = (
+                "add [[stages.force]], [[stages.pressure]], [[stages.displacement]] or another load, or give the "
+                "duration for which the sheet is held"
+            )
             problems.append(Problem(f"stages.{index}", f'the stage "{stage.name}" changes nothing', remedy))
         loaded = bool(loads)
     return problems

@@ -72,12 +72,13 @@ def check_references(case: schema.Case) -> list[Problem]:
                 problems.append(Problem(f"{key}.tools.{tool}", "no such tool", remedy))
         problems += _check_forces(case, stage, key)
         problems += check_timing(stage.find_timing(index), case.presses)
-        if not (_moves(stage) or unloads or case.heat is not None):
+        if not (_moves(stage) or unloads or stage.holds or case.heat is not None):
             problems.append(
                 Problem(
                     key,
                     f'the stage "{stage.name}" moves nothing at all: no tool, no displacement, no load',
-                    f"add [stages.tools.NAME] with a stroke or move, or [[stages.displacement]]; "
+                    f"add [stages.tools.NAME] with a stroke or move, or [[stages.displacement]], or give the duration "
+                    f"for which the workpiece is held; "
                     f"tools: {', '.join(case.tools) or 'none'}",
                 )
             )

@@ -256,11 +256,16 @@ class Stage(Part):
         check_speeds(self.velocity, "velocity")
         return self
 
+    @property
+    def holds(self) -> bool:
+        """Whether it says how long it takes, so that time passes even where nothing moves."""
+        return "duration" in self.model_fields_set
+
     def find_timing(self, number: int) -> Timing:
         """Return what this stage, with its number from 0, says of its time."""
         moves = [motion.build().move for motion in self.tools.values()]
         way = max((math.hypot(*move) for move in moves), default=0.0)
-        return Timing(f"stages.{number}", self.velocity, self.press, "duration" in self.model_fields_set, way)
+        return Timing(f"stages.{number}", self.velocity, self.press, self.holds, way)
 
 
 class Case(CaseFile):

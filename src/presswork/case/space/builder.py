@@ -146,10 +146,10 @@ def _check_names(case: SpaceCase) -> list[Problem]:
         moves = moves or any(any(motion.build().move) for motion in stage.tools.values())
         problems += check_timing(stage.find_timing(index), case.presses)
         displaced = any(entry.value != 0.0 for entry in stage.displacement)
-        if case.heat is None and not (is_loaded or held or moves or displaced):
+        if case.heat is None and not (is_loaded or held or moves or displaced or stage.holds):
             remedy = (
                 "add [stages.tools.NAME], [[stages.displacement]], [[stages.face_force]], [[stages.pressure]] or "
-                "[[stages.force]]"
+                "[[stages.force]], or give the duration for which the workpiece is held"
             )
             problems.append(Problem(f"stages.{index}", f'the stage "{stage.name}" changes nothing', remedy))
         held = is_loaded or displaced  # which the next stage may let go
