@@ -72,7 +72,8 @@ def check_references(case: schema.Case) -> list[Problem]:
                 problems.append(Problem(f"{key}.tools.{tool}", "no such tool", remedy))
         problems += _check_forces(case, stage, key)
         problems += check_timing(stage.find_timing(index), case.presses)
-        if not (_moves(stage) or unloads or stage.holds or case.heat is not None):
+        holds = stage.holds and (index > 0 or case.procedure == "implicit")
+        if not (_moves(stage) or unloads or holds or case.heat is not None):
             problems.append(
                 Problem(
                     key,

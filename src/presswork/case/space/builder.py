@@ -145,8 +145,9 @@ def _check_names(case: SpaceCase) -> list[Problem]:
         moves = moves or any(motion.turn or motion.force or motion.position for motion in stage.tools.values())
         moves = moves or any(any(motion.build().move) for motion in stage.tools.values())
         problems += check_timing(stage.find_timing(index), case.presses)
+        holds = stage.holds and (index > 0 or case.procedure == "implicit")
         displaced = any(entry.value != 0.0 for entry in stage.displacement)
-        if case.heat is None and not (is_loaded or held or moves or displaced or stage.holds):
+        if case.heat is None and not (is_loaded or held or moves or displaced or holds):
             remedy = (
                 "add [stages.tools.NAME], [[stages.displacement]], [[stages.face_force]], [[stages.pressure]] or "
                 "[[stages.force]], or give the duration for which the workpiece is held"
