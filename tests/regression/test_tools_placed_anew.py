@@ -11,6 +11,9 @@ import pytest
 
 from presswork import CaseError, Result, build_model, run_model
 from presswork.case import Case
+from presswork.case.space.schema import SpaceCase
+from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.view.all_plots import plot_all
 from presswork.view.operation_plot import list_operations, plot_operation
 from presswork.view.style import describe_step
@@ -153,3 +156,41 @@ def test_a_run_without_placing_has_one_picture_of_forces(tmp_path: Path) -> None
     assert list_operations(result) == []
     names = {path.name for path in plot_all(result, tmp_path / "plots", ["effective_stress"])}
     assert {name for name in names if name.startswith("force_stroke")} == {"force_stroke.png"}
+
+
+def strip_between(analysis: str) -> Any:
+    """A strip under a roll that is placed and turned in one stage."""
+    space = analysis == "solid"
+    box = {"size": [8.0, 2.0, 1.0], "cells": [16, 4, 1]} if space else {"size": [8.0, 2.0], "cells": [16, 4]}
+    middle, still = ([0.5], [0.0]) if space else ([], [])
+    roll: dict[str, Any] = {"contact": "coulomb", "mu": 0.3, "position": [1.0, 4.2, *middle]}
+    if space:
+        roll |= {"shape": "cylinder", "axis": [0, 0, 1], "radius": 2.0, "length": 4.0}
+    else:
+        circle = {"centre": [0, 0], "turn": "left"}
+        roll |= {"profile": [[0, -2], {"to": [0, 2], **circle}, {"to": [0, -2], **circle}]}
+    sides = {"bottom": "y", "left": "x"} | ({"back": "z"} if space else {})
+    again = {"position": [3.0, 4.0, *middle], "turn": 20.0, "move": [0.0, -0.05, *still]}
+    case = {
+        "analysis": analysis,
+        "workpiece": {"material": "steel", "mesh": box},
+        "boundary": {side: {"set": side, "fix": [axis], "symmetry": False} for side, axis in sides.items()},
+        "tools": {"roll": roll},
+        "stages": [
+            {"name": "first", "tools": {"roll": {"move": [0.0, -0.25, *still], "turn": 10.0}}},
+            {"name": "second", "tools": {"roll": again}},
+        ],
+    }
+    return (SpaceCase if space else Case).model_validate(BLOCK | case)
+
+
+@pytest.mark.parametrize("analysis", ["plane_strain", "solid"])
+def test_a_roll_is_placed_and_turned_in_one_stage(analysis: str) -> None:
+    """It begins the stage at its place with the angle that it has; there it turns and moves on."""
+    procedure = ImplicitProcedure(build_model(strip_between(analysis)), threads=1)
+    for _ in procedure.advance():
+        pass
+    placed = procedure.state[SpaceToolArrays if analysis == "solid" else ToolArrays]
+    np.testing.assert_allclose(placed.displacement[0][:2], [2.0, -0.25])
+    assert placed.angle[0] == pytest.approx(np.radians(30.0))
+    assert abs(placed.force).sum() > 0.0

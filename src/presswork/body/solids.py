@@ -285,8 +285,9 @@ class Mechanics:
         return total / np.maximum(count, 1)
 
     def _flow_stress_now(self, block: int, state: State) -> FloatArray:
-        """Return the flow stress at the points; of a UMAT, which does not tell it, the effective stress."""
-        if isinstance(self._laws[block], _core.Umat):
+        """Return the flow stress at the points; where there is none, of a UMAT or elastic, the effective stress."""
+        material = self._model.materials[self._model.mesh.blocks[block].material]
+        if isinstance(self._laws[block], _core.Umat) or material.is_elastic:
             return effective_stress(state.cells.stress[block])
         return self.flow_stress(block, state)
 

@@ -26,10 +26,10 @@ EARLY, LATE = 0.002, 1.0
 _ANYWAY = 'magnitudes = "any" takes it as it is'
 
 
-def require_metal(young: float, flow_stress: Callable[[FloatArray], FloatArray]) -> None:
+def require_metal(young: float, flow_stress: Callable[[FloatArray], FloatArray] | None) -> None:
     """Refuse a Young's modulus or a hardening law that no metal has, as validators do.
 
-    young [MPa]. flow_stress: of equivalent plastic strains (n,), in MPa.
+    young [MPa]. flow_stress: of equivalent plastic strains (n,), in MPa; None: of an elastic material.
     """
     if not SOFTEST < young < STIFFEST:
         raise fault(
@@ -37,6 +37,8 @@ def require_metal(young: float, flow_stress: Callable[[FloatArray], FloatArray])
             f'plain numbers are MPa; with a unit: "206 GPa"; {_ANYWAY}',
             key="young",
         )
+    if flow_stress is None:
+        return
     early, late = (float(value) for value in flow_stress(np.array([EARLY, LATE])))
     if not WEAKEST * young < early < STRONGEST * young:
         raise fault(

@@ -24,6 +24,7 @@ from presswork.model import (
     Thermoelastic,
     Umat,
     YieldFunction,
+    never_yield,
 )
 
 
@@ -110,7 +111,7 @@ class SolidMaterial:
         return self.make_mises().flow_stress(eqps)[0]
 
     def _hardening(self) -> Hardening:
-        return self.hardening or Hardening("linear", np.array([1e3 * self.young, 0.0]))
+        return self.hardening or never_yield(self.young)
 
     def _to_model(self) -> Material:
         return Material(

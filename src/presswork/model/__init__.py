@@ -55,6 +55,7 @@ from presswork.model.material import (
     Umat,
     UmatJacobian,
     YieldFunction,
+    never_yield,
 )
 from presswork.model.mesh import CellBlock, Mesh, Section, ThicknessRule
 from presswork.model.mesh_change import change_mesh, choose_slave, list_bodies, list_sets, mean_edge
@@ -234,4 +235,5 @@ __all__ = [
     "list_names",
     "list_sets",
     "mean_edge",
+    "never_yield",
 ]

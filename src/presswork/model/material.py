@@ -18,6 +18,8 @@ from presswork.model.heat import Thermal
 from presswork.model.transformation import Transformation
 
 UmatJacobian = Literal["stress_increment", "jaumann_kirchhoff"]
+NEVER = 1e3
+"""Yield stress of a material that never yields, over Young's modulus."""
 STRESSES = ("yield_stress", "saturation_stress", "K", "modulus")
 """Parameters of hardening laws that are stresses."""
 
@@ -66,6 +68,11 @@ class Hardening:
         else:
             stresses = np.isin(names, STRESSES)
         return replace(self, parameters=np.where(stresses, factor * self.parameters, self.parameters))
+
+
+def never_yield(young: float) -> Hardening:
+    """Return the hardening of an elastic material of Young's modulus `young` [MPa]."""
+    return Hardening("linear", np.array([NEVER * young, 0.0]))
 
 
 @dataclass(frozen=True)
@@ -202,3 +209,9 @@ class Material:
     """What austenite becomes on cooling; None: nothing is computed."""
     formability: Formability = field(default_factory=Formability)
     """Forming limit that the strains of a sheet are compared with."""
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether it never yields."""
+        h = self.hardening
+        return h is not None and h.law == "linear" and float(h.parameters[0]) >= NEVER * self.young

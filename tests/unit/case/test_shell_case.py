@@ -157,7 +157,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
     ("materials", {"steel": {"library": "aa6016"}}, ["materials.steel.library", "did you mean `aa6016_t4`", ".toml"]),
     ("materials", {"steel": {"library": "no.toml"}}, ["materials.steel.library", "no such", "check the path"]),
     ("materials", {"steel": {"library": "aa6016_t4", "yung": 3}}, ["materials.steel.yung", "did you mean `young`"]),
-    ("materials", {"steel": {}}, ["materials.steel.young: missing key", "materials.steel.hardening: missing key"]),
+    ("materials", {"steel": {}}, ["materials.steel.young: missing key", "materials.steel.poisson: missing key"]),
     ("materials.steel.kinematic", {"law": "chaboche", "C": [1] * 11, "gamma": [0] * 11},
      ["materials.steel.kinematic.C", "at most 10"]),
     ("materials.steel.kinematic", {"law": "chaboche", "C": [1], "gamma": [0, 1]},

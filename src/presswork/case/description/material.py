@@ -24,8 +24,11 @@ def describe_material(material: model.Material, *, starts: bool = True) -> str:
     if material.young_decrease:
         saturated, rate = material.young_decrease
         parts[0] += f" falling to {saturated:g} MPa as exp(-{rate:g} e)"
-    parts += [material.yield_function.law if material.yield_function else "von Mises"]
-    parts += [_describe_hardening(material.hardening)]
+    if material.is_elastic:
+        parts += ["elastic: it has no hardening, and never yields"]
+    else:
+        parts += [material.yield_function.law if material.yield_function else "von Mises"]
+        parts += [_describe_hardening(material.hardening)]
     if material.kinematic:
         parts += [_describe_kinematic(material.kinematic)]
     if material.rate:

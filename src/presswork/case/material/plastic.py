@@ -23,6 +23,9 @@ from presswork.case.units import Number, Stress, fault
 from presswork.law.elastic_plastic import make_sheet_law
 from presswork.model import FloatArray
 
+OF_FLOW = ("kinematic", "rate", "young_decrease", "damage", "yield_function")
+"""Keys of laws that mean nothing in an elastic material."""
+
 
 class PlasticLaws(Part):
     """Elasticity, yield function, hardening, strain rate and temperature; x is the rolling direction."""
@@ -30,7 +33,10 @@ class PlasticLaws(Part):
     young: Stress = Field(gt=0, description="Young's modulus [MPa]")
     poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, between -1 and 0.5, e.g. 0.3 for steel")
     yield_function: YieldFunction = Field(default=VonMisesYield(), description="anisotropic yield function")
-    hardening: Hardening = Field(description="flow stress along the rolling direction against plastic strain")
+    hardening: Hardening | None = Field(
+        default=None,
+        description="flow stress along the rolling direction against plastic strain; without it: the body is elastic",
+    )
     kinematic: Kinematic | None = Field(default=None, description="back stresses")
     rate: RateLaw | None = Field(default=None, description="factor on the flow stress by strain rate")
     heating: Heating | None = Field(default=None, description="softening by temperature, and heating by plastic work")
@@ -51,7 +57,10 @@ class PlasticLaws(Part):
     @model_validator(mode="after")
     def _check_laws(self) -> Self:
         """Refuse laws that do not go together."""
-        check_heating(self.heating, self.hardening, softens=self.follows_temperature() is None)
+        if self.hardening is None:
+            self._check_elastic()
+        softens = self.hardening is not None and self.follows_temperature() is None
+        check_heating(self.heating, self.hardening, softens=softens)
         if isinstance(self.hardening, HotLaw) and self.rate is not None:
             remedy = f"remove it: {self.hardening.law} depends on the rate by itself"
             raise fault("the flow stress would depend on the rate twice", remedy, key="rate")
@@ -71,8 +80,19 @@ class PlasticLaws(Part):
         if self.young_decrease is not None and self.young_decrease.saturated > self.young:
             raise fault("the saturated modulus is above Young's modulus", "it falls", key="young_decrease")
         if self.magnitudes == "metal":
-            require_metal(self.young, self._usual_flow_stress)
+            require_metal(self.young, self._usual_flow_stress if self.hardening else None)
         return self
+
+    def _check_elastic(self) -> None:
+        """Refuse laws of plastic flow beside no hardening."""
+        for key in (*OF_FLOW, *(key for key in ("gtn", "grain", "forming_limit") if key in type(self).model_fields)):
+            if key in self.model_fields_set and getattr(self, key) is not None:
+                remedy = "add it, or leave the key out: a material without hardening is elastic"
+                raise fault(f"missing key, which {key} goes with", remedy, key="hardening")
+        softening = self.heating.model_fields_set & {"melting", "exponent", "heat_capacity"} if self.heating else ()
+        for key in sorted(softening):
+            remedy = "leave it out: a material without hardening is elastic"
+            raise fault("has no meaning without hardening", remedy, key=f"heating.{key}")
 
     def _usual_flow_stress(self, strain: FloatArray) -> FloatArray:
         """Return the flow stress [MPa] at rest and unsoftened, or in the middle of a hot law's window."""
@@ -97,7 +117,7 @@ class PlasticLaws(Part):
             name,
             self.young,
             self.poisson,
-            build_hardening(self.hardening),
+            build_hardening(self.hardening) if self.hardening else model.never_yield(self.young),
             yield_function=self.yield_function.to_model(),
             kinematic=self.kinematic.to_model() if self.kinematic else None,
             rate=self.rate.to_model() if self.rate else None,

@@ -10,6 +10,7 @@ from pydantic import Field, ValidationError
 
 from presswork.case.errors import CaseError
 from presswork.case.heat.thermal import Thermal
+from presswork.case.material.hardening import Hardening
 from presswork.case.material.laws import FormingLimit
 from presswork.case.material.plastic import PlasticLaws
 from presswork.case.reader import list_problems
@@ -25,6 +26,7 @@ class SheetLaws(PlasticLaws):
 class NamedLaws(SheetLaws):
     """What a material file has: the laws of a metal, and its thermal properties."""
 
+    hardening: Hardening = Field(description="flow stress along the rolling direction against plastic strain")
     density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
     thermal: Thermal | None = Field(default=None, description="what it conducts and stores")
 

@@ -117,6 +117,9 @@ class OneStepCase(CaseFile):
                 "give the material hill1948 with its r-values, or von_mises",
                 key="blank",
             )
+        if material is not None and material.hardening is None:
+            fault_text, key = "missing key: one step needs a flow stress", f"materials.{self.blank.material}.hardening"
+            raise fault(fault_text, 'for instance {law = "swift", K = 565, e0 = 0.007, n = 0.26}', key=key)
         if material is not None and isinstance(material.hardening, HotLaw):
             raise fault(
                 f"one step knows no strain rate and temperature, which {material.hardening.law} depends on",

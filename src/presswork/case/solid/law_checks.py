@@ -10,6 +10,7 @@ from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import Solver
 from presswork.case.solid import schema
 from presswork.case.solid.bodies import list_bodies
+from presswork.case.space.schema import SpaceCase
 
 PORE_HARDENING = ("linear", "swift", "ludwik", "voce", "linear_voce", "hockett_sherby", "swift_voce")
 """Hardening laws of a metal with pores: formulas of at most six parameters."""
@@ -41,7 +42,22 @@ def check_laws(case: schema.Case) -> list[Problem]:
         material = case.materials[name]
         if not isinstance(material, UmatMaterial):
             problems += check_integrator(name, material, case.solver)
-    return problems + _check_umats(case)
+    return problems + _check_umats(case) + check_friction_of_elastic(case)
+
+
+def check_friction_of_elastic(case: schema.Case | SpaceCase) -> list[Problem]:
+    """Return the problems of tools whose friction follows the flow stress of a workpiece that has none."""
+    name = case.workpiece.material
+    material = case.materials.get(name)
+    if material is None or isinstance(material, UmatMaterial) or material.hardening is not None:
+        return []
+    fault = f"friction by shear is a part of the flow stress, and {name} is elastic: it has no hardening"
+    remedy = f"take coulomb, with mu, or give materials.{name}.hardening"
+    return [
+        Problem(f"tools.{tool}.contact", fault, remedy, given.contact)
+        for tool, given in case.tools.items()
+        if given.contact == "shear" and given.m > 0.0
+    ]
 
 
 def check_pores(key: str, material: schema.Material) -> list[Problem]:
@@ -56,7 +72,7 @@ def check_pores(key: str, material: schema.Material) -> list[Problem]:
     if material.heating is not None and material.heating.heat_capacity is not None:
         text, remedy = "a metal with pores is not heated adiabatically", "leave it out, or take [heat]"
         problems.append(Problem(f"{key}.heating.heat_capacity", text, remedy))
-    if material.hardening.law not in PORE_HARDENING:
+    if material.hardening is not None and material.hardening.law not in PORE_HARDENING:
         remedy = f"take one of {', '.join(PORE_HARDENING)}"
         problems.append(Problem(f"{key}.hardening.law", "pores take no such law", remedy, material.hardening.law))
     return problems

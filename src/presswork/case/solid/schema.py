@@ -157,8 +157,9 @@ class ToolMotion(Part):
     )
     position: Place | None = Field(
         default=None,
-        description="where the origin of the profile, as drawn, stands when the stage begins [x, y] [mm]; touch: where "
-        "the tool touches the workpiece on its way; without it: where the stage before has left the tool",
+        description="where the origin of the profile, as drawn, stands when the stage begins [x, y] [mm], its angle as "
+        "before; touch: where the tool touches the workpiece on its way; without it: where the stage before has left "
+        "the tool",
     )
 
     @model_validator(mode="after")

@@ -55,10 +55,6 @@ def check_motion(motion: Any, place: str = "[x, y]") -> None:
     is_placed = isinstance(motion.position, tuple)
     if not along and (motion.direction is not None or (motion.move is None and not motion.turn and not is_placed)):
         raise fault("missing key", remedy, key="stroke")
-    if motion.position is not None and motion.turn:
-        raise fault(
-            "a tool that turns stays where it is", "leave out position, or turn it in another stage", key="position"
-        )
 
 
 class ProfilePoint(ShortForm):

@@ -16,7 +16,7 @@ from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import build_drive, check_timing, find_halves, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver, check_small_displacements
 from presswork.case.solid.builder import build_materials
-from presswork.case.solid.law_checks import check_integrator, check_pores
+from presswork.case.solid.law_checks import check_friction_of_elastic, check_integrator, check_pores
 from presswork.case.solid.reach import check_reach
 from presswork.case.solid.references import check_set_names
 from presswork.case.solid.schema import Material
@@ -166,7 +166,7 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
     heated = case.heat is not None
     used = {body.material for _, body in list_space_bodies(case).values()}
     problems = list(check_needs(case.materials, sorted(used), case.stages, heated=heated))
-    problems += check_space_heat(case)
+    problems += [*check_space_heat(case), *check_friction_of_elastic(case)]
     for name, material in case.materials.items():
         if isinstance(material, UmatMaterial):
             if case.solver.tangent == "thesis":

@@ -233,8 +233,9 @@ class SpaceToolMotion(Part):
     )
     position: Place3 | None = Field(
         default=None,
-        description="where the origin of the tool, as drawn, stands when the stage begins [x, y, z] [mm]; touch: where "
-        "the tool touches the workpiece on its way; without it: where the stage before has left the tool",
+        description="where the origin of the tool, as drawn, stands when the stage begins [x, y, z] [mm], its angle as "
+        "before; touch: where the tool touches the workpiece on its way; without it: where the stage before has left "
+        "the tool",
     )
 
     @model_validator(mode="after")
