@@ -60,8 +60,7 @@ def end_stage(model: Model, supports: Supports, state: State, next_stage: int) -
     """
     loads = state[LoadArrays]
     held = state.nodes.reaction[:, : loads.released.shape[1]]
-    if model.dimension == 2:  # where tools hold nodes
-        held = held * supports.fixed(next_stage - 1)
+    held = held - supports.free_part(next_stage - 1, held)  # tools hold others, and a little is out of balance
     left = held + loads.released_at(loads.fraction)
     loads.released = supports.free_part(next_stage, left)
     loads.shares = loads.shares_at(next_stage - 1, loads.fraction)
