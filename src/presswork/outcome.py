@@ -62,6 +62,10 @@ class Failed:
     factor: float
 
 
+class TooCoarse(Failed):
+    """The increment is in equilibrium, but too long to be accurate."""
+
+
 @dataclass(frozen=True)
 class Step:
     """Where an increment leads: a fraction of a stage, from the fraction before."""

@@ -36,6 +36,7 @@ CHANGES = {
 }
 ELSEWHERE = {
     "pressure_stiffness": "tests/unit/interaction/test_loads.py",
+    "increment_tolerance": "tests/verification/test_increment_errors.py",
     "control": "tests/verification/test_shell_snap_through.py",
     "linear_solver": "tests/regression/test_forming_in_space.py",
     "contact_stiffness": "tests/verification/test_hemispherical_punch.py",

@@ -59,7 +59,9 @@ PYTHON_ROOMS = {
     "implicit": {
         "body",
         "evolution",
+        "fields",
         "interaction",
+        "law",
         "model",
         "outcome",
         "ranks",

@@ -63,6 +63,8 @@ class PointChange:
     """Of a sheet with kinematic hardening at its end, components as the stress [MPa]; None: there is none."""
     layers: int = 1
     """Points through the thickness of a sheet, one after the other."""
+    parts: int = 1
+    """Equal parts in which the whole increment is taken; this is one of them."""
 
     @cached_property
     def strain(self) -> FloatArray:
@@ -82,6 +84,8 @@ class EvolutionLaw:
     critical: Mapping[str, float] = {}
     """Values of quantities that must not be exceeded, by name: beyond is a crack."""
 
+    follows_time: bool = False
+    """Whether the law is a rate equation of time and temperature, so that long increments are taken in parts."""
     softens: bool = False
     """Whether the strain that hardens is `hardening_strain`, which the laws of the stress then go on from."""
 

@@ -55,6 +55,8 @@ fraction recrystallised after it."""
 class GrainLaw(EvolutionLaw):
     """Grain size of one material."""
 
+    follows_time = True
+
     def __init__(self, grain: Grain) -> None:
         self._grain = grain
         self.quantities = tuple(QUANTITIES.values())
@@ -77,7 +79,7 @@ class GrainLaw(EvolutionLaw):
             return found
         if change.dt <= 0.0:
             return found
-        flows = (change.strain > NEW_STRAIN) | (change.rate > SLOW * found["grain_rate"])
+        flows = (change.parts * change.strain > NEW_STRAIN) | (change.rate > SLOW * found["grain_rate"])
         self._deform(found, flows, change.strain, change.dt, kelvin)
         self._rest(found, ~flows, change.dt, kelvin)
         return found

@@ -23,6 +23,8 @@ QUANTITIES = (*(Quantity(name, "1", lowest=0.0, highest=1.0) for name in PHASES)
 class PhaseLaw(EvolutionLaw):
     """Phases, cooling rate and hardness of one steel."""
 
+    follows_time = True
+
     def __init__(self, steel: Transformation) -> None:
         self._kinetics, self._composition = Kinetics(steel), steel.composition
         self.quantities = QUANTITIES if steel.composition else QUANTITIES[:-1]

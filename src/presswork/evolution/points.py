@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from presswork.evolution.contract import EvolutionLaw, PointChange
+from presswork.evolution.in_parts import advance_in_parts
 from presswork.evolution.of_material import BY_NAME, make_laws
 from presswork.law.elastic_plastic import back_stress
 from presswork.model import POROSITY, FloatArray, Model
@@ -122,7 +123,8 @@ class Evolution:
             layers=1 if section is None else section.points,
         )
         for law in laws:
-            found = law.advance({q.name: before[q.name][block].ravel() for q in law.quantities}, change)
+            values = {q.name: before[q.name][block].ravel() for q in law.quantities}
+            found = advance_in_parts(law, values, change, self._model.solver.increment_tolerance)
             for name, value in found.items():
                 after[name][block] = value.reshape(cells.eqps[block].shape)
             if law.softens:

@@ -39,20 +39,15 @@ def is_saved(model: Model, number: int, fraction_n: float, fraction: float, *, a
     return at_end or bool(now != before)
 
 
-def find_next_size(
-    settings: SolverSettings, size: float, last: float, log: IterationLog, cutbacks: int, change: float
-) -> float:
-    """Return the part of the stage that the next increment takes.
+def find_next_size(settings: SolverSettings, size: float, log: IterationLog, cutbacks: int) -> float:
+    """Return the part of the stage that the next increment takes as far as iterations count.
 
-    size: that this one was to take; last: that it took. change: of a temperature given to a law, over the most that
-    may be.
+    size: that this one was to take.
     """
     if len(log) <= settings.target_iterations and not cutbacks:
         size = min(size * GROWTH, settings.max_increment)
     elif log.smooth_iterations > settings.target_iterations + 4:
-        size = max(0.7 * size, SMALLEST * settings.min_increment)
-    if change > 0.0:
-        size = max(min(size, last / change), SMALLEST * settings.min_increment)
+        size = max(0.7 * size, min(size, SMALLEST * settings.min_increment))
     return size
 
 

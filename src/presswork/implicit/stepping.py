@@ -18,6 +18,7 @@ from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
 from presswork.body.thermoelastic import find_thermal_work, keep_temperatures
 from presswork.evolution.points import Evolution
+from presswork.implicit.accuracy import Accuracy
 from presswork.implicit.energy import Work, add_external_work, add_work, balance
 from presswork.implicit.first_guess import FormerIncrement, find_first_guess, keep_former
 from presswork.implicit.follower import Follower
@@ -29,13 +30,13 @@ from presswork.implicit.newton import Equilibrium
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import Ram
 from presswork.implicit.remedy import find_remedy
-from presswork.implicit.step_sizes import find_next_size, find_remaining, is_saved, list_ends
-from presswork.implicit.temperature_change import find_change, find_temperatures, judge_change
+from presswork.implicit.step_sizes import SMALLEST, find_next_size, find_remaining, is_saved, list_ends
+from presswork.implicit.temperature_change import find_temperatures, judge_change
 from presswork.interaction.contract import Interaction
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.supports import NotHeldError
 from presswork.model import FloatArray, Model
-from presswork.outcome import Converged, Failed, GaveUpError, IterationLog, Step
+from presswork.outcome import Converged, Failed, GaveUpError, IterationLog, Step, TooCoarse
 from presswork.ranks.world import World
 from presswork.state import State
 from presswork.threads import available_threads
@@ -107,6 +108,7 @@ class ImplicitProcedure:
         elif model.heat is not None and isinstance(self.mechanics, ShellMechanics):
             self.sheet_heat = HeatOfStamping(model, self.mechanics)
         self.evolution = Evolution(model)
+        self.accuracy = Accuracy(model, self.mechanics)
         self.followers: list[Follower] = []
         """Who is told of every increment in equilibrium."""
         self.state = self.at_rest()
@@ -124,7 +126,7 @@ class ImplicitProcedure:
     def at_rest(self) -> State:
         """Return the State before the first increment."""
         state = self.mechanics.at_rest()
-        state.add(Progress(next_size=self.model.solver.initial_increment), Work())
+        state.add(Progress(next_size=self.model.solver.initial_increment), Work(), *self.accuracy.at_rest())
         if self.model.analysis == "shell" and self.model.space_tools:
             state.add(FormerIncrement(np.zeros_like(state.nodes.increment)))
         for interaction in self.interactions.all:
@@ -166,16 +168,13 @@ class ImplicitProcedure:
             self._step(stage - 1, 1.0, 1.0) if fraction == 0.0 and stage > 0 else self._step(stage, fraction, fraction)
         )
 
-    def _find_remedy(self) -> str:
-        return find_remedy(self.model, self.equilibrium.system.negative_pivots)
-
     def _next_increment(self) -> IncrementReport:
         progress = self.state[Progress]
         stage, fraction_n = progress.stage, progress.fraction
-        settings = self.model.solver
         points = list_ends(self.model, stage)
         target = float(points[np.searchsorted(points, fraction_n + 1e-12)])
         size = progress.next_size
+        least = self.model.solver.min_increment if size >= self.model.solver.min_increment else size / SMALLEST
         cutbacks: list[str] = []
         self._start, self._lets_go, self._to_rest = self.state, False, False
         if fraction_n == 0.0 and stage > 0:
@@ -201,6 +200,8 @@ class ImplicitProcedure:
                 self.settle(self._start, trial, made)
                 if self.sheet_heat is not None:
                     outcome = self.sheet_heat.find(self._start, trial, made, outcome.log)
+                if not isinstance(outcome, Failed):
+                    outcome = self.accuracy.judge(made, outcome.log)
             if not isinstance(outcome, Failed):
                 shorter = self.ram.shorten(self._start, trial, made)
                 if shorter is None:
@@ -209,11 +210,14 @@ class ImplicitProcedure:
                 continue
             cutbacks.append(f"{step:.3g} of the stage: {outcome.reason}")
             size, self._to_rest = step * outcome.factor, False
-            if size < settings.min_increment:
+            if isinstance(outcome, TooCoarse):
+                least = min(least, size / SMALLEST)
+            elif size < least:
                 where = f"stage {self.model.stages[stage].name!r} at {fraction_n:.2%}"
+                remedy = find_remedy(self.model, self.equilibrium.system.negative_pivots)
                 raise GaveUpError(
                     f"{where}: even an increment of {step:.1e} of the stage finds no equilibrium ({outcome.reason}). "
-                    f"{self._find_remedy()}"
+                    f"{remedy}"
                 )
         is_over = self._commit(trial, stage, fraction_n, fraction, size, outcome.log, len(cutbacks))
         return IncrementReport(
@@ -318,6 +322,7 @@ class ImplicitProcedure:
         self.mechanics.settle(state_n, trial, step.dt)
         for interaction in self.interactions.all:
             interaction.commit(state_n, trial, step)
+        self.accuracy.correct(state_n, trial, step)
 
     def _commit(
         self,
@@ -346,8 +351,8 @@ class ImplicitProcedure:
         p.iterations += len(log)
         p.cutbacks += cutbacks
         p.last_size = fraction - fraction_n
-        change = find_change(self.model, state_n.cells.temperature, trial.cells.temperature, stage)
-        size = find_next_size(self.model.solver, size, p.last_size, log, cutbacks, change)
+        size = find_next_size(self.model.solver, size, log, cutbacks)
+        size = self.accuracy.limit(state_n, trial, step, size)
         p.next_size = size
         p.stage, p.fraction = stage, fraction
         is_over = fraction == 1.0 or self.ram.is_over(trial, stage)

@@ -60,6 +60,9 @@ class SolverSettings:
     """Fraction of the stage."""
     min_increment: float = 1e-5
     max_increment: float = 0.02
+    increment_tolerance: float = 0.005
+    """Largest relative error by the length of increments: of stress and creep where flow depends on the rate of strain,
+    of the neck where flow localises, of grain and phases."""
     target_iterations: int = 6
     """Increments grow while they take fewer iterations than this."""
     displacements: Displacements = "large"

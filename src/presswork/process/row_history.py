@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from presswork.body.law_window import LawWindow
 from presswork.evolution.contract import PointChange
+from presswork.evolution.in_parts import advance_in_parts
 from presswork.evolution.of_material import make_other_laws
-from presswork.model import FloatArray, Material
+from presswork.model import FloatArray, Material, SolverSettings
 
 PREFIX = "evolved."
 """Of the names in a checkpoint."""
@@ -103,7 +104,8 @@ class RowHistory:
         )
         hardens = np.ones_like(after.eqps)
         for law in self._laws[block]:
-            found = law.advance({q.name: self.values[q.name][block].ravel() for q in law.quantities}, change)
+            values = {q.name: self.values[q.name][block].ravel() for q in law.quantities}
+            found = advance_in_parts(law, values, change, SolverSettings.increment_tolerance)
             for name, value in found.items():
                 self.values[name][block] = value.reshape(after.eqps.shape)
             if law.softens:

@@ -116,6 +116,13 @@ class Implicit(Part):
     displacement_tolerance: Number = Field(
         default=_SOLVER.displacement_tolerance, gt=0, lt=1, description="largest correction over largest displacement"
     )
+    increment_tolerance: Number = Field(
+        default=_SOLVER.increment_tolerance,
+        gt=0,
+        lt=1,
+        description="largest relative error by the length of increments: of stress and creep where flow depends on the "
+        "strain rate, of the neck where flow localises, of grain and phases",
+    )
     contact_stiffness: Number = Field(
         default=_SOLVER.contact_stiffness,
         gt=0,
