@@ -24,6 +24,9 @@ EARLY = 10.0
 """Times the rate by which the load falls: faster localisation counts as no more, so that a load that is steady costs
 nothing."""
 
+FLOWS = 0.05
+"""Plastic strain per stage below which a body does not flow: what relaxes or springs back has no neck."""
+
 
 @dataclass
 class Localisation(Arrays):
@@ -54,7 +57,8 @@ def note_localisation(state_n: State, trial: State, step: Step) -> None:
     kept, part = trial[Localisation], step.fraction - step.fraction_n
     if step.fraction_n == 0.0:
         kept.begin_stage()
-    load, room = _find_load(trial) / part, _find_room(state_n, trial)
+    room, strain = _find_flow(state_n, trial)
+    load = _find_load(trial) / part if strain > FLOWS * part else 0.0
     weight = part / (part + WINDOW)
     for name, now in (("load", load), ("room", room)):
         before, rate = getattr(kept, name), getattr(kept, f"{name}_rate")
@@ -68,9 +72,10 @@ def _find_load(trial: State) -> float:
     return float((nodes.reaction[:, :3] * nodes.increment[:, :3]).sum())
 
 
-def _find_room(state_n: State, trial: State) -> float:
+def _find_flow(state_n: State, trial: State) -> tuple[float, float]:
+    """Return the volume that would flow if flow were even [mm3], and its plastic strain in the increment."""
     total = squares = 0.0
     for before, after, volume in zip(state_n.cells.eqps, trial.cells.eqps, trial.cells.volume, strict=True):
         grown = np.maximum(after - before, 0.0)
         total, squares = total + float((volume * grown).sum()), squares + float((volume * grown**2).sum())
-    return total**2 / squares if squares > 0.0 else 0.0
+    return (total**2 / squares, squares / total) if squares > 0.0 else (0.0, 0.0)
