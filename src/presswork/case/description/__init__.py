@@ -52,11 +52,11 @@ def describe(problem: model.Model | OneStepModel) -> str:
             *(f"  {line}" for line in describe_loads(problem, number - 1)),
         ]
     meshes = [_describe_remeshing(problem.remeshing)] if problem.remeshing is not None else []
-    if isinstance(problem.explicit, model.ExplicitSolid):
-        return "\n".join([*lines, *describe_explicit(problem, problem.explicit), *meshes, _describe_memory(problem)])
     if problem.heat is not None:
         lines += describe_heat_of_forming(problem, problem.heat)
     lines += meshes
+    if isinstance(problem.explicit, model.ExplicitSolid):
+        return "\n".join([*lines, *describe_explicit(problem, problem.explicit), _describe_memory(problem)])
     lines += [f"solver: {_describe_settings(problem.solver, model.SolverSettings())}"]
     lines += [f"output: {_describe_output(problem)}"]
     lines += list(_warn_of_steps(problem))

@@ -9,6 +9,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.description.press import describe_drive
+from presswork.mesh.faces import list_cell_faces, take_corners
 
 SECONDS = 0.1e-6
 """Of one core for a cell and a cycle, about."""
@@ -18,9 +19,12 @@ SAFETY = 0.9
 
 def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> Iterator[str]:
     """Describe the start, the steps through time and what computing takes, a line per fact."""
-    x, y = settings.velocity
-    material = problem.materials[problem.mesh.blocks[0].material]
-    yield f"explicit procedure: the workpiece starts at ({x:g}, {y:g}) mm/s, density {material.density:g} t/mm3"
+    names = [body.name for body in problem.bodies] or ["workpiece"]
+    for number, velocity in enumerate((settings.velocity, *settings.velocity_of_others)):
+        block = problem.mesh.blocks[problem.bodies[number].blocks.start if problem.bodies else 0]
+        density = problem.materials[block.material].density
+        velocities = ", ".join(f"{part:g}" for part in velocity)
+        yield f"explicit procedure: the {names[number]} starts at ({velocities}) mm/s, density {density:g} t/mm3"
     for tool in problem.tools:
         if not any(any(stage.tool_motion.get(tool.name, model.ToolMotion()).move) for stage in problem.stages):
             yield f"tool {tool.name} stands still"
@@ -34,7 +38,12 @@ def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> It
     if settings.damping:
         yield f"mass damping {settings.damping:g} 1/s"
     yield f"output: {problem.output.rows} rows of history and {problem.output.steps} saved steps a stage"
-    step = SAFETY * _shortest_side(problem.mesh) / _wave_speed(material)
+    materials = problem.materials
+    crossings = [
+        _shortest_side(problem.mesh.points, block.connectivity) / _wave_speed(materials[block.material])
+        for block in problem.mesh.blocks
+    ]
+    step = SAFETY * min(crossings)
     how = "cells that are flattened need shorter ones"
     if settings.target_step is not None and settings.target_step > step:
         step, how = settings.target_step, "by adding mass"
@@ -44,13 +53,10 @@ def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> It
     yield f"time: about {cycles * cells * SECONDS:.2g} s on one core (an estimate)"
 
 
-def _shortest_side(mesh: model.Mesh) -> float:
-    """Return the shortest side of the cells [mm]."""
-    sides = [
-        np.linalg.norm(mesh.points[b.connectivity] - mesh.points[np.roll(b.connectivity, 1, axis=1)], axis=2).min()
-        for b in mesh.blocks
-    ]
-    return float(min(sides))
+def _shortest_side(points: model.FloatArray, connectivity: model.IntArray) -> float:
+    """Return the shortest side of cells in the plane, or of the faces of cells in space [mm]."""
+    rings = connectivity if points.shape[1] == 2 else take_corners(list_cell_faces(connectivity))
+    return float(np.linalg.norm(points[rings] - points[np.roll(rings, 1, axis=1)], axis=2).min())
 
 
 def _wave_speed(material: model.Material) -> float:
