@@ -93,6 +93,18 @@ def test_profile_that_cannot_be_drawn_is_refused(profile: tuple[ProfilePoint, ..
         draw_outline(profile, closed=False)
 
 
+@pytest.mark.parametrize("closed", [False, True])
+def test_two_arcs_are_a_circle(closed: bool) -> None:
+    there = ProfilePoint(to=(8, 8), centre=(5, 8), turn="left")
+    back = ProfilePoint(to=(2, 8), centre=(5, 8), turn="left")
+    circle = draw_outline([ProfilePoint(to=(2, 8)), there, back], closed).segments
+    place = measure_distance(np.array([[5.0, 4.0], [9.0, 8.0], [5.0, 8.5]]), circle)
+    np.testing.assert_allclose(np.abs(place.distance), [1.0, 1.0, 2.5])
+    assert place.beside.all()
+    half = draw_outline([ProfilePoint(to=(2, 8)), there], closed=True).segments
+    assert len(half) == 2
+
+
 def test_closed_profile_joins_its_ends() -> None:
     profile = [ProfilePoint(to=point) for point in ((0, 0), (4, 0), (4, 3))]
     assert len(draw_outline(profile, closed=False).segments) == 2

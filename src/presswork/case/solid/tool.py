@@ -183,13 +183,13 @@ class Tool(Part):
         for key in ("unit", "layer"):
             if getattr(self, key) is not None:
                 raise fault("has no meaning without profile_file", "remove it", key=key)
-        least = 3 if self.closed else 2
-        if len(self.profile) < least:
-            kind = "a closed" if self.closed else "a"
-            raise fault(
-                f"{kind} profile needs at least {least} points", "for instance [[0, 15], [30, 15]]", key="profile"
-            )
-        ends_meet = len(self.profile) > 3 and self.profile[0].to == self.profile[-1].to
+        ends_meet = len(self.profile) > 2 and self.profile[0].to == self.profile[-1].to
+        is_closed, has_arcs = self.closed or ends_meet, any(point.centre for point in self.profile)
+        least = 3 if is_closed and not has_arcs else 2
+        if len(self.profile) - ends_meet < least:
+            kind, example = ("a closed profile of lines", ", [15, 30]") if is_closed else ("a profile", "")
+            remedy = f"for instance [[0, 15], [30, 15]{example}]"
+            raise fault(f"{kind} needs at least {least} points", remedy, key="profile")
         if self.profile[0].centre is not None and (ends_meet or not self.closed):
             raise fault("the first point of an open profile ends no arc", "start with [x, y]", key="profile")
         self._check_spline(self.curve == "spline")

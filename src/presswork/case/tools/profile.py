@@ -65,7 +65,7 @@ def draw_outline(
     """
     points = list(profile)
     names = names or [f"point {index}" for index in range(len(points))]
-    if len(points) > 3 and math.dist(points[0].to, points[-1].to) <= MEETING * max(_extent(points), 1e-300):
+    if len(points) > 2 and math.dist(points[0].to, points[-1].to) <= MEETING * max(_extent(points), 1e-300):
         first, last = points[0], points.pop()
         points[0] = last.model_copy(update={"to": first.to, "radius": max(first.radius, last.radius)})
         closed = True
@@ -130,7 +130,8 @@ def _piece(start: FloatArray, end: FloatArray, point: ProfilePoint, index: int) 
     """Make the line or arc from one point of the profile to the next."""
     length = float(np.linalg.norm(end - start))
     if length == 0.0:
-        raise ProfileError(index, "it coincides with the point before", "leave one of them out")
+        remedy = "leave one of them out" if point.centre is None else "draw a circle as two arcs, by the point opposite"
+        raise ProfileError(index, "it coincides with the point before", remedy)
     if point.centre is None:
         return np.array([*start, *end, 0.0, 0.0, 0.0])
     centre = np.array(point.centre)

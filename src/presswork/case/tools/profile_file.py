@@ -52,8 +52,9 @@ def read_outline(path: Path, tool: Tool, *, is_half: bool = False) -> Outline:
 
 def _outline_of_text(path: Path, tool: Tool) -> Outline:
     points, lines = read_points(path, unit_factor(tool.unit or "mm", LENGTH))
-    least = 3 if tool.closed else 2
-    if len(points) < least:
+    ends_meet = len(points) > 2 and points[0] == points[-1]
+    least = 3 if tool.closed or ends_meet else 2
+    if len(points) - ends_meet < least:
         raise ProfileFileError(
             f"{len(points)} points, where a profile needs at least {least}", "give a line with x and y for each point"
         )
