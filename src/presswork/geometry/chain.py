@@ -25,6 +25,10 @@ class ProfileFileError(Exception):
         self.remedy = remedy
         super().__init__(f"{fault}; {remedy}")
 
+    def __reduce__(self) -> tuple[type[ProfileFileError], tuple[str, str]]:
+        """Let an error pass from process to process."""
+        return ProfileFileError, (self.fault, self.remedy)
+
 
 @dataclass(frozen=True)
 class Piece:

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
-"""CAD models in STEP and IGES, read by Open CASCADE through netgen (extra `cad`), as triangles of their faces."""
+"""CAD models in STEP and IGES, read by Open CASCADE through netgen (extra `cad`), as triangles of their faces.
+
+Open CASCADE crashes on some damaged files, so it works in a process of its own (`call_cad`).
+"""
 
 from __future__ import annotations
 
 import re
 import tempfile
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +17,7 @@ import numpy as np
 from presswork.mesh.checks import MeshError
 from presswork.mesh.raw import RawMesh
 from presswork.model import FloatArray
+from presswork.own_process import DiedError, call_apart
 
 _IGES = (".iges", ".igs")
 _ENDINGS = (".step", ".stp", *_IGES)
@@ -22,6 +27,8 @@ _MOST_ROUNDS = 5
 """Triangulations, each finer, as Open CASCADE takes its tolerance for edges and is some times off inside of faces."""
 _ANGLE = 0.2
 """Largest angle between neighbouring triangles on a curved face [rad]: eight to a quarter of a circle."""
+_LONGEST = 120
+"""Seconds of processor time that a model may take to be read and cut, or followed by triangles."""
 _REMEDY = "export it again as STEP AP214 or AP242"
 _SEWN = 1e-3
 """How far apart edges of neighbouring faces may lie in IGES, whose faces share none [mm]."""
@@ -42,6 +49,47 @@ def read_cad(path: Path, tolerance: float | None = None) -> RawMesh:
     tolerance: largest distance from the surface [mm], by default RELATIVE_TOLERANCE of the diagonal. Coordinates come
     in mm, whatever the unit of the file. Raises MeshError.
     """
+    found: RawMesh = call_cad("presswork.mesh.cad:triangulate", path, tolerance)
+    return found
+
+
+def call_cad(place: str, path: Path, *arguments: Any) -> Any:
+    """Return what a function of a model's file gives, in a process of its own. Raises MeshError, and what it raises.
+
+    place: the function, as "module:name", which takes the file's path and the arguments, and may call `open_cad`.
+    """
+    _check_file(path)
+    try:
+        return call_apart(place, path, *arguments, seconds=_LONGEST)
+    except DiedError as error:
+        raise MeshError(f"the model cannot be read (Open CASCADE {error})", _REMEDY) from None
+
+
+def _check_file(path: Path) -> None:
+    """Raise MeshError for what can be said of a file before it is opened as a model."""
+    if find_spec("netgen") is None:
+        raise MeshError(
+            "STEP and IGES files are read by netgen, which is not installed",
+            'pip install "presswork[cad]" (34 MB), or export the surface as STL',
+        )
+    if not path.is_file():
+        raise MeshError(f"no such file ({path})", "check the path, which is relative to the case file")
+    content = path.read_bytes()
+    if path.suffix.lower() in _IGES:
+        if content[72:73] not in (b"S", b"C") or not _LAST_RECORD.search(content.replace(b"\r", b"")):
+            fault = "this is no whole IGES file of records of 80 columns"
+            raise MeshError(fault, "export it again, uncompressed, or as STEP AP214 or AP242")
+        return
+    if not content.lstrip()[:13].upper().startswith(b"ISO-10303-21"):
+        raise MeshError(
+            "this is no STEP file: it does not begin with ISO-10303-21", "export it again as STEP AP214 or AP242"
+        )
+    if _ELSEWHERE.search(content):
+        raise MeshError("parts of this model lie in other files", "export the assembly as one file")
+
+
+def triangulate(path: Path, tolerance: float | None) -> RawMesh:
+    """Do what `read_cad` does, in this process."""
     geometry = open_cad(path)
     low, high = (np.array([*corner]) for corner in geometry.shape.bounding_box)
     wanted = RELATIVE_TOLERANCE * float(np.linalg.norm(high - low)) if tolerance is None else tolerance
@@ -84,25 +132,11 @@ def _estimate_error(corners: FloatArray, normals: FloatArray) -> float:
 
 
 def open_cad(path: Path) -> Any:
-    """Return the model of a file. Raises MeshError."""
-    try:
-        from netgen import occ
-    except ImportError as error:
-        raise MeshError(
-            "STEP and IGES files are read by netgen, which is not installed",
-            'pip install "presswork[cad]" (34 MB), or export the surface as STL',
-        ) from error
-    if not path.is_file():
-        raise MeshError(f"no such file ({path})", "check the path, which is relative to the case file")
-    content = path.read_bytes()
+    """Return the model of a file, in this process, which it may end. Raises MeshError."""
+    from netgen import occ
+
     if path.suffix.lower() in _IGES:
-        return _open_iges(content, occ)
-    if not content.lstrip()[:13].upper().startswith(b"ISO-10303-21"):
-        raise MeshError(
-            "this is no STEP file: it does not begin with ISO-10303-21", "export it again as STEP AP214 or AP242"
-        )
-    if _ELSEWHERE.search(content):
-        raise MeshError("parts of this model lie in other files", "export the assembly as one file")
+        return _open_iges(path.read_bytes(), occ)
     try:
         geometry = occ.OCCGeometry(str(path))
     except Exception as error:  # netgen's own, and what Open CASCADE raises through it
@@ -113,9 +147,6 @@ def open_cad(path: Path) -> Any:
 
 def _open_iges(content: bytes, occ: Any) -> Any:
     """Return the model of a file in IGES, its faces sewn together. Raises MeshError."""
-    if content[72:73] not in (b"S", b"C") or not _LAST_RECORD.search(content.replace(b"\r", b"")):
-        fault = "this is no whole IGES file of records of 80 columns"
-        raise MeshError(fault, "export it again, uncompressed, or as STEP AP214 or AP242")
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "model.iges"  # netgen knows no other ending
         copy.write_bytes(content)

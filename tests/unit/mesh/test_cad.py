@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import tomllib
 from pathlib import Path
@@ -13,7 +14,9 @@ import tomli_w
 
 from presswork import build_model, read_case
 from presswork.case import CaseError
+from presswork.case.tools.step_section import read_section
 from presswork.examples import copy_example
+from presswork.geometry.chain import ProfileFileError
 from presswork.mesh.cad import read_cad
 from presswork.mesh.checks import MeshError
 from presswork.mesh.tool_file import read_tool
@@ -77,6 +80,14 @@ def test_damaged_models_are_refused_with_a_remedy(model: Path) -> None:
             read_cad(model)
     with pytest.raises(MeshError, match="no such file"):
         read_cad(model.with_name("other.step"))
+
+
+def test_a_model_on_which_open_cascade_crashes_is_refused_with_a_remedy(model: Path) -> None:
+    model.write_text(re.sub(r"= LINE\('',#\d+", "= LINE('',2147483648", model.read_text(), count=1))
+    with pytest.raises(MeshError, match=r"crashes \(SIGSEGV\).*export it again"):
+        read_cad(model)
+    with pytest.raises(ProfileFileError, match=r"crashes \(SIGSEGV\).*export it again"):
+        read_section(model, "xz", None, is_half=True)
 
 
 def test_without_netgen_the_remedy_is_said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from presswork.case.tools.profile import RELATIVE_TOLERANCE
 from presswork.case.units import LENGTH
 from presswork.geometry.biarc import Curve, CurveError, fit_biarcs
 from presswork.geometry.chain import Piece, ProfileFileError
-from presswork.mesh.cad import open_cad
+from presswork.mesh.cad import call_cad, open_cad
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray
 
@@ -34,11 +34,16 @@ def read_section(path: Path, plane: Plane, tolerance: float | None, *, is_half: 
     out what lies at negative values of the first axis. Raises ProfileFileError.
     """
     try:
-        model = open_cad(path)
+        found: tuple[list[Piece], float] = call_cad(f"{__name__}:cut_section", path, plane, tolerance, is_half)
     except MeshError as error:
         raise ProfileFileError(error.fault, error.remedy) from None
+    return found
+
+
+def cut_section(path: Path, plane: Plane, tolerance: float | None, is_half: bool) -> tuple[list[Piece], float]:
+    """Do what `read_section` does, in this process. Raises MeshError, too."""
     order = _AXES[plane]
-    edges = _cut(model.shape, order, is_half)
+    edges = _cut(open_cad(path).shape, order, is_half)
     if not edges:
         remedy = "take another plane, and see that the model is a solid"
         raise ProfileFileError(f"the plane {plane} through the origin cuts nothing of the model", remedy)

@@ -8,6 +8,7 @@ pytetwild (fTetWild) takes worse surfaces, moves them within an envelope, and gi
 from __future__ import annotations
 
 import tempfile
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from presswork.mesh.box import SIDES, finish_mesh
 from presswork.mesh.checks import MeshError
 from presswork.mesh.tool_file import read_tool
 from presswork.model import FloatArray, IntArray, Mesh, SpaceElement, Triangulation
+from presswork.own_process import DiedError, call_apart
 
 OF_SIZE = 0.8
 """Size that netgen is asked for, over that of the cells it makes then: its edges come out longer."""
@@ -90,15 +92,24 @@ def _pierces(edges_of: FloatArray, triangle: FloatArray) -> np.ndarray[tuple[int
 
 
 def _fill(surface: Triangulation, size: float) -> tuple[FloatArray, IntArray]:
-    """Return points and tetrahedra. Raises MeshError."""
-    try:
-        from netgen.meshing import MeshingParameters
-        from netgen.stl import STLGeometry
-    except ImportError as error:
+    """Return points and tetrahedra, which netgen makes in a process of its own. Raises MeshError."""
+    if find_spec("netgen") is None:
         raise MeshError(
             "closed surfaces are filled with cells by netgen, which is not installed",
             'pip install "presswork[cad]" (34 MB), or give a mesh of tetrahedra',
-        ) from error
+        )
+    try:
+        found: tuple[FloatArray, IntArray] = call_apart(f"{__name__}:fill_here", surface, size)
+    except DiedError as error:
+        raise MeshError(f"netgen {error} as it fills the surface", "mend it, or ask for smaller cells") from None
+    return found
+
+
+def fill_here(surface: Triangulation, size: float) -> tuple[FloatArray, IntArray]:
+    """Return points and tetrahedra, in this process. Raises MeshError."""
+    from netgen.meshing import MeshingParameters
+    from netgen.stl import STLGeometry
+
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "surface.stl"
         file.write_text(_write_stl(surface))
