@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,14 @@ import pytest
 from presswork.law.umat import compile_law
 
 SOURCES = Path(__file__).parent / "data" / "umat"
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _own_list_of_libraries(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Laws that tests compile are allowed in tests alone, not to the user who runs them."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_STATE_HOME", str(tmp_path_factory.mktemp("state")))
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 from .api import run
 from .case import Case, CaseError, OneStepCase, ShellCase, StampingCase, build_model, read_case
+from .law.allowed import allow_library
 from .recorder import Outcome, run_model
 from .results import OutputError, Result
 
@@ -15,6 +16,7 @@ __all__ = [
     "Result",
     "ShellCase",
     "StampingCase",
+    "allow_library",
     "build_model",
     "read_case",
     "run",

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from presswork.case import CaseError
 from presswork.case.errors import Problem
 from presswork.cli.members import BringBack, ClusterAddress, MemberTimeout, choose_cluster
-from presswork.cli.terminal import GAVE_UP, INTERRUPTED, console, refuse
+from presswork.cli.terminal import GAVE_UP, INTERRUPTED, RunUserCode, console, refuse
 from presswork.recorder import Progress as RunProgress
 from presswork.results import OutputError
 from presswork.study import ClusterError
@@ -41,6 +41,7 @@ def blank(
     resume: Annotated[bool, typer.Option("--resume", help="Keep the draws that are there and continue.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the search in the folder.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, errors only.")] = False,
+    run_user_code: RunUserCode = False,
 ) -> None:
     """Find the blank whose drawn flange has the outline wanted: draw, correct, draw again."""
     folder = output or case.with_name(f"{case.stem}_blank")

@@ -22,7 +22,7 @@ from presswork.cli.members import (
     choose_cluster,
     progress_shown,
 )
-from presswork.cli.terminal import INTERRUPTED, console, exit_on
+from presswork.cli.terminal import INTERRUPTED, RunUserCode, console, exit_on
 from presswork.outcome import StartError
 from presswork.results import OutputError, ResultError
 from presswork.study import ClusterError
@@ -64,6 +64,7 @@ def ring(
     resume: Resume = False,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
+    run_user_code: RunUserCode = False,
 ) -> None:
     """Fit friction to a measured ring test: the value, its 95 % confidence, and the picture."""
     folder = output or measured.with_name(f"{measured.stem}_calibration")
@@ -101,6 +102,7 @@ def damage(
     ] = "",
     set_: Settings = None,
     output: Annotated[Path | None, typer.Option(help="Folder of the run; default: the case's name, _damage.")] = None,
+    run_user_code: RunUserCode = False,
 ) -> None:
     """Tell the critical damage of a material from a test's stroke of first crack."""
     with exit_on(CaseError, OutputError, ResultError):
@@ -132,6 +134,7 @@ def curve(
     output: Annotated[Path | None, typer.Option(help="Folder; default: measured file's name, _calibration.")] = None,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
+    run_user_code: RunUserCode = False,
 ) -> None:
     """Find numbers of a case from a measured curve, by the derivatives of its runs."""
 

@@ -7,14 +7,19 @@ from pathlib import Path
 
 from presswork.case import build_model, read_case
 from presswork.case.errors import CaseError
+from presswork.case.material.umat import list_libraries
 from presswork.cli.terminal import refuse
+from presswork.law.allowed import is_allowed
 from presswork.model import Model, OneStepModel
 
 
 def load_model(
-    case_file: Path, settings: list[str] | None, folder: Path | None = None, *, run_user_code: bool = True
+    case_file: Path, settings: list[str] | None, folder: Path | None = None, *, only_described: bool = False
 ) -> Model | OneStepModel:
-    """Build the model of a case file. folder: for a picture of what is refused, if that can be drawn."""
+    """Build the model of a case file. folder: for a picture of what is refused, if that can be drawn.
+
+    only_described: leave libraries that may not run unopened, instead of refusing the case.
+    """
     try:
         case = read_case(case_file, overrides=settings or [])
         if case.analysis == "onestep":
@@ -22,6 +27,8 @@ def load_model(
 
             assert isinstance(case, OneStepCase)
             return build_onestep_model(case)
+        libraries = list_libraries(case)
+        run_user_code = not only_described or (bool(libraries) and all(map(is_allowed, libraries)))
         if case.analysis == "stamping":
             from presswork.bead_forces import find_bead_forces
 

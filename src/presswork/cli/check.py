@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import math
 
 import typer
 
 from presswork.case import describe
 from presswork.cli.case_files import load_model
-from presswork.cli.terminal import CaseFile, Settings, refuse
+from presswork.cli.terminal import CaseFile, RunUserCode, Settings, refuse
 from presswork.model import OneStepModel
 from presswork.outcome import StartError
 from presswork.process.begin import check_start
@@ -18,16 +18,14 @@ from presswork.process.begin import check_start
 def check(
     case: CaseFile,
     set_: Settings = None,
-    run_user_code: Annotated[
-        bool, typer.Option("--run-user-code", help="Open and try the libraries (umat) that the case names.")
-    ] = False,
+    run_user_code: RunUserCode = False,
 ) -> None:
-    """Validate a case and say in words what would be computed; code that it names runs only if asked for."""
-    model = load_model(case, set_, run_user_code=run_user_code)
+    """Validate a case and say in words what would be computed; code that it names runs only if allowed."""
+    model = load_model(case, set_, only_described=True)
     typer.echo(describe(model))
     if isinstance(model, OneStepModel):
         return
-    if not run_user_code and any(material.umat and not material.gtn for material in model.materials):
+    if any(material.umat and math.isnan(material.young) for material in model.materials):
         typer.echo("not opened: the libraries of its materials, whose code would run; --run-user-code tries them")
         return
     try:

@@ -13,7 +13,7 @@ from presswork import __version__
 
 COMMANDS = {
     "run": "Compute a case, draw its pictures and write its page for the browser.",
-    "check": "Validate a case and say in words what would be computed; code that it names runs only if asked for.",
+    "check": "Validate a case and say in words what would be computed; code that it names runs only if allowed.",
     "plot": "Draw PNG pictures of results: mesh with fields, history, contact stress, forming limit diagram.",
     "animate": "Write a film of a run, GIF or MP4: the part with a field, a picture a saved step.",
     "report": "Write one page for the browser: the part in 3D with its fields over time, curves, forming limit, case.",

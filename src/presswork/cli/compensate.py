@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from presswork.case import CaseError
 from presswork.cli.members import MemberTimeout
-from presswork.cli.terminal import GAVE_UP, INTERRUPTED, console, refuse
+from presswork.cli.terminal import GAVE_UP, INTERRUPTED, RunUserCode, console, refuse
 from presswork.recorder import Progress as RunProgress
 from presswork.results import OutputError
 from presswork.study.compensate import CASE, Loop, compensate_springback
@@ -38,6 +38,7 @@ def compensate(
     resume: Annotated[bool, typer.Option("--resume", help="Keep the loops that are there and continue.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the search in the folder.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, errors only.")] = False,
+    run_user_code: RunUserCode = False,
 ) -> None:
     """Correct the tools for springback, loop by loop, until the part has the shape it is drawn to."""
     folder = output or case.with_name(f"{case.stem}_compensate")

@@ -19,6 +19,7 @@ from presswork.case.material.sheet import check_sheet_material
 from presswork.case.units import STRESS, to_number
 from presswork.cli.material_hot import fit_compression, is_hot_compression
 from presswork.cli.terminal import exit_on
+from presswork.law.allowed import allow_library
 from presswork.law.umat import CompileError, compile_law
 from presswork.material.fit_plot import draw_curves, draw_fit
 from presswork.material.hot_plot import draw_hot_law
@@ -52,6 +53,16 @@ def compile_(
     """Compile a material law into a shared library, for [materials.NAME] umat = "LIBRARY"."""
     with exit_on(CompileError):
         typer.echo(compile_law(source, output))
+
+
+@app.command()
+def allow(
+    library: Annotated[Path, typer.Argument(help="A shared library with a law, whose code you trust.")],
+) -> None:
+    """Let cases run a library that was not compiled here, as long as its content stays."""
+    with exit_on(OSError):
+        allow_library(library)
+        typer.echo(f"{library} may run")
 
 
 @app.command()

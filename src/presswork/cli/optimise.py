@@ -23,7 +23,7 @@ from presswork.cli.members import (
     choose_cluster,
     progress_shown,
 )
-from presswork.cli.terminal import GAVE_UP, INTERRUPTED, console, exit_on
+from presswork.cli.terminal import GAVE_UP, INTERRUPTED, RunUserCode, console, exit_on
 from presswork.results import OutputError
 from presswork.study import ClusterError
 from presswork.study.optimum.optimise import BEST, Optimum
@@ -43,6 +43,7 @@ def optimise(
     resume: Resume = False,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
+    run_user_code: RunUserCode = False,
 ) -> None:
     """Find the best values of keys of a case, within bounds and limits, by runs in parallel."""
     folder = output or study.with_name(f"{study.stem}_optimum")

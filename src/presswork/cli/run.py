@@ -15,7 +15,7 @@ import typer
 
 from presswork.cli.case_files import load_model
 from presswork.cli.pictures import show
-from presswork.cli.terminal import GAVE_UP, INTERRUPTED, CaseFile, Settings, console, exit_on, refuse
+from presswork.cli.terminal import GAVE_UP, INTERRUPTED, CaseFile, RunUserCode, Settings, console, exit_on, refuse
 from presswork.model import Model, OneStepModel
 from presswork.process.begin import begin
 from presswork.process.on_ranks import begin_on_ranks
@@ -44,6 +44,7 @@ def run(
     plot: Annotated[bool, typer.Option(help="Draw the pictures at the end.")] = True,
     report: Annotated[bool, typer.Option(help="Write the page for the browser at the end.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress, errors only.")] = False,
+    run_user_code: RunUserCode = False,
 ) -> None:
     """Compute a case, draw its pictures and write its page for the browser."""
     folder = output or case.with_suffix("")

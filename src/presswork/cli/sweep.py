@@ -25,7 +25,7 @@ from presswork.cli.members import (
     choose_cluster,
     progress_shown,
 )
-from presswork.cli.terminal import BAD_INPUT, GAVE_UP, INTERRUPTED, console, exit_on
+from presswork.cli.terminal import BAD_INPUT, GAVE_UP, INTERRUPTED, RunUserCode, console, exit_on
 from presswork.results import OutputError
 from presswork.study import ClusterError
 from presswork.study.sweep import TABLE, SweepResult, run_sweep
@@ -63,6 +63,7 @@ def sweep(
     resume: Resume = False,
     overwrite: Overwrite = False,
     quiet: Quiet = False,
+    run_user_code: RunUserCode = False,
 ) -> None:
     """Run a family of cases in parallel, and leave one table and one picture."""
     folder = output or case.with_name(f"{case.stem}_sweep")

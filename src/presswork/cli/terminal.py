@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from presswork.law.allowed import allow_all
+
 if TYPE_CHECKING:
     from rich.console import Console
 
@@ -22,6 +24,23 @@ Settings = Annotated[
     list[str] | None,
     typer.Option(
         "--set", metavar="KEY=VALUE", help="Change a key of the case, e.g. --set workpiece.mesh.cells=[30,30]."
+    ),
+]
+
+
+def _allow_code(wanted: bool) -> bool:
+    """Let the libraries run that cases of this command name."""
+    if wanted:
+        allow_all()
+    return wanted
+
+
+RunUserCode = Annotated[
+    bool,
+    typer.Option(
+        "--run-user-code",
+        callback=_allow_code,
+        help="Run the libraries (umat) that the case names.",
     ),
 ]
 

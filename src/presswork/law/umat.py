@@ -9,12 +9,14 @@ import shutil
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
 from presswork import _core, model
+from presswork.law.allowed import allow_library
 from presswork.law.elastic_plastic import make_sheet_law
 from presswork.model import FloatArray
 
@@ -37,7 +39,7 @@ def compile_law(source: Path, library: Path | None = None) -> Path:
     """Compile a UMAT or a law of one C++ file into a shared library; return its path.
 
     source: .f, .for, .f90 (gfortran), .c (gcc) or .cpp (g++). library: default: beside the source, ending in .so.
-    Raises CompileError with the compiler's own words.
+    It may run in cases of this user from then on (law/allowed.py). Raises CompileError with the compiler's own words.
     """
     command = _COMPILERS.get(source.suffix.lower())
     if command is None:
@@ -52,6 +54,8 @@ def compile_law(source: Path, library: Path | None = None) -> Path:
     done = subprocess.run([*command, str(source), "-o", str(library)], capture_output=True, text=True)
     if done.returncode != 0:
         raise CompileError(f"{source}: {command[0]} refuses it:\n{done.stderr.strip()}")
+    with suppress(OSError):  # no home to write to: --run-user-code allows it
+        allow_library(library)
     return library
 
 

@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+import presswork
 from presswork import build_model
 from presswork.case import CaseError, read_case
 from presswork.cli import app
 from presswork.examples import copy_example
+from presswork.law.allowed import VARIABLE, allow_library
 from presswork.law.umat import CompileError, compile_law
 
 GOOD = {"props": "[1, 200e3, 0.3, 700, 0.01, 0.2]", "state_variables": "1"}
@@ -34,7 +37,7 @@ def test_the_first_tangent_gives_the_elastic_constants(tmp_path, umat_laws):
 
 BAD = {
     "no such file": ({"library": "nowhere.so"}, ["materials.steel.umat", "nowhere.so", "no such file"]),
-    "no library": ({"library": __file__}, ["materials.steel.umat", "invalid ELF header"]),
+    "no library": ({"library": "text.so"}, ["materials.steel.umat", "invalid ELF header"]),
     "too few properties": ({"props": "[1, 200e3, 0.3]"}, ["steel.umat", "no numbers", "than the 3 props"]),
     "too few state variables": ({"state_variables": "0"}, ["steel.umat", "state variables"]),
     "writes too far": ({"props": "[7, 200e3, 0.3]"}, ["steel.umat", "beyond its 1 state variables", "*DEPVAR"]),
@@ -53,6 +56,10 @@ BAD = {
 @pytest.mark.parametrize("fault", BAD)
 def test_a_umat_that_cannot_be_used_is_refused(tmp_path, umat_laws, fault):
     keys, words = BAD[fault]
+    text = tmp_path / "case" / "text.so"
+    text.parent.mkdir()
+    text.write_text("no library, " * 100)
+    allow_library(text)
     with pytest.raises(CaseError) as error:
         build(tmp_path, **{"library": umat_laws, **keys})
     for word in words:
@@ -79,6 +86,7 @@ def test_a_library_cut_short_is_refused_in_words(tmp_path, umat_laws, part):
     whole = umat_laws.read_bytes()
     short = tmp_path / "short.so"
     short.write_bytes(whole[: int(part * len(whole))])
+    allow_library(short)
     with pytest.raises(CaseError, match=r"materials\.steel\.umat.*cannot be used"):
         build(tmp_path, short)
 
@@ -98,25 +106,68 @@ def test_code_that_ends_its_process_is_refused_in_words(tmp_path, body, said):
         build(tmp_path, compile_law(source))
 
 
-def test_check_runs_the_code_of_a_case_only_when_asked(tmp_path):
-    """The library writes a file as it is opened, before any routine is called."""
-    source, mark = tmp_path / "mark.c", tmp_path / "ran"
+@pytest.fixture
+def foreign(tmp_path, monkeypatch):
+    """A case whose library, not compiled by presswork, writes a file as it is opened; its case and that file."""
+    monkeypatch.setenv(VARIABLE, "0")  # --run-user-code sets it
+    source, mark, library = tmp_path / "mark.c", tmp_path / "ran", tmp_path / "mark.so"
     source.write_text(
         f'#include <stdio.h>\n__attribute__((constructor)) static void run(void) {{ fclose(fopen("{mark}", "w")); }}\n'
         "void umat_(void) {}\n"
     )
-    library = compile_law(source)
-    with pytest.raises(CaseError):
+    subprocess.run(["gcc", "-shared", "-fPIC", str(source), "-o", str(library)], check=True)
+    with pytest.raises(CaseError, match=r"materials\.steel\.umat = .*not been allowed to run here; .*--run-user-code"):
         build(tmp_path / "a", library)
-    mark.unlink()
-    case = str(tmp_path / "a" / "case" / "upsetting_q4.toml")
-    told = CliRunner().invoke(app, ["check", case])
+    assert not mark.exists()
+    return tmp_path / "a" / "case" / "upsetting_q4.toml", mark
+
+
+def test_no_command_runs_the_code_of_a_case_unasked(tmp_path, foreign):
+    case, mark = foreign
+    study = tmp_path / "study.toml"
+    study.write_text(
+        f'case = "{case}"\ngoals = [{{ minimise = "last:punch.force" }}]\n'
+        'variables = [{ key = "tools.punch.mu", lower = 0.1, upper = 0.2 }]\n'
+    )
+    measured = tmp_path / "measured.csv"
+    measured.write_text("punch.stroke,punch.force\n0.5,1\n1,2\n")
+    for command in (
+        ["run", str(case)],
+        ["sweep", str(case), "--vary", "tools.punch.mu=0.1,0.2"],
+        ["optimise", str(study)],
+        ["calibrate", "curve", str(measured), "--case", str(case), "--fit", "tools.punch.mu"],
+        ["calibrate", "damage", str(case), "--stroke", "1"],
+    ):
+        told = CliRunner().invoke(app, command)
+        assert told.exit_code == 2, told.output
+        assert not mark.exists(), command
+    with pytest.raises(CaseError, match="--run-user-code"):
+        presswork.run(read_case(case), tmp_path / "out")
+    assert not mark.exists()
+
+
+def test_check_describes_a_library_that_may_not_run(foreign):
+    case, mark = foreign
+    told = CliRunner().invoke(app, ["check", str(case)])
     assert told.exit_code == 0
     assert "not opened" in told.output
     assert "--run-user-code" in told.output
     assert not mark.exists()
-    assert CliRunner().invoke(app, ["check", case, "--run-user-code"]).exit_code == 2
+    assert CliRunner().invoke(app, ["check", str(case), "--run-user-code"]).exit_code == 2
     assert mark.exists()
+
+
+def test_a_library_may_run_once_it_is_allowed_until_it_changes(foreign):
+    case, mark = foreign
+    library = mark.with_name("mark.so")
+    told = CliRunner().invoke(app, ["material", "allow", str(library)])
+    assert told.exit_code == 0
+    with pytest.raises(CaseError, match="its first call"):
+        build_model(read_case(case))
+    assert mark.exists()
+    library.write_bytes(library.read_bytes() + b"x")
+    with pytest.raises(CaseError, match="--run-user-code"):
+        build_model(read_case(case))
 
 
 def test_sizes_that_the_library_tells_are_held_against_the_case(tmp_path):

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import Field
@@ -16,7 +17,11 @@ from presswork.case.heat.thermal import Thermal
 from presswork.case.part import Part
 from presswork.case.settings import Whole
 from presswork.case.units import Density, Number, Stress
+from presswork.law.allowed import is_allowed
 from presswork.law.umat import elastic_constants, try_umat
+
+if TYPE_CHECKING:
+    from presswork.case.kinds import AnyCase
 
 _FAULTS = {
     "not_finite": (
@@ -83,10 +88,17 @@ class UmatMaterial(Part):
         return self.density is not None
 
 
+def list_libraries(case: AnyCase) -> list[Path]:
+    """Return the libraries that the materials of a case name."""
+    folder = case.source.parent if case.source else Path()
+    tables = case.materials.values()
+    return [(folder / table.umat).resolve() for table in tables if isinstance(table, UmatMaterial)]
+
+
 def build_umat(
     name: str, material: UmatMaterial, folder: Path, components: int, *, run_user_code: bool = True
 ) -> model.Material | Problem:
-    """Open and try the library of a material; return the Model's, with the elastic constants that it shows.
+    """Open and try the library of a material, if it may run; return the Model's, with the elastic constants it shows.
 
     components: of the stress: 3 of shells, 4 of solids in the plane, 6 of solids in space.
     run_user_code: without it the library is not opened, and the constants are nan.
@@ -120,6 +132,9 @@ def build_umat(
     made = model.Material(name, math.nan, math.nan, hardening=None, umat=law, density=density, thermal=thermal)
     if not run_user_code:
         return made
+    if not is_allowed(path):
+        remedy = "if you trust where it comes from, add --run-user-code, or `presswork material allow` it for good"
+        return Problem(f"{key}.umat", "its code has not been allowed to run here", remedy, material.umat)
     trial = try_umat(law, components)
     if trial.fault:
         remedy = "compile it with `presswork material compile`"
