@@ -209,6 +209,11 @@ def test_other_decks_are_refused_with_a_remedy(tmp_path, name) -> None:
         import_it(tmp_path, change(write_deck()))
 
 
+def test_a_bad_number_in_an_engine_file_names_file_line_and_remedy(tmp_path) -> None:
+    with pytest.raises(CaseError, match=r"cup_0001\.rad:1.*/RUN.*`x` is no number; check"):
+        import_it(tmp_path, write_deck(), end="x")
+
+
 def test_what_the_engine_changes_is_refused_and_it_tells_the_end(tmp_path) -> None:
     text = write_deck(tail=TAIL)
     found, _ = import_it(tmp_path, text, end="3.65E-3")

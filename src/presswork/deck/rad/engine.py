@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from presswork.deck.contents import Deck
@@ -11,8 +12,8 @@ from presswork.deck.rad.blocks import Block, read_blocks, read_row
 from presswork.deck.rad.keywords import ENGINE
 
 
-def read_engine(starter: Path, deck: Deck, notes: Notes) -> None:
-    """Read the engine's files beside NAME_0000.rad, as many as there are. Raises CaseError."""
+def read_engine(starter: Path, notes: Notes) -> Iterator[Block]:
+    """Yield the keywords of the engine's files beside NAME_0000.rad, as many as there are. Raises CaseError."""
     stem = starter.stem
     if not stem.endswith("_0000"):
         return
@@ -20,8 +21,7 @@ def read_engine(starter: Path, deck: Deck, notes: Notes) -> None:
         path = starter.with_name(f"{stem[:-4]}{run:04d}{starter.suffix}")
         if not path.exists():
             return
-        for block in read_blocks(path, starter, notes):
-            take_engine_block(block, deck, notes)
+        yield from read_blocks(path, starter, notes)
 
 
 def take_engine_block(block: Block, deck: Deck, notes: Notes) -> None:

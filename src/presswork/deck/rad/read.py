@@ -85,7 +85,8 @@ class RadDeck:
             self._try(self._take, block)
         if not self._version:
             raise self.notes.fail(None, "no /BEGIN in it", "give the starter's file, NAME_0000.rad")
-        read_engine(self._path, self.deck, self.notes)
+        for block in read_engine(self._path, self.notes):
+            self._try(self._take_engine, block)
         if not self._labels or not self._rows:
             raise self.notes.fail(None, "no /NODE or no /SHELL in it", "give the whole deck, with its files")
         self._finish()
@@ -122,11 +123,14 @@ class RadDeck:
         elif self._groups.take(block):
             self.notes.see(block.place, block.keyword, "a group, for keywords that name it")
         elif word == "RUN":
-            take_engine_block(block, self.deck, self.notes)
+            self._take_engine(block)
         elif word in STARTER:
             self.notes.drop(block.place, block.keyword, "steers numerics or output, or matters only where it is named")
         else:
             self.notes.refuse(block.place, block.keyword, "carries physics that has no counterpart here")
+
+    def _take_engine(self, block: Block) -> None:
+        take_engine_block(block, self.deck, self.notes)
 
     # --- head and mesh -----------------------------------------------------------------------------------------------
 
