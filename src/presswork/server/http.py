@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hmac
 import json
+import math
 import secrets
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -54,12 +55,29 @@ class Request:
     def get_json(self) -> dict[str, Any]:
         """Return the body as a table. Raises RefusedError."""
         try:
-            data = json.loads(self.body)
+            data = json.loads(self.body, parse_constant=_read_number, parse_float=_read_number, parse_int=_read_whole)
+            json.dumps(data, ensure_ascii=False).encode()  # half of a surrogate pair is no text
         except (ValueError, RecursionError) as error:
-            raise RefusedError("the request is not JSON") from error
+            raise RefusedError("the request is not JSON of finite numbers and text in UTF-8") from error
         if not isinstance(data, dict):
             raise RefusedError("the request is no table")
         return data
+
+
+def _read_number(text: str) -> float:
+    """Return a number of JSON. Raises ValueError for one that is not finite."""
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text} is not finite")
+    return number
+
+
+def _read_whole(text: str) -> int:
+    """Return a whole number of JSON. Raises ValueError for one of more than 64 bits, as in TOML."""
+    number = int(text)
+    if number.bit_length() > 63:
+        raise ValueError("a whole number of more than 64 bits")
+    return number
 
 
 @dataclass(frozen=True)
@@ -121,8 +139,9 @@ class _Handler(BaseHTTPRequestHandler):
             self.close_connection = True
         except OutputError as error:
             status, response = 404, answer_json({"error": str(error)})
-        except (OSError, ValueError, LookupError, TypeError, RuntimeError) as error:
-            status, response = 500, answer_json({"error": f"{type(error).__name__}: {error}"})
+        except Exception:  # a fault of ours, or of a file that nobody foresaw: its words would help nobody
+            status, response = 500, answer_json({"error": "the program cannot answer this; look at the files it names"})
+            self.close_connection = True
         self._send(status, response)
 
     def _admit(self, method: str) -> Request:
@@ -134,12 +153,16 @@ class _Handler(BaseHTTPRequestHandler):
         origin = self.headers.get("Origin")
         if origin is not None and origin not in [f"http://{host}" for host in hosts]:
             raise RefusedError("this server answers to its own pages only", 403)
-        address = urlsplit(self.path)
-        _, token, *rest = address.path.split("/", 2)
+        try:
+            address = urlsplit(self.path)
+            query = parse_qs(address.query, max_num_fields=100)
+        except ValueError:
+            raise RefusedError("this is no address") from None
+        token, *rest = address.path.removeprefix("/").split("/", 1)
         if not hmac.compare_digest(token.encode(), self.server.token.encode()):
             raise RefusedError("the address lacks the token", 403)
         body = self._read_body() if method == "POST" else b""
-        return Request(method, rest[0] if rest else "", parse_qs(address.query, max_num_fields=100), body)
+        return Request(method, rest[0] if rest else "", query, body)
 
     def _read_body(self) -> bytes:
         text = self.headers.get("Content-Length", "0")

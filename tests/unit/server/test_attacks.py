@@ -7,6 +7,7 @@ import http.client
 import json
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import threading
@@ -21,7 +22,7 @@ import pytest
 
 from presswork import Case, run
 from presswork.examples import copy_example
-from presswork.server.http import MOST_BYTES, Server
+from presswork.server.http import MOST_BYTES, Response, Server
 from presswork.server.site import Site
 
 SECRET = "the secret of the next folder"
@@ -76,6 +77,39 @@ def test_token_cannot_be_guessed(server: Server, folder: Path) -> None:
     with Server(Site(folder).answer) as other:
         assert len(other.token) >= 32
         assert other.token != server.token
+
+
+@pytest.mark.parametrize(
+    "body",
+    [b'{"text": NaN}', b'{"data": {"a": Infinity}}', b'{"data": {"a": 1e999}}', b'{"data": 1' + b"0" * 400 + b"}",
+     b'{"text": "\\ud800"}', b"[]", b"{", b"\xff"],
+)  # fmt: skip
+@pytest.mark.parametrize("address", ["check?case=upsetting_q4.toml", "save?case=upsetting_q4.toml", "material"])
+def test_bodies_that_are_no_plain_data_are_refused(server: Server, address: str, body: bytes) -> None:
+    status, text, _ = ask(server, address, "POST", body=body)
+    assert status == 400
+    assert json.loads(text)["error"].startswith("the request is no")
+
+
+@pytest.mark.parametrize("line", ["GET runs", "GET ?a", "GET http://[x", "GET *", "POST x"])
+def test_request_lines_that_name_no_page_are_refused(server: Server, line: str) -> None:
+    port = server.server_port
+    with socket.create_connection(("127.0.0.1", port), timeout=60) as connection:
+        connection.sendall(f"{line} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
+        answer = connection.makefile("rb").readline()
+    assert answer.split()[1] in (b"400", b"403")
+
+
+def test_a_fault_of_the_program_is_no_exception_in_words(folder: Path) -> None:
+    def fail(_: object) -> Response:
+        raise ZeroDivisionError("a secret of the program")
+
+    with Server(fail) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        status, text, _ = ask(server, "runs")
+        server.shutdown()
+    assert status == 500
+    assert "secret" not in text
 
 
 def test_other_names_of_the_server_are_refused(server: Server) -> None:
