@@ -53,12 +53,12 @@ class Kind:
 
 
 KINDS = {
-    "solid": Kind(
+    "plane": Kind(
         ("axisymmetric", "plane_strain"),
         "presswork.case.solid.schema:Case",
         "presswork.case.solid.builder:build_solid_model",
     ),
-    "space": Kind(
+    "solid": Kind(
         ("solid",), "presswork.case.space.schema:SpaceCase", "presswork.case.space.builder:build_space_model"
     ),
     "shell": Kind(
@@ -91,7 +91,7 @@ def read_case(path: str | Path, overrides: Sequence[str] = ()) -> AnyCase:
     analysis = data.get("analysis")
     if isinstance(analysis, str) and analysis not in kinds:
         raise CaseError([Problem("analysis", "unknown choice", suggest(analysis, kinds), analysis)], path)
-    return kinds.get(str(analysis), KINDS["solid"]).load().from_toml(path, overrides)
+    return kinds.get(str(analysis), KINDS["plane"]).load().from_toml(path, overrides)
 
 
 def build_model(case: AnyCase, *, run_user_code: bool = True) -> Model:
@@ -123,13 +123,15 @@ def build_model(case: AnyCase, *, run_user_code: bool = True) -> Model:
 def json_schema(kind: str | None = None) -> dict[str, Any]:
     """Return the JSON schema of case files, by which editors complete and check them.
 
-    Without a kind: of all, told apart by `analysis`. Raises CaseError for an unknown kind.
+    kind: an `analysis`, or plane for both of the plane; without it: of all, told apart by `analysis`. Raises CaseError
+    for an unknown kind.
     """
-    if kind is not None and kind not in KINDS:
-        raise CaseError([Problem("", f"`{kind}` is no kind of case", suggest(kind, KINDS, "kinds"))], "schema")
+    names = {word: name for name, entry in KINDS.items() for word in (name, *entry.analyses)}
+    if kind is not None and kind not in names:
+        raise CaseError([Problem("", f"`{kind}` is no kind of case", suggest(kind, names, "kinds"))], "schema")
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     if kind is not None:
-        return {**head, **KINDS[kind].load().model_json_schema()}
+        return {**head, **KINDS[names[kind]].load().model_json_schema()}
     from pydantic.json_schema import models_json_schema
 
     cases = {kind.load(): kind.analyses for kind in KINDS.values()}

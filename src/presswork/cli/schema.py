@@ -17,7 +17,8 @@ def schema(
     kind: Annotated[
         str | None,
         typer.Argument(
-            help="heat, onestep, shell, solid, space or stamping; none: all kinds of case.", show_default=False
+            help="An analysis: axisymmetric, plane_strain, solid, shell, stamping, heat or onestep; none: all.",
+            show_default=False,
         ),
     ] = None,
 ) -> None:

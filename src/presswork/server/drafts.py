@@ -108,7 +108,7 @@ class Drafts:
     def read(self, text: str) -> dict[str, Any]:
         """Return the data of a text and the schema of its kind."""
         data = _parse(text)
-        kind = next((kind for kind, entry in KINDS.items() if data.get("analysis") in entry.analyses), "solid")
+        kind = next((kind for kind, entry in KINDS.items() if data.get("analysis") in entry.analyses), "plane")
         return {"data": data, "kind": kind, "schema": json_schema(kind)}
 
     def save(self, name: str, text: str, before: str) -> None:

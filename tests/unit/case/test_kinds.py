@@ -64,6 +64,9 @@ def test_schema_command_prints_all_kinds_or_one() -> None:
         printed = json.loads(runner.invoke(app, ["schema", name]).stdout)
         assert printed["title"] == kind.name
         assert "blank" in printed["properties"] or "workpiece" in printed["properties"]
+        for word in kind.analyses:
+            assert json.loads(runner.invoke(app, ["schema", word]).stdout) == printed
+    assert "SpaceCase" in json.loads(runner.invoke(app, ["schema", "solid"]).stdout)["title"]
     refused = runner.invoke(app, ["schema", "shel"])
     assert refused.exit_code == 2
     assert "did you mean `shell`?" in refused.output
