@@ -19,6 +19,10 @@ JsonSchema = Mapping[str, Any]
 
 DEEPEST = 32
 """Levels of tables and lists in each other that a file may have."""
+MOST_TABLES = 5000
+"""Tables that a file may have; each is checked, and named where it is wrong."""
+LARGEST_INTEGER = 2**63
+"""TOML's whole numbers have 64 bits."""
 LARGEST_FILE = 16_000_000
 """Bytes of the largest case file that is read."""
 
@@ -46,8 +50,7 @@ def _parse(text: str, source: Path | None) -> dict[str, Any]:
         raise CaseError([Problem("", f"not valid TOML: {error}", "shorten the number")], source) from None
     except RecursionError:
         raise CaseError([_too_deep()], source) from None
-    if _depth(data) > DEEPEST:
-        raise CaseError([_too_deep()], source)
+    _require_bounded(data, source)
     return data
 
 
@@ -57,18 +60,28 @@ def _too_deep() -> Problem:
     )
 
 
-def _depth(data: object) -> int:
-    """Return how deep tables and lists lie in each other."""
-    level, depth = [data], 0
-    while level and depth <= DEEPEST:
-        level = [
-            inner
-            for each in level
-            if isinstance(each, dict | list)
-            for inner in (each.values() if isinstance(each, dict) else each)
-        ]
-        depth += 1
-    return depth
+def _require_bounded(data: object, source: Path | None) -> None:
+    """Raise CaseError for a file deeper, larger or with longer whole numbers than any case has."""
+    level: list[tuple[tuple[str | int, ...], Any]] = [((), data)]
+    depth = tables = 0
+    while level:
+        if depth > DEEPEST:
+            raise CaseError([_too_deep()], source)
+        tables += sum(isinstance(value, dict) for _, value in level)
+        if tables > MOST_TABLES:
+            text = f"more than {MOST_TABLES:,} tables"
+            raise CaseError([Problem("", text, "give points as lists, [x, y], or in a file of their own")], source)
+        inner: list[tuple[tuple[str | int, ...], Any]] = []
+        for path, value in level:
+            if isinstance(value, dict):
+                inner += [((*path, key), entry) for key, entry in value.items()]
+            elif isinstance(value, list):
+                inner += [((*path, number), entry) for number, entry in enumerate(value)]
+            elif isinstance(value, int) and not -LARGEST_INTEGER <= value < LARGEST_INTEGER:
+                key = ".".join(map(str, path))
+                text = f"a whole number of {value.bit_length()} bits, and TOML's have 64"
+                raise CaseError([Problem(key, text, "write a smaller one, or with a point or exponent: 1e20")], source)
+        level, depth = inner, depth + 1
 
 
 def apply_overrides(data: dict[str, Any], overrides: Sequence[str], source: Path | None = None) -> None:
@@ -172,7 +185,7 @@ def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Probl
         return _problem(key, context["expected"], context["remedy"], value)
     name = key.rsplit(".", 1)[-1]
     if kind == "extra_forbidden":
-        return _problem(key, "unknown key", suggest(name, parent.get("properties", {}), "keys here"), value)
+        return _problem(key, "unknown key", _suggest_key(name, parent, schema), value)
     if kind == "missing":
         meaning = _meaning(node)
         return Problem(key, "missing key", f"add it: {meaning}" if meaning else "add it")
@@ -186,7 +199,52 @@ def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Probl
     if kind == "literal_error":
         remedy = suggest(value, _choices(node)) if isinstance(value, str) else f"choices: {', '.join(_choices(node))}"
         return _problem(key, "unknown choice", remedy, value)
-    return _problem(key, _expectation(kind, context, str(entry["msg"])), _meaning(node), value)
+    expected = _expectation(kind, context, str(entry["msg"]))
+    return _problem(key, expected, _meaning(node) or _meaning(parent) or _instance(key, expected), value)
+
+
+def _suggest_key(name: str, table: JsonSchema, schema: JsonSchema) -> str:
+    """Say where a key that its table does not know belongs: in another table, or which of this one is meant."""
+    keys = table.get("properties", {})
+    places = [place or "the case itself" for place in _find_tables(name, schema)]
+    if places:
+        return f"it is a key of {' and of '.join(places[:3])} (keys here: {', '.join(sorted(keys))})"
+    return suggest(name, keys, "keys here")
+
+
+def _find_tables(name: str, schema: JsonSchema) -> list[str]:
+    """Return the dotted paths of tables that have a key, the shortest first; NAME and N stand for any entry."""
+    found: dict[str, None] = {}
+    tables: list[tuple[str, Any]] = [("", schema)]
+    seen: set[str] = set()
+    while tables:
+        path, node = tables.pop(0)
+        if reference := node.get("$ref", ""):
+            if reference in seen:
+                continue
+            seen.add(reference)
+            node = schema["$defs"][reference.rsplit("/", 1)[-1]]
+        if name in node.get("properties", {}):
+            found[path] = None
+        inner = [(f"{path}.{key}".strip("."), value) for key, value in node.get("properties", {}).items()]
+        inner += [(path, option) for key in ("anyOf", "oneOf") for option in node.get(key, ())]
+        for key, entry in (("items", "N"), ("additionalProperties", "NAME")):
+            if isinstance(node.get(key), dict):
+                inner.append((f"{path}.{entry}", node[key]))
+        tables += inner
+    return list(found)
+
+
+def _instance(key: str, expected: str) -> str:
+    """Return a remedy for a place whose schema says nothing: what may stand there, for instance."""
+    texts = {
+        "a table": f"write [{key}], and its keys below",
+        "a list": "write [1, 2], for instance",
+        "a whole number": "write 10, for instance",
+        "true or false": "write true, for instance",
+        "a text in quotes": 'write "steel", for instance',
+    }
+    return texts.get(expected.removeprefix("expected "), "write a value within these bounds")
 
 
 def _problem(key: str, expected: str, remedy: str, value: object) -> Problem:
@@ -237,7 +295,7 @@ def _walk(location: Sequence[str | int], data: object, schema: JsonSchema) -> tu
             continue  # the short list form of a table, e.g. [x, y] for {to = [x, y]}; a form that a value may take
         if isinstance(raw, Mapping) and "[" in str(step) and step not in raw:
             continue
-        path.append(str(step) if str(step).isprintable() else json.dumps(step))
+        path.append(str(step) if step != "" and str(step).isprintable() else json.dumps(step))
         raw = _entry(raw, step)
     return ".".join(path), node, parent
 
@@ -252,7 +310,8 @@ def _entry(raw: object, step: str | int) -> object:
 
 def _child(node: JsonSchema, step: str | int) -> JsonSchema:
     if isinstance(step, int):
-        return dict(node.get("items", {}))
+        lists = [option["items"] for option in (node, *node.get("anyOf", ())) if "items" in option]
+        return dict(lists[0]) if lists else {}
     properties = node.get("properties", {})
     if step in properties:
         return dict(properties[step])

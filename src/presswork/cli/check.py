@@ -31,4 +31,4 @@ def check(
     try:
         check_start(model)
     except StartError as error:
-        raise refuse(str(error)) from error
+        raise refuse(f"{case}: {error}") from error

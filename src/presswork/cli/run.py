@@ -69,8 +69,10 @@ def run(
             return
         if outcome.status != "interrupted":
             show(outcome.result, plot=plot, report=report, quiet=quiet)
-    except (OutputError, StartError) as error:
+    except OutputError as error:
         raise refuse(str(error)) from error
+    except StartError as error:
+        raise refuse(f"{case}: {error}") from error
     except KeyboardInterrupt as error:
         console().print("interrupted: stopped by the user or a signal; all files are whole", style="red", markup=False)
         raise typer.Exit(INTERRUPTED) from error

@@ -37,6 +37,31 @@ FAULTS = {
         ('material = "steel"', 'material = "steel"\nmatrial = "iron"'),
         ["workpiece.matrial", '"iron"', "unknown key", "did you mean `material`?"],
     ),
+    "key_of_another_table": (
+        ('material = "steel"', 'material = "steel"\nmax_increment = 0.1'),
+        ["workpiece.max_increment = 0.1", "unknown key", "it is a key of solver"],
+    ),
+    "key_without_a_name": (('material = "steel"', 'material = "steel"\n"" = 1'), ['workpiece."" = 1', "unknown key"]),
+    "key_of_the_case_itself": (
+        ('material = "steel"', 'material = "steel"\nprocedure = "explicit"'),
+        ["workpiece.procedure", "it is a key of the case itself"],
+    ),
+    "material_of_the_library": (
+        ('material = "steel"', 'material = "C45"'),
+        ['workpiece.material = "C45"', "`c45` or `c45_hot`", "[materials] has steel", "presswork materials"],
+    ),
+    "whole_number_of_many_bits": (
+        ("cells = [2, 3]", f"cells = [2, 0x{'f' * 100_000}]"),
+        ["workpiece.mesh.cells.1: a whole number of 400000 bits", "write a smaller one"],
+    ),
+    "number_for_a_table": (
+        ("[tools.punch]", "[presses]\npress = 3\n[tools.punch]"),
+        ["presses.press = 3", "expected a table", "; "],
+    ),
+    "many_tables": (
+        ("[[stages]]", "".join(f"[tools.t{i}]\n" for i in range(30_000)) + "[[stages]]"),
+        ["more than 5,000 tables", "in a file of their own"],
+    ),
     "missing_key": (('material = "steel"', ""), ["workpiece.material: missing key", "name of one of the [materials]"]),
     "missing_material_key": (("poisson = 0.3", ""), ["materials.steel.poisson: missing key", "Poisson's ratio"]),
     "unknown_kind": (

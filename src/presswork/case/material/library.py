@@ -9,7 +9,8 @@ name = "..."            summary = "..."            thickness = 1.0 (optional, of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import difflib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -80,15 +81,35 @@ def take_named(data: object, info: ValidationInfo) -> NamedSheet | None:
 
 
 def add_library_materials(data: Mapping[str, Any], part: str = "workpiece") -> dict[str, Any]:
-    """Return a case's data in which a material that only the library knows is among the materials.
+    """Return a case's data in which materials that only the library knows are among the materials.
 
-    part: the table that names the material.
+    part: the table that names a material, as other bodies do.
     """
-    piece, materials = data.get(part), data.get("materials", {})
-    name = piece.get("material") if isinstance(piece, Mapping) else getattr(piece, "material", None)
-    if not isinstance(materials, Mapping) or not isinstance(name, str) or name in materials or name not in list_keys():
+    materials, bodies = data.get("materials", {}), data.get("bodies", {})
+    if not isinstance(materials, Mapping):
         return dict(data)
-    return {**data, "materials": {**materials, name: {"library": name}}}
+    added = {}
+    for piece in (data.get(part), *(bodies.values() if isinstance(bodies, Mapping) else ())):
+        name = piece.get("material") if isinstance(piece, Mapping) else getattr(piece, "material", None)
+        if isinstance(name, str) and name not in materials and name in list_keys():
+            added[name] = {"library": name}
+    return {**data, "materials": {**materials, **added}} if added else dict(data)
+
+
+def find_material_problem(key: str, name: str, materials: Iterable[str]) -> Problem | None:
+    """Return the problem of a part at a key whose material is neither one of the case's nor of the library's."""
+    own = sorted(materials)
+    if name in own:
+        return None
+    near: list[str] = []
+    for choices in (own, list_keys()):
+        lowered = {choice.lower(): choice for choice in choices}
+        found = difflib.get_close_matches(name.lower(), lowered, n=3, cutoff=0.5)
+        near = near or [f"`{lowered[choice]}`" for choice in found]
+    meant = f"did you mean {' or '.join(near)}? " if near else ""
+    of_case = f"[materials] has {', '.join(own)}; " if own else ""
+    remedy = f"{meant}({of_case}`presswork materials` lists the library's, which need no table)"
+    return Problem(f"{key}.material", "no such material", remedy, name)
 
 
 def read_sheet(path: Path) -> NamedSheet:

@@ -13,10 +13,10 @@ import tomli_w
 from pydantic import Field, model_validator
 
 from presswork.case.case_file import CaseFile
-from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.errors import CaseError, Problem
 from presswork.case.material.forming_limit.build import build_formability
 from presswork.case.material.hot_hardening import HotLaw
-from presswork.case.material.library import add_library_materials, find_sheet
+from presswork.case.material.library import add_library_materials, find_material_problem, find_sheet
 from presswork.case.material.yield_function import Hill1948, VonMisesYield
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
@@ -148,9 +148,8 @@ class OneStepCase(CaseFile):
 
 def build_onestep_model(case: OneStepCase) -> OneStepModel:
     """Read the part and build the Model. Raises CaseError."""
-    if case.blank.material not in case.materials:
-        remedy = suggest(case.blank.material, case.materials, "materials")
-        raise CaseError([Problem("blank.material", "no such material", remedy, case.blank.material)], case.source)
+    if problem := find_material_problem("blank", case.blank.material, case.materials):
+        raise CaseError([problem], case.source)
     part, notes = _read(case)
     span = float(np.ptp(part.points, axis=0).max())
     if case.blank.thickness > 0.1 * span:

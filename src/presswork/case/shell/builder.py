@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from presswork import _core, model
-from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.errors import CaseError, Problem
 from presswork.case.marked_points import build_points
 from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.material.law_needs import check_grain, check_needs
-from presswork.case.material.library import list_keys
+from presswork.case.material.library import find_material_problem
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.settings import build_output, build_solver, check_small_displacements
 from presswork.case.shell.schema import FREEDOMS, ShellCase, ShellRectangle, ShellStage
@@ -74,9 +74,8 @@ def _check_names(case: ShellCase) -> list[Problem]:
     """Return the problems that show without the mesh."""
     problems = []
     piece = case.workpiece
-    if piece.material not in case.materials:
-        remedy = suggest(piece.material, [*case.materials, *list_keys()], "materials, of the case and of the library")
-        problems.append(Problem("workpiece.material", "no such material", remedy, piece.material))
+    if fault := find_material_problem("workpiece", piece.material, case.materials):
+        problems.append(fault)
     if isinstance(piece.mesh, MeshFile):
         try:
             unit_factor(piece.mesh.unit, LENGTH)

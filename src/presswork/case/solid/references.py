@@ -9,6 +9,7 @@ from presswork import model
 from presswork.case.errors import Problem, suggest
 from presswork.case.heat.forming import check_heat
 from presswork.case.heat.series import check_series
+from presswork.case.material.library import find_material_problem
 from presswork.case.press.builder import check_timing
 from presswork.case.settings import check_small_displacements
 from presswork.case.solid import schema
@@ -143,9 +144,8 @@ def _check_body(case: schema.Case, key: str, body: Workpiece) -> list[Problem]:
         problems.append(Problem(f"{key}.mesh.cells", "more cells than memory will hold", remedy, list(cells)))
     elif isinstance(body.mesh, Rectangle):
         problems += check_cells(f"{key}.mesh", body.mesh, body.element, 0, explicit=case.procedure == "explicit")
-    if body.material not in case.materials:
-        remedy = suggest(body.material, case.materials, "materials")
-        problems.append(Problem(f"{key}.material", "no such material", remedy, body.material))
+    if fault := find_material_problem(key, body.material, case.materials):
+        problems.append(fault)
     if isinstance(body.mesh, MeshFile):
         problems += _check_unit(f"{key}.mesh.unit", body.mesh.unit)
     elif body.mesh.pattern is not None:

@@ -12,6 +12,7 @@ from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.heat.forming import start_hot, warn_of_temperatures
 from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
+from presswork.case.material.library import find_material_problem
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import build_drive, check_timing, find_halves, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver, check_small_displacements
@@ -131,9 +132,8 @@ def _check_names(case: SpaceCase) -> list[Problem]:
     """Return the problems that show without the mesh."""
     problems = [*_check_materials(case), *_check_solver(case), *check_space_procedure(case), *check_space_bodies(case)]
     for key, body in list_space_bodies(case).values():
-        if body.material not in case.materials:
-            remedy = suggest(body.material, case.materials, "materials")
-            problems.append(Problem(f"{key}.material", "no such material", remedy, body.material))
+        if fault := find_material_problem(key, body.material, case.materials):
+            problems.append(fault)
     names = [stage.name for stage in case.stages]
     held = False
     for index, stage in enumerate(case.stages):

@@ -9,7 +9,7 @@ import numpy as np
 
 from presswork.case.errors import Problem, suggest
 from presswork.case.material.law_needs import check_grain, check_needs
-from presswork.case.material.library import list_keys
+from presswork.case.material.library import find_material_problem
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.press.builder import check_in_explicit, check_timing
 from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank
@@ -38,9 +38,8 @@ FASTEST = 0.1
 def check_names(case: StampingCase) -> list[Problem]:
     """Return the problems of names, units and stages that show without geometry."""
     problems = []
-    if case.blank.material not in case.materials:
-        remedy = suggest(case.blank.material, [*case.materials, *list_keys()], "materials, of the case and the library")
-        problems.append(Problem("blank.material", "no such material", remedy, case.blank.material))
+    if fault := find_material_problem("blank", case.blank.material, case.materials):
+        problems.append(fault)
     for name, material in case.materials.items():
         if isinstance(material, UmatMaterial):
             problems += _check_umat(f"materials.{name}", material, case)
