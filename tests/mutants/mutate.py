@@ -76,21 +76,26 @@ def _change_text(content: bytes, random: Random) -> bytes:
 def _change_toml(content: bytes, random: Random) -> bytes:
     try:
         data = tomllib.loads(content.decode())
-        here, key = random.choice(list(_places(data)))
-        way = random.randrange(8)
-        if way == 0:
-            del here[key]
-        elif way == 1 and isinstance(here, dict):
-            here[random.choice((key + "x", "a/b", "", "left", "\0", "..", "²"))] = here.pop(key)
-        elif way == 2 and isinstance(here, list):
-            here.append(here[key])
-        elif way == 3 and isinstance(here[key], int | float) and not isinstance(here[key], bool):
-            here[key] *= random.choice((1e-9, 1e-3, 0.1, -1, 10, 1e3, 1e9))
-        else:
-            here[key] = random.choice(VALUES)
+        change_data(data, random)
         return tomli_w.dumps(data).encode()
     except (ValueError, IndexError, TypeError, OverflowError):  # no TOML any more
         return _change_text(content, random)
+
+
+def change_data(data: Any, random: Random) -> None:
+    """Change one place of a case's data: remove, rename, repeat, scale or replace what stands there."""
+    here, key = random.choice(list(_places(data)))
+    way = random.randrange(8)
+    if way == 0:
+        del here[key]
+    elif way == 1 and isinstance(here, dict):
+        here[random.choice((key + "x", "a/b", "", "left", "\0", "..", "²"))] = here.pop(key)
+    elif way == 2 and isinstance(here, list):
+        here.append(here[key])
+    elif way == 3 and isinstance(here[key], int | float) and not isinstance(here[key], bool):
+        here[key] *= random.choice((1e-9, 1e-3, 0.1, -1, 10, 1e3, 1e9))
+    else:
+        here[key] = random.choice(VALUES)
 
 
 def _places(data: Any) -> list[tuple[Any, Any]]:
