@@ -5,7 +5,9 @@ import csv
 import sys
 from pathlib import Path
 
+import psutil
 import pytest
+from distributed.security import Security
 from typer.testing import CliRunner
 
 from presswork import Case
@@ -174,8 +176,28 @@ def test_command_computes_on_the_cluster_and_prints_the_dashboards_address(clust
     assert "--bring-back goes with --cluster" in alone.output
 
 
+def test_local_cluster_answers_this_machine_and_the_holder_of_its_certificate_alone(impatient):
+    with connect(Cluster("local"), 1) as client:
+        address = client.scheduler.address
+        [process] = [p for p in psutil.Process().children() if "presswork.study.cluster.local" in " ".join(p.cmdline())]
+        family = [process, *process.children(recursive=True)]
+        listening = {c.laddr.ip for p in family for c in p.net_connections("inet") if c.status == psutil.CONN_LISTEN}
+        assert listening == {"127.0.0.1"}
+        assert address.startswith("tls://127.0.0.1:")
+        for strange, other in ((address.replace("tls", "tcp"), None), (address, Security.temporary())):
+            with (
+                pytest.raises(ClusterError, match="no scheduler answers"),
+                connect(Cluster(strange, security=other), 0),
+            ):
+                pass
+        assert client.submit(sum, [1, 2]).result() == 3
+
+
 def test_missing_library_and_options_that_do_not_go_together_are_refused(monkeypatch):
     assert "--jobs does not go with the address of a cluster" in refuse_connection("tcp://127.0.0.1:1", 2)
+    assert "asks for a certificate: name it in Dask's configuration" in refuse_connection("tls://127.0.0.1:1")
+    monkeypatch.setattr(connection, "find_spec", lambda name: None)
+    assert 'local needs cryptography: pip install "presswork[cluster]"' in refuse_connection("local")
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert 'needs distributed: pip install "presswork[cluster]"' in refuse_connection("local")
 

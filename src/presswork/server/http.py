@@ -8,12 +8,17 @@ asks for takes longer to read from results than to send.
 from __future__ import annotations
 
 import hmac
+import io
 import json
 import math
 import secrets
+import socket
+import sys
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from time import monotonic
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -25,7 +30,13 @@ MOST_BYTES = 64_000_000
 POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
 POLICY += "frame-src 'self'; base-uri 'none'; form-action 'none'"
 _TIMEOUT = 30.0
-"""Seconds that a connection may be silent in the middle of a request."""
+"""Seconds that a connection may be silent, and that the head of a request may take to arrive."""
+_LONGEST = 300.0
+"""Seconds that the body of a request may take to arrive."""
+_MOST_CONNECTIONS = 500
+"""Threads, at most; further connections wait in the operating system's queue."""
+_PIECE = 1 << 20
+"""Bytes of an answer that must be taken within the seconds of silence."""
 
 
 @dataclass(frozen=True)
@@ -101,16 +112,62 @@ class Server(ThreadingHTTPServer):
     """A server on the loopback address; `address` leads to it, with the token that it asks for."""
 
     daemon_threads = True
+    request_queue_size = 1024
 
     def __init__(self, answer: Answer, port: int = 0) -> None:
         self.answer = answer
         self.token = secrets.token_urlsafe(24)
+        self._free = threading.BoundedSemaphore(_MOST_CONNECTIONS)
         super().__init__(("127.0.0.1", port), _Handler)
 
     @property
     def address(self) -> str:
         """The address of its first page."""
         return f"http://127.0.0.1:{self.server_port}/{self.token}/"
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Answer a connection in a thread of its own, once one is free."""
+        self._free.acquire()
+        try:
+            super().process_request(request, client_address)
+        except BaseException:
+            self._free.release()
+            raise
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        """Answer a connection."""
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._free.release()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Pass over connections that broke off: the page was closed."""
+        if not isinstance(sys.exception(), OSError):
+            super().handle_error(request, client_address)
+
+
+class _Arriving(io.RawIOBase):
+    """What a connection sends, until a moment by which it must have come."""
+
+    def __init__(self, connection: socket.socket) -> None:
+        self._connection = connection
+        self.end = monotonic() + _TIMEOUT
+
+    def readable(self) -> bool:
+        """Return True."""
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        """Read what has come. Raises TimeoutError."""
+        left = self.end - monotonic()
+        if left <= 0.0:
+            raise TimeoutError("the request takes too long")
+        self._connection.settimeout(min(left, _TIMEOUT))
+        try:
+            return self._connection.recv_into(buffer)
+        finally:
+            self._connection.settimeout(_TIMEOUT)
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -121,6 +178,18 @@ class _Handler(BaseHTTPRequestHandler):
     server_version = "presswork"
     sys_version = ""
     timeout = _TIMEOUT
+
+    def setup(self) -> None:
+        """Read from the connection with an end."""
+        super().setup()
+        self.rfile.close()
+        self._arriving = _Arriving(self.connection)
+        self.rfile = io.BufferedReader(self._arriving)
+
+    def handle_one_request(self) -> None:
+        """Wait for a request and answer it."""
+        self._arriving.end = monotonic() + _TIMEOUT
+        super().handle_one_request()
 
     def do_GET(self) -> None:
         """Answer a question."""
@@ -166,11 +235,18 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _read_body(self) -> bytes:
         text = self.headers.get("Content-Length", "0")
-        if not (text.isascii() and text.isdigit()) or self.headers.get("Transfer-Encoding"):
+        if not (text.isascii() and text.isdigit() and len(text) < 20) or self.headers.get("Transfer-Encoding"):
             raise RefusedError("the length of the request is not known", 411)
         if int(text) > MOST_BYTES:
             raise RefusedError(f"the request is larger than {MOST_BYTES / 1e6:.0f} MB", 413)
-        return self.rfile.read(int(text))
+        self._arriving.end = monotonic() + _LONGEST
+        try:
+            body = self.rfile.read(int(text))
+        except OSError as error:
+            raise RefusedError("the request did not arrive in time", 408) from error
+        if len(body) != int(text):
+            raise RefusedError("the request broke off before its end")
+        return body
 
     def _send(self, status: int, response: Response) -> None:
         self.send_response(status)
@@ -185,7 +261,8 @@ class _Handler(BaseHTTPRequestHandler):
         }.items():
             self.send_header(name, value)
         self.end_headers()
-        self.wfile.write(response.content)
+        for start in range(0, len(response.content), _PIECE):
+            self.wfile.write(response.content[start : start + _PIECE])
 
     def log_message(self, format: str, *args: object) -> None:
         """Say nothing: the terminal is the user's."""

@@ -6,11 +6,13 @@ from __future__ import annotations
 import http.client
 import json
 import os
+import resource
 import shutil
 import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -226,6 +228,58 @@ def test_every_answer_forbids_foreign_and_inline_scripts(server: Server, address
     assert "data:" not in policy["script-src"]
     assert headers["X-Content-Type-Options"] == "nosniff"
     assert headers["Referrer-Policy"] == "no-referrer", "the token stays here"
+
+
+def begin_upload(server: Server, name: str, length: int, body: bytes) -> socket.socket:
+    connection = socket.create_connection(("127.0.0.1", server.server_port), timeout=60)
+    head = f"POST /{server.token}/upload?case=upsetting_q4.toml&name={name} HTTP/1.1\r\n"
+    head += f"Host: 127.0.0.1:{server.server_port}\r\nContent-Length: {length}\r\n\r\n"
+    connection.sendall(head.encode() + body)
+    return connection
+
+
+def test_uploads_that_break_off_are_refused_and_leave_nothing(server: Server, folder: Path) -> None:
+    before = sorted(folder.rglob("*"))
+    with begin_upload(server, "tool.csv", 100, b"0 0\n1 0\n") as connection:
+        connection.shutdown(socket.SHUT_WR)
+        answer = connection.makefile("rb").read()
+    assert b" 400 " in answer.splitlines()[0]
+    assert b"broke off" in answer
+    begin_upload(server, "tool.csv", 100, b"0 0\n1 0\n").close()
+    assert ask(server, "runs")[0] == 200
+    assert sorted(folder.rglob("*")) == before
+
+
+def test_clients_that_send_slowly_are_cut_off(server: Server, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Though no silence is long: a letter of the head, or of the body, every twentieth of a second."""
+    monkeypatch.setattr("presswork.server.http._TIMEOUT", 0.5)
+    monkeypatch.setattr("presswork.server.http._LONGEST", 0.5)
+
+    def trickle(connection: socket.socket) -> None:
+        for _ in range(1000):
+            connection.sendall(b"0")
+            time.sleep(0.05)
+
+    head = socket.create_connection(("127.0.0.1", server.server_port), timeout=60)
+    for connection in (head, begin_upload(server, "tool.csv", 1000, b"0")):
+        with connection, pytest.raises(ConnectionError):
+            trickle(connection)
+    assert not (folder / "tool.csv").exists()
+
+
+def test_hundreds_of_connections_at_once_are_answered(server: Server) -> None:
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(hard, 4096), hard))
+    try:
+        connections = [socket.create_connection(("127.0.0.1", server.server_port), timeout=120) for _ in range(700)]
+        request = f"GET /{server.token}/files/list.js HTTP/1.1\r\nHost: 127.0.0.1:{server.server_port}\r\n"
+        for connection in connections:
+            connection.sendall(f"{request}Connection: close\r\n\r\n".encode())
+        for connection in connections:
+            with connection, connection.makefile("rb") as answer:
+                assert b" 200 " in answer.readline()
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
 
 
 # --- cases that are edited -------------------------------------------------------------------------------------------

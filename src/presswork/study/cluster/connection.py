@@ -13,6 +13,7 @@ import uuid
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,6 +45,8 @@ class Cluster:
     """Whether results are brought back from workers that do not see the folder."""
     on_dashboard: Callable[[str], None] | None = None
     """Gets the address of the dashboard once the cluster is there."""
+    security: Any = None
+    """Certificates for a scheduler at tls://: distributed.security.Security; None: those of Dask's configuration."""
 
 
 @contextmanager
@@ -58,10 +61,10 @@ def connect(cluster: Cluster, jobs: int) -> Iterator[Client]:
         raise ClusterError('--cluster needs distributed: pip install "presswork[cluster]"') from error
     if cluster.address != LOCAL and jobs:
         raise ClusterError("--jobs does not go with the address of a cluster: the threads of its workers are the jobs")
-    with _find_scheduler(cluster.address, jobs) as address:
+    with _find_scheduler(cluster, jobs) as (address, security):
         gc.collect()  # a client that failed is finalised here: within the start of another it would wait for its lock
         try:
-            client = Client(address, timeout=PATIENCE, set_as_default=False)
+            client = Client(address, timeout=PATIENCE, set_as_default=False, security=security)
         except (OSError, TimeoutError, ValueError) as error:
             raise ClusterError(
                 f"no scheduler answers at {address}: start one by `dask scheduler` and give the address that it "
@@ -75,14 +78,23 @@ def connect(cluster: Cluster, jobs: int) -> Iterator[Client]:
 
 
 @contextmanager
-def _find_scheduler(address: str, jobs: int) -> Iterator[str]:
-    """Provide the address of the scheduler, which is started for `local`."""
+def _find_scheduler(cluster: Cluster, jobs: int) -> Iterator[tuple[str, Any]]:
+    """Provide the address of the scheduler, which is started for `local`, and what a client shows it."""
+    from distributed.security import Security
+
+    address = cluster.address
     if address != LOCAL:
         if not _ADDRESS.fullmatch(address):  # a client would try it, and fail once more when it is finalised
             text = "an address has the form tcp://host:8786, as `dask scheduler` prints it; or take --cluster local"
             raise ClusterError(f"no scheduler answers at {address}: {text}")
-        yield address
+        security = cluster.security or Security()
+        if address.startswith("tls:") and security.get_connection_args("client")["ssl_context"] is None:
+            text = "name it in Dask's configuration (distributed.comm.tls), or take Cluster(address, security=...)"
+            raise ClusterError(f"the scheduler at {address} asks for a certificate: {text}")
+        yield address, security
         return
+    if find_spec("cryptography") is None:
+        raise ClusterError('--cluster local needs cryptography: pip install "presswork[cluster]"')
     command = [sys.executable, "-P", "-m", "presswork.study.cluster.local", str(jobs or count_cores())]
     with (
         tempfile.TemporaryFile() as errors,
@@ -100,7 +112,8 @@ def _find_scheduler(address: str, jobs: int) -> Iterator[str]:
             errors.seek(0)
             words = errors.read().decode(errors="replace").strip().splitlines()
             raise ClusterError(f"the local cluster did not start: {words[-1] if words else 'no reason given'}")
-        yield json.loads(line)["address"]
+        told = json.loads(line)
+        yield told["address"], Security(require_encryption=True, **told["certificate"])
 
 
 def _check_workers(client: Client, address: str) -> None:
