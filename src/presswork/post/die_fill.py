@@ -43,7 +43,8 @@ def measure_die_fill(
     pieces = [_resample(line) for line in trace_profile(result.placed_tool(tool, step))]
     points = np.concatenate([middles for middles, _ in pieces])
     lengths = np.concatenate([length for _, length in pieces])
-    inside = (points[:, 0] >= low) & (points[:, 0] <= high)
+    axisymmetric = result.info.get("analysis") == "axisymmetric"
+    inside = (points[:, 0] >= (max(low, 0.0) if axisymmetric else low)) & (points[:, 0] <= high)
     if not inside.any():
         raise ResultError(f"no part of tool {tool} lies between x = {low:g} and {high:g} mm")
     points, lengths = points[inside], lengths[inside]
@@ -51,7 +52,6 @@ def measure_die_fill(
     order = [0, 1] if edges.shape[1] == 2 else [0, 2, 1]
     surface = list(result.points(step)[edges[:, order]])
     gap = distance_to_profile(points, surface)
-    axisymmetric = result.info.get("analysis") == "axisymmetric"
     area = lengths * (2 * np.pi * np.abs(points[:, 0]) if axisymmetric else 1.0)
     return DieFill(points, gap, float(area[gap <= tolerance].sum() / area.sum()), float((gap * area).sum()))
 

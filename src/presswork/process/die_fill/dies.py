@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from presswork.model import FloatArray, Mesh, Model, Tool
+from presswork.model import BoolArray, FloatArray, Mesh, Model, Tool, find_held_side
 from presswork.process.recording import Row
 from presswork.process.tool_quantities import find_way
 
@@ -32,12 +32,28 @@ class Die:
     """Axis along which the die closes and the place of a symmetry plane across it [mm], if there is one."""
 
 
+@dataclass(frozen=True)
+class Side:
+    """The axis of rotation or a symmetry plane, and the side of it where the workpiece is."""
+
+    axis: int
+    level: float
+    """Its place along the axis [mm]."""
+    sign: float
+    """1: the workpiece is beyond it, -1: before it."""
+
+    def holds(self, places: FloatArray) -> BoolArray:
+        """Return which places (n, dimension) [mm] are on the side of the workpiece."""
+        return np.asarray(self.sign * (places[:, self.axis] - self.level) >= 0.0)
+
+
 class DieFill(ABC):
     """Measures the dies of one model."""
 
     def __init__(self, model: Model, dies: Iterable[Die]) -> None:
         self._model = model
         self._dies = list(dies)
+        self._sides = find_sides(model) if self._dies else []
 
     @property
     def columns(self) -> list[str]:
@@ -48,8 +64,8 @@ class DieFill(ABC):
         """Return the columns. position: of the nodes (n_points, dimension) [mm]; displacement: of the tools [mm]."""
         row: Row = {}
         for die in self._dies:
-            gap = self._find_gaps(mesh, position, die.places + displacement[die.name])
-            row[f"{die.name}.fill"] = float(die.area[gap <= die.tolerance].sum() / die.area.sum())
+            _, gap, area = self._find_reach(die, mesh, position, displacement)
+            row[f"{die.name}.fill"] = float(area[gap <= die.tolerance].sum() / max(area.sum(), 1e-300))
             row[f"{die.name}.flash_thickness"] = self._flash_thickness(die, displacement)
         return row
 
@@ -57,19 +73,34 @@ class DieFill(ABC):
         """Return what the summary tells of each die on the metal: fill, largest gap with its place, open volume."""
         row, found = self.measure(mesh, position, displacement), {}
         for die in self._dies:
-            places = die.places + displacement[die.name]
-            gap = self._find_gaps(mesh, position, places)
             if row[f"{die.name}.fill"] == 0.0:  # set aside
                 continue
+            places, gap, area = self._find_reach(die, mesh, position, displacement)
             worst = int(np.argmax(gap))
             found[die.name] = {
                 "wall_filled": row[f"{die.name}.fill"],
                 "largest_gap_mm": float(gap[worst]),
                 "largest_gap_at_mm": [float(x) for x in places[worst]],
-                "unfilled_volume_mm3": float((gap * die.area).sum()),
+                "unfilled_volume_mm3": float((gap * area).sum()),
                 "flash_thickness_mm": row[f"{die.name}.flash_thickness"],
             }
         return {"die_fill": found} if found else {}
+
+    def _find_reach(
+        self, die: Die, mesh: Mesh, position: FloatArray, displacement: Mapping[str, FloatArray]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return what metal can reach of a die's wall: places (n, dimension) and gaps (n,) [mm], areas (n,) [mm2].
+
+        Not what lies beyond the axis or a symmetry plane, nor where another tool lies on the wall.
+        """
+        places = die.places + displacement[die.name]
+        is_open = hold_places(self._sides, places)
+        for tool in self._model.tools:
+            if tool.name != die.name and is_open.any():
+                apart = self._measure_distance(tool.name, places[is_open], displacement[tool.name])
+                is_open[is_open] = np.abs(apart) > die.tolerance
+        places = places[is_open]
+        return places, self._find_gaps(mesh, position, places), die.area[is_open]
 
     def _flash_thickness(self, die: Die, displacement: Mapping[str, FloatArray]) -> float:
         """Return how far the land is from what lies opposite [mm]: twice to a symmetry plane, or to other tools."""
@@ -78,18 +109,70 @@ class DieFill(ABC):
             axis, place = die.plane
             return float(2.0 * np.abs(land[:, axis] - place).min())
         others = [tool.name for tool in self._model.tools if tool.name != die.name]
-        return min((self._reach(name, land, displacement[name]) for name in others), default=np.nan)
+        apart = (self._measure_distance(name, land, displacement[name]).min() for name in others)
+        return float(min(apart, default=np.nan))
 
     @abstractmethod
     def _find_gaps(self, mesh: Mesh, position: FloatArray, places: FloatArray) -> FloatArray:
         """Return the distance of places (n, dimension) from the metal (n,) [mm]."""
 
     @abstractmethod
-    def _reach(self, tool: str, land: FloatArray, displacement: FloatArray) -> float:
-        """Return how far places of a land are from another tool at least [mm]."""
+    def _measure_distance(self, tool: str, places: FloatArray, displacement: FloatArray) -> FloatArray:
+        """Return how far places (n, dimension) are from a tool (n,) [mm]."""
+
+
+def find_sides(model: Model) -> list[Side]:
+    """Return the axis of rotation and the symmetry planes of a model."""
+    points, ring = model.mesh.points, model.analysis == "axisymmetric"
+    middle = points.mean(axis=0)
+    levels = [(axis, 0.0 if ring and axis == 0 else find_held_side(model, axis)) for axis in range(points.shape[1])]
+    return [Side(axis, level, float(np.sign(middle[axis] - level))) for axis, level in levels if level is not None]
+
+
+def hold_places(sides: Iterable[Side], places: FloatArray) -> BoolArray:
+    """Return which places (n, dimension) [mm] are on the workpiece's side of all of these."""
+    held = np.ones(len(places), dtype=bool)
+    for side in sides:
+        held &= side.holds(places)
+    return held
+
+
+def find_level(sides: Iterable[Side], axis: int) -> float | None:
+    """Return the place of the axis of rotation or of a symmetry plane across an axis [mm]; None without one."""
+    return next((side.level for side in sides if side.axis == axis), None)
 
 
 def find_way_of_die(model: Model, tool: Tool) -> FloatArray | None:
-    """Return the direction in which a tool closes as a die (dimension,), None if it does not close or turns."""
-    turns = any(tool.name in s.tool_motion and s.tool_motion[tool.name].turn for s in model.stages)
-    return None if turns else find_way(model, tool)
+    """Return the direction in which a tool closes as a die (dimension,), None if it does not close or turns.
+
+    A die that stands closes against the first tool that moves.
+    """
+    ways = [(other, find_way(model, other)) for other in model.tools if not _turns(model, other)]
+    own = next((way for other, way in ways if other is tool), None)
+    if own is not None or _turns(model, tool):
+        return own
+    return next((-way for other, way in ways if other is not tool and way is not None), None)
+
+
+def faces_others(model: Model, tool: Tool, land: FloatArray, way: FloatArray, rims: Mapping[str, FloatArray]) -> bool:
+    """Return whether a die closes on another tool with its flash land, as a container does not on a punch inside it.
+
+    land: places (m, dimension) [mm]; rims: points of the other tools where they begin, by name (n, dimension) [mm]; of
+    a tool that is not there nothing is known. A die that moves does so by its own stroke.
+    """
+    if find_way(model, tool) is not None:
+        return True
+    across = np.abs(way) < np.abs(way).max()
+    for other in model.tools:
+        if other.name == tool.name:
+            continue
+        if other.name not in rims:
+            return True
+        low, high = rims[other.name][:, across].min(axis=0), rims[other.name][:, across].max(axis=0)
+        if ((land[:, across] >= low) & (land[:, across] <= high)).all(axis=1).any():
+            return True
+    return False
+
+
+def _turns(model: Model, tool: Tool) -> bool:
+    return any(tool.name in s.tool_motion and s.tool_motion[tool.name].turn for s in model.stages)

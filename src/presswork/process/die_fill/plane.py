@@ -11,8 +11,16 @@ from presswork import _core
 from presswork.geometry.cavity_wall import find_cavity_wall
 from presswork.geometry.polygon import measure_distance
 from presswork.geometry.pose import start_profile
-from presswork.model import FloatArray, Mesh, Model, find_held_side
-from presswork.process.die_fill.dies import Die, DieFill, find_way_of_die
+from presswork.model import FloatArray, Mesh, Model
+from presswork.process.die_fill.dies import (
+    Die,
+    DieFill,
+    faces_others,
+    find_level,
+    find_sides,
+    find_way_of_die,
+    hold_places,
+)
 
 TOLERANCE = 0.004
 """Gap that counts as filled, over the length of the cavity's wall."""
@@ -31,31 +39,31 @@ class DieFillInPlane(DieFill):
         gap: FloatArray = np.min([measure_distance(position[edges[:, pair]], places) for pair in order], axis=0)
         return gap
 
-    def _reach(self, tool: str, land: FloatArray, displacement: FloatArray) -> float:
-        return float(_core.touch_profile(self._profiles[tool], np.ascontiguousarray(land - displacement))[0].min())
+    def _measure_distance(self, tool: str, places: FloatArray, displacement: FloatArray) -> FloatArray:
+        found = _core.touch_profile(self._profiles[tool], np.ascontiguousarray(places - displacement))[0]
+        return np.asarray(found)
 
 
 def _find_dies(model: Model) -> Iterator[Die]:
-    middle = model.mesh.points.mean(axis=0) if model.dimension == 2 else np.zeros(2)
+    if not model.plane_tools:
+        return
+    middle, sides = model.mesh.points.mean(axis=0), find_sides(model)
+    profiles = {tool.name: start_profile(tool) for tool in model.plane_tools}
+    rims = {name: segments[:, :4].reshape(-1, 2) for name, segments in profiles.items()}
     for tool in model.plane_tools:
         way = find_way_of_die(model, tool)
         if way is None:
             continue
         axis = int(np.argmax(np.abs(way)))
-        side = _find_plane(model, 1 - axis)
+        side, plane = find_level(sides, 1 - axis), find_level(sides, axis)
         beside = middle.copy()
         if side is not None:
             beside[1 - axis] = side
-        wall = find_cavity_wall(start_profile(tool), way, middle, None if side is None else beside)
-        if wall is None:
+        wall = find_cavity_wall(profiles[tool.name], way, middle, None if side is None else beside)
+        if wall is None or not (plane is not None or faces_others(model, tool, wall.land, way, rims)):
             continue
-        n, ring = len(wall.places), model.analysis == "axisymmetric"
-        width = 2.0 * np.pi * np.abs(wall.places[:, 0]) if ring else np.full(n, model.depth)
-        plane = _find_plane(model, axis)
+        places = wall.places[hold_places([each for each in sides if each.axis != axis], wall.places)]
+        n, ring = len(places), model.analysis == "axisymmetric"
+        width = 2.0 * np.pi * np.abs(places[:, 0]) if ring else np.full(n, model.depth)
         across = None if plane is None else (axis, plane)
-        yield Die(tool.name, wall.places, width * wall.piece, wall.land, TOLERANCE * wall.piece * n, across)
-
-
-def _find_plane(model: Model, axis: int) -> float | None:
-    """Return the place of the axis of rotation or of an outermost side that supports hold along an axis [mm]."""
-    return 0.0 if model.analysis == "axisymmetric" and axis == 0 else find_held_side(model, axis)
+        yield Die(tool.name, places, width * wall.piece, wall.land, TOLERANCE * wall.piece * n, across)

@@ -11,8 +11,16 @@ from presswork import _core
 from presswork.geometry.pose import find_space_pose
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.die_cavity import find_cavity
-from presswork.model import FloatArray, IntArray, Mesh, Model, Triangulation, find_held_side
-from presswork.process.die_fill.dies import Die, DieFill, find_way_of_die
+from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Model, Triangulation
+from presswork.process.die_fill.dies import (
+    Die,
+    DieFill,
+    faces_others,
+    find_level,
+    find_sides,
+    find_way_of_die,
+    hold_places,
+)
 
 TOLERANCE = 0.006
 """Gap that counts as filled, over the root of the wall's area."""
@@ -35,30 +43,48 @@ class DieFillInSpace(DieFill):
         gap: FloatArray = surface.nearest(places)[0]
         return np.maximum(gap, 0.0)  # a die that cuts an edge of cells is reached there
 
-    def _reach(self, tool: str, land: FloatArray, displacement: FloatArray) -> float:
-        seen = find_space_pose(self._tools[tool], np.asarray(displacement)).to_frame(land)
-        return float(self._surfaces[tool].nearest(np.ascontiguousarray(seen))[0].min())
+    def _measure_distance(self, tool: str, places: FloatArray, displacement: FloatArray) -> FloatArray:
+        seen = find_space_pose(self._tools[tool], np.asarray(displacement)).to_frame(places)
+        return np.asarray(self._surfaces[tool].nearest(np.ascontiguousarray(seen))[0])
 
 
 def _find_dies(model: Model) -> Iterator[Die]:
-    middle = model.mesh.points.mean(axis=0)
-    levels = {axis: find_held_side(model, axis) for axis in range(3)}
-    planes = [(a, at, float(np.sign(middle[a] - at))) for a, at in levels.items() if at is not None]
+    middle, sides = model.mesh.points.mean(axis=0), find_sides(model)
     beside = middle.copy()
-    for axis, level, _ in planes:
-        beside[axis] = level
+    for side in sides:
+        beside[side.axis] = side.level
+    rims = {
+        tool.name: find_space_pose(tool, np.zeros(3)).carry(tool.surface.points)
+        for tool in model.space_tools
+        if isinstance(tool.surface, Triangulation)
+    }
     for tool in model.space_tools:
         way = find_way_of_die(model, tool)
         if way is None or not isinstance(tool.surface, Triangulation):
             continue
-        points = find_space_pose(tool, np.zeros(3)).carry(tool.surface.points)
-        cut = [plane for plane in planes if tool.mirrored_across[plane[0]]]
-        wall = find_cavity(points, tool.surface.triangles, way, beside, cut)
-        if wall is not None:
-            axis = int(np.argmax(np.abs(way)))
-            across = levels[axis]
-            gap = TOLERANCE * float(np.sqrt(wall.area.sum()))
-            yield Die(tool.name, wall.places, wall.area, wall.land, gap, None if across is None else (axis, across))
+        cut = [(side.axis, side.level, side.sign) for side in sides if tool.mirrored_across[side.axis]]
+        wall = find_cavity(rims[tool.name], tool.surface.triangles, way, beside, cut)
+        if wall is None:
+            continue
+        axis = int(np.argmax(np.abs(way)))
+        across = find_level(sides, axis)
+        if across is None and not faces_others(model, tool, wall.land, way, rims):
+            continue
+        here = hold_places([side for side in sides if side.axis != axis], wall.places)
+        here &= _in_sector(model, wall.places)
+        gap = TOLERANCE * float(np.sqrt(wall.area[here].sum()))
+        yield Die(
+            tool.name, wall.places[here], wall.area[here], wall.land, gap, None if across is None else (axis, across)
+        )
+
+
+def _in_sector(model: Model, places: FloatArray) -> BoolArray:
+    """Return which places (n, 3) [mm] lie between the faces of a sector of cyclic symmetry; all without one."""
+    if model.cyclic is None:
+        return np.ones(len(places), dtype=bool)
+    x, y = model.mesh.points[model.mesh.node_sets[model.cyclic.first], :2].mean(axis=0)
+    angle = np.arctan2(places[:, 1], places[:, 0]) - np.arctan2(y, x)
+    return np.asarray(angle % (2.0 * np.pi) <= 2.0 * np.pi / model.cyclic.sectors)
 
 
 def _split(faces: IntArray) -> IntArray:

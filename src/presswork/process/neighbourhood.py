@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The mean damage of a neighbourhood of the material, which decides where a crack begins.
+
+Damage of single cells ripples with the mesh, so no cell decides by itself. The neighbourhood of a cell are the cells of
+its block whose middles were within a length R of its own in the undeformed body, in a sheet at the same layer. They
+count by (1 - (d/R)^2)^2, d their distance then, times their volume: the weights of evolution/porosity.py. Beyond the
+axis and symmetry planes the body goes on, so that a part of it has the means of the whole.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork import _core
+from presswork.mesh.box import node_volumes
+from presswork.mesh.faces import face_areas
+from presswork.mesh.topology import count_corners
+from presswork.model import ELEMENTS, FloatArray, IndexArray, Mesh, Model, find_held_side
+
+CELLS = 2.0
+"""Radius of the neighbourhood of a material that gives no length, in sizes of the cell in its middle."""
+ENOUGH = 1e-3
+"""Part by which a cell's own damage must exceed the largest mean so far for its neighbourhood to be looked at."""
+_AT_ONCE = 64
+_COSINES = np.cos((np.arange(24) + 0.5) * np.pi / 24)
+"""Of angles round the axis at which the distance of a ring is taken."""
+
+
+@dataclass(frozen=True)
+class FormedBlock:
+    """The cells of one block, before forming and now."""
+
+    model: Model
+    mesh: Mesh
+    """Its points where their material was when the run began."""
+    position: FloatArray
+    """Of the nodes now (n_points, 2 | 3) [mm]."""
+    number: int
+    """Of the block."""
+
+    def find_largest_mean(self, damage: FloatArray, length: float | None) -> tuple[float, int, float]:
+        """Return the largest mean over a neighbourhood, the cell in its middle, and its radius [mm].
+
+        damage: of the cells (n_cells, layers), one layer in solids; length: radius of the neighbourhood [mm], None:
+        CELLS sizes of the cell. Only cells that are damaged more than the mean that is found are middles.
+        """
+        from scipy.spatial import cKDTree
+
+        cells = self.mesh.blocks[self.number].connectivity
+        middles = self.mesh.points[cells].mean(axis=1)
+        tree, order = cKDTree(middles), np.argsort(-damage, axis=None, kind="stable")
+        best, cell, radius = -np.inf, 0, 0.0
+        for first in range(0, len(order), _AT_ONCE):
+            chosen, layer = np.unravel_index(order[first : first + _AT_ONCE], damage.shape)
+            if damage[chosen[0], layer[0]] <= best * (1.0 + ENOUGH):
+                break
+            radii = CELLS * self._sizes(chosen) if length is None else np.full(len(chosen), length)
+            total, weighted = np.zeros(len(chosen)), np.zeros(len(chosen))
+            for image in self._mirror(middles[chosen]):
+                found = tree.query_ball_point(image, radii)
+                whose = np.repeat(np.arange(len(chosen)), [len(near) for near in found])
+                near = np.concatenate([np.zeros(0), *found]).astype(np.intp)
+                weight = self._weigh(image[whose], middles[near], radii[whose]) * self._volumes(near)
+                total += np.bincount(whose, weight, len(chosen))
+                weighted += np.bincount(whose, weight * damage[near, layer[whose]], len(chosen))
+            at = int(np.argmax(weighted / total))
+            if weighted[at] / total[at] > best:
+                best, cell, radius = float(weighted[at] / total[at]), int(chosen[at]), float(radii[at])
+        return best, cell, radius
+
+    @property
+    def _is_ring(self) -> bool:
+        return self.model.analysis == "axisymmetric"
+
+    def _weigh(self, centre: FloatArray, place: FloatArray, radius: FloatArray) -> FloatArray:
+        """Return the weights of places (n, d) in neighbourhoods round centres (n, d) of radii (n,); round the axis
+        that of the whole ring.
+        """
+        squares = ((place - centre) ** 2).sum(axis=1)[:, None]
+        if self._is_ring:
+            squares = squares + 2.0 * (place[:, :1] * centre[:, :1]) * (1.0 - _COSINES)
+        weights: FloatArray = (np.clip(1.0 - squares / radius[:, None] ** 2, 0.0, None) ** 2).mean(axis=1)
+        return weights
+
+    def _mirror(self, places: FloatArray) -> list[FloatArray]:
+        """Return places (n, d) and their mirror images by the symmetry planes of the body."""
+        images = [places]
+        for axis in range(int(self._is_ring), places.shape[1]):
+            level = find_held_side(self.model, axis)
+            if level is not None:
+                flip = np.where(np.arange(places.shape[1]) == axis, -1.0, 1.0)
+                images += [image * flip + level * (1.0 - flip) for image in images]
+        return images
+
+    def _volumes(self, cells: IndexArray) -> FloatArray:
+        """Return the volume of cells (n,) now [mm3]; of a sheet the area before forming [mm2]."""
+        once, places = np.unique(cells, return_inverse=True)
+        if self.mesh.blocks[self.number].section is not None:
+            return self._areas(once, self.mesh.points)[places]
+        own = np.ascontiguousarray(self.mesh.blocks[self.number].connectivity[once])
+        if self.position.shape[1] == 3:
+            return np.asarray(node_volumes(self.position, own).sum(axis=1)[places])
+        return np.asarray(self._lump(own, axisymmetric=self._is_ring)[places])
+
+    def _sizes(self, cells: IndexArray) -> FloatArray:
+        """Return the sizes of cells (n,) now [mm]."""
+        own = np.ascontiguousarray(self.mesh.blocks[self.number].connectivity[cells])
+        if self.mesh.blocks[self.number].section is not None:
+            return np.sqrt(self._areas(cells, self.position))
+        if self.position.shape[1] == 3:
+            return np.asarray(np.cbrt(node_volumes(self.position, own).sum(axis=1)))
+        return np.sqrt(self._lump(own, axisymmetric=False))
+
+    def _areas(self, cells: IndexArray, points: FloatArray) -> FloatArray:
+        """Return the areas of shells (n,) [mm2]."""
+        own = self.mesh.blocks[self.number].connectivity[cells]
+        return np.asarray(face_areas(points, own[:, : count_corners(own.shape[1])]).sum(axis=1))
+
+    def _lump(self, cells: np.ndarray, *, axisymmetric: bool) -> FloatArray:
+        """Return the volumes of cells in the plane (n, k), for a depth of 1 or round the axis (n,) [mm3]."""
+        kind = ELEMENTS[self.mesh.blocks[self.number].element].cell
+        lumped = _core.lump_volumes(kind, cells, self.position, axisymmetric=axisymmetric, depth=1.0)
+        return np.asarray(np.asarray(lumped).sum(axis=1))
