@@ -144,3 +144,21 @@ def test_calibrate_by_coulombs_law_finds_its_coefficient(case_file, tmp_path):
     assert (out / "calibration.png").read_bytes().startswith(b"\x89PNG")
     assert fit["law"] == "coulomb"
     assert fit["mu"] == pytest.approx(0.08, abs=0.004)
+
+
+def test_a_member_that_cracks_says_so_in_table_picture_and_terminal(case_file, tmp_path):
+    out = tmp_path / "out"
+    vary = ["--vary", "materials.steel.damage.critical=0.001,10"]
+    done = presswork("sweep", case_file, *vary, *sets(SMALL), "--output", out)
+    assert done.returncode == 0, done.stderr
+    told = " ".join(done.stderr.split())
+    assert "member_000 (materials.steel.damage.critical = 0.001): warning: stage 'press'" in told
+    cracked, whole = read_table(out)
+    summary = json.loads((out / "member_000/summary.json").read_text())
+    first = summary["damage"]["damage_cockcroft_latham"]["first_exceeded"]
+    assert float(cracked["first_crack_stroke"]) == first["strokes_mm"]["punch"]
+    assert float(cracked["first_crack_time"]) == first["time_s"]
+    assert "a crack begins there" in cracked["warnings"]
+    assert cracked["warnings"] == " | ".join(summary["warnings"])
+    assert (whole["first_crack_stroke"], whole["first_crack_time"]) == ("", "")
+    assert "a crack begins there" not in whole["warnings"]

@@ -28,7 +28,7 @@ from presswork.cli.members import (
 from presswork.cli.terminal import BAD_INPUT, GAVE_UP, INTERRUPTED, RunUserCode, console, exit_on
 from presswork.results import OutputError
 from presswork.study import ClusterError
-from presswork.study.sweep import TABLE, SweepResult, run_sweep
+from presswork.study.sweep import TABLE, MemberResult, SweepResult, run_sweep
 from presswork.study.table import require_pyarrow, write_parquet
 from presswork.study.vary import parse_variation
 
@@ -96,12 +96,15 @@ def sweep(
 
 
 def _report_members(result: SweepResult, quiet: bool) -> None:
-    """Say which members did not complete, and leave with the status that it asks for."""
+    """Say which members did not complete and what their runs warn of, and leave with the status that it asks for."""
     for member in result.members:
         if member.status in ("bad_input", "gave_up", "failed"):
-            values = ", ".join(f"{key} = {value}" for key, value in member.values.items())
-            text = f"{member.folder.name} ({values}): {member.status.replace('_', ' ')}: {member.reason}"
+            status = member.status.replace("_", " ")
+            text = f"{member.folder.name} ({_name_values(member)}): {status}: {member.reason}"
             console().print(text, style="red", markup=False)
+        for warning in member.warnings:
+            text = f"{member.folder.name} ({_name_values(member)}): warning: {warning}"
+            console().print(text, style="yellow", markup=False)
     alike: dict[str, list[str]] = {}
     for fault in result.faults:
         alike.setdefault(re.sub(r"member_\d+", "", fault), []).append(fault)
@@ -120,3 +123,8 @@ def _report_members(result: SweepResult, quiet: bool) -> None:
         raise typer.Exit(GAVE_UP)
     if counts["bad_input"] or result.faults:
         raise typer.Exit(BAD_INPUT)
+
+
+def _name_values(member: MemberResult) -> str:
+    """Return the varied keys of a member with their values."""
+    return ", ".join(f"{key} = {value}" for key, value in member.values.items())

@@ -68,7 +68,7 @@ def measure_run(
 
     Strokes and lengths [mm], forces [N], stresses [MPa]. What the run has nothing of is left out.
     """
-    numbers: dict[str, Any] = {
+    numbers: dict[str, Any] = _list_faults(summary) | {
         key: summary.get(key) for key in ("fraction_computed", "increments", "iterations", "cutbacks")
     }
     numbers["wall_seconds"] = summary.get("wall_seconds", {}).get("total")
@@ -96,6 +96,22 @@ def measure_run(
         except ResultError as error:
             faults.append(f"{column.title}: {error}")
     return numbers, faults
+
+
+def _list_faults(summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the number of laps, the stroke [mm] and the time [s] of the first crack, and the warnings as one text.
+
+    A crack is one by damage or by the forming limit; the stroke is that of the tool that had moved farthest.
+    """
+    found: dict[str, Any] = {"laps": len(summary["laps"])} if "laps" in summary else {}
+    cracks = [known["first_exceeded"] for known in summary.get("damage", {}).values() if "first_exceeded" in known]
+    cracks += [summary["first_crack"]] if "first_crack" in summary else []
+    if cracks:
+        first = min(cracks, key=lambda crack: float(crack["time_s"]))
+        if first["strokes_mm"]:
+            found["first_crack_stroke"] = max(map(abs, first["strokes_mm"].values()))
+        found["first_crack_time"] = first["time_s"]
+    return found | {"warnings": " | ".join(summary.get("warnings", []))}
 
 
 def _measure_tools(history: Mapping[str, NDArray[Any]], operations: Sequence[str] = ()) -> dict[str, float]:

@@ -52,6 +52,9 @@ class MemberResult:
     reason: str
     folder: Path
 
+    warnings: tuple[str, ...] = ()
+    """What its run warns of: laps, cracks and the like."""
+
     @property
     def result(self) -> Result:
         """Its results. Raises ResultError if there are none."""
@@ -181,6 +184,7 @@ class _Sweep:
         self.fractions = [0.0 if m.case is not None else 1.0 for m in members]
         self.numbers: list[dict[str, Any]] = [{} for _ in members]
         self.faults: list[list[str]] = [[] for _ in members]
+        self.warnings: list[tuple[str, ...]] = [() for _ in members]
 
     def plan(self, resume: bool, overwrite: bool) -> dict[int, Task]:
         """Return what is to be run, by member; completed members are marked as such."""
@@ -221,7 +225,9 @@ class _Sweep:
         self.status[i], self.reasons[i], self.fractions[i] = status, reason, 1.0
         folder = self.folder / self.members[i].folder_name
         if status != "bad_input":
-            self.numbers[i], self.faults[i] = measure_run(folder, read_summary(folder), self.columns)
+            summary = read_summary(folder)
+            self.numbers[i], self.faults[i] = measure_run(folder, summary, self.columns)
+            self.warnings[i] = tuple(summary.get("warnings", ()))
 
     def complete(self, tasks: Mapping[int, Task], runner: Runner) -> None:
         """Run the tasks to their end, keeping the table on disk up to date; Ctrl-C stops them and returns."""
@@ -245,8 +251,8 @@ class _Sweep:
     def collect(self) -> SweepResult:
         """Return what is known of every member."""
         results = tuple(
-            MemberResult(m.number, m.values, status, reason, self.folder / m.folder_name)
-            for m, status, reason in zip(self.members, self.status, self.reasons, strict=True)
+            MemberResult(m.number, m.values, status, reason, self.folder / m.folder_name, warnings)
+            for m, status, reason, warnings in zip(self.members, self.status, self.reasons, self.warnings, strict=True)
         )
         rows = tuple(
             {"member": r.folder.name, **r.values, "status": r.status, "reason": r.reason, **numbers}

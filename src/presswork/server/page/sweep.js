@@ -13,16 +13,17 @@ function show({ columns, rows, members }) {
   find("title").textContent = `Sweep ${name}`;
   document.title = `${name} | presswork`;
   const numbered = columns.map((_, i) => i).filter((i) => rows.some((row) => typeof row[i] === "number"));
+  const warned = columns.indexOf("warnings"), colourOf = (row) => LINES[row[warned] ? 1 : 0];
   let x = numbered[0], y = numbered.find((i) => /force/.test(columns[i])) ?? numbered.at(-1);
   const chartBox = find("scatter");
   let chart = null;
   const draw = () => {
     chart?.destroy();
     chartBox.replaceChildren();
-    chart = new Chart(chartBox, { label: `${columns[y]} over ${columns[x]}, a point a member`, xLabel: columns[x], yLabel: columns[y], height: 320, onPick: pick });
+    chart = new Chart(chartBox, { label: `${columns[y]} over ${columns[x]}, a point a member${rows.some((row) => row[warned]) ? ", those with warnings in another colour" : ""}`, xLabel: columns[x], yLabel: columns[y], height: 320, onPick: pick });
     const points = rows.map((row, i) => [row[x], row[y], i]).filter(([a, b]) => typeof a === "number" && typeof b === "number");
     chart.setSeries([{ x: points.map(([a]) => a), y: points.map(([, b]) => b), colour: LINES[0], isPoints: true }]);
-    chart.setMarks(points.map(([a, b]) => ({ x: a, y: b, colour: LINES[0] })));
+    chart.setMarks(points.map(([a, b, i]) => ({ x: a, y: b, colour: colourOf(rows[i]) })));
     Object.assign(window, { presswork: { chart } });
   };
   const pick = (px, py, toPixels) => {
