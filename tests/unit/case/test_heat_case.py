@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from presswork.case import CaseError, build_model
+from presswork.case.description import describe
 from presswork.case.heat.quantities import to_temperature
 from presswork.case.heat.schema import HeatCase
 from presswork.case.solid.schema import Case
@@ -192,3 +193,16 @@ def test_two_temperatures_on_one_set_are_refused() -> None:
     rows = [{"set": "right", "value": 20}, {"set": "right", "value": 900}]
     with pytest.raises(CaseError, match=r"stages\.0\.temperature\.1\.set.*two temperatures"):
         build_model(HeatCase.model_validate(change("stages.0.temperature", rows)))
+
+
+def test_surfaces_beside_a_contact_that_conducts_are_not_all_insulated() -> None:
+    alone = change("stages", [*CASE["stages"], {"name": "rest", "duration": 10}])
+    assert "all surfaces are insulated" in describe(build_model(HeatCase.model_validate(alone)))
+    die = {"material": "steel", "mesh": {"size": [10, 10], "origin": [0, -10], "cells": [2, 2]}}
+    touching = alone | {
+        "bodies": {"die": die},
+        "contacts": {"face": {"between": ["workpiece", "die"], "conductance": "10 kW/(m^2*K)"}},
+    }
+    text = describe(build_model(HeatCase.model_validate(touching)))
+    assert "all surfaces apart from face are insulated" in text
+    assert "all surfaces are insulated" not in text

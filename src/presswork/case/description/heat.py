@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from presswork import model
 from presswork.model import FloatArray
@@ -33,7 +33,8 @@ def describe_heat(problem: model.Model, heat: model.Heat) -> Iterator[str]:
         yield f"contact {contact.name}: {first} with {second}, {contact.conductance[0, 1] * 1e3:g} W/(m2 K)"
     for number, stage in enumerate(problem.stages, 1):
         yield f'stage {number} "{stage.name}", {stage.duration:g} s:'
-        yield from (f"  {line}" for line in describe_films(stage.heat or model.HeatStage()))
+        films = stage.heat or model.HeatStage()
+        yield from (f"  {line}" for line in describe_films(films, [contact.name for contact in heat.contacts]))
     if heat.fixed_step is not None:
         yield f"time steps: {heat.fixed_step:g} of each stage, whatever their errors"
     else:
@@ -66,8 +67,8 @@ def describe_heat_of_forming(problem: model.Model, heat: model.Heat) -> Iterator
         )
 
 
-def describe_films(stage: model.HeatStage) -> Iterator[str]:
-    """Describe what heats and cools in a stage."""
+def describe_films(stage: model.HeatStage, contacts: Sequence[str] = ()) -> Iterator[str]:
+    """Describe what heats and cools in a stage; contacts: names of those that conduct."""
     for entry in stage.temperatures:
         yield f"{entry.node_set} is held at {_describe_table(entry.value, 1.0, '°C', 's')}"
     for flux in stage.fluxes:
@@ -79,7 +80,8 @@ def describe_films(stage: model.HeatStage) -> Iterator[str]:
         ambient = _describe_table(radiation.ambient, 1.0, "°C", "s")
         yield f"radiation on {radiation.side_set}, emissivity {radiation.emissivity:g}, to {ambient}"
     if stage == model.HeatStage():
-        yield "all surfaces are insulated"
+        apart = f" apart from {', '.join(contacts)}" if contacts else ""
+        yield f"all surfaces{apart} are insulated"
 
 
 def _describe_table(table: FloatArray, factor: float, unit: str, by: str = "°C") -> str:
