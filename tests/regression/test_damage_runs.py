@@ -155,7 +155,7 @@ def test_the_critical_value_of_a_test_is_found_again(tmp_path) -> None:
     assert 0.05 < found.value < 1.0
     assert calibrate_damage(found.folder, 5.0).value == found.value
     at_place = calibrate_damage(found.folder, 5.0, at=found.place)
-    assert at_place.value == pytest.approx(found.value, rel=0.1), "the mean of a cell, not its largest point"
+    assert at_place.value == pytest.approx(found.value, rel=0.1), "the mean of a cell, not of its neighbourhood"
     model = build_model(read(tmp_path, f"{{critical = {found.value}}}"))
     told = run_model(model, tmp_path / "again", threads=1).result.summary["damage"]["damage_cockcroft_latham"]
     assert told["first_exceeded"]["strokes_mm"]["punch"] == pytest.approx(5.0, abs=0.05 * 7.5 + 1e-6)

@@ -132,6 +132,8 @@ class Damage:
     [degrees C]; the others have none."""
     critical: float | None = None
     """Damage at which a crack begins; None: it is not known."""
+    length: float | None = None
+    """Radius of the neighbourhood of the material whose mean decides [mm]; None: two sizes of a cell."""
 
 
 @dataclass(frozen=True, kw_only=True)

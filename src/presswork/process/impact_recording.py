@@ -25,7 +25,7 @@ from presswork.process.heat_of_rows import HeatOfRows
 from presswork.process.heat_quantities import show_dies, warn_of_tables
 from presswork.process.limits import Measure, Watched, measure_hydrostatic_stress, measure_mean_pressure
 from presswork.process.marked_points import MarkedPoints
-from presswork.process.peaks import find_peaks, peak_columns, peak_row
+from presswork.process.peaks import Peak, find_peaks, peak_columns, peak_row
 from presswork.process.penetration import Penetration
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram, warn_of_ram
 from presswork.process.reactions import Reactions
@@ -111,7 +111,7 @@ class ImpactRecording(RowRecording):
         row |= self.contacts.row()
         row |= self.heat.row() if self.heat else {}
         row |= self._ram_row(report)
-        row |= peak_row(self.solids.damage)
+        row |= peak_row(self._find_peaks(), self.solids.damage)
         displacement = self.moved(self.solids.position - self.model.mesh.points)
         row |= self.reactions.measure(self.mesh, self._stage_of_row(), self._reaction, displacement)
         row |= self.fill.measure(*self._find_dies())
@@ -151,10 +151,15 @@ class ImpactRecording(RowRecording):
         centres = np.concatenate([self.solids.position[b.connectivity].mean(axis=1) for b in mesh.blocks])
         mean = stress[:, :3].mean(axis=1)
         hydrostatic = measure_hydrostatic_stress(mean, flow, centres)
-        peaks = find_peaks(mesh, self.solids.position, self.solids.damage, self.solids.critical_damage())
         return Watched(
-            (hydrostatic, *self._measure_pressure(mean, flow), *([deepest] if deepest else [])), damage=peaks
+            (hydrostatic, *self._measure_pressure(mean, flow), *([deepest] if deepest else [])),
+            damage=self._find_peaks(),
         )
+
+    def _find_peaks(self) -> tuple[Peak, ...]:
+        """Return the largest damage by each criterion."""
+        solids = self.solids
+        return find_peaks(self.model, self.mesh, solids.position, solids.damage, solids.critical_damage())
 
     def _measure_pressure(self, stress: FloatArray, flow_stress: FloatArray) -> list[Measure]:
         """Return the mean pressure in the metal; none without tools or with UMATs. Both (n,) [MPa]."""

@@ -147,7 +147,7 @@ class ImplicitRecording(IncrementRecording):
             row |= measure_heat(bodies.conduction, own.temperature, bodies.stored(own), HEAT_KINDS, own.heat)
             row |= {f"{name}.temperature_max": value for name, value in bodies.hottest(own).items()}
             row |= {"dies_heat_stored": bodies.stored_in_dies(own)} if bodies.dies.dies else {}
-        row |= peak_row(find_evolved(state))
+        row |= peak_row(self.find_peaks(), find_evolved(state))
         moved = self.moved(state.nodes.displacement)
         row |= self.fill.measure(*self._find_dies())
         row |= self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, moved)

@@ -3,8 +3,9 @@
 
 Damage of single cells ripples with the mesh, so no cell decides by itself. The neighbourhood of a cell are the cells of
 its block whose middles were within a length R of its own in the undeformed body, in a sheet at the same layer. They
-count by (1 - (d/R)^2)^2, d their distance then, times their volume: the weights of evolution/porosity.py. Beyond the
-axis and symmetry planes the body goes on, so that a part of it has the means of the whole.
+count by (1 - (d/R)^2)^2, d their distance then, times their volume, as pores do (evolution/porosity.py). Beyond the
+axis and symmetry planes, and along the depth of a body in the plane, the body goes on, so that a part of it has the
+means of the whole.
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ CELLS = 2.0
 ENOUGH = 1e-3
 """Part by which a cell's own damage must exceed the largest mean so far for its neighbourhood to be looked at."""
 _AT_ONCE = 64
-_COSINES = np.cos((np.arange(24) + 0.5) * np.pi / 24)
-"""Of angles round the axis at which the distance of a ring is taken."""
+_FRACTIONS = (np.arange(8) + 0.5) / 8
+"""Of the angle within which a ring is inside the neighbourhood: where its distance is taken."""
 
 
 @dataclass(frozen=True)
@@ -75,14 +76,20 @@ class FormedBlock:
         return self.model.analysis == "axisymmetric"
 
     def _weigh(self, centre: FloatArray, place: FloatArray, radius: FloatArray) -> FloatArray:
-        """Return the weights of places (n, d) in neighbourhoods round centres (n, d) of radii (n,); round the axis
-        that of the whole ring.
+        """Return the weights of places (n, d) in neighbourhoods round centres (n, d) of radii (n,).
+
+        In the plane the neighbourhood is a ball, too: the weight is that of all that is seen as one place, along the
+        depth, or round the axis.
         """
-        squares = ((place - centre) ** 2).sum(axis=1)[:, None]
-        if self._is_ring:
-            squares = squares + 2.0 * (place[:, :1] * centre[:, :1]) * (1.0 - _COSINES)
-        weights: FloatArray = (np.clip(1.0 - squares / radius[:, None] ** 2, 0.0, None) ** 2).mean(axis=1)
-        return weights
+        inside = np.clip(1.0 - ((place - centre) ** 2).sum(axis=1) / radius**2, 0.0, None)
+        if place.shape[1] == 3:
+            return np.asarray(inside**2)
+        if not self._is_ring:
+            return np.asarray(inside**2.5)
+        turn = np.maximum(2.0 * place[:, 0] * centre[:, 0] / radius**2, 1e-12)
+        angle = np.arccos(1.0 - np.minimum(inside / turn, 2.0))
+        squares = inside[:, None] - turn[:, None] * (1.0 - np.cos(angle[:, None] * _FRACTIONS))
+        return np.asarray(angle * (np.clip(squares, 0.0, None) ** 2).mean(axis=1))
 
     def _mirror(self, places: FloatArray) -> list[FloatArray]:
         """Return places (n, d) and their mirror images by the symmetry planes of the body."""

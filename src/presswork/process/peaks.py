@@ -1,17 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where evolution laws have their largest values, and where one passes its critical value: there a crack begins."""
+"""Where evolution laws have their largest values, and where a mean passes its critical value: there a crack begins."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from presswork.model import FloatArray, Mesh
+from presswork.model import FloatArray, Mesh, Model
+from presswork.process.neighbourhood import FormedBlock
 
 DAMAGE = "damage_"
 """Beginning of the names of quantities that the history and the summary tell."""
+
+
+@dataclass(frozen=True)
+class Mean:
+    """The largest mean over a neighbourhood of the material (process/neighbourhood.py)."""
+
+    value: float
+    critical: float | None
+    length: float
+    """Radius of the neighbourhood [mm]."""
+    cell: int
+    """In its middle, counted from 0 over all blocks."""
+    place: tuple[float, ...]
+    """Centre of the cell [mm]."""
+
+    @property
+    def is_beyond(self) -> bool:
+        """Whether the critical value is passed."""
+        return self.critical is not None and self.value > self.critical
 
 
 @dataclass(frozen=True)
@@ -27,28 +47,26 @@ class Peak:
     """Counted from 0 in the cell."""
     place: tuple[float, ...]
     """Centre of the cell [mm]."""
-
-    @property
-    def is_beyond(self) -> bool:
-        """Whether the critical value is passed."""
-        return self.critical is not None and self.value > self.critical
+    mean: Mean
+    """Of all means the largest, or the one nearest to its critical value."""
 
 
 def peak_columns(evolved: Mapping[str, object]) -> list[str]:
-    """Return the columns of history.csv that tell the largest damage in the body."""
-    return [f"{name}_max" for name in evolved if name.startswith(DAMAGE)]
+    """Return the columns of history.csv that tell the largest damage in the body, at a point and as a mean."""
+    return [f"{name}{end}" for name in evolved if name.startswith(DAMAGE) for end in ("_max", "_mean_max")]
 
 
-def peak_row(evolved: Mapping[str, Sequence[FloatArray]]) -> dict[str, float]:
-    """Return what these columns hold."""
-    return {
-        f"{name}_max": max(float(of.max()) for of in blocks if of.size)
-        for name, blocks in evolved.items()
-        if name.startswith(DAMAGE)
-    }
+def peak_row(peaks: Sequence[Peak], evolved: Mapping[str, Sequence[FloatArray]]) -> dict[str, float]:
+    """Return what these columns hold; evolved: as find_peaks takes it."""
+    row = {}
+    for peak in peaks:
+        row[f"{peak.name}_max"] = max(float(of.max()) for of in evolved[peak.name] if of.size)
+        row[f"{peak.name}_mean_max"] = peak.mean.value
+    return row
 
 
 def find_peaks(
+    model: Model,
     mesh: Mesh,
     position: FloatArray,
     evolved: Mapping[str, Sequence[FloatArray]],
@@ -56,30 +74,35 @@ def find_peaks(
 ) -> tuple[Peak, ...]:
     """Return the peak of every damage.
 
-    position: of the nodes now (n_points, 2 | 3) [mm]; evolved: values at the points by quantity and block (n_cells, p);
-    critical: the critical value in each block, by quantity.
+    mesh: its points where their material was when the run began; position: of the nodes now (n_points, 2 | 3) [mm];
+    evolved: values at the points by quantity and block (n_cells, p), of shells the layers of a point one after the
+    other; critical: the critical value in each block, by quantity.
     """
-    return tuple(
-        _find_peak(mesh, position, name, blocks, critical[name])
-        for name, blocks in evolved.items()
-        if name.startswith(DAMAGE)
+    peaks = []
+    for name in (name for name in evolved if name.startswith(DAMAGE)):
+        limits = critical[name] if any(limit is not None for limit in critical[name]) else [1.0] * len(mesh.blocks)
+        of_blocks = [
+            (_find_peak(FormedBlock(model, mesh, position, number), name, values, critical[name][number]), limit)
+            for number, (values, limit) in enumerate(zip(evolved[name], limits, strict=True))
+            if values.size and limit is not None
+        ]
+        peak, _ = max(of_blocks, key=lambda found: found[0].value / found[1])
+        mean, _ = max(((found.mean, limit) for found, limit in of_blocks), key=lambda found: found[0].value / found[1])
+        peaks.append(replace(peak, mean=mean))
+    return tuple(peaks)
+
+
+def _find_peak(block: FormedBlock, name: str, values: FloatArray, critical: float | None) -> Peak:
+    """Return the peak of a block's values (n_cells, p)."""
+    of = block.mesh.blocks[block.number]
+    first = sum(len(each.connectivity) for each in block.mesh.blocks[: block.number])
+    layers, chosen = 1 if of.section is None else of.section.points, block.model.materials[of.material].damage
+    mean, middle, length = block.find_largest_mean(
+        values.reshape(len(values), -1, layers).mean(axis=1), None if chosen is None else chosen.length
     )
-
-
-def _find_peak(
-    mesh: Mesh, position: FloatArray, name: str, blocks: Sequence[FloatArray], critical: Sequence[float | None]
-) -> Peak:
-    judged = any(limit is not None for limit in critical)
-    first = np.cumsum([0, *(len(block.connectivity) for block in mesh.blocks)])
-    best: tuple[float, Peak] | None = None
-    for number, (values, limit) in enumerate(zip(blocks, critical, strict=True)):
-        if values.size == 0 or (judged and limit is None):
-            continue
-        cell, point = (int(i) for i in np.unravel_index(int(np.argmax(values)), values.shape))
-        value = float(values[cell, point])
-        share = value / limit if limit is not None else value
-        if best is None or share > best[0]:
-            place = position[mesh.blocks[number].connectivity[cell]].mean(axis=0)
-            best = share, Peak(name, value, limit, int(first[number]) + cell, point, tuple(float(x) for x in place))
-    assert best is not None, "a quantity belongs to a block"
-    return best[1]
+    cell, point = (int(i) for i in np.unravel_index(int(np.argmax(values)), values.shape))
+    place, around = (
+        tuple(float(x) for x in block.position[of.connectivity[number]].mean(axis=0)) for number in (cell, middle)
+    )
+    found = Mean(mean, critical, length, first + middle, around)
+    return Peak(name, float(values[cell, point]), critical, first + cell, point, place, found)

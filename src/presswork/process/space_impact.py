@@ -35,7 +35,6 @@ from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself
 from presswork.process.heat_of_space_rows import HeatOfSpaceRows
 from presswork.process.impact import ExplicitImpact
 from presswork.process.limits import Watched, measure_hydrostatic_stress
-from presswork.process.peaks import find_peaks
 from presswork.process.penetration import Penetration
 from presswork.process.recording import Row, Snapshot
 from presswork.process.shear_friction import ShearFriction, find_coefficient
@@ -237,9 +236,9 @@ class ExplicitSpaceImpact(ExplicitImpact):
         mean = stress[:, :3].mean(axis=1)
         centres = np.concatenate([solids.position[b.connectivity].mean(axis=1) for b in model.mesh.blocks])
         hydrostatic = measure_hydrostatic_stress(mean, flow, centres)
-        peaks = find_peaks(model.mesh, solids.position, solids.damage, solids.critical_damage())
         return Watched(
-            (hydrostatic, *self._measure_pressure(mean, flow), *([deepest] if deepest else [])), damage=peaks
+            (hydrostatic, *self._measure_pressure(mean, flow), *([deepest] if deepest else [])),
+            damage=self._find_peaks(),
         )
 
     def _measure_volumes(self) -> list[FloatArray]:

@@ -29,7 +29,7 @@ from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.overlap import OVERLAP, summarise_overlap, warn_of_overlap
-from presswork.process.peaks import find_peaks, peak_row
+from presswork.process.peaks import Peak, find_peaks, peak_row
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot
@@ -104,7 +104,7 @@ class StampingRecording(RowRecording):
             **self.tools.row(),
             **self._ram_row(report),
             **self._measure_reactions(),
-            **peak_row(self._evolved()),
+            **peak_row(self._find_peaks(), self._evolved()),
             **({"shells": len(self._cells)} if self.model.refinement else {}),
             **({OVERLAP: self.shells.find_overlap()[0]} if self.model.self_contact else {}),
             **(self._measure_heat() if self.heat else {}),
@@ -189,11 +189,14 @@ class StampingRecording(RowRecording):
         if self.model.self_contact:
             depths.append(measure_overlap(self.shells.find_overlap()[0], thickness))
         strained = watch_sheet(self._judge(self._fields.middle_strains(self.shells.position, self.shells.thickness)))
+        return Watched((*strained.measures, *depths), strained.margin, self._find_peaks())
+
+    def _find_peaks(self) -> tuple[Peak, ...]:
+        """Return the largest damage by each criterion."""
         critical: dict[str, list[float | None]] = {
             law.name: [law.critical.get(law.name)] * len(self.model.mesh.blocks) for law in self._damage_laws
         }
-        peaks = find_peaks(self.model.mesh, self.shells.position, self._evolved(), critical)
-        return Watched((*strained.measures, *depths), strained.margin, peaks)
+        return find_peaks(self.model, self.mesh, self.shells.position, self._evolved(), critical)
 
     @property
     def time(self) -> float:

@@ -58,15 +58,20 @@ class Watch:
         return reason if self._limits.stop or breach.limit in NEVER_PASSED else None
 
     def _take_peak(self, peak: Peak, row: Mapping[str, Any]) -> None:
-        """Remember the largest damage by a criterion, and when and where it first passed the critical value."""
+        """Remember the largest damage by a criterion, at a point and as a mean, and when and where a crack begins."""
         place = {"cell": peak.cell, "point": peak.point, "at_mm": list(peak.place)}
-        instant = {"value": peak.value, **place, **describe_instant(row)}
-        known = self._damage.setdefault(peak.name, {"largest": instant, "critical": peak.critical})
-        if peak.value > known["largest"]["value"]:
-            known["largest"] = instant
-        if peak.is_beyond and "first_exceeded" not in known:
-            known["first_exceeded"] = instant
-            self._news.append(f"{_say_when(row)}{_explain_crack(peak)}")
+        largest = {"value": peak.value, **place, **describe_instant(row)}
+        around = {"cell": peak.mean.cell, "at_mm": list(peak.mean.place)}
+        mean = {"value": peak.mean.value, "length_mm": peak.mean.length, **around, **describe_instant(row)}
+        known = self._damage.setdefault(
+            peak.name, {"largest": largest, "largest_mean": mean, "critical": peak.critical}
+        )
+        for key, now in (("largest", largest), ("largest_mean", mean)):
+            if now["value"] > known[key]["value"]:
+                known[key] = now
+        if peak.mean.is_beyond and "first_exceeded" not in known:
+            known["first_exceeded"] = {**mean, "critical": peak.mean.critical}
+            self._news.append(_explain_crack(peak.name, known["first_exceeded"]))
 
     def take_news(self) -> list[str]:
         """Return what the log has not been told yet."""
@@ -98,13 +103,11 @@ class Watch:
 
     def warnings(self) -> list[str]:
         """Return the limits that were passed by a run that went on, and the cracks that damage tells."""
-        cracks = []
-        for name, known in self._damage.items():
-            if (first := known.get("first_exceeded")) is not None:
-                peak = Peak(
-                    name, first["value"], known["critical"], first["cell"], first["point"], tuple(first["at_mm"])
-                )
-                cracks.append(f"{_say_when(_row_of(first))}{_explain_crack(peak)}")
+        cracks = [
+            _explain_crack(name, known["first_exceeded"])
+            for name, known in self._damage.items()
+            if "first_exceeded" in known
+        ]
         return [*cracks, *([] if self._limits.stop else self._passed.values())]
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
@@ -143,11 +146,14 @@ def _row_of(instant: Mapping[str, Any]) -> dict[str, Any]:
     return {"stage": instant["stage"]} | {f"{tool}{STROKE}": way for tool, way in instant["strokes_mm"].items()}
 
 
-def _explain_crack(peak: Peak) -> str:
-    """Say where which damage has passed its critical value."""
-    at = ", ".join(f"{x:.4g}" for x in peak.place)
-    name = describe_field(peak.name)
-    return f"the {name} is {peak.value:.4g} at ({at}) mm, beyond the critical {peak.critical:.4g}: a crack begins there"
+def _explain_crack(name: str, first: Mapping[str, Any]) -> str:
+    """Say when and where the mean of which damage has passed its critical value."""
+    at = ", ".join(f"{x:.4g}" for x in first["at_mm"])
+    mean = f"{first['value']:.4g} in the mean over {first['length_mm']:.3g} mm round ({at}) mm"
+    return (
+        f"{_say_when(_row_of(first))}the {describe_field(name)} is {mean}, beyond the critical "
+        f"{first['critical']:.4g}: a crack begins there"
+    )
 
 
 def _say_when(row: Mapping[str, Any]) -> str:

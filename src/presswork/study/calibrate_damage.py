@@ -15,7 +15,7 @@ from presswork.case.errors import Problem, suggest
 from presswork.model import FloatArray
 from presswork.results import Result
 
-PREFIX = "damage_"
+PREFIX, MEAN = "damage_", "_mean_max"
 STROKE = ".stroke"
 
 
@@ -47,7 +47,7 @@ def calibrate_damage(
 
     test: a case file, which is run, or the folder of a run. stroke: of the tool at the first crack [mm]; tool: its
     name, which is needed where several move. at: place of the crack in the formed part (2 | 3) [mm]; without it the
-    largest damage counts. folder: for the run of a case. Raises CaseError for what cannot be told.
+    largest mean over a neighbourhood counts. folder: for the run of a case. Raises CaseError for what cannot be told.
     """
     if not test.is_dir():
         folder = folder or test.with_name(f"{test.stem}_damage")
@@ -55,8 +55,12 @@ def calibrate_damage(
         test = folder
     result = Result(test)
     name = f"{PREFIX}{criterion}"
-    column = f"{name}_max"
-    found = [key.removeprefix(PREFIX).removesuffix("_max") for key in result.history if key.startswith(PREFIX)]
+    column = f"{name}{MEAN}"
+    found = [
+        key.removeprefix(PREFIX).removesuffix("_mean_max")
+        for key in result.history
+        if key.startswith(PREFIX) and key.endswith("_mean_max")
+    ]
     if column not in result.history:
         remedy = suggest(criterion, found, "criteria of this run") if found else "give the material a `damage`"
         raise CaseError([Problem("--criterion", "the run has no such damage", remedy, criterion)])

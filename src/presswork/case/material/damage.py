@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from presswork import model
 from presswork.case.part import Part
-from presswork.case.units import Number, Stress, fault
+from presswork.case.units import Length, Number, Stress, fault
 
 CRITICAL = "value at which a crack begins, found by `presswork calibrate damage`; without it no crack is told"
 
@@ -18,12 +18,18 @@ class _Damage(Part):
     """What every criterion has."""
 
     critical: Number | None = Field(default=None, gt=0, description=CRITICAL)
+    length: Length | None = Field(
+        default=None,
+        gt=0,
+        description="radius over which the mean of the damage decides, of the undeformed material [mm]; without it two "
+        "sizes of a cell",
+    )
 
     def to_model(self) -> model.Damage:
         """Return the Model's criterion."""
         given = self.model_dump()
-        criterion, critical = given.pop("criterion"), given.pop("critical")
-        return model.Damage(criterion, given, critical)
+        criterion, critical, length = (given.pop(key) for key in ("criterion", "critical", "length"))
+        return model.Damage(criterion, given, critical, length)
 
 
 class CockcroftLatham(_Damage):
