@@ -90,6 +90,12 @@ def fit_hot(tests: Sequence[CompressionTest], law: str, terms: Sequence[str] = U
 
     Raises CaseError where the tests do not determine it.
     """
+    short = [test for test in tests if test.strain[-1] < FIRST_STRAIN]
+    if short:
+        text = f"strains end at {{:g}}, below {FIRST_STRAIN:g}, where elastic strains no longer count"
+        remedy = "give the curve to larger strains, or leave the test out"
+        wheres = [(f"the test at {t.start:g} degrees C and {t.rate:g} 1/s", t.strain[-1]) for t in short]
+        raise CaseError([Problem(where, text.format(e), remedy) for where, e in wheres], "compression tests")
     points = [
         (test.strain[chosen], np.full(int(chosen.sum()), test.rate), test.temperature[chosen], test.stress[chosen])
         for test in tests

@@ -2,6 +2,7 @@
 """Hot compression tests: reading, corrections for friction and heating, laws that come back from their own curves."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from presswork.material.compression import (
     find_friction_factor,
     read_compression,
 )
-from presswork.material.identify_hot import HotFit, evaluate, fit_hot, tabulate
+from presswork.material.identify_hot import HOT_LAWS, HotFit, evaluate, fit_hot, tabulate
 
 HENSEL = {
     "A": 1500.0, "m1": -0.0027, "m2": -0.12, "m3": 0.1, "m4": -0.055, "m5": -2e-4, "m7": 0.15, "m8": 3e-5, "m9": 0.0,
@@ -131,6 +132,21 @@ def test_bad_files_are_refused_with_the_line(head: str, rows: list[str], message
     with pytest.raises(CaseError) as caught:
         read_compression(write(tmp_path / "bad.csv", head, rows))
     assert message in str(caught.value)
+
+
+def test_a_row_at_rest_where_a_curve_begins_is_taken(tmp_path: Path) -> None:
+    path = tmp_path / "tests.csv"
+    rows = ["0,0,1,900", *(f"{e},{100 + 50 * e},1,900" for e in (0.05, 0.1, 0.2, 0.3))]
+    path.write_text("\n".join(["strain,stress,rate,temperature", *rows]))
+    (test,) = read_compression(path)
+    np.testing.assert_array_equal(test.strain, [0.05, 0.1, 0.2, 0.3])
+
+
+@pytest.mark.parametrize("law", HOT_LAWS)
+def test_curves_that_end_before_flow_are_refused(law: str) -> None:
+    short = [replace(t, strain=t.strain * 0.01) for t in measure("hensel_spittel", HENSEL)]
+    with pytest.raises(CaseError, match=r"the test at 900 degrees C and .* 1/s: strains end at .*; give the curve to"):
+        fit_hot(short, law)
 
 
 def test_one_rate_does_not_make_a_law() -> None:
