@@ -142,6 +142,10 @@ def read_history(path: Path | str) -> dict[str, NDArray[Any]]:
     if not rows:
         raise OutputError(f"{path} is empty")
     names, body = rows[0], rows[1:]
+    tools = [name.removesuffix(".stroke") for name in names if name.endswith(".stroke")]
+    for column in ("stage", *(f"{tool}.force" for tool in tools)) if tools else ():
+        if column not in names:
+            raise OutputError(f"{path} lacks the column {column}: it was changed; run the case anew")
     for number, row in enumerate(body, start=2):
         if len(row) != len(names):
             raise OutputError(f"{path}, line {number}: {len(row)} values, {len(names)} expected")

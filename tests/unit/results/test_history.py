@@ -71,6 +71,13 @@ def test_row_that_does_not_fit_is_refused(tmp_path: Path, change: dict[str, Any]
     assert len(read_history(tmp_path / "h.csv")["time"]) == 3
 
 
+def test_stroke_of_a_tool_without_its_force_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "history.csv"
+    path.write_text("time,stage,increment,iterations,die.stroke\n0.1,press,1,4,0.5\n")
+    with pytest.raises(OutputError, match=r"history\.csv lacks the column die\.force: .*run the case anew"):
+        read_history(path)
+
+
 def test_row_on_disk_at_once(tmp_path: Path) -> None:
     history = make_history(tmp_path / "h.csv", 2)
     assert len(read_history(tmp_path / "h.csv")["time"]) == 2
