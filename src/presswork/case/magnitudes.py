@@ -23,7 +23,7 @@ WEAKEST, STRONGEST = 1e-5, 0.1
 """Flow stress over Young's modulus: lead creeps at 1e-4; a tenth is about the strength of a crystal without defects."""
 EARLY, LATE = 0.002, 1.0
 """Plastic strains at which the flow stress is judged; late, beyond all tables, only against Young's modulus itself."""
-_ANYWAY = 'magnitudes = "any" takes it as it is'
+_ANYWAY = 'or set magnitudes = "any" in this table, and it is taken as it is'
 
 
 def require_metal(young: float, flow_stress: Callable[[FloatArray], FloatArray] | None) -> None:
@@ -34,7 +34,7 @@ def require_metal(young: float, flow_stress: Callable[[FloatArray], FloatArray] 
     if not SOFTEST < young < STIFFEST:
         raise fault(
             f"Young's modulus is {young:g} MPa, that of no metal",
-            f'plain numbers are MPa; with a unit: "206 GPa"; {_ANYWAY}',
+            f'plain numbers are MPa; with a unit: "206 GPa", {_ANYWAY}',
             key="young",
         )
     if flow_stress is None:
@@ -44,12 +44,12 @@ def require_metal(young: float, flow_stress: Callable[[FloatArray], FloatArray] 
         raise fault(
             f"the flow stress at a plastic strain of {EARLY:g} is {early:.4g} MPa, {early / young:.1e} "
             "of Young's modulus",
-            f"metals have 0.0005 to 0.02; plain numbers are MPa; {_ANYWAY}",
+            f"metals have 0.0005 to 0.02; plain numbers are MPa, {_ANYWAY}",
             key="hardening",
         )
     if not late < young:
         raise fault(
             f"the flow stress at a plastic strain of {LATE:g} is {late:.4g} MPa, more than Young's modulus",
-            f"plain numbers are MPa; the last slope of a table goes on; {_ANYWAY}",
+            f"plain numbers are MPa; the last slope of a table goes on, {_ANYWAY}",
             key="hardening",
         )

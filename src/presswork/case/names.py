@@ -11,6 +11,8 @@ from presswork.case.units import fault
 
 LONGEST = 80
 LONGEST_TITLE = 500
+LONGEST_PART = 255
+"""Bytes of a name of a file or folder, as file systems have it."""
 _RESERVED = '/\\:*?"<>|,;='
 """What some file system takes for more than a letter, and what parts the columns of a table."""
 
@@ -31,6 +33,13 @@ def _check_name(name: str) -> str:
     return name
 
 
+def _check_file_name(name: str) -> str:
+    """Refuse a path that no file can have."""
+    if "\0" in name or any(len(part.encode(errors="replace")) > LONGEST_PART for part in name.split("/")):
+        raise fault("no file can have this name", "check it; it is relative to the case file")
+    return name
+
+
 def _check_title(title: str) -> str:
     """Refuse a title that is no line of text."""
     if len(title) > LONGEST_TITLE:
@@ -45,3 +54,5 @@ def _check_title(title: str) -> str:
 Name = Annotated[str, AfterValidator(_check_name)]
 """Name of a tool, stage, body, contact, material, support or trim line."""
 Title = Annotated[str, AfterValidator(_check_title)]
+FileName = Annotated[str, AfterValidator(_check_file_name)]
+"""Path of a file that a case names, relative to it."""

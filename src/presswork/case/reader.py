@@ -185,7 +185,7 @@ def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Probl
         return _problem(key, context["expected"], context["remedy"], value)
     name = key.rsplit(".", 1)[-1]
     if kind == "extra_forbidden":
-        return _problem(key, "unknown key", _suggest_key(name, parent, schema), value)
+        return _problem(key, "unknown key", _suggest_key(key, name, parent, schema), value)
     if kind == "missing":
         meaning = _meaning(node)
         return Problem(key, "missing key", f"add it: {meaning}" if meaning else "add it")
@@ -203,13 +203,21 @@ def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Probl
     return _problem(key, expected, _meaning(node) or _meaning(parent) or _instance(key, expected), value)
 
 
-def _suggest_key(name: str, table: JsonSchema, schema: JsonSchema) -> str:
+def _suggest_key(key: str, name: str, table: JsonSchema, schema: JsonSchema) -> str:
     """Say where a key that its table does not know belongs: in another table, or which of this one is meant."""
     keys = table.get("properties", {})
-    places = [place or "the case itself" for place in _find_tables(name, schema)]
+    here = key.split(".")[:-1]
+    places = [place or "the case itself" for place in _find_tables(name, schema) if not _is_at(here, place)]
     if places:
         return f"it is a key of {' and of '.join(places[:3])} (keys here: {', '.join(sorted(keys))})"
     return suggest(name, keys, "keys here")
+
+
+def _is_at(path: Sequence[str], place: str) -> bool:
+    """Say whether a place of the schema, where NAME and N stand for any entry, is that of a path."""
+    steps = place.split(".") if place else []
+    pairs = zip(path, steps, strict=False)
+    return len(steps) == len(path) and all(step in ("NAME", "N", own) for own, step in pairs)
 
 
 def _find_tables(name: str, schema: JsonSchema) -> list[str]:

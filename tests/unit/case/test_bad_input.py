@@ -58,6 +58,14 @@ FAULTS = {
         ("[tools.punch]", "[presses]\npress = 3\n[tools.punch]"),
         ["presses.press = 3", "expected a table", "; "],
     ),
+    "file_of_no_name": (
+        ("profile = [[0, 15], [30, 15]]", 'profile_file = "a\\u0000.csv"'),
+        ["tools.punch.profile_file", "no file can have this name", "check it"],
+    ),
+    "file_of_a_long_name": (
+        ("profile = [[0, 15], [30, 15]]", f'profile_file = "{"a" * 300}.csv"'),
+        ["tools.punch.profile_file", "no file can have this name", "check it"],
+    ),
     "many_tables": (
         ("[[stages]]", "".join(f"[tools.t{i}]\n" for i in range(30_000)) + "[[stages]]"),
         ["more than 5,000 tables", "in a file of their own"],

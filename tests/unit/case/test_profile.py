@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from presswork.case import ProfilePoint
+from presswork.case.solid.tool import Tool
 from presswork.case.tools.profile import ProfileError, draw_outline
 from presswork.geometry.segments import measure_distance, reverse_segments
 
@@ -101,8 +105,20 @@ def test_two_arcs_are_a_circle(closed: bool) -> None:
     place = measure_distance(np.array([[5.0, 4.0], [9.0, 8.0], [5.0, 8.5]]), circle)
     np.testing.assert_allclose(np.abs(place.distance), [1.0, 1.0, 2.5])
     assert place.beside.all()
+    data = {"profile": [[2, 8], there.model_dump(exclude_none=True), back.model_dump(exclude_none=True)]}
+    assert Tool(**data, closed=closed, contact="frictionless").profile == (ProfilePoint(to=(2, 8)), there, back)
+    assert Tool(profile=data["profile"][:2], closed=True, contact="frictionless").closed
     half = draw_outline([ProfilePoint(to=(2, 8)), there], closed=True).segments
     assert len(half) == 2
+
+
+def test_a_closed_profile_of_two_lines_is_refused_with_one_that_is_taken() -> None:
+    with pytest.raises(ValidationError) as caught:
+        Tool(profile=[[2, 8], [8, 8]], closed=True, contact="sticking")
+    context = caught.value.errors()[0]["ctx"]
+    assert context["expected"] == "a closed profile of lines needs at least 3 points"
+    points = json.loads(context["remedy"].removeprefix("for instance "))
+    assert Tool(profile=points, closed=True, contact="sticking").closed
 
 
 def test_closed_profile_joins_its_ends() -> None:

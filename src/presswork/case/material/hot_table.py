@@ -11,6 +11,7 @@ from pydantic import Field, PrivateAttr, ValidationInfo, model_validator
 
 from presswork.case.errors import CaseError
 from presswork.case.material.hot_hardening import HotLaw
+from presswork.case.names import FileName
 from presswork.case.table_file import read_table_lines
 from presswork.case.units import fault
 from presswork.model import FloatArray
@@ -25,7 +26,7 @@ class HotTable(HotLaw):
     """Measured flow stress: linear in strain, in the logarithm of the rate and in temperature, constant beyond."""
 
     law: Literal["hot_table"] = "hot_table"
-    file: str = Field(
+    file: FileName = Field(
         description="CSV file beside the case with the columns strain, rate [1/s], temperature [degrees C] and "
         "stress [MPa], a row for each strain at each rate and temperature"
     )

@@ -14,6 +14,7 @@ from pydantic import Field
 from presswork import model
 from presswork.case.errors import Problem
 from presswork.case.heat.thermal import Thermal
+from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.settings import Whole
 from presswork.case.units import Density, Number, Stress
@@ -53,7 +54,7 @@ def kind_of_material(data: object) -> str:
 class UmatMaterial(Part):
     """A material law from a shared library with Abaqus's interface UMAT."""
 
-    umat: str = Field(description="the shared library (.so) with the routine UMAT, relative to the case")
+    umat: FileName = Field(description="the shared library (.so) with the routine UMAT, relative to the case")
     props: tuple[Number, ...] = Field(
         default=(), description="PROPS, in mm, s, MPa: as the routine wants them, without units"
     )
@@ -92,7 +93,7 @@ def list_libraries(case: AnyCase) -> list[Path]:
     """Return the libraries that the materials of a case name."""
     folder = case.source.parent if case.source else Path()
     tables = case.materials.values()
-    return [(folder / table.umat).resolve() for table in tables if isinstance(table, UmatMaterial)]
+    return [folder / table.umat for table in tables if isinstance(table, UmatMaterial)]
 
 
 def build_umat(
@@ -104,10 +105,11 @@ def build_umat(
     run_user_code: without it the library is not opened, and the constants are nan.
     """
     key = f"materials.{name}"
-    path = (folder / material.umat).resolve()
-    if not path.is_file():
+    path = folder / material.umat
+    if not path.is_file():  # says so of names that no file can have, too
         remedy = f"no such file: {path}; `presswork material compile law.f` makes one"
         return Problem(f"{key}.umat", "cannot be opened", remedy, material.umat)
+    path = path.resolve()
     n_state, n_props = material.state_variables, len(material.props)
     thermal = material.thermal.to_thermal(material.find_density()) if material.thermal and material.density else None
     if material.thermal is not None and components != 4:

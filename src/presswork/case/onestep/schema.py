@@ -18,7 +18,7 @@ from presswork.case.material.forming_limit.build import build_formability
 from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.library import add_library_materials, find_material_problem, find_sheet
 from presswork.case.material.yield_function import Hill1948, VonMisesYield
-from presswork.case.names import Name, Title
+from presswork.case.names import FileName, Name, Title
 from presswork.case.part import Part
 from presswork.case.shell.material import ShellMaterial
 from presswork.case.stamping.bead import Bead
@@ -35,7 +35,7 @@ LAYERS = 3
 class PartFile(Part):
     """The finished part's mid-surface."""
 
-    path: str = Field(description="STL, gmsh, Abaqus, VTK or I-DEAS file, beside the case")
+    path: FileName = Field(description="STL, gmsh, Abaqus, VTK or I-DEAS file, beside the case")
     unit: str = Field(default="mm", description="unit of the file's coordinates")
     draw_direction: Literal["x", "-x", "y", "-y", "z", "-z"] = Field(
         default="-z", description="the way of the punch in the file's axes"

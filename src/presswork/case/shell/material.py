@@ -16,6 +16,7 @@ from presswork.case.material.heating import HEAVIEST, LIGHTEST, require_density
 from presswork.case.material.library import take_named
 from presswork.case.material.sheet import SheetLaws
 from presswork.case.material.umat import UmatMaterial, kind_of_material
+from presswork.case.names import FileName
 from presswork.case.units import Density, fault
 
 logger = logging.getLogger(__name__)
@@ -29,7 +30,7 @@ COMPUTED = ("swift_hill", "marciniak_kuczynski")
 class ShellMaterial(SheetLaws):
     """Laws of an elastic-plastic sheet; x, laid into the sheet, is the rolling direction."""
 
-    library: str | None = Field(
+    library: FileName | None = Field(
         default=None,
         description='name of a material of the library, or "my_steel.toml", a material file beside the case; keys '
         "given beside it replace its own",

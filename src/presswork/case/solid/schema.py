@@ -38,7 +38,7 @@ from presswork.case.material.library import add_library_materials, take_named
 from presswork.case.material.plastic import PlasticLaws
 from presswork.case.material.transformation import Transformation
 from presswork.case.material.umat import UmatMaterial, kind_of_material
-from presswork.case.names import Name, Title
+from presswork.case.names import FileName, Name, Title
 from presswork.case.part import Part
 from presswork.case.press.builder import Timing
 from presswork.case.press.schema import Press, Speeds, StagePress, check_speeds
@@ -68,7 +68,7 @@ from presswork.case.units import (
 class Material(PlasticLaws):
     """An elastic-plastic solid; x of its yield function turns with the material."""
 
-    library: str | None = Field(
+    library: FileName | None = Field(
         default=None,
         description='name of a material of the library, or "my_steel.toml", a material file beside the case; keys '
         "given beside it replace its own",

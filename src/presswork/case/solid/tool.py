@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from presswork import model
 from presswork.case.heat.forming import ToolHeat
+from presswork.case.names import FileName
 from presswork.case.part import Part, ShortForm
 from presswork.case.solid.contact import require_friction
 from presswork.case.units import (
@@ -106,7 +107,7 @@ class Tool(Part):
         description="points [x, y], joined by lines; {to = [x, y], radius = 2} rounds a corner, "
         '{to = [x, y], centre = [x, y], turn = "left"} ends an arc',
     )
-    profile_file: str | None = Field(
+    profile_file: FileName | None = Field(
         default=None,
         description="instead of profile: a text file of two columns, x and y, a .dxf drawing, or the section of "
         "a model in STEP, relative to the case",

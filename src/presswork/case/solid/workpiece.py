@@ -9,6 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from presswork import model
 from presswork.case.heat.quantities import Temperature
+from presswork.case.names import FileName
 from presswork.case.part import Part, ShortForm
 from presswork.case.units import Direction, Length, Number, Point, VelocityVector, fault
 
@@ -73,7 +74,7 @@ class MeshFile(Part):
     """A mesh from a file: gmsh .msh, Abaqus/CalculiX .inp, VTK .vtk and .vtu, I-DEAS .unv."""
 
     kind: Literal["file"] = Field(default="file", description="a mesh from a file")
-    path: str = Field(description="the mesh file, relative to the case file")
+    path: FileName = Field(description="the mesh file, relative to the case file")
     unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
 
 

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
+from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.solid.workpiece import Count, MeshFile
 from presswork.case.units import Angle, Length, Number, Point, Point3, fault
@@ -108,7 +109,7 @@ class Revolved(Part):
     """A plane mesh turned about z; its sets are those of a box, first_plane, last_plane and the file's groups."""
 
     kind: Literal["revolved"] = Field(description="a plane mesh of quadrilaterals, turned about z")
-    path: str = Field(
+    path: FileName = Field(
         description="file of the half section, x its radius and y its height: .msh, .inp, .vtk, .vtu or .unv; relative "
         "to the case file"
     )
@@ -124,7 +125,7 @@ class Extruded(Part):
 
     kind: Literal["extruded"] = Field(description="an outline in x and y, drawn up along z")
     outline: tuple[Point, ...] | None = Field(default=None, description="corners [x, y] of a polygon [mm]")
-    path: str | None = Field(
+    path: FileName | None = Field(
         default=None,
         description="instead: a DXF drawing or a text file of a polygon, or a plane mesh of quadrilaterals (.msh, "
         ".inp, .vtk, .vtu, .unv); relative to the case file",
@@ -163,7 +164,7 @@ class ClosedSurface(Part):
     """The inside of a closed surface, filled with tetrahedra; its sets are those of a box round it."""
 
     kind: Literal["surface"] = Field(description="the inside of a closed surface, filled with tetrahedra")
-    path: str = Field(description="file of the surface: .stl, .step, .stp, .iges or .igs")
+    path: FileName = Field(description="file of the surface: .stl, .step, .stp, .iges or .igs")
     unit: str = Field(default="mm", description="unit of the file's coordinates; STEP says its own")
     size: Length = Field(gt=0, description="mean edge of cells [mm]; they are smaller at small features")
 

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from presswork import model
 from presswork.case.heat.forming import ToolHeat
+from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.solid.contact import require_friction
 from presswork.case.solid.tool import ProfilePoint, check_motion
@@ -192,7 +193,7 @@ class ToolFile(_SpaceTool):
     """A tool's surface from a file, its normals out of the metal."""
 
     shape: Literal["file"] = Field(description="a surface from an STL file, or the faces of a model in STEP")
-    path: str = Field(description="the file, relative to the case file: .stl, .step, .stp, .iges, .igs")
+    path: FileName = Field(description="the file, relative to the case file: .stl, .step, .stp, .iges, .igs")
     unit: str = Field(default="mm", description="length unit of an STL file's coordinates, e.g. mm, m, inch")
     tolerance: Length | None = Field(
         default=None,

@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from presswork import model
+from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.units import Angle, Length, Point, Sides, fault
 
@@ -91,7 +92,7 @@ class OutlinedBlank(_MeshedBlank):
     """What lies inside an outline from a file; of a part with symmetry planes the file has the whole outline."""
 
     shape: Literal["outline"] = Field(description="what lies inside an outline from a file")
-    path: str = Field(
+    path: FileName = Field(
         description="a DXF drawing, or a text file with the corners of a polygon (with columns loop, x_mm, y_mm: its "
         "first loop); relative to the case file"
     )
@@ -106,7 +107,7 @@ class BlankFile(_Blank):
     """A mesh of quadrilaterals or triangles from a file; with symmetry planes it is the part at x, y >= 0."""
 
     shape: Literal["file"] = Field(description="a mesh of quadrilaterals or triangles from a file")
-    path: str = Field(description="the mesh file, relative to the case file")
+    path: FileName = Field(description="the mesh file, relative to the case file")
     unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from presswork.case.errors import Problem
+from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.solid.tool import ProfilePoint
 from presswork.case.tools.dxf import read_drawing
@@ -81,7 +82,7 @@ class LineFile(Part):
     """A drawing, or the corners of a polygon in a text file."""
 
     shape: Literal["file"] = Field(description="a DXF drawing, or a text file with the corners of a polygon")
-    path: str = Field(description="the file, relative to the case file")
+    path: FileName = Field(description="the file, relative to the case file")
     unit: str | None = Field(
         default=None, description="length unit of its coordinates; without it a drawing's own, or mm"
     )

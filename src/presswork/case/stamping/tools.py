@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from presswork.case.heat.forming import ToolHeat
+from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.stamping.plan_line import Trim
 from presswork.case.units import Length, Number, Point, Point3, fault
@@ -272,7 +273,7 @@ class ToolFile(_Tool):
     """A tool's surface from an STL, STEP or IGES file, its normals out of the metal."""
 
     shape: Literal["file"] = Field(description="a surface from a file")
-    path: str = Field(description="the file, STL, STEP or IGES, relative to the case file")
+    path: FileName = Field(description="the file, STL, STEP or IGES, relative to the case file")
     unit: str = Field(
         default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch; STEP and IGES say their own"
     )
