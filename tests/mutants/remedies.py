@@ -6,46 +6,120 @@ from __future__ import annotations
 import copy
 import re
 import tomllib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from random import Random
 from typing import Any
 
-from presswork.case.errors import Problem
+import tomli_w
+
+from presswork.case import CaseError, Problem, build_model, read_case
+from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 from tests.mutants.crosses import read_examples
 from tests.mutants.mutate import change_data
 
-_SET = re.compile(r"\b(?:set|take|give|write)\b (?:(?P<key>[a-z_][\w.]*) = )?(?P<value>\[[^\]]*\]|\"[^\"]*\"|-?[\d.]+)")
+_SET = re.compile(
+    r"\b(?:set|take|give|write|for instance)\b (?:(?P<key>[a-z_][\w.]*) = )?(?P<value>\[[^\]]*\]|\"[^\"]*\"|-?[\d.]+)"
+)
 _MEANT = re.compile(r"did you mean `([^`]+)`")
-_CHOICES = re.compile(r"(?:choices|take|one of)[ :]+([\w.]+)")
+_CHOICES = re.compile(r"(?:choices|one of): ([\w., ]+)")
 _REMOVE = re.compile(r"^(?:remove it|leave it out|leave (?P<key>\w+) out)")
 
 
-def do_remedy(problem: Problem, data: dict[str, Any]) -> dict[str, Any] | None:
-    """Return a case's data with a remedy done; None where its words leave it to the engineer what to do."""
-    data = copy.deepcopy(data)
+@dataclass(frozen=True)
+class Tried:
+    """What came of the remedies of a case's messages."""
+
+    helped: int = 0
+    left: int = 0
+    """Remedies whose words leave to the engineer what to do."""
+    faults: tuple[str, ...] = ()
+    """Remedies that leave the fault or lead to another."""
+
+
+def try_remedies(path: Path, number: int) -> Tried:
+    """Do each remedy of a spoilt example, written to a path beside its files, and see what is said then."""
+    data = spoil(number)
+    before = _list_problems(path, data)
+    helped, left, faults = 0, 0, []
+    for problem in before:
+        ways = list(do_remedy(problem, data))
+        if not ways:
+            left += 1
+            continue
+        said = [_judge(problem, before, _list_problems(path, way)) for way in ways]
+        if "" in said:
+            helped += 1
+        else:
+            faults.append(f"{number}: {problem}\n    leads to {said[0]}")
+    return Tried(helped, left, tuple(faults))
+
+
+def _list_problems(path: Path, data: dict[str, Any]) -> tuple[Problem, ...]:
+    """Return the problems of a case that show before its start is computed."""
+    path.write_bytes(tomli_w.dumps(data).encode())
+    try:
+        case = read_case(path)
+        if isinstance(case, OneStepCase):
+            build_onestep_model(case)
+        else:
+            build_model(case, run_user_code=False)
+    except CaseError as error:
+        return error.problems
+    return ()
+
+
+def _judge(problem: Problem, before: Sequence[Problem], after: Sequence[Problem]) -> str:
+    """Return what is wrong after a remedy was done: the fault is still there, or a new one is; empty if it helped."""
+    known = {str(one) for one in before}
+    for one in after:
+        is_same = (one.key, one.expected) == (problem.key, problem.expected)
+        is_news = str(one) not in known and problem.expected != "unknown key"
+        if is_news and problem.expected.startswith("expected"):  # a value for instance need not fit the others
+            is_news = one.key == problem.key and one.expected.startswith("expected")
+        if is_same or is_news:
+            return str(one)
+    return ""
+
+
+def do_remedy(problem: Problem, data: dict[str, Any]) -> Iterator[dict[str, Any]]:
+    """Yield a case's data with a remedy done, once a choice; nothing where its words leave it to the engineer."""
     *path, last = problem.key.split(".")
-    here = _find(data, path)
-    if here is None:
-        return None
-    if found := _MEANT.search(problem.remedy):
-        if problem.expected == "unknown key" and isinstance(here, dict):
-            here.setdefault(found[1], here.pop(last))
-            return data
-        return _put(here, last, found[1], data)
-    if found := _REMOVE.search(problem.remedy):
-        return _remove(here, found["key"] or last, data)
+    if _find(data, path) is None:
+        return
+
+    def changed(change: Callable[[Any, dict[str, Any]], None]) -> Iterator[dict[str, Any]]:
+        copied = copy.deepcopy(data)
+        try:
+            change(_find(copied, path), copied)
+        except (KeyError, IndexError, TypeError, ValueError):  # the key stands elsewhere than the words say
+            return
+        yield copied
+
     if problem.expected == "unknown key":
-        return _remove(here, last, data)
-    if problem.expected == "unknown choice" and (found := _CHOICES.search(problem.remedy)):
-        return _put(here, last, found[1], data)
-    if found := _SET.search(problem.remedy):
+        meant = _MEANT.search(problem.remedy)
+        if meant and meant[1] not in _find(data, path):
+            yield from changed(lambda here, _: here.update({meant[1]: here.pop(last)}))
+        else:
+            yield from changed(lambda here, _: here.pop(last))
+    elif found := _REMOVE.search(problem.remedy):
+        yield from changed(lambda here, _: here.pop(_index(here, found["key"] or last)))
+    elif problem.expected == "unknown choice":
+        meant, choices = _MEANT.search(problem.remedy), _CHOICES.search(problem.remedy)
+        for choice in [*([meant[1]] if meant else ()), *(choices[1].split(", ") if choices else ())]:
+            yield from changed(lambda here, _, choice=choice: here.__setitem__(_index(here, last), choice))
+    elif found := _SET.search(problem.remedy):
         try:
             value = tomllib.loads(f"value = {found['value'].rstrip('.')}")["value"]
         except tomllib.TOMLDecodeError:  # [x, y], for the engineer to fill in
-            return None
+            return
         *to, key = (found["key"] or last).split(".")
-        table = _find(data, to) if to else here
-        return None if table is None else _put(table, key, value, data)
-    return None
+        yield from changed(lambda here, whole: (_find(whole, to) if to else here).__setitem__(_index(here, key), value))
+
+
+def _index(here: Any, key: str) -> Any:
+    return int(key) if isinstance(here, list) else key
 
 
 def _find(data: Any, path: list[str]) -> Any:
@@ -56,26 +130,6 @@ def _find(data: Any, path: list[str]) -> Any:
             data = data[name]
         else:
             return None
-    return data
-
-
-def _put(here: Any, key: str, value: Any, data: dict[str, Any]) -> dict[str, Any] | None:
-    if isinstance(here, dict):
-        here[key] = value
-    elif isinstance(here, list) and key.isdigit() and int(key) < len(here):
-        here[int(key)] = value
-    else:
-        return None
-    return data
-
-
-def _remove(here: Any, key: str, data: dict[str, Any]) -> dict[str, Any] | None:
-    if isinstance(here, dict) and key in here:
-        del here[key]
-    elif isinstance(here, list) and key.isdigit() and int(key) < len(here):
-        del here[int(key)]
-    else:
-        return None
     return data
 
 
