@@ -181,7 +181,7 @@ def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Probl
     if kind == "case":
         sub_key = context["key"]
         key = f"{key}.{sub_key}" if key and sub_key else key or sub_key
-        value = value.get(sub_key, value) if isinstance(value, dict) else value
+        value = _descend(value, sub_key)
         return _problem(key, context["expected"], context["remedy"], value)
     name = key.rsplit(".", 1)[-1]
     if kind == "extra_forbidden":
@@ -253,6 +253,19 @@ def _instance(key: str, expected: str) -> str:
         "a text in quotes": 'write "steel", for instance',
     }
     return texts.get(expected.removeprefix("expected "), "write a value within these bounds")
+
+
+def _descend(value: object, key: str) -> object:
+    """Return what stands at a dotted key under a value; the value itself where nothing does."""
+    here = value
+    for name in key.split(".") if key else ():
+        if isinstance(here, dict) and name in here:
+            here = here[name]
+        elif isinstance(here, list | tuple) and name.isdigit() and int(name) < len(here):
+            here = here[int(name)]
+        else:
+            return value
+    return here
 
 
 def _problem(key: str, expected: str, remedy: str, value: object) -> Problem:

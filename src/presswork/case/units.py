@@ -6,6 +6,7 @@ from __future__ import annotations
 import functools
 import math
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -164,11 +165,24 @@ def split_quantity(value: object) -> tuple[float, str] | None:
     return float(value), ""
 
 
+def to_entries(values: Sequence[object], *converts: Callable[[object], float]) -> tuple[float, ...]:
+    """Convert the entries of a list, each in its own way; a fault is that of the entry, by its index."""
+    found = []
+    for index, (value, convert) in enumerate(zip(values, converts, strict=True)):
+        try:
+            found.append(convert(value))
+        except PydanticCustomError as error:
+            said = error.context or {}
+            raise fault(said["expected"], said["remedy"], key=str(index)) from None
+    return tuple(found)
+
+
 def to_pair(value: object, dimension: Dimension) -> tuple[float, float]:
     """Convert [x, y], each a number or a string with a unit."""
     if not isinstance(value, list | tuple) or len(value) != 2:
-        raise fault(f"expected [x, y], two values, each {dimension.name}", "write for instance [0, 15]")
-    return to_number(value[0], dimension), to_number(value[1], dimension)
+        raise fault(f"expected [x, y], two values, each {dimension.name}", "write for instance [10, 15]")
+    x, y = to_entries(value, *[functools.partial(to_number, dimension=dimension)] * 2)
+    return x, y
 
 
 def to_place(value: object) -> object:
@@ -192,8 +206,9 @@ def to_sides(value: object) -> tuple[float, float]:
 def to_triple(value: object, dimension: Dimension) -> tuple[float, float, float]:
     """Convert [x, y, z], each a number or a string with a unit."""
     if not isinstance(value, list | tuple) or len(value) != 3:
-        raise fault(f"expected [x, y, z], three values, each {dimension.name}", "write for instance [0, 0, 15]")
-    return to_number(value[0], dimension), to_number(value[1], dimension), to_number(value[2], dimension)
+        raise fault(f"expected [x, y, z], three values, each {dimension.name}", "write for instance [10, 15, 20]")
+    x, y, z = to_entries(value, *[functools.partial(to_number, dimension=dimension)] * 3)
+    return x, y, z
 
 
 def _json_schema(dimension: Dimension) -> dict[str, Any]:

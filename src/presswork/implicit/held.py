@@ -53,7 +53,7 @@ def _check_held_in_space(model: Model, interactions: Interactions, state: State)
     count = free.shape[2]
     raise NotHeldError(
         f"nothing holds {name_body(model, bodies[number])} against {count} rigid motion{'s' * (count > 1)} "
-        f"({named}){others}. Add a [boundary] entry"
+        f"({named}){others}; add a [boundary] entry"
     )
 
 
@@ -69,7 +69,7 @@ def _check_held_in_plane(model: Model, interactions: Interactions, state: State)
             others = " and no other body" if model.contacts else ""
             raise NotHeldError(
                 f"nothing holds {name_body(model, body)} in {free}: no boundary or displacement fixes a point there, "
-                f"and no tool that holds its place{others} touches it at the start. Add a [boundary] entry, or let a "
+                f"and no tool that holds its place{others} touches it at the start; add a [boundary] entry, or let a "
                 "tool touch it"
             )
 

@@ -174,7 +174,7 @@ def test_a_pipe_or_a_device_is_no_case_file(tmp_path: Path) -> None:
         ("a = " + "[" * 500 + "]" * 500, "deep in each other"),
         (".".join("a" * 500) + " = 1", "deep in each other"),
         ("a = " + "9" * 5000, "not valid TOML"),
-        ("depth = 1" + "0" * 400, "that is finite"),
+        ("depth = 1" + "0" * 400, "a whole number of 1329 bits"),
     ],
 )
 def test_what_no_case_has_is_refused(tmp_path: Path, text: str, said: str) -> None:

@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import numpy as np
 from pydantic import BeforeValidator, WithJsonSchema
+from pydantic_core import PydanticCustomError
 
 from presswork.case.units import (
     CONDUCTIVITY,
@@ -22,6 +23,7 @@ from presswork.case.units import (
     TIME,
     Dimension,
     fault,
+    to_entries,
     to_number,
 )
 from presswork.model import COLDEST, HOTTEST, ZERO_CELSIUS, FloatArray
@@ -55,10 +57,16 @@ def to_table(value: object, argument: Callable[[object], float], quantity: Calla
     if not isinstance(value, list | tuple):
         return ((0.0, quantity(value)),)
     rows = []
-    for row in value:
+    for index, row in enumerate(value):
         if not isinstance(row, list | tuple) or len(row) != 2:
-            raise fault("expected one value, or rows [argument, value]", "e.g. [[20, 45], [800, 26], [1200, 29]]")
-        rows.append((argument(row[0]), quantity(row[1])))
+            remedy = "e.g. [[20, 45], [800, 26], [1200, 29]]"
+            raise fault("expected one value, or rows [argument, value]", remedy, key=str(index))
+        try:
+            first, second = to_entries(row, argument, quantity)
+        except PydanticCustomError as error:
+            said = error.context or {}
+            raise fault(said["expected"], said["remedy"], key=f"{index}.{said['key']}") from None
+        rows.append((first, second))
     if not 1 <= len(rows) <= MOST_ROWS:
         raise fault(f"expected from 1 to {MOST_ROWS} rows", "e.g. [[20, 45], [800, 26], [1200, 29]]")
     if any(b[0] <= a[0] for a, b in itertools.pairwise(rows)):
