@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs killed or signalled while they write: no signal is lost, no file cut short; resumed to the same bits."""
 
+import os
 import random
 import signal
 import subprocess
@@ -143,6 +144,20 @@ def test_titles_and_checkpoints_may_change_on_resuming(whole) -> None:
         for more in ([], ['title="other"', "output.checkpoint_every=7"])
     ]
     assert fingerprint(models[0]) == fingerprint(models[1])
+
+
+def test_a_resumed_run_writes_to_no_other_name_of_its_files(whole, tmp_path) -> None:
+    """A copy made of hard links, as backups are, stays as it is."""
+    case, overrides, reference, unstruck = whole
+    out, copy = tmp_path / "out", tmp_path / "copy"
+    run_with_fault(case, overrides, out, Fault(unstruck.operations // 2, STOP[:1]), resume=False)
+    copy.mkdir()
+    for file in out.iterdir():
+        os.link(file, copy / file.name)
+    before = {file.name: file.read_bytes() for file in copy.iterdir()}
+    assert run_with_fault(case, overrides, out, None, resume=True).status == "completed"
+    assert_same_bits(out, reference)
+    assert {file.name: file.read_bytes() for file in copy.iterdir()} == before
 
 
 # --- folders and disks -----------------------------------------------------------------------------------------------

@@ -57,7 +57,8 @@ class ProgressFile:
 
 def read_progress(folder: Path) -> RunProgress | None:
     """Return how far the run is that is at work in a folder; None if there is none."""
-    return _read(folder) if is_occupied(folder) else None
+    progress = _read(folder)
+    return progress if progress and is_occupied(folder) else None
 
 
 def find_stopped(folder: Path) -> int | None:

@@ -18,6 +18,7 @@ import pytest
 from presswork.results import OutputError, open_output_folder
 from presswork.results.pause import PAUSE, end_pause, is_paused, pause_run
 from presswork.server.jobs import Jobs
+from presswork.server.opened_folder import RefusedError
 from presswork.server.scratch import Scratch, clear_stale
 
 RUN = """
@@ -105,6 +106,14 @@ def test_a_pause_is_ended_by_any_server_and_by_a_stop(tmp_path: Path, at_work: s
     one.pause(out)
     one.stop(out)
     assert at_work.wait(30) != 0, "KeyboardInterrupt"
+
+
+def test_a_folder_that_is_not_there_has_no_run_at_work(tmp_path: Path) -> None:
+    jobs = Jobs(tmp_path, tmp_path)
+    assert jobs.state(tmp_path / "new", {})["word"] == "new"
+    for act in (jobs.pause, jobs.stop, jobs.resume):
+        with pytest.raises(RefusedError, match=r"no run is at work|no checkpoint"):
+            act(tmp_path / "new")
 
 
 def test_a_run_that_a_signal_stopped_is_woken_by_a_later_server(
