@@ -21,7 +21,7 @@ def find_model_directors(model: Model) -> Directors:
 
 def lay_directors(model: Model, directors: Directors, vectors: FloatArray) -> None:
     """Lay vectors (n_directors, 3) of directors at nodes on symmetry planes into these, and give all the length one."""
-    for support in model.supports:
+    for support in model.lasting_supports:
         if all(support.fix[:3]):
             continue  # a clamp, not a plane
         for normal in range(3):

@@ -97,7 +97,7 @@ def _find_support_rows(
     """Return what supports feel of the rigid motions of bodies (n, n_bodies, n_motions), and these."""
     points, supports = model.mesh.points + state.nodes.moved, interactions.supports
     motions = about_points(model, points)
-    rows = hold_by_supports(motions, points, supports.fixed(stage), supports.slanted)
+    rows = hold_by_supports(motions, points, supports.fixed(stage), supports.slanted(stage))
     return spread(list_bodies(model), rows, len(name_motions(model))), motions
 
 

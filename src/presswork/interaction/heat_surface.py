@@ -186,6 +186,6 @@ def find_open_sides(model: Model) -> IntArray:
     """Return the boundary edges, in space faces, that no support holds: symmetry planes and clamps give no heat."""
     edges = model.mesh.boundary_faces if model.analysis == "solid" else model.mesh.boundary_edges
     held = np.zeros(len(edges), dtype=bool)
-    for support in model.supports:
+    for support in model.lasting_supports:
         held |= np.isin(edges, model.mesh.node_sets[support.node_set]).all(axis=1)
     return edges[~held]

@@ -95,7 +95,7 @@ class LooseBodies(Interaction):
         model, supports = self._model, self._supports
         points = model.mesh.points + state_n.nodes.moved
         motions = about_points(model, points)
-        rows = hold_by_supports(motions, points, supports.fixed(step.stage), supports.slanted)
+        rows = hold_by_supports(motions, points, supports.fixed(step.stage), supports.slanted(step.stage))
         d, n_motions = model.dimension, len(name_motions(model))
         self._springs = []
         for body, weight in zip(self._bodies, self._weights, strict=True):

@@ -25,7 +25,7 @@ def find_loose(model: Model) -> list[str]:
     """Return the axes along which nothing but tools holds a solid in space."""
     if model.analysis != "solid" or not model.space_tools or any(s.normal is not None for s in model.supports):
         return []
-    held = {axis for support in model.supports for axis, fixed in enumerate(support.fix) if fixed}
+    held = {axis for support in model.lasting_supports for axis, fixed in enumerate(support.fix) if fixed}
     held |= {moved.component for stage in model.stages for moved in stage.prescribed}
     return [name for axis, name in enumerate(AXES) if axis not in held]
 

@@ -37,29 +37,33 @@ class Supports(Interaction):
         self.freedoms = model.freedoms
         self._frames_of: tuple[State, int] | None = None
         self._frames, self._held = np.zeros((0, 3, 3)), np.zeros((0, 3), dtype=bool)
-        self._supported = np.zeros((n, self.freedoms), dtype=bool)
-        self.slanted: list[tuple[IndexArray, FloatArray]] = []
-        """Nodes (n,) that are held along unit vectors (n, 3) beside x, y and z."""
-        for support in model.supports:
-            nodes = model.mesh.node_sets[support.node_set]
-            if support.normal is None:
-                self._supported[nodes, : len(support.fix)] |= np.asarray(support.fix)
-            else:
-                self.slanted.append((nodes.astype(np.intp), np.tile(np.array(support.normal), (len(nodes), 1))))
         self._identity = np.tile(np.eye(model.dimension), (n, 1, 1))
 
     def fixed(self, stage: int) -> BoolArray:
         """Return the components that supports and prescribed displacements hold in a stage (n_points, freedoms)."""
-        fixed = self._supported.copy()
+        fixed = np.zeros((len(self._model.mesh.points), self.freedoms), dtype=bool)
+        for support in self._model.supports_in(stage):
+            if support.normal is None:
+                fixed[self._model.mesh.node_sets[support.node_set], : len(support.fix)] |= np.asarray(support.fix)
         for p in self._model.stages[stage].prescribed:
             fixed[self._model.mesh.node_sets[p.node_set], p.component] = True
         return fixed
 
+    def slanted(self, stage: int) -> list[tuple[IndexArray, FloatArray]]:
+        """Return nodes (n,) that supports hold in a stage along unit vectors (n, 3) beside x, y and z."""
+        found = []
+        for support in self._model.supports_in(stage):
+            if support.normal is not None:
+                nodes = self._model.mesh.node_sets[support.node_set].astype(np.intp)
+                found.append((nodes, np.tile(np.array(support.normal), (len(nodes), 1))))
+        return found
+
     def free_part(self, stage: int, force: FloatArray) -> FloatArray:
         """Return nodal forces (n_points, freedoms) [N, N mm] without what is held in a stage takes."""
-        if not self.slanted:
+        slanted = self.slanted(stage)
+        if not slanted:
             return np.where(self.fixed(stage)[:, : force.shape[1]], 0.0, force)
-        held = self._hold_slanted(self.fixed(stage), np.zeros_like(force))
+        held = self._hold_slanted(self.fixed(stage), slanted, np.zeros_like(force))
         along = np.where(held.mask, 0.0, np.einsum("nij,nj->ni", held.frames, force))
         return np.asarray(np.einsum("nij,ni->nj", held.frames, along))
 
@@ -79,8 +83,8 @@ class Supports(Interaction):
             nodes = self._model.mesh.node_sets[p.node_set]
             target[nodes, p.component] = p.value * part
         mask = fixed.astype(np.uint8)
-        if self.slanted:
-            return self._hold_slanted(fixed, target - increment)
+        if slanted := self.slanted(stage):
+            return self._hold_slanted(fixed, slanted, target - increment)
         if self.freedoms < 6:
             value = np.where(mask, target - increment, 0.0)
             return Constraints(mask, value, np.zeros(len(mask), dtype=np.uint8), self._identity)
@@ -94,7 +98,9 @@ class Supports(Interaction):
         value = np.where(mask, missing, 0.0)
         return Constraints(mask, value, np.ones(len(mask), dtype=np.uint8), frames)
 
-    def _hold_slanted(self, fixed: BoolArray, missing: FloatArray) -> Constraints:
+    def _hold_slanted(
+        self, fixed: BoolArray, slanted: list[tuple[IndexArray, FloatArray]], missing: FloatArray
+    ) -> Constraints:
         """Return what is prescribed where planes of symmetry are normal to none of x, y and z.
 
         A node there has a frame of its own, whose first axes span the directions in which it is held.
@@ -102,7 +108,7 @@ class Supports(Interaction):
         n = len(fixed)
         held: FloatArray = np.einsum("ni,ij->nij", fixed.astype(float), np.eye(3))
         turned = np.zeros(n, dtype=np.uint8)
-        for nodes, normals in self.slanted:
+        for nodes, normals in slanted:
             held[nodes] += np.einsum("ni,nj->nij", normals, normals)
             turned[nodes] = 1
         frames, mask = self._identity.copy(), fixed.astype(np.uint8)

@@ -97,6 +97,15 @@ class Model:
     case_text: str = ""
     """The case file as read, kept with the results."""
 
+    def supports_in(self, stage: int) -> list[Support]:
+        """Return the supports that hold in a stage."""
+        return [s for s in self.supports if s.name not in self.stages[stage].released]
+
+    @property
+    def lasting_supports(self) -> list[Support]:
+        """The supports that hold in every stage."""
+        return [s for s in self.supports if not any(s.name in stage.released for stage in self.stages)]
+
     @property
     def operations(self) -> list[str]:
         """Names of all operations of a line, in turn; of one operation without a name that is empty."""

@@ -17,7 +17,7 @@ from presswork.model.press import Drive
 
 @dataclass(frozen=True)
 class Support:
-    """Displacement components held at zero in every stage: symmetry planes, the axis, clamps."""
+    """Displacement components held at zero: symmetry planes, the axis, clamps."""
 
     node_set: str
     fix: tuple[bool, ...]
@@ -201,6 +201,8 @@ class Stage:
     face_pressures: tuple[FacePressure, ...] = ()
     face_forces: tuple[FaceForce, ...] = ()
     body_forces: tuple[BodyForce, ...] = ()
+    released: tuple[str, ...] = ()
+    """Names of the supports that do not hold in this stage."""
     heat: HeatStage | None = None
     drive: Drive | None = None
     """The ram that moves the tools, from which time follows; None: all moves evenly in time."""

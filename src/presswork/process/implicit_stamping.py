@@ -89,6 +89,7 @@ def make_shell_model(model: Model) -> Model:
             | {name: ToolMotion(push=of_stages[number]) for name, of_stages in pushes.items()},
             bead_share={name: of_stages[number] for name, of_stages in shares.items()},
             prescribed=stage.prescribed,
+            released=stage.released,
             dwell=stage.dwell,
         )
         for number, stage in enumerate(model.stages)

@@ -65,7 +65,7 @@ def keep_held(origin: FloatArray, model: Model) -> None:
     """
     mesh = model.mesh
     driven = {(p.node_set, p.component) for stage in model.stages for p in stage.prescribed}
-    for support in model.supports:
+    for support in model.lasting_supports:
         nodes = mesh.node_sets[support.node_set]
         for axis in range(mesh.points.shape[1]):
             if support.fix[axis] and (support.node_set, axis) not in driven:

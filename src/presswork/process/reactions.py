@@ -47,6 +47,7 @@ class Reactions:
             if support.name:
                 name = f"boundary_{support.name}" if support.name in taken else support.name
                 held = np.tile(np.asarray(support.fix[:freedoms]), (n_stages, 1))
+                held[[support.name in stage.released for stage in model.stages]] = False
                 found[name] = Holder(name, support.node_set, held, np.zeros(freedoms, dtype=bool))
         displaced = {p.node_set: None for of_stage in prescribed for p in of_stage}
         for node_set in displaced:

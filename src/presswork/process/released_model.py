@@ -55,7 +55,7 @@ def hold_rigidly(points: FloatArray, symmetry: tuple[bool, bool]) -> dict[int, t
 def make_springback_model(model: Model, mesh: Mesh, turned: FloatArray | None = None) -> Model:
     """Return the Model of the released sheet; mesh: undeformed; turned: as of LaidPart, None: it was never turned."""
     springback = model.springback or Springback()
-    planes = [s for s in model.supports if s.fix in SYMMETRY]
+    planes = [s for s in model.lasting_supports if s.fix in SYMMETRY]
     blocks = tuple(replace(block, element=ELEMENTS[block.connectivity.shape[1]]) for block in mesh.blocks)
     node_sets = dict(mesh.node_sets)
     supports = list(planes)

@@ -38,7 +38,7 @@ from presswork.process.mesh_reasons import DUE, FAILS, STEP, find_cause, find_re
 from presswork.process.new_epoch import keep_held, make_on_lead
 from presswork.process.recording import Row
 from presswork.process.remeshing import MOST_GIVEN_BACK
-from presswork.process.rows import RowReport
+from presswork.process.rows import STAGE, RowReport
 from presswork.process.seams import Seams
 from presswork.ranks.world import World
 from presswork.remesh.axes import straighten_axes
@@ -187,7 +187,7 @@ class RemeshedImpact(ExplicitImpact):
         """Mark the components that supports hold (n_points, d)."""
         d = self.model.dimension
         held = np.zeros((len(self.model.mesh.points), d), dtype=bool)
-        for support in self.model.supports:
+        for support in self.model.supports_in(min(int(self._progress[STAGE]), len(self.model.stages) - 1)):
             held[self.model.mesh.node_sets[support.node_set]] |= np.asarray(support.fix[:d])
         return held
 

@@ -87,7 +87,7 @@ class RowRecording(EpochRecording, ABC):
         """Find what supports and the present stage prescribe on the present mesh, its values over a time [s]."""
         run.release()
         sets, number = self.model.mesh.node_sets, int(self._progress[STAGE])
-        for support in self.model.supports:
+        for support in self.model.supports_in(min(number, len(self.model.stages) - 1)):
             self._hold(run, support)
         if number < len(self.model.stages):
             for p in self.model.stages[number].prescribed:

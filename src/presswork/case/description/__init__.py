@@ -15,6 +15,7 @@ from presswork.case.description.loads import describe_loads
 from presswork.case.description.material import describe_material
 from presswork.case.description.press import describe_drive
 from presswork.case.description.shell import describe_sheet
+from presswork.case.description.supports import describe_support
 from presswork.geometry.crossing import bound_segments
 from presswork.geometry.pose import start_profile
 from presswork.memory import available_memory, estimate_memory
@@ -44,7 +45,7 @@ def describe(problem: model.Model | OneStepModel) -> str:
     lines += [f"tool {tool.name}: {_describe_tool(tool)}" for tool in problem.plane_tools]
     lines += [f"tool {tool.name}: {_describe_space_tool(tool)}" for tool in problem.space_tools]
     lines += [f"contact {contact.name}: {_describe_contact(problem, contact)}" for contact in problem.contacts]
-    lines += [_describe_support(support, problem.mesh) for support in problem.supports]
+    lines += [describe_support(support, problem) for support in problem.supports]
     for number, stage in enumerate(problem.stages, 1):
         lines += [
             f'stage {number} "{stage.name}", {stage.duration:g} s:',
@@ -173,12 +174,6 @@ def _describe_contact(problem: model.Model, contact: model.BodyContact) -> str:
     if first == second:
         return f"{first} with itself, {law}"
     return f"{first} with {second}, {law}; pressure on the nodes of {problem.bodies[contact.slave].name}"
-
-
-def _describe_support(support: model.Support, mesh: model.Mesh) -> str:
-    names = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
-    fixed = " and ".join(name for name, fix in zip(names, support.fix, strict=False) if fix)
-    return f"support: {fixed} held on {support.node_set} ({len(mesh.node_sets[support.node_set])} nodes)"
 
 
 def _describe_stage(stage: model.Stage, dimension: int) -> Iterator[str]:

@@ -12,6 +12,7 @@ import numpy as np
 from presswork.case.description.heat import describe_heat_of_forming
 from presswork.case.description.material import describe_forming_limit, describe_material
 from presswork.case.description.press import describe_drive
+from presswork.case.description.supports import name_stages
 from presswork.case.stamping.clashes import find_closing_stroke
 from presswork.geometry.tool_radius import find_least_radius
 from presswork.geometry.tool_surface import make_surface
@@ -133,7 +134,7 @@ def _describe_operation(problem: Model, following: Operation | None) -> Iterator
         yield from _hint_at_coarse_mesh(problem)
     for support in problem.supports:
         names = (name for name, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), support.fix, strict=True) if fixed)
-        yield f"support: {support.node_set} held in {', '.join(names)}"
+        yield f"support: {support.node_set} held in {', '.join(names)}{name_stages(support, problem)}"
     for number, stage in enumerate(problem.stages, 1):
         if stage.dwell is not None:
             yield f'stage {number} "{stage.name}": {_describe_dwell(stage.dwell)} for {stage.duration:.4g} s'

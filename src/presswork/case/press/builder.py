@@ -143,6 +143,8 @@ def list_blows(stage: model.Stage, press: StagePress | None, first: int) -> list
             motions = {n: replace(m, start="touch_again") if any(m.move) else m for n, m in motions.items()}
             back = {n: model.ToolMotion(move=tuple(0.0 - x for x in m.move)) for n, m in stage.tool_motion.items()}
             pause = press.pause or model.Stage("").duration
-            found.append(model.Stage(f"{stage.name}, pause {number}", duration=pause, tool_motion=back))
+            found.append(
+                model.Stage(f"{stage.name}, pause {number}", duration=pause, tool_motion=back, released=stage.released)
+            )
         found.append(replace(stage, name=name, drive=blow, tool_motion=motions))
     return found

@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork import _core, model
 from presswork.case.errors import CaseError, Problem
+from presswork.case.held_stages import check_held_stages, list_released, releases
 from presswork.case.marked_points import build_points
 from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.material.law_needs import check_grain, check_needs
@@ -56,7 +57,7 @@ def build_shell_model(case: ShellCase, *, run_user_code: bool = True) -> model.M
         ),
         tools=(),
         supports=tuple(entry.build(name) for name, entry in case.boundary.items()),
-        stages=tuple(_build_stage(stage) for stage in case.stages),
+        stages=tuple(_build_stage(stage, case) for stage in case.stages),
         solver=solver,
         output=build_output(case.output),
         limits=case.limits.build(),
@@ -109,6 +110,7 @@ def _check_names(case: ShellCase) -> list[Problem]:
                 remedy = 'take control = "load", or a material that does not depend on the rate'
                 problems.append(Problem("solver.control", fault, remedy, "arc_length"))
     names = [stage.name for stage in case.stages]
+    problems += check_held_stages(case.boundary, names)
     loaded = False
     for index, stage in enumerate(case.stages):
         if stage.name in names[:index]:
@@ -116,6 +118,7 @@ def _check_names(case: ShellCase) -> list[Problem]:
                 Problem(f"stages.{index}.name", "two stages have this name", "give each its own", stage.name)
             )
         loads = stage.displacement + stage.rotation + stage.force + stage.edge_force + stage.pressure + stage.body_force
+        loaded |= releases(case.boundary, names, index)
         if not (loads or loaded or "duration" in stage.model_fields_set):
             remedy = (
                 "add [[stages.force]], [[stages.pressure]], [[stages.displacement]] or another load, or give the "
@@ -247,13 +250,14 @@ def _find_directors(mesh: model.Mesh) -> Directors:
     return find_directors(mesh.points, mesh.blocks, slopes, mesh.normals)
 
 
-def _build_stage(stage: ShellStage) -> model.Stage:
+def _build_stage(stage: ShellStage, case: ShellCase) -> model.Stage:
     """Turn a case's stage into the Model's."""
     moved = [(e.set, FREEDOMS.index(e.component), e.value) for e in stage.displacement]
     moved += [(e.set, 3 + FREEDOMS.index(e.axis), radians(e.angle)) for e in stage.rotation]
     return model.Stage(
         name=stage.name,
         duration=stage.duration,
+        released=list_released(case.boundary, stage.name),
         prescribed=tuple(model.PrescribedDisplacement(*entry) for entry in moved),  # type: ignore[arg-type]
         forces=tuple(model.PointForce(e.set, (*e.value, *e.moment)) for e in stage.force),
         shell_pressures=tuple(model.ShellPressure(e.set, e.value) for e in stage.pressure),

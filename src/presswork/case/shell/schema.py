@@ -14,6 +14,7 @@ from pydantic import (
 from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.gradients import Gradients
+from presswork.case.held_stages import StagedBoundary
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.library import add_library_materials
@@ -86,8 +87,8 @@ class ShellWorkpiece(Part):
     )
 
 
-class ShellBoundary(Part):
-    """What is held in every stage, in one word or freedom by freedom."""
+class ShellBoundary(StagedBoundary):
+    """What is held, in one word or freedom by freedom."""
 
     set: str = Field(description="name of a node set")
     hold: Literal["clamped", "hinged", "symmetry_x", "symmetry_y", "symmetry_z"] | None = Field(

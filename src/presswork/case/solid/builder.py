@@ -17,6 +17,7 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.heat.forming import build_heat, start_hot, warn_of_temperatures
+from presswork.case.held_stages import list_released
 from presswork.case.marked_points import build_points
 from presswork.case.material.umat import UmatMaterial, build_umat
 from presswork.case.press.builder import build_drive, find_halves, list_blows
@@ -189,10 +190,11 @@ def _find_symmetry_planes(
         points = mesh.points[body.points.start : body.points.stop]
         low, high = points.min(axis=0), points.max(axis=0)
         coordinate = mesh.points[nodes, axis]
+        lasting = entry.stages is None
         outermost = min(coordinate.min() - low[axis], high[axis] - coordinate.max()) < tolerance
         on_line = np.abs(points[:, axis] - coordinate[0]) < tolerance
         is_whole_side = len(nodes) > 1 and on_line.sum() == len(nodes)
-        if len(fixed) == 1 and np.ptp(coordinate) < tolerance and outermost and is_whole_side:
+        if len(fixed) == 1 and np.ptp(coordinate) < tolerance and outermost and is_whole_side and lasting:
             if entry.symmetry is not False:
                 planes[axis].append(float(coordinate.mean()))
         elif entry.symmetry:
@@ -200,7 +202,8 @@ def _find_symmetry_planes(
                 Problem(
                     f"boundary.{name}.symmetry",
                     f"the set `{entry.set}` with fix = {fixed} is no symmetry plane of the workpiece",
-                    "fix one component, on the whole of an outermost straight side normal to it, or leave symmetry out",
+                    "fix one component in all stages, on the whole of an outermost straight side normal to it, or "
+                    "leave symmetry out",
                     True,
                 )
             )
@@ -219,7 +222,7 @@ def _check_axis(case: schema.Case, mesh: model.Mesh) -> list[Problem]:
                 "model the half at x >= 0, with the axis at x = 0",
             )
         ]
-    fixed = [mesh.node_sets[entry.set] for entry in case.boundary.values() if "x" in entry.fix]
+    fixed = [mesh.node_sets[entry.set] for entry in case.boundary.values() if "x" in entry.fix and entry.stages is None]
     on_axis = np.flatnonzero(x < tolerance)
     loose = np.setdiff1d(on_axis, np.concatenate(fixed)) if fixed else on_axis
     if len(loose) == 0:
@@ -250,7 +253,7 @@ def _build_stages(
     blows: dict[str, int] = {}
     mirrors = (planes[0][:0], planes[1]) if case.analysis == "axisymmetric" else planes
     for number, given in enumerate(case.stages):
-        stage = _build_stage(given, area_of, explicit=case.procedure == "explicit")
+        stage = _build_stage(given, case, area_of)
         drive = build_drive(given.find_timing(number), case.presses, find_halves(stage, mirrors))
         if isinstance(drive, Problem):
             problems.append(drive)
@@ -264,13 +267,14 @@ def _build_stages(
     return tuple(stages), problems
 
 
-def _build_stage(stage: schema.Stage, area_of: Callable[[str], float], *, explicit: bool) -> model.Stage:
+def _build_stage(stage: schema.Stage, case: schema.Case, area_of: Callable[[str], float]) -> model.Stage:
     """Turn a case's stage into the Model's; area_of: gives the area of an edge set [mm2]."""
     ramp = RAMP * stage.duration if stage.ramp is None else stage.ramp
     return model.Stage(
         name=stage.name,
         duration=stage.duration,
-        ramp=ramp if explicit else 0.0,
+        ramp=ramp if case.procedure == "explicit" else 0.0,
+        released=list_released(case.boundary, stage.name),
         tool_motion={name: motion.build() for name, motion in stage.tools.items()},
         prescribed=tuple(
             model.PrescribedDisplacement(entry.set, 0 if entry.component == "x" else 1, entry.value)

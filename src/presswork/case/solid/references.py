@@ -9,6 +9,7 @@ from presswork import model
 from presswork.case.errors import Problem, suggest
 from presswork.case.heat.forming import check_heat
 from presswork.case.heat.series import check_series
+from presswork.case.held_stages import check_held_stages, releases
 from presswork.case.material.library import find_material_problem
 from presswork.case.press.builder import check_timing
 from presswork.case.settings import check_small_displacements
@@ -62,6 +63,7 @@ def check_references(case: schema.Case) -> list[Problem]:
         fault = "arc length is for shells under loads alone"
         problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
     names = [stage.name for stage in case.stages]
+    problems += check_held_stages(case.boundary, names)
     unloads = any(body.velocity is not None for _, body in list_bodies(case).values())
     for index, stage in enumerate(case.stages):
         key = f"stages.{index}"
@@ -74,6 +76,7 @@ def check_references(case: schema.Case) -> list[Problem]:
         problems += _check_forces(case, stage, key)
         problems += check_timing(stage.find_timing(index), case.presses)
         holds = stage.holds and (index > 0 or case.procedure == "implicit")
+        holds |= releases(case.boundary, names, index)
         if not (_moves(stage) or unloads or holds or case.heat is not None):
             problems.append(
                 Problem(

@@ -29,6 +29,7 @@ from presswork.case.gradients import Gradients
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.series import Series
 from presswork.case.heat.thermal import Thermal
+from presswork.case.held_stages import StagedBoundary
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.grain import Grain
@@ -127,8 +128,8 @@ MaterialTable = Annotated[
 ]
 
 
-class Boundary(Part):
-    """Displacement components held at zero in every stage."""
+class Boundary(StagedBoundary):
+    """Displacement components held at zero."""
 
     set: str = Field(description="name of a node set")
     fix: tuple[Axis, ...] = Field(min_length=1, description="components held at zero, out of x and y")

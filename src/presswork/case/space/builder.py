@@ -10,6 +10,7 @@ from pathlib import Path
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.heat.forming import start_hot, warn_of_temperatures
+from presswork.case.held_stages import check_held_stages, list_released, releases
 from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.library import find_material_problem
@@ -131,6 +132,7 @@ def _stop_at(problems: list[Problem], case: SpaceCase) -> None:
 def _check_names(case: SpaceCase) -> list[Problem]:
     """Return the problems that show without the mesh."""
     problems = [*_check_materials(case), *_check_solver(case), *check_space_procedure(case), *check_space_bodies(case)]
+    problems += check_held_stages(case.boundary, [stage.name for stage in case.stages])
     for key, body in list_space_bodies(case).values():
         if fault := find_material_problem(key, body.material, case.materials):
             problems.append(fault)
@@ -146,6 +148,7 @@ def _check_names(case: SpaceCase) -> list[Problem]:
         moves = moves or any(any(motion.build().move) for motion in stage.tools.values())
         problems += check_timing(stage.find_timing(index), case.presses)
         holds = stage.holds and (index > 0 or case.procedure == "implicit")
+        holds |= releases(case.boundary, names, index)
         displaced = any(entry.value != 0.0 for entry in stage.displacement)
         if case.heat is None and not (is_loaded or held or moves or displaced or holds):
             remedy = (
@@ -238,7 +241,7 @@ def _build_stages(
     problems: list[Problem] = []
     blows: dict[str, int] = {}
     for number, given in enumerate(case.stages):
-        stage = _build_stage(given, mesh, explicit=case.procedure == "explicit")
+        stage = _build_stage(given, case, mesh)
         halves = find_halves(stage, symmetry.planes)
         halves = replace(halves, whole=halves.whole * symmetry.sectors)
         drive = build_drive(given.find_timing(number), case.presses, halves)
@@ -253,13 +256,14 @@ def _build_stages(
     return tuple(stages), problems
 
 
-def _build_stage(stage: SpaceStage, mesh: model.Mesh, *, explicit: bool) -> model.Stage:
+def _build_stage(stage: SpaceStage, case: SpaceCase, mesh: model.Mesh) -> model.Stage:
     """Turn a case's stage into the Model's."""
     ramp = RAMP * stage.duration if stage.ramp is None else stage.ramp
     return model.Stage(
         name=stage.name,
         duration=stage.duration,
-        ramp=ramp if explicit else 0.0,
+        ramp=ramp if case.procedure == "explicit" else 0.0,
+        released=list_released(case.boundary, stage.name),
         tool_motion={name: motion.build() for name, motion in stage.tools.items()},
         prescribed=tuple(
             model.PrescribedDisplacement(entry.set, AXES.index(entry.component), entry.value)  # type: ignore[arg-type]

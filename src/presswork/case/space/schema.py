@@ -13,6 +13,7 @@ from presswork.case.case_file import CaseFile
 from presswork.case.gradients import Gradients
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.quantities import Temperature
+from presswork.case.held_stages import StagedBoundary
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.library import add_library_materials
@@ -51,8 +52,8 @@ class SpaceWorkpiece(Part):
     mesh: SpaceMesh = Field(description="the mesh of the workpiece")
 
 
-class SpaceBoundary(Part):
-    """Displacement components held at zero in every stage, or a face of a sector tied to the other."""
+class SpaceBoundary(StagedBoundary):
+    """Displacement components held at zero, or a face of a sector tied to the other."""
 
     set: str = Field(description="name of a node set")
     fix: tuple[Axis | Literal["normal"], ...] = Field(
@@ -76,6 +77,8 @@ class SpaceBoundary(Part):
         if bool(self.fix) == (self.cyclic is not None):
             remedy = 'for instance fix = ["z"], or cyclic = "first_plane"'
             raise fault("give either fix or cyclic", remedy, key="fix")
+        if self.cyclic is not None and self.stages is not None:
+            raise fault("the faces of a sector are tied in every stage", "leave it out", key="stages")
         if "normal" in self.fix and len(set(self.fix)) > 1:
             raise fault("normal stands beside other components", 'give ["normal"] alone', key="fix")
         return self

@@ -74,7 +74,7 @@ def find_symmetry(
     planes: tuple[list[float], ...] = ([], [], [])
     upright = []  # normals of those that stand along z
     for name, entry in case.boundary.items():
-        if name not in held or entry.symmetry is False:
+        if name not in held or entry.symmetry is False or entry.stages is not None:
             continue
         if name in slanted:
             upright.append(np.array(slanted[name]))
@@ -130,8 +130,15 @@ def check_symmetry(case: SpaceCase, mesh: model.Mesh, bodies: tuple[model.Body, 
         components = sorted(set(entry.fix))
         if not entry.symmetry or components == ["normal"]:
             continue
-        if len(components) > 1 or not is_whole_side(mesh, bodies, entry.set, AXES.index(components[0])):
+        if (
+            len(components) > 1
+            or entry.stages is not None
+            or not is_whole_side(mesh, bodies, entry.set, AXES.index(components[0]))
+        ):
             fault = f"the set `{entry.set}` with fix = {components} is no symmetry plane of the workpiece"
-            remedy = "fix one component, on the whole of an outermost flat side normal to it, or leave symmetry out"
+            remedy = (
+                "fix one component in all stages, on the whole of an outermost flat side normal to it, or leave "
+                "symmetry out"
+            )
             problems.append(Problem(f"boundary.{name}.symmetry", fault, remedy, True))
     return problems

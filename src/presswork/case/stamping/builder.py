@@ -13,6 +13,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem
+from presswork.case.held_stages import check_held_stages, list_released
 from presswork.case.marked_points import build_points
 from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.material.umat import UmatMaterial
@@ -115,7 +116,8 @@ def _build_parts(
     uses = [(f"boundary.{name}.set", entry.set, False) for name, entry in case.boundary.items()]
     for index, stage in enumerate(case.stages):
         uses += [(f"stages.{index}.displacement.{i}.set", e.set, False) for i, e in enumerate(stage.displacement)]
-    _stop_at(check_set_names(uses, mesh), case)
+    names = [stage.name for stage in case.stages]
+    _stop_at(check_set_names(uses, mesh) + check_held_stages(case.boundary, names), case)
     tools, problems = build_tools(case, mesh, before)
     _stop_at(problems, case)
     is_flat = not isinstance(case.blank, BlankFile) or not is_dynain(case.blank.path)
@@ -389,5 +391,6 @@ def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
         bead_share={name: np.array([[0.0, share]]) for name, share in shares.items()},
         prescribed=tuple(model.PrescribedDisplacement(*entry) for entry in prescribed),  # type: ignore[arg-type]
         process_time=stage.process_time,
+        released=list_released(case.boundary, stage.name),
         dwell=stage.dwell.to_model() if stage.dwell else None,
     )

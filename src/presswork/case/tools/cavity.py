@@ -119,7 +119,7 @@ class _Cavity:
         points = model.mesh.points
         driven = {(p.node_set, p.component) for stage in model.stages for p in stage.prescribed}
         tolerance = 1e-6 * float(np.ptp(points, axis=0).max())
-        for support in model.supports:
+        for support in model.lasting_supports:
             for axis in (0, 1):
                 at = points[model.mesh.node_sets[support.node_set], axis]
                 if not support.fix[axis] or (support.node_set, axis) in driven or len(at) < 2 or np.ptp(at) > tolerance:
