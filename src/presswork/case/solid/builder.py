@@ -29,6 +29,7 @@ from presswork.case.solid.references import check_references, check_sets
 from presswork.case.solid.remesh import OF_SMALLEST, build_remeshing, check_places, check_sizes, check_tools
 from presswork.case.tools.builder import build_tool, check_motions, find_way
 from presswork.case.tools.cavity import check_cavity
+from presswork.case.tools.close_fits import close_fits
 from presswork.case.tools.die_mesh import build_dies
 from presswork.case.tools.rounded import round_outer_corners
 from presswork.mesh.edges import edge_areas
@@ -83,6 +84,9 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     problems = problems or check_motions(case, tools)
     if not problems and all(body.velocity is None for _, body in list_bodies(case).values()):
         problems = check_reach(tools, stages, mesh)
+    close: list[str] = []
+    if not problems:
+        tools, close = close_fits(tools, stages, mesh)
     supports = tuple(
         model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix), name) for name, entry in case.boundary.items()
     )
@@ -120,6 +124,8 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         remeshing=remeshing,
         case_text=case.text,
     )
+    for text in close:
+        logger.warning("%s", text)
     closing = check_cavity(found)
     if case.limits.stop:
         _stop_at(closing, case)

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tools that slide along each other with a clearance far below the size of cells, as a punch in its container.
+
+A node that the wall holds lies beyond the corner of the punch, in the clearance. It stays there while its neighbours go
+on with the punch, whose corner then cuts through the edge between them. No cell can flow into such a gap. So the side
+of the punch is moved past the wall, and its face takes the nodes at the wall along.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from presswork import _core, model
+from presswork.geometry.pose import start_profile
+from presswork.geometry.segments import TURN, X0, X1
+from presswork.model import FloatArray
+
+CLOSE = 0.05
+"""Clearance, over the mean edge of cells, below which it is closed."""
+PAST = 0.05
+"""How far the side then stands past the wall, over the same length."""
+PARALLEL = 0.01
+"""Sine of the angle between two directions that count as one."""
+
+
+def close_fits(
+    tools: Sequence[model.Tool], stages: Sequence[model.Stage], mesh: model.Mesh
+) -> tuple[tuple[model.Tool, ...], list[str]]:
+    """Return the tools with the clearances closed that cells cannot flow into, and a warning of each."""
+    ends = mesh.points[mesh.boundary_edges[:, :2]]
+    edge = float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).mean())
+    found, warnings = list(tools), []
+    for number, tool in enumerate(tools):
+        for other in tools:
+            if other is tool or not (way := _find_way(tool, other, stages)).any():
+                continue
+            for corner, gap, normal in _find_close_corners(found[number], other, way, CLOSE * edge):
+                closed = _move_side(found[number].profile, corner, way, -(gap + PAST * edge) * normal)
+                if closed is not None:
+                    found[number] = replace(found[number], shape=closed)
+                    warnings.append(
+                        f"tools.{tool.name}: its side stands {gap:.3g} mm from tools.{other.name}, beside cells of "
+                        f"{edge:.3g} mm that cannot flow into this gap: it is computed without clearance"
+                    )
+    return tuple(found), warnings
+
+
+def _find_way(tool: model.Tool, other: model.Tool, stages: Sequence[model.Stage]) -> FloatArray:
+    """Return the one direction (2,) in which a tool moves past another; zero if there is none or several."""
+    still, way = model.ToolMotion(), np.zeros(2)
+    for stage in stages:
+        own, its = (stage.tool_motion.get(t.name, still) for t in (tool, other))
+        if own.turn or its.turn or its.push is not None:
+            return np.zeros(2)
+        move = np.array(own.push.direction[:2] if own.push is not None else np.subtract(own.move, its.move)[:2])
+        if not move.any():
+            continue
+        move /= np.linalg.norm(move)
+        if way.any() and abs(way[0] * move[1] - way[1] * move[0]) > PARALLEL:
+            return np.zeros(2)
+        way = move
+    return way
+
+
+def _find_close_corners(
+    tool: model.Tool, other: model.Tool, way: FloatArray, nearest: float
+) -> Iterator[tuple[int, float, FloatArray]]:
+    """Yield the corners of a tool that go along another tool's wall: number of the segment that ends there, gap from
+    the wall [mm], and the wall's normal (2,).
+    """
+    corners = start_profile(tool)[:-1, X1]
+    if not len(corners):
+        return
+    gap, normal, *_ = _core.touch_profile(start_profile(other), np.ascontiguousarray(corners))
+    for corner in np.flatnonzero((np.abs(gap) <= nearest) & (np.abs(normal @ way) < PARALLEL)):
+        if gap[corner] > -1e-9 * nearest:
+            yield int(corner), float(max(gap[corner], 0.0)), normal[corner]
+
+
+def _move_side(profile: model.Profile, corner: int, way: FloatArray, by: FloatArray) -> model.Profile | None:
+    """Return a profile whose side at a corner is moved; None where that is not a side between two straight pieces.
+
+    corner: number of the segment that ends there. way: of the tool; by: move of the side (2,) [mm], across the way.
+    """
+    segments = profile.segments.copy()
+    along = [abs(float(_cross(_direction(s), way))) < PARALLEL for s in segments[corner : corner + 2]]
+    if along[0] == along[1] or segments[corner : corner + 2, TURN].any():
+        return None
+    side, face = (corner, corner + 1) if along[0] else (corner + 1, corner)
+    beyond = side + (1 if side > face else -1)
+    if 0 <= beyond < len(segments) and segments[beyond, TURN] != 0.0:
+        return None
+    face_way = _direction(segments[face])
+    reach = float(by @ by) / float(face_way @ by)
+    at = segments[corner, X1] + reach * face_way
+    segments[corner, X1], segments[corner + 1, X0] = at, at
+    far = X1 if side > face else X0
+    segments[side, far] += by
+    if 0 <= beyond < len(segments):
+        segments[beyond, X0 if side > face else X1] = segments[side, far]
+    return model.Profile(segments)
+
+
+def _direction(segment: FloatArray) -> FloatArray:
+    way = segment[X1] - segment[X0]
+    return np.asarray(way / np.linalg.norm(way))
+
+
+def _cross(one: FloatArray, other: FloatArray) -> float:
+    return float(one[0] * other[1] - one[1] * other[0])
