@@ -49,15 +49,18 @@ def norton(power: float, factor: float) -> dict[str, Any]:
     return {"young": YOUNG, "poisson": POISSON, "heating": {"start": 1000}, "hardening": hardening}
 
 
-def stretched_bar(family: str, power: float, factor: float, solver: dict[str, Any] | None = None) -> Model:
-    """Return a bar that is stretched in 1e-4 s and held for 100 s."""
+def stretched_bar(
+    family: str, power: float, factor: float, solver: dict[str, Any] | None = None, **material: Any
+) -> Model:
+    """Return a bar that is stretched in 1e-4 s and held for 100 s; with further keys of its material."""
     kind, end, component, keys = FAMILIES[family]
     pulls = [(1e-4, STRESS / YOUNG), (100.0, 1e-12)]
     stages = [
         {"name": name, "duration": time, "displacement": [{"set": end, "component": component, "value": value}]}
         for name, (time, value) in zip(("draw", "hold"), pulls, strict=True)
     ]
-    data = {**copy.deepcopy(keys), "title": "bar", "materials": {"m": norton(power, factor)}, "stages": stages}
+    data = {**copy.deepcopy(keys), "title": "bar", "materials": {"m": norton(power, factor) | material}}
+    data |= {"stages": stages}
     return build_model(kind.model_validate({**data, "output": {"steps": 1}, "solver": solver or {}}))
 
 
@@ -88,6 +91,15 @@ def test_a_held_norton_bar_relaxes_as_the_closed_form_says(family: str, power: f
     exact = (stresses[0] ** (1 - power) + (power - 1) * modulus * factor * TIMES) ** (1 / (1 - power))
     assert np.interp(TIMES, times, stresses) == pytest.approx(exact, rel=0.01)
     assert len(times) < 160
+
+
+def test_a_hot_bar_relaxes_by_its_modulus_at_this_temperature() -> None:
+    """40 % of the modulus at 20 degrees C: q^(1-n) = q0^(1-n) + (n-1) 0.4 E A t."""
+    power, factor = 5.0, 1e-13
+    bar = stretched_bar("axisymmetric", power, factor, young_factor=[[20, 1], [1000, 0.4]])
+    times, stresses = relax(ImplicitProcedure(bar, threads=1))
+    exact = (stresses[0] ** (1 - power) + (power - 1) * 0.4 * YOUNG * factor * TIMES) ** (1 / (1 - power))
+    assert np.interp(TIMES, times, stresses) == pytest.approx(exact, rel=0.01)
 
 
 def test_a_held_bar_bears_at_its_ends_what_it_bears_inside() -> None:

@@ -35,7 +35,7 @@ KINDS = ("plastic", "friction", "tools", "convection", "radiation", LATENT)
 DIE_KINDS = ("friction", "contact", "convection", "radiation", PRESCRIBED)
 """What heats and cools tools with a mesh."""
 FIRST_PART = 0.1
-"""Of the increment with which a stage begins: its first time step of heat, whose error is not known."""
+"""Of the increment with which a stage begins: its first time step of heat that is tried."""
 SAFETY, SHRINK, GROWTH, REFUSED = 0.9, 0.2, 2.0, 2.0
 """As in process.heat."""
 SMALLEST_PART = 1e-4
@@ -326,9 +326,7 @@ class HeatOfForming:
 
     @staticmethod
     def _estimate_error(now: _Instant, found: HeatStep, part: float) -> float:
-        """Return the largest error of a time step [K] (docs/theory/heat.md); 0 where a stage begins."""
-        if now.last_step == 0.0:
-            return 0.0
+        """Return the largest error of a time step [K]; where a stage begins half the change (docs/theory/heat.md)."""
         foretold = now.temperature + part * now.rate
         return float(np.abs(found.temperature - foretold).max()) * part / (2 * part + now.last_step)
 

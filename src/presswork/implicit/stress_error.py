@@ -20,9 +20,10 @@ import numpy as np
 
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
+from presswork.body.thermoelastic import find_temperature
 from presswork.fields.shell_fields import sheet_effective_stress
 from presswork.fields.solid_fields import effective_stress
-from presswork.law.elastic_plastic import depends_on_rate
+from presswork.law.elastic_plastic import depends_on_rate, present_young
 from presswork.model import FloatArray, Model
 from presswork.state import State
 
@@ -63,7 +64,7 @@ class StressError:
         for i in self._blocks:
             volume, eqps, stress = trial.cells.volume[i], trial.cells.eqps[i], _effective(trial, i)
             error += 0.5 * dt * float((volume * np.abs(trial.cells.rate[i] - state_n.cells.rate[i])).sum())
-            strain += float((volume * (eqps + stress / self._materials[i].young)).sum())
+            strain += float((volume * (eqps + stress / self._find_young(i, trial))).sum())
             lost += float((volume * stress * (eqps - state_n.cells.eqps[i])).sum())
         forces = 0.5 * (state_n.nodes.external_force + trial.nodes.external_force)
         work = float((forces * trial.nodes.increment).sum())
@@ -89,26 +90,34 @@ class StressError:
 
     def _take_off(self, block: int, trial: State, excess: FloatArray, stress: FloatArray, power: FloatArray) -> None:
         """Lower the effective stress of a block's points by an excess (n_cells, p) [MPa], as plastic strain does."""
-        cells, material = trial.cells, self._materials[block]
+        cells = trial.cells
         part = np.divide(excess, stress, out=np.zeros_like(stress), where=stress > 0.0)
         own = cells.stress[block]
         own[..., :3] -= part[..., None] * (own[..., :3] - _mean_stress(own))
         own[..., 3:] -= part[..., None] * own[..., 3:]
-        cells.eqps[block] += excess * (1.0 + material.poisson) / (1.5 * material.young)
+        cells.eqps[block] += excess / self._find_stiffness_of_flow(block, trial)
         if cells.history[block].ndim == 4:  # of shells, whose laws have it first
             cells.history[block][..., 0] = cells.eqps[block].reshape(cells.history[block].shape[:3])
         slower = np.divide(np.log1p(-part), power, out=np.zeros_like(part), where=power > 0.0)
         cells.rate[block] *= np.exp(np.maximum(slower, -50.0))
 
+    def _find_young(self, block: int, trial: State) -> FloatArray | float:
+        material = self._materials[block]
+        degrees = find_temperature(material, trial, block)
+        return present_young(material, trial.cells.eqps[block], degrees)
+
+    def _find_stiffness_of_flow(self, block: int, trial: State) -> FloatArray | float:
+        """Return by how much plastic strain lowers the effective stress, 3G [MPa]."""
+        return self._find_young(block, trial) * 1.5 / (1.0 + self._materials[block].poisson)
+
     def _find_stiffness(self, block: int, state_n: State, trial: State) -> tuple[FloatArray, FloatArray]:
         """Return z of the points (n_cells, p), and the power of the rate by which the flow stress rises."""
-        material = self._materials[block]
         flow = self._mechanics.flow_stress(block, trial)
         faster = trial.duplicate()
         faster.cells.rate[block] = trial.cells.rate[block] * (1.0 + NUDGE)
         slope = np.maximum(self._mechanics.flow_stress(block, faster) - flow, 0.0) / NUDGE  # d flow/d ln r
         grown = np.maximum(trial.cells.eqps[block] - state_n.cells.eqps[block], 0.0)
-        stiff = 1.5 * material.young / (1.0 + material.poisson) * grown
+        stiff = self._find_stiffness_of_flow(block, trial) * grown
         z = np.divide(stiff, slope, out=np.where(grown > 0.0, STIFFEST, 0.0), where=slope * STIFFEST > stiff)
         return z, np.divide(slope, flow, out=np.zeros_like(flow), where=flow > 0.0)
 
