@@ -63,7 +63,8 @@ void make_loop(SpaceLoop<Real>* self, Doubles points) {
 template <class Real>
 void add_shells(SpaceLoop<Real>& self, Ints connectivity, Doubles thickness, Doubles axis, GivenLaw law, double density,
                 std::vector<double> height, std::vector<double> weight, bool tabulate, ShellTreatment treatment,
-                bool viscous, std::array<double, 3> hourglass, std::array<double, 2> elastic, std::vector<int> number) {
+                bool viscous, std::array<double, 3> hourglass, std::array<double, 2> elastic, double yield_stress,
+                std::vector<int> number) {
   require((std::is_same_v<Real, double>) || std::holds_alternative<const Owned<SheetLaw>*>(law),
           "a law from a shared library computes in double precision");
   require(number.empty() || number.size() == connectivity.shape(0), "number must have shape (n)");
@@ -76,7 +77,7 @@ void add_shells(SpaceLoop<Real>& self, Ints connectivity, Doubles thickness, Dou
   for (int node : cells) require(node >= 0 && node < self.nodes.n, "connectivity names a node that is not there");
   auto section = make_section(law, elastic, density, std::move(height), std::move(weight), tabulate, treatment, viscous,
                               hourglass);
-  section.number = std::move(number);
+  section.yield_stress = yield_stress, section.number = std::move(number);
   if (each == 4 && treatment == ShellTreatment::mitc)
     self.add_sheet(
         make_mitc_shells<Real>(self.nodes, std::move(section), std::move(cells), thickness.data(), axis.data()));
@@ -202,10 +203,11 @@ auto bind_space(nb::module_& m, const char* name, const char* text) {
            nb::arg("law"), nb::arg("density"), nb::arg("height"), nb::arg("weight"), nb::kw_only(),
            nb::arg("tabulate") = true, nb::arg("treatment") = ShellTreatment::plain, nb::arg("viscous") = false,
            nb::arg("hourglass") = std::array<double, 3>{0.03, 0.03, 0.03},
-           nb::arg("elastic") = std::array<double, 2>{0.0, 0.0}, nb::arg("number") = std::vector<int>{},
+           nb::arg("elastic") = std::array<double, 2>{0.0, 0.0}, nb::arg("yield_stress") = 0.0,
+           nb::arg("number") = std::vector<int>{},
            "Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: "
            "Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number "
-           "(n), from 0.")
+           "(n), from 0. yield_stress: half of it is the pressure [MPa] at which a pushed tool begins to squeeze.")
       .def("set_hanging", &set_hanging<Real>, nb::arg("hanging"),
            "Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the "
            "whole side and two of those that have half of it.")

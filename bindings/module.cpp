@@ -17,7 +17,7 @@ void bind_face_contact(nb::module_& m);
 void bind_node_contact(nb::module_& m);
 void bind_tool_surface(nb::module_& m);
 void bind_sheet_under(nb::module_& m);
-void bind_bending_along(nb::module_& m);
+void bind_sheet_waves(nb::module_& m);
 void bind_assembly(nb::module_& m);
 void bind_explicit_space(nb::module_& m);
 void bind_one_step(nb::module_& m);
@@ -48,7 +48,7 @@ NB_MODULE(_core, m) {
   bind_node_contact(m);
   bind_tool_surface(m);
   bind_sheet_under(m);
-  bind_bending_along(m);
+  bind_sheet_waves(m);
   bind_assembly(m);
   bind_explicit_space(m);
   bind_one_step(m);

@@ -43,7 +43,7 @@ int add_tool(Loop& self, std::shared_ptr<const contact::ToolSurface> surface, do
 template <class Loop>
 void push_tool(Loop& self, int i, Vector direction, double mass, double drag) {
   Tool& tool = tool_of(self, i);
-  tool.pushed = true, tool.mass = mass, tool.drag = drag;
+  tool.pushed = true, tool.was_pushed = 1, tool.mass = mass, tool.drag = drag;
   for (int k = 0; k < 3; ++k) tool.direction[k] = direction[k];
 }
 

@@ -29,15 +29,14 @@ def test_the_implicit_procedure_draws_the_same_cup(tmp_path) -> None:
     assert np.abs(apart).max() < 0.02
 
 
-def test_the_holder_irons_the_corners_of_the_flange(tmp_path) -> None:
-    """They bear it, and thicken less: strain below 0.21 in place of 0.25; draw-in within 0.15 mm, force within 1 %."""
+def test_a_pushed_holder_irons_the_corners_of_the_flange_only_near_the_yield_stress(tmp_path) -> None:
+    """They bear it, and come to half the yield stress: strain above 0.22; draw-in within 0.05 mm, force within 1 %."""
     cups = [draw_cup(tmp_path / key, 2.0, f"explicit.ironing={key}") for key in ("true", "false")]
     for angle in EXPERIMENT:
-        np.testing.assert_allclose(*(draw_in(c, angle) for c in cups), atol=0.15)
+        np.testing.assert_allclose(*(draw_in(c, angle) for c in cups), atol=0.05)
     np.testing.assert_allclose(*(c.history["punch.force"].max() for c in cups), rtol=0.01)
-    thickest = [c.summary["extremes"]["thickness_strain"][1] for c in cups]
-    assert thickest[0] < 0.21
-    assert thickest[1] > 0.24
+    ironed, free = (c.summary["extremes"]["thickness_strain"][1] for c in cups)
+    assert 0.22 < ironed < 0.24 < free
 
 
 @pytest.mark.parametrize("angle", EXPERIMENT)

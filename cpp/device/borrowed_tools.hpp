@@ -48,6 +48,7 @@ struct BorrowedTools {
             pairs.data(),
             hint.data(),
             lent.base.data(),
+            lent.bearing.data(),
             lent.half.data(),
             lent.room.data(),
             lent.held.data(),

@@ -174,8 +174,9 @@ void Resident<Real>::list_tools() {
   arrays.add(tools.surface, n, Part::fixed), arrays.add(tools.tool, n, Part::little);
   arrays.add(tools.drive, 3 * n * most_cycles, Part::table), arrays.add(tools.totals, 1, Part::little);
   arrays.add(tools.pairs, n * pair_rows * nodes, Part::contact), arrays.add(tools.hint, n * nodes, Part::contact);
-  arrays.add(tools.base, nodes, Part::fixed), arrays.add(tools.half, nodes, Part::contact);
-  arrays.add(tools.room, nodes, Part::contact), arrays.add(tools.held, nodes, Part::contact);
+  arrays.add(tools.base, nodes, Part::fixed), arrays.add(tools.bearing, nodes, Part::fixed);
+  arrays.add(tools.half, nodes, Part::contact), arrays.add(tools.room, nodes, Part::contact);
+  arrays.add(tools.held, nodes, Part::contact);
   arrays.add(tools.cell, tools.first_cell[nodes], Part::fixed), arrays.add(tools.first_cell, nodes + 1, Part::fixed);
   arrays.add(tools.fastest, chunks, Part::scratch), arrays.add(tools.sums, chunks * n, Part::scratch);
 }

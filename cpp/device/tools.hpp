@@ -83,7 +83,7 @@ struct Tools {
   const double* drive;           // (cycles, n, 3): velocity, or force of a pushed one
   double* pairs;                 // (n, pair_rows, n_nodes)
   int* hint;                     // (n, n_nodes)
-  const double* base;            // (n_nodes): mass/dt^2
+  const double *base, *bearing;  // (n_nodes): mass/dt^2; force up to which a pushed tool does not squeeze
   double *half, *room, *held;    // (n_nodes)
   const int *first_cell, *cell;  // cells round each node: quadrilaterals are numbered first
   double* fastest;               // (chunks): squares of the largest speeds
@@ -231,13 +231,14 @@ PRESSWORK_INLINE void touch_tools(const Tools& tools, std::size_t n_nodes, const
     store(t, pair);
   }
   // 2. two tools that hold the node from opposite faces
-  explicit_dynamics::Pinch<double> pinch{{-1.0, -1.0}, 0.0, 0.0, 0.0, 0.0};
+  explicit_dynamics::Pinch<double> pinch{{-1.0, -1.0}, 0.0, 0.0, 0.0, 0.0, 0.0};
   if (tools.ironing && there) {
     explicit_dynamics::Squeeze squeeze;
     double next = std::numeric_limits<double>::infinity();
     if (located) {
       pinch = explicit_dynamics::find_pinch(
-          tools.n, [&](int t) -> const RigidTool& { return tools.tool[t]; }, load, x, v, half, dt);
+          tools.n, [&](int t) -> const RigidTool& { return tools.tool[t]; }, load, x, v, half, tools.base[node],
+          tools.bearing[node], dt);
       if (pinch.room < 1e300) squeeze = explicit_dynamics::squeeze_node(cell, last_cell, pinch.room, sheet);
       pinch.force = squeeze.force, next = pinch.next;
     }
@@ -259,7 +260,7 @@ PRESSWORK_INLINE void touch_tools(const Tools& tools, std::size_t n_nodes, const
           tools.tool[t], double(t), true, place, dx, grip.thickness ? half : 0.0, tools.base[node],
           explicit_dynamics::damper(grip, tools.step, dt), tools.near, pinch, pair, on_sheet);
       store(t, pair);
-      sums.damping = found.damping, sums.friction = found.friction;
+      sums.damping = found.damping, sums.friction = found.friction, sums.squeeze += found.squeeze;
       for (int i = 0; i < 3; ++i) sums.force[i] = found.force[i];
     }
     if (t == tools.n - 1) sums.lost = lost;

@@ -27,6 +27,7 @@ namespace presswork {
 namespace squeezed {
 
 inline constexpr double stiffness = 0.5;  // 100 MPa on aluminium: 0.6 % of the thickness
+inline constexpr double borne = 0.5;      // of the yield stress, by the faces alone under a pushed tool
 
 // Modulus of constrained compression
 PRESSWORK_DEVICE inline double constrained_modulus(double young, double poisson) {

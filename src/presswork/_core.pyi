@@ -8,7 +8,7 @@ import numpy
 from numpy.typing import NDArray
 
 
-pack_width: int = 8
+pack_width: int = 4
 
 architecture: str = 'native'
 
@@ -753,12 +753,14 @@ class SheetUnder:
         triangle's fourth is zero) and the sheet's normal (n, 3), of any length.
         """
 
-def find_bending_along(centre: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], bending: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], own: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], along: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], way: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], within: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
+def find_sheet_waves(centre: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], bending: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], along: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], own: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], step: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], size: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, n_places: int, least_height: float) -> tuple[NDArray[numpy.float64], NDArray[numpy.float64]]:
     """
-    Find the largest bending strain to either side (n), (n) on lines through cells `own` (n) of a sheet.
-    centre (n_cells, 3), bending (n_cells, 6; xx, yy, zz, xy, yz, xz): of all cells; along (n, 3): unit vectors;
-    way (n, n_places): places on the lines from the cell, outwards to one side, then to the other; within: as way,
-    distance from a place to the nearest centre beyond which no cell lies there.
+    Find waves of a sheet on lines through cells `own` (n) along its most compressed directions: the bending strain
+    (n) that a line has to one side between two places with as much to the other, and that of the cell itself (n).
+    centre (n_cells, 3), bending (n_cells, 6; xx, yy, zz, xy, yz, xz), along (n_cells, 3; zero where it is not
+    compressed): of all cells; step (n): from place to place of a line, n_places to either side; size (n): distance
+    from a place to the nearest centre beyond which no cell lies there; thickness (n) [mm]. least_height: of a wave
+    over the thickness, below which it is none.
     """
 
 class ScalarAssembler:
@@ -1229,9 +1231,9 @@ class SpaceLoop:
     @sheet_sizes.setter
     def sheet_sizes(self, arg: Sequence[float], /) -> None: ...
 
-    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], number: Sequence[int] = []) -> None:
+    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], yield_stress: float = 0.0, number: Sequence[int] = []) -> None:
         """
-        Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0.
+        Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0. yield_stress: half of it is the pressure [MPa] at which a pushed tool begins to squeeze.
         """
 
     def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
@@ -1668,9 +1670,9 @@ class SpaceLoopSingle:
     @sheet_sizes.setter
     def sheet_sizes(self, arg: Sequence[float], /) -> None: ...
 
-    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], number: Sequence[int] = []) -> None:
+    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], yield_stress: float = 0.0, number: Sequence[int] = []) -> None:
         """
-        Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0.
+        Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0. yield_stress: half of it is the pressure [MPa] at which a pushed tool begins to squeeze.
         """
 
     def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:

@@ -116,7 +116,7 @@ def test_tools_moved_by_hand_and_taken_away_on_the_host_build() -> None:
         run.remove_tool("die")
         run.tools["holder"].stop()
         run.tools["holder"].position = run.tools["holder"].position + np.array([0.0, 0.0, 0.01])
-        run.advance(300)
+        run.advance(600)  # until the sheet lies still: contact comes and goes by round-off before
     for expected, found in zip(*map(cup.results, runs), strict=True):
         np.testing.assert_allclose(found, expected, rtol=0, atol=WITH_TOOLS["double"] * np.abs(expected).max())
 

@@ -26,7 +26,8 @@ def draw(
     **grip: object,
 ) -> ExplicitShells:
     """Small round cup: die, punch that follows a smooth stroke, holder pushed by a force; n x n shells."""
-    x, y = np.meshgrid(np.linspace(-18, 18, n + 1), np.linspace(-18, 18, n + 1))
+    # beside the middle: no edge lies on a fold between triangles, where rounding would choose the side
+    x, y = np.meshgrid(np.linspace(-18, 18, n + 1) + 0.013, np.linspace(-18, 18, n + 1) + 0.007)
     points = np.stack([x.ravel(), y.ravel(), 0 * x.ravel() + 0.5 * THICKNESS], axis=1)
     first = (np.arange(n)[None, :] + (n + 1) * np.arange(n)[:, None]).ravel()
     cells = np.stack([first, first + 1, first + n + 2, first + n + 1], axis=1)

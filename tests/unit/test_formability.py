@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -17,6 +19,7 @@ from presswork.formability import (
     find_wrinkling,
     find_zones,
 )
+from presswork.model import CellBlock, Section
 
 CURVE = curve_from_points([(-0.2, 0.5), (0.0, 0.3), (0.3, 0.4)])
 MAJOR = np.array([0.2, 0.28, 0.36, 0.01, 0.2, 0.1])
@@ -24,6 +27,8 @@ MINOR = np.array([0.1, 0.0, 0.0, 0.005, -0.15, -0.15])
 """One point of each zone, in the order of ZONES."""
 STRAINS = {"major_strain_middle": MAJOR, "minor_strain_middle": MINOR, "thickness_strain": -(MAJOR + MINOR)}
 CENTRES = np.arange(18.0).reshape(6, 3)
+SHELLS = [CellBlock("shell4_mitc", np.repeat(np.arange(6), 4).reshape(6, 4), 0, Section(0.8, 5))]
+"""Each shell at a point, so that this is its middle."""
 
 
 def test_margin_is_the_distance_to_the_curve_at_the_same_minor_strain() -> None:
@@ -71,14 +76,14 @@ def test_margin_and_anisotropy_of_the_material_move_the_zones() -> None:
 def test_without_a_curve_nothing_is_said_of_cracks_and_of_solids_nothing_at_all() -> None:
     assert set(formability_fields(STRAINS, Formability())) == {"thinning", "wrinkling_indicator"}
     assert formability_fields({"stress": np.zeros((6, 6))}, Formability(CURVE)) == {}
-    verdict = judge_fields(STRAINS, CENTRES, Formability())
+    verdict = judge_fields(STRAINS, SHELLS, CENTRES, Formability())
     assert verdict is not None
     assert "no forming_limit, so nothing is said of cracks" in verdict.text()
     assert verdict.warnings() == []
 
 
 def test_the_verdict_counts_failing_elements_and_names_the_worst_place() -> None:
-    verdict = judge_fields(STRAINS, CENTRES, Formability(CURVE))
+    verdict = judge_fields(STRAINS, SHELLS, CENTRES, Formability(CURVE))
     assert verdict is not None
     assert (verdict.failing, verdict.margin.cell, verdict.margin.place) == (1, 2, (6.0, 7.0, 8.0))
     assert verdict.margin.value == pytest.approx(-0.2)
@@ -90,7 +95,8 @@ def test_the_verdict_counts_failing_elements_and_names_the_worst_place() -> None
 
 def test_the_verdict_on_a_sound_part_tells_its_least_margin() -> None:
     sound = {name: values[[0, 1]] for name, values in STRAINS.items()}
-    verdict = judge_fields(sound, CENTRES[:2], Formability(CURVE))
+    shells = [replace(SHELLS[0], connectivity=SHELLS[0].connectivity[:2])]
+    verdict = judge_fields(sound, shells, CENTRES, Formability(CURVE))
     assert verdict is not None
     assert "no element lies above the forming limit, 1 of 2 elements at risk; least margin 6.7 %" in verdict.text()
 

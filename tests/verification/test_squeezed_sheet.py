@@ -123,6 +123,67 @@ def test_sheet_held_in_its_plane_is_compressed_by_the_constrained_modulus() -> N
     assert abs(sheet.energies().internal) < 1e-3
 
 
+def compressed_flange(n: int, *, penalty: float, mass_factor: float, held: bool) -> ExplicitShells:
+    """A strip compressed by 4 % along x, kept flat without a tool or by two, one pushed with 4 MPa.
+
+    Across its middle it is 2 % thicker.
+    """
+    points, cells = grid(n, n, SIDE, SIDE)
+    thick = np.abs(points[cells][..., 0].mean(axis=1) - 0.5 * SIDE) < 0.25 * SIDE
+    sheet = ExplicitShells(points, cells, np.where(thick, 1.02, 1.0) * THICKNESS, SWIFT, DENSITY)
+    sheet.scale_mass(np.sqrt(mass_factor) * sheet.stable_step())
+    for axis, letter in enumerate("uv"):
+        sheet.fix(np.flatnonzero(points[:, axis] == 0), letter)
+    time = 0.04 * SIDE / 2000.0
+    sheet.fix(np.flatnonzero(points[:, 0] == SIDE), "u", -2000.0)
+    if held:
+        for name, upwards in (("below", True), ("above", False)):
+            tool = sheet.add_tool(name, flat(upwards), penalty=penalty)
+            tool.position = [0, 0, (-0.51 if upwards else 0.51) * THICKNESS]
+        tool.push([0, 0, -1], ((0.0, 0.2 * time), (0.0, 4.0 * SIDE**2)), damping=2e4)
+    else:
+        sheet.fix(np.arange(len(points)), "wpq")
+    sheet.advance(int(time / sheet.dt))
+    return sheet
+
+
+@pytest.mark.parametrize(
+    ("n", "penalty", "mass_factor"), [(4, 0.1, 1.0), (4, 0.03, 1.0), (4, 0.2, 1.0), (8, 0.1, 1.0), (4, 0.1, 9.0)]
+)
+def test_a_holder_of_a_few_mpa_does_not_thin_a_flange_that_flows(n: int, penalty: float, mass_factor: float) -> None:
+    """4 MPa rest on the half that is thicker; it becomes as thick as without them: 0.0001 of it."""
+    held, free = (
+        compressed_flange(n, penalty=penalty, mass_factor=mass_factor, held=is_held) for is_held in (True, False)
+    )
+    assert free.thickness.max() > 1.03 * THICKNESS
+    np.testing.assert_allclose(held.thickness, free.thickness, rtol=1e-4)
+    np.testing.assert_array_equal(held.pressure, 0.0)
+
+
+def test_a_force_beyond_the_yield_stress_squeezes_the_sheet_to_its_flow_stress() -> None:
+    """In plane strain 2/sqrt(3) of it, all of the force: 1 %; the energies balance."""
+    sheet, above = plates(0.0, held="v")
+    root, force = 2 / np.sqrt(3), 450.0 * SIDE**2
+    above.push([0, 0, -1], ((0.0, 2e-3), (0.0, force)), damping=1e5)
+    sheet.advance(int(2e-3 / sheet.dt))
+    pressure = sheet.pressure.mean()
+    strain = np.log(THICKNESS / sheet.thickness.mean()) - pressure / YOUNG * (1 - 0.5 * POISSON)
+    assert strain > 0.1
+    assert pressure == pytest.approx(root * K * (E0 + root * strain) ** N, rel=1e-2)
+    assert pressure * area(sheet) == pytest.approx(force, rel=1e-3)
+    assert abs(sheet.energies().error_percent) < 0.05
+
+
+def test_a_holder_that_stops_pushing_stands_without_squeezing() -> None:
+    sheet, above = plates(0.0)
+    above.push([0, 0, -1], 10.0 * SIDE**2, damping=2e4)
+    sheet.advance(2000)
+    above.stop()
+    sheet.advance(2000)
+    assert above.force[2] > 0.0
+    np.testing.assert_array_equal(sheet.pressure, 0.0)
+
+
 def test_without_ironing_tools_sink_into_the_sheet() -> None:
     sheet, _ = plates(0.1, options=ShellOptions(ironing=False))
     np.testing.assert_allclose(sheet.thickness, THICKNESS, rtol=1e-3)

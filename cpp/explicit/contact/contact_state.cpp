@@ -41,6 +41,7 @@ void ToolContact::list_tool(int number, std::vector<StateField>& fields) {
   fields.push_back(row_field(owner, "velocity", tool.velocity, 3));
   fields.push_back(row_field(owner, "force", tool.force, 3));
   fields.push_back(row_field(owner, "push", &tool.push, 1));
+  fields.push_back(row_field(owner, "was_pushed", &tool.was_pushed, 1));
   fields.push_back(row_field(owner, "travel", &tool.travel, 1));
   fields.push_back({owner,
                     "pairs",

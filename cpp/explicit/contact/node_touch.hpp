@@ -34,6 +34,7 @@ struct Pinch {
   V next;     // room after another step like the last one
   V excess;   // thickness less room, not below 0 [mm]
   V force;    // of either tool [N]
+  V borne;    // by the faces alone, where one of them is pushed [N]
 };
 
 // Force of a tool's damper, for a node's mass over dt^2 and a unit of way in a step of dt; step: of the stiffness.
@@ -41,10 +42,10 @@ PRESSWORK_DEVICE inline double damper(const Grip& grip, double step, double dt) 
   return grip.damping > 0.0 && dt > 0.0 ? 2.0 * grip.damping * std::sqrt(grip.penalty) * step / dt : 0.0;
 }
 
-// What is summed up of a touch: work lost, force on the sheet.
+// What is summed up of a touch: work lost, work on its spring that is not of motion, force on the sheet.
 template <class V>
 struct TouchSums {
-  V friction, damping, force[3];
+  V friction, damping, squeeze, force[3];
 };
 
 namespace touching {
@@ -104,7 +105,8 @@ PRESSWORK_INLINE TouchSums<V> press(const RigidTool& tool, double number, Mask<V
   p.wake = select(off, V(tool.travel) - sleep, p.wake);
   p.left = select(off, p.left + sleep, p.left);  // it may travel as far meanwhile
   // 2. normal force; the damper never pulls
-  const V off_centre = depth - V(0.5) * pinch.excess, k = V(grip.penalty) * base;
+  const V k = V(grip.penalty) * base, handed_on = smaller(V(0.5) * pinch.force, pinch.borne);
+  const V off_centre = depth - V(0.5) * pinch.excess - handed_on / k;
   const V pressed = select(both(awake, off_centre > zero), off_centre, zero), mine(number);
   const Mask<V> holds = either(both(pinch.tool[0] > mine - V(0.5), pinch.tool[0] < mine + V(0.5)),
                                both(pinch.tool[1] > mine - V(0.5), pinch.tool[1] < mine + V(0.5)));
@@ -118,6 +120,8 @@ PRESSWORK_INLINE TouchSums<V> press(const RigidTool& tool, double number, Mask<V
   }
   const V normal = elastic + viscous;
   sums.damping = V(-0.5) * (p.viscous + viscous) * closing;
+  const Mask<V> yields = both(pinch.borne > zero, either(squeezed > zero, p.squeezed > zero));
+  sums.squeeze = select(yields, V(0.5) * k * (p.pressed + pressed) * (pressed - p.pressed + closing), zero);
   // 3. friction: elastic trial in the present tangent plane, shortened to mu N
   const V out = dot(p.normal, p.shear), limit = V(grip.friction) * normal;
   V shear[3], work = zero;
@@ -139,14 +143,16 @@ PRESSWORK_INLINE TouchSums<V> press(const RigidTool& tool, double number, Mask<V
 }
 
 // The tool that the sheet is deepest in, and the deepest of those opposite to it, of n tools. pair(t): what the points
-// remember of tool(t).
+// remember of tool(t). bearing: force that the faces bear under a pushed tool [N], for which they give way by the
+// penalty springs; the room is counted from there.
 template <class V, class ToolAt, class PairAt>
 PRESSWORK_INLINE Pinch<V> find_pinch(int n, const ToolAt& tool_at, const PairAt& pair_at, const V x[3], const V v[3],
-                                     const V& half, double dt) {
+                                     const V& half, const V& base, const V& bearing, double dt) {
   using touching::dot;
   constexpr double opposite = -0.97, none = -1e30, near = 1.1;  // near: room over thickness
   Pinch<V> pinch;
   V depth[2] = {V(none), V(none)}, way[2] = {V(0.0), V(0.0)}, normal[3] = {V(0.0), V(0.0), V(0.0)};
+  V soft[2] = {V(0.0), V(0.0)}, pushed[2] = {V(0.0), V(0.0)};
   pinch.tool[0] = pinch.tool[1] = V(-1.0);
   for (int side = 0; side < 2; ++side)
     for (int t = 0; t < n; ++t) {
@@ -164,10 +170,14 @@ PRESSWORK_INLINE Pinch<V> find_pinch(int n, const ToolAt& tool_at, const PairAt&
       if (side == 1) deeper = both(deeper, dot(p.normal, normal) < V(opposite));
       depth[side] = select(deeper, found, depth[side]);
       way[side] = select(deeper, dot(p.normal, dx), way[side]);
+      soft[side] = select(deeper, V(1.0 / tool.grip.penalty), soft[side]);
+      pushed[side] = select(deeper, V(static_cast<double>(tool.was_pushed)), pushed[side]);
       pinch.tool[side] = select(deeper, V(static_cast<double>(t)), pinch.tool[side]);
       for (int i = 0; side == 0 && i < 3; ++i) normal[i] = select(deeper, p.normal[i], normal[i]);
     }
-  const V room = V(2.0) * half - depth[0] - depth[1], excess = V(2.0) * half - room;
+  pinch.borne = select(pushed[0] + pushed[1] > V(0.5), bearing, V(0.0));
+  const V give = pinch.borne * (soft[0] + soft[1]) / base;
+  const V room = V(2.0) * half - depth[0] - depth[1] + give, excess = V(2.0) * half - room;
   pinch.room = select(room < V(2.0 * near) * half, room, V(std::numeric_limits<double>::infinity()));
   pinch.next = pinch.room + way[0] + way[1];
   pinch.excess = select(excess > V(0.0), excess, V(0.0));

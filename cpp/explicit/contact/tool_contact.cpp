@@ -16,24 +16,28 @@ using touching::dot;
 }  // namespace
 
 ToolContact::ToolContact(int n_nodes, const std::vector<int>& cell_start, const std::vector<int>& cell_node,
-                         double thickness, double cell_width, double edge, bool ironing)
+                         double thickness, double cell_width, double edge, const std::vector<double>& bearing)
     : n_nodes_(n_nodes),
       node_start_(std::size_t(n_nodes) + 1, 0),
       node_cell_(cell_node.size()),
       base_(fill(n_nodes), 0.0),
       half_(base_.size(), 0.0),
+      bearing_(base_.size(), 0.0),
       room_(base_.size(), never),
       held_(base_.size(), 0.0),
-      ironing_(ironing),
+      ironing_(!bearing.empty()),
       memory_(0.005 * thickness),
-      awake_within_(ironing ? 0.25 * thickness : memory_),
+      awake_within_(ironing_ ? 0.25 * thickness : memory_),
       reach_(2.0 * std::max(thickness, cell_width)),
       edges_(n_nodes, cell_start, cell_node, edge, 2.0 * memory_, reach_) {
   for (int node : cell_node) ++node_start_[node + 1];
   for (int i = 0; i < n_nodes; ++i) node_start_[i + 1] += node_start_[i];
   std::vector<int> next(node_start_.begin(), node_start_.end() - 1);
   for (int cell = 0; cell + 1 < static_cast<int>(cell_start.size()); ++cell)
-    for (int a = cell_start[cell]; a < cell_start[cell + 1]; ++a) node_cell_[next[cell_node[a]]++] = cell;
+    for (int a = cell_start[cell]; a < cell_start[cell + 1]; ++a) {
+      node_cell_[next[cell_node[a]]++] = cell;
+      if (ironing_) bearing_[cell_node[a]] += bearing[cell];
+    }
 }
 
 void ToolContact::add(std::shared_ptr<const contact::ToolSurface> surface, const Grip& grip) {
@@ -159,7 +163,7 @@ void ToolContact::inherit(const ToolContact& from, const int* parents) {
       tool.displacement[i] = other.displacement[i];
       tool.velocity[i] = other.velocity[i], tool.force[i] = other.force[i];
     }
-    tool.push = other.push, tool.travel = other.travel;
+    tool.push = other.push, tool.was_pushed = other.was_pushed, tool.travel = other.travel;
     for (int i = 0; i < n_nodes_; ++i) {
       const int* p = parents + 4 * std::size_t(i);
       Touching& to = pairs_[t].packs[i / width];
@@ -233,7 +237,8 @@ void ToolContact::follow(int number, int slot, Mask awake, const Pack x[3], cons
 ToolContact::Pinch ToolContact::find_pinch(int slot, const Pack x[3], const Pack v[3], double dt) const {
   return explicit_dynamics::find_pinch(
       static_cast<int>(tools.size()), [&](int t) -> const RigidTool& { return tools[t]; },
-      [&](int t) -> const Touching& { return pairs_[t].packs[slot / width]; }, x, v, load(half_, slot), dt);
+      [&](int t) -> const Touching& { return pairs_[t].packs[slot / width]; }, x, v, load(half_, slot),
+      load(base_, slot), load(bearing_, slot), dt);
 }
 
 void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const Pack dx[3], double dt,
@@ -245,6 +250,7 @@ void ToolContact::touch(int number, int slot, Mask awake, const Pack x[3], const
   const auto found = press(tool, number, awake, place, dx, half, load(base_, slot), damper(tool.grip, step_, dt),
                            awake_within_, pinch, pairs_[number].packs[slot / width], on_sheet);
   sums.add(LaneSums::damping, slot, found.damping);
+  sums.add(LaneSums::squeeze, slot, found.squeeze);
   sums.add_force(found.force, slot);
   sums.add(LaneSums::friction, slot, found.friction);
 }

@@ -16,6 +16,10 @@
 // and of the penalty above only what centres the sheet is left, p less half of t - room. Tools are on opposite faces
 // where the cosine of their normals is below -0.97: in a wider wedge the sheet is not squeezed.
 //
+// A tool that a force pushes leaves the sheet as much room as it needs. Its faces bear half the yield stress by the
+// penalty alone, F on a node, and the springs begin to be compressed there: room is counted from the penetrations F/k
+// on. They take that over as they grow, p = F/k - Q/(2k), so that from twice F on the sheet bears all of the force.
+//
 // Search. Beside the touch a pair of point and tool keeps the tangent plane there, and asks the surface anew after a
 // slip s of 0.5 % of the thickness (on a radius R the plane is then off by s^2/2R), or of up to 10 % where it says that
 // it is flat as far as that. A point off the tool sleeps until the
@@ -60,10 +64,10 @@ class ToolContact {
   static constexpr int refresh_cycles = 8;  // after which all points learn the thickness anew
 
   // The nodes of cell i, in turn round it, are cell_node[cell_start[i]] to cell_node[cell_start[i + 1] - 1]. The least
-  // thickness, the largest width of a cell and the mean edge [mm] set what is near. ironing: tools squeeze the
-  // sheet.
+  // thickness, the largest width of a cell and the mean edge [mm] set what is near. bearing (n_cells): force on a node
+  // up to which a pushed tool does not squeeze [N]; empty: no tool squeezes the sheet.
   ToolContact(int n_nodes, const std::vector<int>& cell_start, const std::vector<int>& cell_node, double thickness,
-              double width, double edge, bool ironing);
+              double width, double edge, const std::vector<double>& bearing);
 
   void add(std::shared_ptr<const contact::ToolSurface> surface, const Grip& grip);
   // Leave nodes of another part of the mesh alone (neighbours.hpp), from now on: their thickness and room are set. An
@@ -127,7 +131,7 @@ class ToolContact {
     bool ironing;
     double memory, near, reach, step;
     const std::vector<int>&node_start, &node_cell;
-    const std::vector<double>& base;
+    const std::vector<double>&base, &bearing;
     std::vector<double>&half, &room, &held;
     ContactSums& sums;
     ToolWork& work;
@@ -135,8 +139,8 @@ class ToolContact {
     EdgeContact& edges;
   };
   Lent lend() {
-    return {ironing_, memory_, awake_within_, reach_, step_, node_start_, node_cell_, base_,
-            half_,    room_,   held_,         total_, work_, cycle_,      edges_};
+    return {ironing_, memory_, awake_within_, reach_, step_,  node_start_, node_cell_, base_,
+            bearing_, half_,   room_,         held_,  total_, work_,       cycle_,     edges_};
   }
   // What the nodes remember of a tool: rows of Touching (rows, n_nodes), and hints (n_nodes).
   static constexpr int pair_rows = sizeof(explicit_dynamics::Touching<double>) / sizeof(double);
@@ -202,6 +206,7 @@ class ToolContact {
   int n_nodes_;
   std::vector<int> node_start_, node_cell_;  // cells of each node
   std::vector<double> base_, half_;          // of slots: mass/dt^2 [N/mm], half the thickness [mm]
+  std::vector<double> bearing_;              // of slots: force up to which a pushed tool does not squeeze [N]
   std::vector<double> room_, held_;          // of slots: between tools [mm], energy of squeezed shells' springs [N mm]
   std::vector<Pairs> pairs_;
   std::vector<LaneSums> sums_;  // (chunks, tools)
@@ -254,7 +259,7 @@ bool ToolContact::visit_pack(int slot, const View& sheet, int first_tool, int c,
   int n_awake = 0;
   Pack x[4], v[4];
   Pinch pinch;
-  pinch.excess = pinch.force = Pack(0.0), pinch.tool[0] = pinch.tool[1] = Pack(-1.0);
+  pinch.excess = pinch.force = pinch.borne = Pack(0.0), pinch.tool[0] = pinch.tool[1] = Pack(-1.0);
   pinch.room = pinch.next = Pack(std::numeric_limits<double>::infinity());
   const std::size_t pack = slot / width, ahead = std::min<std::size_t>(pack + 2, (n_nodes_ - 1) / width);
   const auto is_awake = [&](std::size_t t) { return pairs_[t].packs[pack].wake.v <= Pack(tools[t].travel).v; };

@@ -26,6 +26,7 @@ struct RigidTool {
   Grip grip;
   bool pushed = false;
   bool removed = false;                                       // goes on as it was, and touches nothing
+  int was_pushed = 0;                                         // 1 once a force has pushed it, though it may stand now
   double direction[3] = {0, 0, 0}, mass = 0.0, drag = 0.0;    // of a pushed one: unit vector, [t], [1/s]
   int stop = -1;                                              // the tool that a pushed one comes to stand on; -1: none
   double furthest = std::numeric_limits<double>::infinity();  // along direction beyond that tool's displacement [mm]

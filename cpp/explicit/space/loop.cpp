@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "explicit/space/sheet_interactions.hpp"
+#include "explicit/space/shell_section.hpp"
 
 namespace presswork::explicit_dynamics {
 
@@ -233,7 +234,13 @@ std::unique_ptr<ToolContact> SpaceLoop<Real>::make_contact() const {
   const Sheet sheet = list_cells();
   if (sheet.node.empty()) throw std::invalid_argument("tools touch shells, and there are none");
   const auto [thinnest, widest, edge] = measure_sheet();
-  auto made = std::make_unique<ToolContact>(this->nodes.n, sheet.start, sheet.node, thinnest, widest, edge, ironing);
+  std::vector<double> bearing;
+  for (std::size_t b = 0; ironing && b < sheets_.size(); ++b)
+    for (int e = 0; e < this->blocks[b]->n(); ++e)
+      bearing.push_back(sheets_[b] ? squeezed::borne * sheets_[b]->section().yield_stress * sheets_[b]->area(e) /
+                                         sheets_[b]->nodes_each()
+                                   : 0.0);
+  auto made = std::make_unique<ToolContact>(this->nodes.n, sheet.start, sheet.node, thinnest, widest, edge, bearing);
   if (const Neighbours* parts = this->parts()) made->leave_to_others(parts->ghosts, parts->is_ghost, parts->leads);
   return made;
 }

@@ -43,6 +43,7 @@ class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
     }
   }
   double mass(int element) const override { return mass_[element]; }
+  double area(int element) const { return area_[element]; }                    // of the undeformed shell [mm2]
   double inertia_ratio(int element) const { return inertia_ratio_[element]; }  // rotary inertia over mass [mm2]
   double true_mass(int element) const override { return true_mass_[element]; }
   double added_mass(int element) const override { return mass_[element] - true_mass_[element]; }
@@ -111,6 +112,7 @@ class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
         mass_(this->n_),
         true_mass_(this->n_),
         inertia_ratio_(this->n_),
+        area_(this->n_),
         stiffest_spring_(this->n_) {}
 
   // Layers in single precision have as many rows of rounding behind them (layered_section.hpp).
@@ -120,7 +122,7 @@ class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
   }
 
   StateRows rows_;
-  std::vector<double> mass_, true_mass_, inertia_ratio_, stiffest_spring_;
+  std::vector<double> mass_, true_mass_, inertia_ratio_, area_, stiffest_spring_;
 };
 
 }  // namespace presswork::explicit_dynamics

@@ -46,6 +46,7 @@ class ShellBlock final : public SheetBlock<Real> {
       const double young = std::visit([](const auto& law) { return law.young; }, section_.law);
       this->stiffest_spring_[e] = stiffest_spring(young, area, thickness[e], each);
       this->mass_[e] = this->true_mass_[e] = section_.density * area * thickness[e];
+      this->area_[e] = area;
       this->inertia_ratio_[e] = Kind::inertia_ratio(area, thickness[e]);
     }
   }

@@ -21,6 +21,7 @@ struct ShellSection {
   double density;            // [t/mm3]
   ShellTreatment treatment;  // of 4-node shells
   ShellControl control;
+  double yield_stress = 0.0;     // at rest [MPa]; half of it is borne by the faces under a pushed tool
   std::vector<int> number = {};  // (n) of the shells, from 0, as a law from a shared library is told
 };
 

@@ -14,7 +14,7 @@ from presswork.evolution.damage import DamageLaw
 from presswork.explicit.input_checks import check_density, check_shells, check_space_solids
 from presswork.explicit.options import ShellOptions, layer_rule
 from presswork.law.at_rest import history_at_rest
-from presswork.law.umat import SheetLaw, SheetUmat
+from presswork.law.umat import SheetLaw, SheetUmat, first_yield_stress
 from presswork.mesh.topology import is_triangle, with_four_nodes
 from presswork.model import ELEMENTS
 
@@ -93,6 +93,7 @@ class Shells:
             viscous=options.hourglass == "viscous",
             hourglass=options.coefficients,
             elastic=(self.law.young, self.law.poisson),
+            yield_stress=first_yield_stress(self.law),
             number=part.tolist() if isinstance(self.law, SheetUmat) else [],
         )
 

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
 
-from presswork.fields.surface_defects import FOLD, FOLDED
+from presswork.fields.surface_defects import FOLD, SIDE, Cells, count_folds
 from presswork.formability import (
     CRACKS,
     PATH_MARGINS,
@@ -76,8 +76,8 @@ class FormingVerdict:
     """Number of cells beyond the polar limit at some time."""
     fold: Extreme | None = None
     """The cell with the largest fold ratio; None where it was not looked for."""
-    folded: int = 0
-    """Number of cells with a fold ratio above FOLDED."""
+    folds: int = 0
+    """Number of folds of the whole part."""
 
     @property
     def failing(self) -> int:
@@ -93,10 +93,9 @@ class FormingVerdict:
         if self.margin is not None:
             cracks = self._tell_strains(self.margin) + self._tell_path()
         said = [thin, cracks] if self.margin is None else [cracks, thin]
-        if self.fold and self.folded:  # first, unless the part splits
-            said.insert(
-                1 if self.failing else 0, f"the sheet folds in {self.folded} elements, most {self.fold.where()}"
-            )
+        if self.fold and self.folds:  # first, unless the part splits
+            places = "1 place" if self.folds == 1 else f"{self.folds} places"
+            said.insert(1 if self.failing else 0, f"the sheet folds in {places}, most {self.fold.where()}")
         return "; ".join(said)
 
     def _tell_strains(self, margin: Extreme) -> str:
@@ -134,21 +133,27 @@ class FormingVerdict:
             "least_margin": margin,
             **{f"least_{name.removeprefix('forming_limit_')}": asdict(worst) for name, worst in self.by_path.items()},
             **({"failing_cells_by_path": self.failing_by_path} if self.by_path else {}),
-            **({"largest_fold_ratio": asdict(self.fold), "folded_cells": self.folded} if self.fold else {}),
+            **({"largest_fold_ratio": asdict(self.fold), "folds": self.folds} if self.fold else {}),
             "largest_thinning_percent": asdict(self.thinning),
         }
 
     def warnings(self) -> list[str]:
         """Return the verdict if the part splits or folds, and what to know of the curve."""
-        tells = self.failing or self.failing_by_path or self.folded
+        tells = self.failing or self.failing_by_path or self.folds
         return [text for text in (self.text() if tells else "", self.note) if text]
 
 
-def judge_fields(fields: Mapping[str, FloatArray], centres: FloatArray, judged: Formability) -> FormingVerdict | None:
+def judge_fields(
+    fields: Mapping[str, FloatArray],
+    blocks: Sequence[Cells],
+    points: FloatArray,
+    judged: Formability,
+    symmetry: tuple[bool, bool] = (False, False),
+) -> FormingVerdict | None:
     """Return the verdict on a sheet.
 
-    fields: NEEDED, and PATH_MARGINS and FOLD if they are there; centres: deformed middles of the cells (n_cells, 3)
-    [mm].
+    fields: NEEDED, and PATH_MARGINS, FOLD and SIDE if they are there; blocks: its cells; points (n_points, 3): deformed
+    [mm]; symmetry: whether x = 0 and y = 0 mirror it.
 
     None for a body that is no sheet.
     """
@@ -156,19 +161,21 @@ def judge_fields(fields: Mapping[str, FloatArray], centres: FloatArray, judged: 
     if not found:
         return None
 
+    centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in blocks])
+
     def extreme(values: FloatArray, cell: np.intp) -> Extreme:
         x, y, z = (float(c) for c in centres[cell])
         return Extreme(float(values[cell]), int(cell), (x, y, z))
 
     thinnest = extreme(found["thinning"], np.argmax(found["thinning"]))
     fold = extreme(fields[FOLD], np.argmax(fields[FOLD])) if FOLD in fields else None
-    folded = int((fields[FOLD] > FOLDED).sum()) if FOLD in fields else 0
+    folds = count_folds(fields[SIDE], blocks, points, symmetry) if SIDE in fields else 0
     if judged.curve is None:
-        return FormingVerdict("", {}, None, thinnest, fold=fold, folded=folded)
+        return FormingVerdict("", {}, None, thinnest, fold=fold, folds=folds)
     counts = np.bincount(found["formability_zone"].astype(int), minlength=len(ZONES))
     margin = found["forming_limit_margin"]
     zones = {name: int(count) for name, count in zip(ZONES, counts, strict=True)}
     by_path = {name: extreme(fields[name], np.nanargmin(fields[name])) for name in PATH_MARGINS if name in fields}
     failing = int((fields[POLAR] < 0.0).sum()) if POLAR in fields else 0
     least = extreme(margin, np.argmin(margin))
-    return FormingVerdict(judged.curve.method, zones, least, thinnest, judged.note, by_path, failing, fold, folded)
+    return FormingVerdict(judged.curve.method, zones, least, thinnest, judged.note, by_path, failing, fold, folds)

@@ -117,4 +117,5 @@ class Instant:
         if not self.sheet.keys() >= NEEDED:
             return {}
         mesh = self.model.mesh
-        return surface_fields(self.sheet, mesh.blocks, mesh.points + self.displacement, self.tool_force)
+        points = mesh.points + self.displacement
+        return surface_fields(self.sheet, mesh.blocks, points, self.tool_force, self.model.symmetry)

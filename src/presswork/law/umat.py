@@ -80,6 +80,8 @@ class SheetUmat:
     umat: _core.Umat
     young: float
     poisson: float
+    yield_stress: float
+    """As the case tells; 0 where it does not."""
 
     @property
     def history_size(self) -> int:
@@ -107,7 +109,12 @@ def open_sheet_law(material: model.Material) -> SheetLaw:
     """
     if material.umat is None:
         return make_sheet_law(material)
-    return SheetUmat(open_umat(material.umat), material.young, material.poisson)
+    return SheetUmat(open_umat(material.umat), material.young, material.poisson, material.umat.yield_stress)
+
+
+def first_yield_stress(law: SheetLaw) -> float:
+    """Return the flow stress of a sheet that has not flowed yet, at rest [MPa]."""
+    return law.yield_stress if isinstance(law, SheetUmat) else float(law.flow_stress(np.zeros(1))[0][0])
 
 
 def elastic_constants(tangent: FloatArray) -> tuple[float, float]:

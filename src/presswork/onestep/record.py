@@ -109,9 +109,7 @@ def _write_results(path: Path, result: OneStepResult) -> None:
 
 def _summarise(result: OneStepResult, outline: BlankOutline, warnings: list[str], total: float) -> dict[str, object]:
     model, nesting = result.model, nest(outline)
-    corners = [block.connectivity for block in blank_mesh(result).blocks]
-    centres = np.concatenate([model.points[c].mean(axis=1) for c in corners])
-    verdict = judge_fields(result.fields, centres, model.material.formability)
+    verdict = judge_fields(result.fields, blank_mesh(result).blocks, model.points, model.material.formability)
     assert verdict is not None, "the fields hold principal strains"
     unheld = float(np.linalg.norm(result.held_force[:2]))
     if result.punch_force > 0 and unheld > 0.1 * result.punch_force:

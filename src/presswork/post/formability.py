@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from presswork.fields.formability_fields import NEEDED, FormingVerdict, formability_fields, judge_fields
-from presswork.fields.surface_defects import FOLD
+from presswork.fields.surface_defects import FOLD, SIDE
 from presswork.formability import PATH_MARGINS, Formability
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
@@ -23,13 +21,18 @@ def judge_cells(result: Result, step: int = -1, judged: Formability | None = Non
 
 def judge_part(result: Result, step: int = -1, judged: Formability | None = None) -> FormingVerdict:
     """Return how many cells lie in each zone, and the worst; arguments and errors as judge_cells."""
-    points = result.points(step)
-    centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in result.mesh_at(step).blocks])
+    planes = str(result.info.get("symmetry", ""))
     fields = _strains(result, step)
-    fields |= {name: result.field(name, step) for name in (FOLD,) if name in result.field_names}
+    fields |= {name: result.field(name, step) for name in (FOLD, SIDE) if name in result.field_names}
     if judged is None:  # paths were followed by the curve of the run
         fields |= {name: result.field(name, step) for name in PATH_MARGINS if name in result.field_names}
-    verdict = judge_fields(fields, centres, result.formability if judged is None else judged)
+    verdict = judge_fields(
+        fields,
+        result.mesh_at(step).blocks,
+        result.points(step),
+        result.formability if judged is None else judged,
+        ("x" in planes, "y" in planes),
+    )
     assert verdict is not None
     return verdict
 

@@ -314,9 +314,9 @@ class ImplicitRecording(IncrementRecording):
         if self.model.analysis != "shell":
             return None
         points = self.mesh.points + state.nodes.displacement[:, :3]
-        centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in self.mesh.blocks])
         now = mechanics.show(state)
-        return judge_fields({**now.sheet, **(now.surface if at_the_end else {})}, centres, self._judged())
+        fields = {**now.sheet, **(now.surface if at_the_end else {})}
+        return judge_fields(fields, self.mesh.blocks, points, self._judged())
 
     def meta(self) -> Meta:
         """Return what the summary needs and no array holds."""

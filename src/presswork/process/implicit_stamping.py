@@ -275,8 +275,7 @@ class ImplicitStamping(IncrementRecording):
         """Return the verdict on the sheet by its cell fields."""
         mesh = self.model.mesh
         points = mesh.points + self.procedure.state.nodes.displacement[:, :3]
-        centres = np.concatenate([points[block.connectivity].mean(axis=1) for block in mesh.blocks])
-        verdict = judge_fields(fields, centres, self._judged)
+        verdict = judge_fields(fields, mesh.blocks, points, self._judged, self.model.symmetry)
         assert verdict is not None, "shells have principal strains"
         return verdict
 

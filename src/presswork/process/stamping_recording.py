@@ -176,9 +176,8 @@ class StampingRecording(RowRecording):
 
     def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
         """Return the verdict on the sheet by its cell fields."""
-        position = self.shells.position
-        centres = np.concatenate([position[b.connectivity.T].mean(axis=0) for b in self.model.mesh.blocks])
-        verdict = judge_fields(fields, centres, self._judged)
+        model = self.model
+        verdict = judge_fields(fields, model.mesh.blocks, self.shells.position, self._judged, model.symmetry)
         assert verdict is not None, "shells have principal strains"
         return verdict
 

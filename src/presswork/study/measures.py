@@ -147,7 +147,7 @@ def _measure_sheet(summary: Mapping[str, Any]) -> dict[str, Any]:
     if verdict := summary.get("formability"):
         found["max_thinning_percent"] = verdict["largest_thinning_percent"]["value"]
         if fold := verdict.get("largest_fold_ratio"):
-            found |= {"max_fold_ratio": fold["value"], "folded_cells": verdict["folded_cells"]}
+            found |= {"max_fold_ratio": fold["value"], "folds": verdict["folds"]}
         if margin := verdict["least_margin"]:
             found |= {"min_forming_limit_margin": margin["value"], "cracked_cells": verdict["failing_cells"]}
         for name in ("polar", "stress"):

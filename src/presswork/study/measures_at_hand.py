@@ -101,7 +101,7 @@ class _Start:
             names += [column, f"{tool}.force", f"{tool}.max_force"] if tool and quantity == "stroke" else []
         names += ["max_thinning_percent"] if "thinning" in fields else []
         names += ["min_forming_limit_margin", "cracked_cells"] if "forming_limit_margin" in fields else []
-        names += ["max_fold_ratio", "folded_cells"] if FOLD in fields else []
+        names += ["max_fold_ratio", "folds"] if FOLD in fields else []
         names += [f"min_{margin}" for margin in PATH_MARGINS if margin in fields]
         names += ["cracked_cells_by_path"] if POLAR in fields else []
         names += ["min_temperature", "max_temperature"] if "temperature" in fields else []
