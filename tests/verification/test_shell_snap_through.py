@@ -18,7 +18,7 @@ from presswork.model import ElementName, Model, PrescribedDisplacement
 from presswork.outcome import GaveUpError
 from tests.problems.plane_solids import elastic
 from tests.problems.shells import X, Y, Z, fixing, patch, shell_model, symmetry
-from tests.verification.test_shell_large_rotation import TABLES, cylinder, lines
+from tests.verification.test_shell_large_rotation import TABLES, lines, pinched_cylinder
 
 
 def hinged_roof(thickness: float, n: int, element: ElementName = "shell4_mitc_plus", **solver: object) -> Model:
@@ -78,18 +78,36 @@ def test_load_control_jumps_over_the_path_between_the_limit_loads() -> None:
 
 def test_arc_length_does_not_follow_the_path_backwards() -> None:
     """The pinched cylinder on 16 x 16 cells turns at 43.4 mm, so sharply that a long arc meets the way it came."""
-    mesh = cylinder(100.0, 100.0, 1.0, (16, 16))
-    held = [("left", symmetry(Y)), ("right", fixing(X, Z)), ("bottom", symmetry(X)), ("top", symmetry(Z))]
-    model = shell_model(mesh, elastic(3e4, 0.3), held, forces=[("bottom_left", (0, 0, -3000.0))], control="arc_length",
-                        initial_increment=0.02)  # fmt: skip
+    model = pinched_cylinder(16, control="arc_length", initial_increment=0.02)
     procedure = ArcLengthProcedure(model, threads=1)
-    node = mesh.node_sets["bottom_left"]
+    node = model.mesh.node_sets["bottom_left"]
     down = [
         -float(procedure.state.nodes.displacement[node, Z].mean()) for _ in itertools.islice(procedure.advance(), 42)
     ]
     assert 42.0 < max(down[:32]) < 44.0
     assert min(down[32:]) > 41.5
     assert down[-1] > max(down[:32]), "and on"
+
+
+@pytest.mark.parametrize("increment", [0.0125, 0.04])
+def test_increments_of_any_size_keep_to_the_stable_branch(increment) -> None:
+    """The pinched cylinder snaps at 0.15 of the load. Newton's method would go on along an unstable branch there.
+
+    At 0.2 that branch lies at 42.4 and 0.9 mm, or 45.6 and 3.0 mm, where the table has 56.4 and 10.4 mm.
+    """
+    model = pinched_cylinder(40, initial_increment=increment, max_increment=increment)
+    procedure = ImplicitProcedure(model, threads=1)
+    path = [(0.0, 0.0, 0.0)]
+    for report in procedure.advance():
+        moved = procedure.state.nodes.displacement
+        places = ((model.mesh.node_sets[name], c) for name, c in (("bottom_left", Z), ("top_left", X)))
+        path.append((report.fraction, *(abs(float(moved[nodes, c].mean())) for nodes, c in places)))
+        if report.fraction >= 0.2:
+            break
+    load, *found = np.array(path).T
+    table = np.array(TABLES["pinched_cylinder_diaphragms"]["data"])
+    wanted = table[table[:, 0] == 0.2][0, 1:]
+    assert [np.interp(0.2, load, each) for each in found] == pytest.approx(wanted, abs=0.01 * table[-1, 1])
 
 
 def test_a_stop_at_a_limit_load_names_its_remedy() -> None:

@@ -16,9 +16,12 @@ class Progress(Arrays):
 
     owner = "progress"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(
-        ("time", "stage", "fraction", "increments", "iterations", "cutbacks", "last_size", "next_size", "peak_force"),
+        (
+            "time", "stage", "fraction", "increments", "iterations", "cutbacks", "last_size", "next_size",
+            "peak_force", "negative_pivots",
+        ),
         RUN,
-    )
+    )  # fmt: skip
     time: float = 0.0
     """[s]"""
     stage: int = 0
@@ -35,3 +38,5 @@ class Progress(Arrays):
     """Size of the next increment, in the same form."""
     peak_force: float = 0.0
     """Largest nodal force so far [N]: what a residual is small beside once the load is taken off."""
+    negative_pivots: int = 0
+    """Of the tangent, of a shell that no tool leads: more than none at an unstable equilibrium."""

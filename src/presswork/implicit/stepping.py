@@ -30,6 +30,7 @@ from presswork.implicit.newton import Equilibrium
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import Ram
 from presswork.implicit.remedy import find_remedy
+from presswork.implicit.stability import judge_stability
 from presswork.implicit.step_sizes import SMALLEST, find_next_size, find_remaining, is_saved, list_ends
 from presswork.implicit.temperature_change import find_temperatures, judge_change
 from presswork.interaction.contract import Interaction
@@ -173,7 +174,7 @@ class ImplicitProcedure:
         stage, fraction_n = progress.stage, progress.fraction
         points = list_ends(self.model, stage)
         target = float(points[np.searchsorted(points, fraction_n + 1e-12)])
-        size = progress.next_size
+        size, first = progress.next_size, 0.0
         least = self.model.solver.min_increment if size >= self.model.solver.min_increment else size / SMALLEST
         cutbacks: list[str] = []
         self._start, self._lets_go, self._to_rest = self.state, False, False
@@ -186,11 +187,15 @@ class ImplicitProcedure:
             if not self._to_rest and step * (1 + 1e-9) < target - fraction_n < 2 * step:
                 step = 0.5 * (target - fraction_n)
             fraction = target if step >= (target - fraction_n) * (1 - 1e-9) else fraction_n + step
+            first = first or step
             trial, outcome = self._attempt(stage, fraction_n, fraction)
             if isinstance(outcome, Failed) and self.equilibrium.can_soften:
                 trial, outcome = self._attempt(stage, fraction_n, fraction, gently=True)
             if isinstance(outcome, Failed) and self._may_turn:
                 trial, outcome = self._attempt(stage, fraction_n, fraction, from_rest=True)
+            if self._is_free and not isinstance(outcome, Failed):
+                pivots = self.equilibrium.solver.negative_pivots
+                outcome = judge_stability(self._start, trial, outcome, pivots, step / first)
             if self.heat is not None and not isinstance(outcome, Failed):
                 outcome = self._conduct(self.heat, trial, self._step(stage, fraction_n, fraction), outcome)
             if not isinstance(outcome, Failed):
@@ -245,12 +250,14 @@ class ImplicitProcedure:
             raise GaveUpError(str(error)) from error
 
     @property
-    def _may_turn(self) -> bool:
-        """Say whether the next increment may differ in direction from the last: shells that buckle, snap or collapse.
+    def _is_free(self) -> bool:
+        """Say whether shells may buckle, snap or collapse. Between tools contact leads the sheet."""
+        return self.model.analysis == "shell" and not self.model.space_tools
 
-        Between tools contact leads the sheet, and another start has not been seen to help.
-        """
-        return self.model.analysis == "shell" and not self.model.space_tools and bool(self.state.nodes.increment.any())
+    @property
+    def _may_turn(self) -> bool:
+        """Say whether the next increment may differ in direction from the last."""
+        return self._is_free and bool(self.state.nodes.increment.any())
 
     def _attempt(
         self, stage: int, fraction_n: float, fraction: float, *, gently: bool = False, from_rest: bool = False

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whether the equilibrium that an increment of a shell has found is stable.
+
+The tangent of a stable equilibrium has no negative pivot. Newton's method does not ask for that: where a shell snaps
+from wrinkle to wrinkle, it may come to an unstable branch, which ends at a limit load that the shell never meets. So an
+increment that ends with more negative pivots than it began with is made shorter, which keeps to the stable branch. Past
+a bifurcation no shorter increment has fewer; then the run follows the unstable branch, as an imperfection would have to
+lead it to another one.
+"""
+
+from __future__ import annotations
+
+from presswork.implicit.progress import Progress
+from presswork.outcome import Converged, Failed
+from presswork.state import State
+
+BELIEVED = 0.1
+"""Of the increment first tried, down to which it is made shorter."""
+
+
+def judge_stability(state_n: State, trial: State, found: Converged, pivots: int, part: float) -> Converged | Failed:
+    """Return an equilibrium that is as stable as the one before, or why its increment is made shorter.
+
+    pivots: how many of the last tangent are negative. part: of the increment first tried.
+    """
+    trial[Progress].negative_pivots = pivots
+    if pivots <= state_n[Progress].negative_pivots or part <= BELIEVED:
+        return found
+    many = f"{pivots} negative pivots" if pivots > 1 else "a negative pivot"
+    return Failed(found.log, f"the equilibrium is unstable, its tangent has {many}", 0.5)
