@@ -20,6 +20,7 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.step_sizes import is_saved
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.contract import Constraints, Point, turn, turn_back
+from presswork.interaction.loads import LoadArrays
 from presswork.model import FloatArray, Model
 from presswork.outcome import BadGuess, GaveUpError, IterationLog, Step
 from presswork.state import State
@@ -29,6 +30,10 @@ SMALLEST = 1e-4
 SHARPEST = 0.5
 """Cosine of the angle between an increment and the path's tangents at its ends below which the arc is shortened: an arc
 too long for the path's turns finds the part of the path that lies behind, and goes backwards."""
+FEWEST = 5
+"""Iterations below which arcs are short beside any turn of the path: more of them follow it no better."""
+SHORTEST = 0.1
+"""Arc length over the first one below which none is made that has found equilibrium, if only slowly."""
 LARGEST = 20.0
 """Arc length over the first one beyond which it does not grow."""
 
@@ -73,12 +78,12 @@ class ArcLengthProcedure(ImplicitProcedure):
         over = fraction >= 1.0 - 1e-12
         self._start = self.state
         self.equilibrium.forces.fill(self._start, trial, found.point, found.constraints)
-        size = arc * float(np.clip(np.sqrt(settings.target_iterations / max(len(log), 1)), 0.5, 1.5))
+        size = find_next_arc(arc, first, len(log), settings.target_iterations)
         self.settle(self._start, trial, self._step(stage, fraction_n, 1.0 if over else fraction))
         self._commit(trial, stage, fraction_n, 1.0 if over else fraction, arc, log, len(cutbacks))
         now = self.state[Progress]
         if not over:
-            now.next_size = min(size, LARGEST * first)
+            now.next_size = size
             now.last_size = arc
         return IncrementReport(
             number=now.increments,
@@ -94,6 +99,7 @@ class ArcLengthProcedure(ImplicitProcedure):
         """Arc length [mm] of the undeformed sheet's answer to the first increment of load."""
         if stage not in self._first_arcs:
             state = self.at_rest()
+            state.replace(self.state[LoadArrays].duplicate())
             increment = np.zeros_like(state.nodes.displacement)
             trial = state.duplicate()
             point = self._evaluate(state, trial, self._step(stage, 0.0, 0.0), increment)
@@ -138,12 +144,10 @@ class ArcLengthProcedure(ImplicitProcedure):
             log.residual.append(balance.largest_lacking / max(largest, 1e-2 * peak))
             log.contact_changes.append(0)
             if iteration == 0:
-                sign = (
-                    1.0
-                    if not state_n.nodes.increment.any()
-                    else np.sign((answer * state_n.nodes.increment)[:, :3].sum())
-                )
-                change = float(sign or 1.0) * arc / float(np.linalg.norm(answer[:, :3]))
+                ahead_n = float((answer * state_n.nodes.increment)[:, :3].sum())
+                begins = state_n[Progress].last_size == 0.0  # towards the load that the stage gives
+                sign = 1.0 if begins or ahead_n == 0.0 else np.sign(ahead_n)
+                change = float(sign) * arc / float(np.linalg.norm(answer[:, :3]))
                 if end or fraction_n + change >= 1.0:  # the end of the stage lies within this arc: load control
                     change, end = 1.0 - fraction_n, True
                 step, ahead = correction + change * answer, change * answer
@@ -162,6 +166,12 @@ class ArcLengthProcedure(ImplicitProcedure):
             log.correction.append(float(np.abs(step * mechanics.length).max()) / size if size > 0 else 0.0)
             point = self._evaluate(state_n, trial, self._step(stage, fraction_n, fraction + change), moved)
         return f"no equilibrium after {len(log)} iterations, residual {log.residual[-1]:.1e}"
+
+
+def find_next_arc(arc: float, first: float, iterations: int, target: int) -> float:
+    """Return the length of the next arc [mm] after one that took so many iterations (Ramm 1981)."""
+    factor = float(np.clip(np.sqrt(max(target, FEWEST) / iterations), 0.5, 1.5))
+    return min(max(arc * factor, min(arc, SHORTEST * first)), LARGEST * first)
 
 
 def _cosine(first: FloatArray, second: FloatArray) -> float:

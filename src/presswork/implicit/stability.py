@@ -11,6 +11,7 @@ lead it to another one.
 from __future__ import annotations
 
 from presswork.implicit.progress import Progress
+from presswork.model import Model
 from presswork.outcome import Converged, Failed
 from presswork.state import State
 
@@ -18,13 +19,24 @@ BELIEVED = 0.1
 """Of the increment first tried, down to which it is made shorter."""
 
 
-def judge_stability(state_n: State, trial: State, found: Converged, pivots: int, part: float) -> Converged | Failed:
+def shows_stability(model: Model) -> bool:
+    """Say whether negative pivots tell of stability: of shells that no tool leads, under loads with a potential.
+
+    Moments about axes that stay have none: they make the tangent unsymmetric.
+    """
+    loads = (load.force for stage in model.stages for load in (*stage.forces, *stage.edge_forces))
+    return model.analysis == "shell" and not model.space_tools and not any(any(force[3:]) for force in loads)
+
+
+def judge_stability(
+    state_n: State, trial: State, found: Converged, pivots: int, *, is_shortest: bool
+) -> Converged | Failed:
     """Return an equilibrium that is as stable as the one before, or why its increment is made shorter.
 
-    pivots: how many of the last tangent are negative. part: of the increment first tried.
+    pivots: how many of the last tangent are negative.
     """
     trial[Progress].negative_pivots = pivots
-    if pivots <= state_n[Progress].negative_pivots or part <= BELIEVED:
+    if pivots <= state_n[Progress].negative_pivots or is_shortest:
         return found
     many = f"{pivots} negative pivots" if pivots > 1 else "a negative pivot"
     return Failed(found.log, f"the equilibrium is unstable, its tangent has {many}", 0.5)

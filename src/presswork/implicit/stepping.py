@@ -30,7 +30,7 @@ from presswork.implicit.newton import Equilibrium
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import Ram
 from presswork.implicit.remedy import find_remedy
-from presswork.implicit.stability import judge_stability
+from presswork.implicit.stability import BELIEVED, judge_stability, shows_stability
 from presswork.implicit.step_sizes import SMALLEST, find_next_size, find_remaining, is_saved, list_ends
 from presswork.implicit.temperature_change import find_temperatures, judge_change
 from presswork.interaction.contract import Interaction
@@ -193,9 +193,10 @@ class ImplicitProcedure:
                 trial, outcome = self._attempt(stage, fraction_n, fraction, gently=True)
             if isinstance(outcome, Failed) and self._may_turn:
                 trial, outcome = self._attempt(stage, fraction_n, fraction, from_rest=True)
-            if self._is_free and not isinstance(outcome, Failed):
+            if shows_stability(self.model) and not isinstance(outcome, Failed):
                 pivots = self.equilibrium.solver.negative_pivots
-                outcome = judge_stability(self._start, trial, outcome, pivots, step / first)
+                is_shortest = step <= max(BELIEVED * first, 2.0 * least)
+                outcome = judge_stability(self._start, trial, outcome, pivots, is_shortest=is_shortest)
             if self.heat is not None and not isinstance(outcome, Failed):
                 outcome = self._conduct(self.heat, trial, self._step(stage, fraction_n, fraction), outcome)
             if not isinstance(outcome, Failed):
@@ -250,14 +251,12 @@ class ImplicitProcedure:
             raise GaveUpError(str(error)) from error
 
     @property
-    def _is_free(self) -> bool:
-        """Say whether shells may buckle, snap or collapse. Between tools contact leads the sheet."""
-        return self.model.analysis == "shell" and not self.model.space_tools
-
-    @property
     def _may_turn(self) -> bool:
-        """Say whether the next increment may differ in direction from the last."""
-        return self._is_free and bool(self.state.nodes.increment.any())
+        """Say whether the next increment may differ in direction from the last: shells that buckle, snap or collapse.
+
+        Between tools contact leads the sheet, and another start has not been seen to help.
+        """
+        return self.model.analysis == "shell" and not self.model.space_tools and bool(self.state.nodes.increment.any())
 
     def _attempt(
         self, stage: int, fraction_n: float, fraction: float, *, gently: bool = False, from_rest: bool = False
