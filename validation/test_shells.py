@@ -45,7 +45,10 @@ def test_pinched_cylinder_with_diaphragms_by_arc_length(element, n, tolerance) -
 
 @pytest.mark.parametrize(("n", "increment"), [(48, 0.02), (48, 0.04), (48, 0.1), (40, 0.0125), (40, 0.04)])
 def test_pinched_cylinder_keeps_to_the_stable_branch_at_any_increment(n, increment) -> None:
-    """48 x 48 cells come to the end. 40 x 40 stop at a limit load, at 76 % on the stable branch."""
+    """48 x 48 cells come to the end, 40 x 40 there or to a limit load at 76 %, all on the stable branch.
+
+    At the side wrinkles snap at other loads than the table's: up to 1.4 mm, of 34.
+    """
     model = pinched_cylinder(n, initial_increment=increment, max_increment=increment)
     procedure = ImplicitProcedure(model, threads=1)
     found = [(0.0, 0.0, 0.0)]
@@ -56,9 +59,9 @@ def test_pinched_cylinder_keeps_to_the_stable_branch_at_any_increment(n, increme
     assert found[-1][0] > (0.999 if n == 48 else 0.755)
     table = np.array(TABLES["pinched_cylinder_diaphragms"]["data"])
     table = table[(table[:, 0] >= 0.175) & (table[:, 0] <= found[-1][0] + 1e-9)]
-    for column, largest in ((1, 83.1), (2, 34.27)):
+    for column, apart in ((1, 1.7), (2, 1.5)):
         values = np.interp(table[:, 0], *(np.abs(found)[:, c] for c in (0, column)))
-        assert np.abs(values - np.abs(table[:, column])).max() < 0.03 * largest
+        assert np.abs(values - np.abs(table[:, column])).max() < apart
 
 
 def test_pinched_semi_cylinder() -> None:

@@ -24,8 +24,9 @@ def shows_stability(model: Model) -> bool:
 
     Moments about axes that stay have none: they make the tangent unsymmetric.
     """
-    loads = (load.force for stage in model.stages for load in (*stage.forces, *stage.edge_forces))
-    return model.analysis == "shell" and not model.space_tools and not any(any(force[3:]) for force in loads)
+    forces = [load.force for stage in model.stages for load in stage.forces]
+    forces += [load.force for stage in model.stages for load in stage.edge_forces]
+    return model.analysis == "shell" and not model.space_tools and not any(any(force[3:]) for force in forces)
 
 
 def judge_stability(
