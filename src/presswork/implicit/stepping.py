@@ -194,9 +194,8 @@ class ImplicitProcedure:
             if isinstance(outcome, Failed) and self._may_turn:
                 trial, outcome = self._attempt(stage, fraction_n, fraction, from_rest=True)
             if shows_stability(self.model) and not isinstance(outcome, Failed):
-                pivots = self.equilibrium.solver.negative_pivots
-                is_shortest = step <= max(BELIEVED * first, 2.0 * least)
-                outcome = judge_stability(self._start, trial, outcome, pivots, is_shortest=is_shortest)
+                pivots, shortest = self.equilibrium.solver.negative_pivots, max(BELIEVED * first, 2.0 * least)
+                outcome = judge_stability(self._start, trial, outcome, pivots, is_shortest=step <= shortest)
             if self.heat is not None and not isinstance(outcome, Failed):
                 outcome = self._conduct(self.heat, trial, self._step(stage, fraction_n, fraction), outcome)
             if not isinstance(outcome, Failed):
@@ -252,10 +251,7 @@ class ImplicitProcedure:
 
     @property
     def _may_turn(self) -> bool:
-        """Say whether the next increment may differ in direction from the last: shells that buckle, snap or collapse.
-
-        Between tools contact leads the sheet, and another start has not been seen to help.
-        """
+        """Say whether the next increment may turn: shells that no tool leads may buckle, snap or collapse."""
         return self.model.analysis == "shell" and not self.model.space_tools and bool(self.state.nodes.increment.any())
 
     def _attempt(
