@@ -49,7 +49,8 @@ def trace_interface(result: Result, tool: str | None = None, step: int = -1) -> 
         force = result.field("contact_force", step)
         touching |= np.any(force.reshape(len(force), -1) != 0, axis=1)
     if tool is not None:
-        touching &= _nearest_tool(result, points, tool, step)
+        reach = _NEAR * float(np.ptp(points, axis=0).max())
+        touching[touching] = _nearest_tool(result, points[touching], tool, step, reach)
     patches = order_along_boundary(points, result.mesh_at(step).boundary_edges, touching)
     nodes = np.concatenate([np.zeros(0, dtype=np.int64), *patches])
     has_limit = "friction_limit" in result.field_names
@@ -110,12 +111,11 @@ def _arc_length(points: FloatArray) -> FloatArray:
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
-def _nearest_tool(result: Result, points: FloatArray, tool: str, step: int) -> NDArray[np.bool_]:
+def _nearest_tool(result: Result, points: FloatArray, tool: str, step: int, reach: float) -> NDArray[np.bool_]:
     """Return which points lie on this tool, nearer than to any other; contact elsewhere is that of bodies."""
     distance = {
         name: distance_to_profile(points, trace_profile(result.placed_tool(name, step)))
         for name in {tool, *result.tools}  # an unknown name raises
     }
-    near = distance[tool] < _NEAR * float(np.ptp(points, axis=0).max())
     nearest = np.all([distance[tool] <= other for other in distance.values()], axis=0)
-    return np.asarray(near & nearest, dtype=np.bool_)
+    return np.asarray((distance[tool] < reach) & nearest, dtype=np.bool_)

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 
 from presswork.model import FloatArray
 
 _ARC_STEP = np.radians(3.0)
+_AT_ONCE = 64
+"""Pieces of a polyline whose distances are found together."""
 
 
 def trace_profile(segments: FloatArray) -> list[FloatArray]:
@@ -32,10 +32,13 @@ def distance_to_profile(points: FloatArray, profile: list[FloatArray]) -> FloatA
     """Return each point's distance to the nearest polyline [mm], shape (n_points,)."""
     nearest = np.full(len(points), np.inf)
     for line in profile:
-        for start, end in pairwise(line):
-            along = end - start
-            t = np.clip((points - start) @ along / max(along @ along, 1e-300), 0.0, 1.0)
-            nearest = np.minimum(nearest, np.linalg.norm(points - start - t[:, None] * along, axis=1))
+        for first in range(0, len(line) - 1, _AT_ONCE):
+            ends = line[first : first + _AT_ONCE + 1]
+            along = np.diff(ends, axis=0)
+            away = points[:, None] - ends[:-1]
+            part = (away * along).sum(axis=2) / np.maximum((along**2).sum(axis=1), 1e-300)
+            squares = ((away - np.clip(part, 0.0, 1.0)[..., None] * along) ** 2).sum(axis=2)
+            nearest = np.minimum(nearest, np.sqrt(squares.min(axis=1)))
     return nearest
 
 
