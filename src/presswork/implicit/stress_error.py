@@ -78,9 +78,9 @@ class StressError:
         before, after = _effective(state_n, block), _effective(trial, block)
         z, power = self._find_stiffness(block, state_n, trial)
         own, fallen = find_share(z), np.maximum(before - after, 0.0)
-        # where stress rises and flow keeps up with it, the next increment has forgotten the error
-        changed = np.where((after > before) & (z > 1.0), 0.0, np.abs(after - before))
-        summed = changed * own / (z / (1.0 + z) + 1.0 / MEMORY) / (1.0 - np.minimum(power, STEEPEST))
+        summed = fallen * own / (z / (1.0 + z) + 1.0 / MEMORY) / (1.0 - np.minimum(power, STEEPEST))
+        # a stress that rises is on its way to the flow stress, where the error is forgotten
+        summed += np.where(z > 1.0, 0.0, np.maximum(after - before, 0.0) * own)
         volume = trial.cells.volume[block]
         stress = max(_root_mean(volume, np.maximum(before, after)), least)
         if self._materials[block].kinematic is None and self._materials[block].gtn is None:
