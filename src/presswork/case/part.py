@@ -32,5 +32,5 @@ class ShortForm(Part):
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        table = handler.resolve_ref_schema(handler(core_schema))
+        table = {**handler.resolve_ref_schema(handler(core_schema)), "short_form": list(cls.short_form)}
         return {"anyOf": [table, {"type": "array", "items": {"type": ["number", "string"]}}]}

@@ -312,6 +312,11 @@ def _walk(location: Sequence[str | int], data: object, schema: JsonSchema) -> tu
             continue
         parent = node
         node = _resolve(_child(node, step), schema)
+        order = parent.get("short_form", ())
+        if isinstance(raw, list | tuple) and len(order) > 1 and step in order:  # of which it is one of the values
+            path.append(str(order.index(step)))
+            raw = _entry(raw, order.index(step))
+            continue
         if isinstance(raw, list | tuple | str | float | int) and isinstance(step, str):
             continue  # the short list form of a table, e.g. [x, y] for {to = [x, y]}; a form that a value may take
         if isinstance(raw, Mapping) and "[" in str(step) and step not in raw:

@@ -66,6 +66,14 @@ FAULTS = {
         ("profile = [[0, 15], [30, 15]]", f'profile_file = "{"a" * 300}.csv"'),
         ["tools.punch.profile_file", "no file can have this name", "check it"],
     ),
+    "value_of_a_short_form": (
+        ("size = [10, 15]\ncells = [2, 3]", 'zones_x = [[10, 2, 1]]\nzones_y = [[5, 1, 1], [10, 2, "x"]]'),
+        ['workpiece.mesh.zones_y.1.2 = "x"', "expected a number", "write for instance 0.3"],
+    ),
+    "number_of_a_point": (
+        ("profile = [[0, 15], [30, 15]]", 'profile = [[0, 15], [30, "x"]]'),
+        ['tools.punch.profile.1.1 = "x"', "expected a length", "20 mm"],
+    ),
     "many_tables": (
         ("[[stages]]", "".join(f"[tools.t{i}]\n" for i in range(30_000)) + "[[stages]]"),
         ["more than 5,000 tables", "in a file of their own"],
