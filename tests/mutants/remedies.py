@@ -76,8 +76,8 @@ def _judge(problem: Problem, before: Sequence[Problem], after: Sequence[Problem]
     for one in after:
         is_same = (one.key, one.expected) == (problem.key, problem.expected)
         is_news = str(one) not in known and problem.expected != "unknown key"
-        if is_news and problem.expected.startswith("expected"):  # a value for instance need not fit the others
-            is_news = one.key == problem.key and one.expected.startswith("expected")
+        if is_news and problem.expected.startswith(("expected", "unknown choice")):
+            is_news = one.key == problem.key  # a value for instance need not fit the others
         if is_same or is_news:
             return str(one)
     return ""
