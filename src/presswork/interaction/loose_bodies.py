@@ -13,6 +13,9 @@ that motion, and the spring carries no force. Where tools, bodies or friction ho
 about SOFT of theirs. The tangent has k w on the diagonal, which is the same on rigid motions and next to nothing on all
 others.
 
+A sheet between tools has no spring: tools that pick it up push by less than the rounding of its own forces, so
+a spring is felt. The run only says that nothing holds it.
+
 Where loads push a body that nothing holds, only this spring would carry them: such an increment fails.
 """
 
@@ -93,6 +96,8 @@ class LooseBodies(Interaction):
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Find the motions that the supports of the stage leave free, and their moves where the nodes are."""
         model, supports = self._model, self._supports
+        if _is_between_tools(model):
+            return
         points = model.mesh.points + state_n.nodes.moved
         motions = about_points(model, points)
         rows = hold_by_supports(motions, points, supports.fixed(step.stage), supports.slanted(step.stage))
@@ -139,14 +144,21 @@ def warn_of_loose(model: Model, state: State) -> list[str]:
     if LooseArrays not in state:
         return []
     warnings, names, stages = [], name_motions(model), state[LooseArrays].stage
+    rests = "it rests where it is. Add a [boundary] entry, or let a tool hold it"
+    if _is_between_tools(model):
+        rests = "where it goes means nothing. Add a [boundary] entry, or set implicit.inertia = 1"
     for body, first in zip(list_bodies(model), stages, strict=True):
         for stage in np.unique(first[first >= 0]):
             free = " and ".join(name for name, since in zip(names, first, strict=True) if since == stage)
             warnings.append(
-                f"nothing holds {name_body(model, body)} in {free} in stage {model.stages[stage].name!r}: it rests "
-                "where it is. Add a [boundary] entry, or let a tool hold it"
+                f"nothing holds {name_body(model, body)} in {free} in stage {model.stages[stage].name!r}: {rests}"
             )
     return warnings
+
+
+def _is_between_tools(model: Model) -> bool:
+    """Say whether a model is of a sheet between tools."""
+    return model.analysis == "shell" and bool(model.space_tools)
 
 
 def _make_orthonormal(moves: FloatArray, weight: FloatArray) -> FloatArray:
