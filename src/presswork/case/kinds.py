@@ -101,7 +101,7 @@ def build_model(case: AnyCase, *, run_user_code: bool = True) -> Model:
     supports and tools that do not fit the workpiece. run_user_code: try the shared libraries that a case names, in a
     process of their own; without it they are not opened, and the Model can be described, not computed.
     """
-    from presswork.case.resistance import check_resistance
+    from presswork.case.whole_model import check_whole_model
 
     kind = next((kind for kind in KINDS.values() if getattr(case, "analysis", None) in kind.analyses), None)
     if kind is None:
@@ -111,8 +111,7 @@ def build_model(case: AnyCase, *, run_user_code: bool = True) -> Model:
         raise CaseError([Problem("analysis", text, remedy, case.analysis)], case.source)
     options = {"run_user_code": run_user_code} if kind.has_laws else {}
     model: Model = resolve_name(kind.builder)(case, **options)
-    if problems := check_resistance(model):
-        raise CaseError(problems, case.source)
+    check_whole_model(case, model)
     if (wanted := getattr(case, "gradients", None)) is not None:
         from presswork.case.gradients import add_gradients
 

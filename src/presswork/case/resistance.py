@@ -30,8 +30,7 @@ SAMPLES = 16
 def check_resistance(model: Model) -> list[Problem]:
     """Return a problem where tools push a workpiece that nothing holds against them, which then rides along.
 
-    Where inertia resists, or limits.stop = false, that is a warning, as a symmetry plane is that looks forgotten, and
-    flat tools that only slide along themselves.
+    Where inertia resists that is a warning, as a symmetry plane is that looks forgotten, and tools that only slide.
     """
     for side in find_forgotten_planes(model):
         logger.warning("%s", explain_forgotten(model, side.describe(dict(model.mesh.node_sets))))
@@ -44,7 +43,7 @@ def check_resistance(model: Model) -> list[Problem]:
     problem = _find_unresisted(model)
     if problem is None:
         return []
-    if model.explicit is None and model.solver.inertia == 0.0 and model.limits.stop:
+    if model.explicit is None and model.solver.inertia == 0.0:
         return [problem]
     logger.warning("%s: %s", problem.key, problem.expected)
     return []

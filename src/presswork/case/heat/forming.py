@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
@@ -288,26 +288,6 @@ def check_material(name: str, material: schema.Material | UmatMaterial | None) -
             yield Problem(f"materials.{name}.heating.heat_capacity", fault_text, "remove it")
         if heating is not None and heating.start is not None:
             yield Problem(f"materials.{name}.heating.start", "[heat] gives the initial temperature", "remove it")
-
-
-def warn_of_temperatures(case: schema.Case | SpaceCase, materials: Iterable[model.Material]) -> Iterator[str]:
-    """Yield what looks like degrees C taken for K or the reverse: a start outside a law's window, a hot tool."""
-    for material in materials:
-        window = None if material.hardening is None else material.hardening.window
-        if window is None or material.heating is None:
-            continue
-        (low, high), start = window[2], material.heating.start
-        if not low <= start <= high:
-            yield (
-                f"materials.{material.name}: it starts at {start:g} degrees C, and its law was fitted from {low:g} to "
-                f"{high:g}; plain numbers are degrees C"
-            )
-    for name, tool in case.tools.items():
-        if case.heat is not None and tool.heat is not None and tool.heat.temperature > case.heat.initial_temperature:
-            yield (
-                f"tools.{name}.heat.temperature: at {tool.heat.temperature:g} degrees C it is hotter than the body "
-                f"at {case.heat.initial_temperature:g}; plain numbers are degrees C"
-            )
 
 
 def start_hot(material: model.Material, heat: FormingHeat | None) -> model.Material:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import replace
 from math import radians
 from pathlib import Path
@@ -22,10 +23,13 @@ from presswork.case.names import FileName, Name, Title
 from presswork.case.part import Part
 from presswork.case.shell.material import ShellMaterial
 from presswork.case.stamping.bead import Bead
+from presswork.case.tool_sizes import check_thickness, warn_of_thickness
 from presswork.case.units import LENGTH, Angle, Force, Length, Number, fault, unit_factor
 from presswork.mesh import MeshError
 from presswork.mesh.part_file import PartMesh, read_part
 from presswork.model import OneStepModel, PartBead
+
+logger = logging.getLogger(__name__)
 
 _TRIANGLES = 10_000
 """About as many as a triangulated part is refined to where no element_size is given."""
@@ -155,6 +159,10 @@ def build_onestep_model(case: OneStepCase) -> OneStepModel:
     if case.blank.thickness > 0.1 * span:
         text = f"expected a sheet: the part is only {span:.4g} mm across"
         raise CaseError([Problem("blank.thickness", text, "check the units", case.blank.thickness)], case.source)
+    if (thin := check_thickness(case.blank.thickness, span)) is not None:
+        raise CaseError([thin], case.source)
+    for warning in warn_of_thickness(case.blank.thickness, span):
+        logger.warning("%s", warning)
     sheet = case.materials[case.blank.material]
     judged = build_formability(sheet, f"materials.{case.blank.material}", case.blank.thickness)
     return OneStepModel(

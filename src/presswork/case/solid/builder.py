@@ -16,7 +16,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem
-from presswork.case.heat.forming import build_heat, start_hot, warn_of_temperatures
+from presswork.case.heat.forming import build_heat, start_hot
 from presswork.case.held_stages import list_released
 from presswork.case.marked_points import build_points
 from presswork.case.material.umat import UmatMaterial, build_umat
@@ -27,8 +27,8 @@ from presswork.case.solid.bodies import build_bodies, build_contacts, list_bodie
 from presswork.case.solid.reach import check_reach, check_room
 from presswork.case.solid.references import check_references, check_sets
 from presswork.case.solid.remesh import OF_SMALLEST, build_remeshing, check_places, check_sizes, check_tools
+from presswork.case.tool_sizes import warn_of_tools
 from presswork.case.tools.builder import build_tool, check_motions, find_way
-from presswork.case.tools.cavity import check_cavity
 from presswork.case.tools.close_fits import close_fits
 from presswork.case.tools.die_mesh import build_dies
 from presswork.case.tools.rounded import round_outer_corners
@@ -47,8 +47,6 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     _stop_at(problems, case)
     materials, problems = build_materials(case.materials, case.source, 4, run_user_code)
     materials = tuple(start_hot(material, case.heat) for material in materials)
-    for warning in warn_of_temperatures(case, materials):
-        logger.warning("%s", warning)
     _stop_at(problems, case)
     contacts, problems = build_contacts(case, mesh, bodies, materials)
     planes, plane_problems = _find_symmetry_planes(case, mesh, bodies)
@@ -70,6 +68,8 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     ]
     problems += [tool for tool in built if isinstance(tool, Problem)]
     tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
+    for warning in warn_of_tools(case.tools, tools, float(np.linalg.norm(np.ptp(mesh.points, axis=0)))):
+        logger.warning("%s", warning)
     ring = case.analysis == "axisymmetric"
 
     def area_of(edge_set: str) -> float:
@@ -99,7 +99,9 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     remeshing = build_remeshing(case, mesh, bodies, tools)
     if remeshing is not None and not remeshing.keeps_first:
         tools = round_outer_corners(tools, OF_SMALLEST * remeshing.smallest_size)
-    found = model.Model(
+    for text in close:
+        logger.warning("%s", text)
+    return model.Model(
         title=case.title,
         analysis=case.analysis,
         depth=case.depth,
@@ -124,14 +126,6 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         remeshing=remeshing,
         case_text=case.text,
     )
-    for text in close:
-        logger.warning("%s", text)
-    closing = check_cavity(found)
-    if case.limits.stop:
-        _stop_at(closing, case)
-    for problem in closing:
-        logger.warning("%s: %s", problem.key, problem.expected)
-    return found
 
 
 def _stop_at(problems: list[Problem], case: schema.Case) -> None:

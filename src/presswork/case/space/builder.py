@@ -7,9 +7,11 @@ import logging
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.heat.forming import start_hot, warn_of_temperatures
+from presswork.case.heat.forming import start_hot
 from presswork.case.held_stages import check_held_stages, list_released, releases
 from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
@@ -36,6 +38,7 @@ from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
 from presswork.case.space.symmetry import Symmetry, build_supports, check_symmetry, find_symmetry
 from presswork.case.space.tool_builder import build_tool, check_motions, find_way
 from presswork.case.space.tool_checks import mean_edge, warn_of_facets, warn_of_widths
+from presswork.case.tool_sizes import warn_of_tools
 from presswork.mesh.faces import face_areas
 
 logger = logging.getLogger(__name__)
@@ -56,8 +59,6 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     _stop_at(problems, case)
     materials, problems = build_materials(case.materials, case.source, 6, run_user_code)
     materials = tuple(start_hot(material, case.heat) for material in materials)
-    for warning in warn_of_temperatures(case, materials):
-        logger.warning("%s", warning)
     supports, wrong = build_supports(case, mesh)
     symmetry = find_symmetry(case, mesh, bodies, supports)
     contacts, apart = build_space_contacts(case, mesh, bodies, materials)
@@ -80,6 +81,8 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         *(tool for tool in built if isinstance(tool, Problem)),
     ]
     tools = tuple(replace(tool, sectors=symmetry.sectors) for tool in built if isinstance(tool, model.Tool))
+    for warning in warn_of_tools(case.tools, tools, float(np.linalg.norm(np.ptp(mesh.points, axis=0)))):
+        logger.warning("%s", warning)
     problems = problems or check_motions(case, tools) or check_reach(tools, stages, mesh)
     _stop_at(problems, case)
     return model.Model(

@@ -24,6 +24,8 @@ logger = logging.getLogger(__name__)
 
 HOLE = 2.0
 """Of a cell's edge: a rim narrower than that is a hole where facets are missing, and no nodes pass through it."""
+OPEN = 0.5
+"""Of the tool's own size: a wider rim is where the surface ends, however small the tool."""
 UNLIKE = 1e-3
 """Of the size of the workpiece: how far the two halves of a tool that a symmetry plane cuts may differ."""
 OVER = 0.1
@@ -68,7 +70,8 @@ def check_facets(name: str, path: str, shape: Triangulation, edge: float) -> Pro
         remedy = "join the bodies in the CAD program, and export their outer surface alone"
         return Problem(f"tools.{name}.path", fault, remedy, path)
     rims = [] if shape.is_closed else find_rims(shape.points, shape.triangles)
-    holes = [rim for rim in rims if np.linalg.norm(np.ptp(shape.points[rim], axis=0)) < HOLE * edge]
+    largest = min(HOLE * edge, OPEN * float(np.linalg.norm(np.ptp(shape.points, axis=0))))
+    holes = [rim for rim in rims if np.linalg.norm(np.ptp(shape.points[rim], axis=0)) < largest]
     if holes:
         place = ", ".join(f"{x:.4g}" for x in shape.points[holes[0]].mean(axis=0))
         fault = f"facets are missing: {len(holes)} holes are narrower than two cells, the first at ({place}) mm"

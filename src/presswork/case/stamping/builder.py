@@ -48,6 +48,7 @@ from presswork.case.stamping.place import build_tools, way_of_tool
 from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.stage import VELOCITY, StampingStage
+from presswork.case.tool_sizes import check_thickness
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.polygon import polygon_area
 from presswork.mesh import MeshError
@@ -118,6 +119,8 @@ def _build_parts(
         uses += [(f"stages.{index}.displacement.{i}.set", e.set, False) for i, e in enumerate(stage.displacement)]
     names = [stage.name for stage in case.stages]
     _stop_at(check_set_names(uses, mesh) + check_held_stages(case.boundary, names), case)
+    thin = check_thickness(case.blank.thickness, float(np.linalg.norm(np.ptp(mesh.points, axis=0))))
+    _stop_at([thin] if thin is not None else [], case)
     tools, problems = build_tools(case, mesh, before)
     _stop_at(problems, case)
     is_flat = not isinstance(case.blank, BlankFile) or not is_dynain(case.blank.path)
