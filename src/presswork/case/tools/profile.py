@@ -113,7 +113,7 @@ def _draw_pieces(profile: Sequence[ProfilePoint], closed: bool) -> tuple[FloatAr
             continue
         after = (corner + 1) % n_points
         if corner not in pieces or after not in pieces:
-            raise ProfileError(corner, "a radius at the end of an open profile rounds nothing", "leave it out")
+            raise ProfileError(corner, "a radius at the end of an open profile rounds nothing", "leave the radius out")
         fillets[corner] = round_corner(pieces[corner], pieces[after], profile[corner].radius, corner)
     rows: list[FloatArray] = []
     owner: list[int] = []
