@@ -29,7 +29,7 @@ from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.overlap import OVERLAP, summarise_overlap, warn_of_overlap
-from presswork.process.peaks import Peak, find_peaks, peak_row
+from presswork.process.peaks import Peak, find_peaks, peak_columns, peak_row
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot
@@ -71,7 +71,7 @@ class StampingRecording(RowRecording):
         """Of history.csv."""
         first = ["time", "stage", "increment", "cycles", *self.tools.row()]
         first += [*(RAM_COLUMNS if has_ram(self.model) else ()), *self.reactions.columns]
-        first += [f"{law.name}_max" for law in self._damage_laws]
+        first += peak_columns({law.name: law for law in self._damage_laws})
         first += ["shells"] if self.model.refinement else []
         first += [OVERLAP] if self.model.self_contact else []
         if self.heat is not None:

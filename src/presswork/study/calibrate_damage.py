@@ -57,9 +57,9 @@ def calibrate_damage(
     name = f"{PREFIX}{criterion}"
     column = f"{name}{MEAN}"
     found = [
-        key.removeprefix(PREFIX).removesuffix("_mean_max")
+        key.removeprefix(PREFIX).removesuffix(MEAN)
         for key in result.history
-        if key.startswith(PREFIX) and key.endswith("_mean_max")
+        if key.startswith(PREFIX) and key.endswith(MEAN)
     ]
     if column not in result.history:
         remedy = suggest(criterion, found, "criteria of this run") if found else "give the material a `damage`"
