@@ -92,9 +92,16 @@ def _find_place(
     if not way.any():
         remedy = "give a stage in which the tool has a stroke, move or force, or position = [x, y]"
         return Problem(key, "the tool never moves, so it is not known from where it comes", remedy, "touch")
-    gone = find_touch(nodes, segments, way)
+    drawn = measure_distance(nodes, segments)
+    sides = drawn.distance[drawn.beside]
+    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    back = 0.0
+    if len(sides) and sides.min() < -TOLERANCE * size and sides.max() > TOLERANCE * size:
+        # drawn where it closes, through the workpiece: it comes from where all of it lies before that
+        back = max(float((segments[:, 0:4].reshape(-1, 2) @ way).max() - (nodes @ way).min()), 0.0) + size
+    gone = find_touch(nodes, shift_segments(segments, -back * way), way)
     if gone is not None:
-        return np.asarray(gone * way)
+        return np.asarray((gone - back) * way)
     fault = f"along its first motion, ({way[0]:g}, {way[1]:g}), the tool passes the workpiece or never comes to it"
     return Problem(key, fault, "draw it on the side that it comes from, or give position = [x, y]", "touch")
 
