@@ -75,8 +75,8 @@ def _check_names(case: ShellCase) -> list[Problem]:
     """Return the problems that show without the mesh."""
     problems = []
     piece = case.workpiece
-    if fault := find_material_problem("workpiece", piece.material, case.materials):
-        problems.append(fault)
+    if unknown := find_material_problem("workpiece", piece.material, case.materials):
+        problems.append(unknown)
     if isinstance(piece.mesh, MeshFile):
         try:
             unit_factor(piece.mesh.unit, LENGTH)

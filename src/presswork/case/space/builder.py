@@ -137,8 +137,8 @@ def _check_names(case: SpaceCase) -> list[Problem]:
     problems = [*_check_materials(case), *_check_solver(case), *check_space_procedure(case), *check_space_bodies(case)]
     problems += check_held_stages(case.boundary, [stage.name for stage in case.stages])
     for key, body in list_space_bodies(case).values():
-        if fault := find_material_problem(key, body.material, case.materials):
-            problems.append(fault)
+        if unknown := find_material_problem(key, body.material, case.materials):
+            problems.append(unknown)
     names = [stage.name for stage in case.stages]
     held = False
     for index, stage in enumerate(case.stages):

@@ -38,8 +38,8 @@ FASTEST = 0.1
 def check_names(case: StampingCase) -> list[Problem]:
     """Return the problems of names, units and stages that show without geometry."""
     problems = []
-    if fault := find_material_problem("blank", case.blank.material, case.materials):
-        problems.append(fault)
+    if unknown := find_material_problem("blank", case.blank.material, case.materials):
+        problems.append(unknown)
     for name, material in case.materials.items():
         if isinstance(material, UmatMaterial):
             problems += _check_umat(f"materials.{name}", material, case)
