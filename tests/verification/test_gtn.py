@@ -143,13 +143,13 @@ def pull_notched(folder, cells: str, length: float) -> np.ndarray:
 
 
 def test_the_force_of_a_notched_strip_follows_the_length_and_not_the_mesh(tmp_path) -> None:
-    """Cells of half the size: the force changes by 2 % at most with a length of 1 mm, by a third without one."""
+    """Cells of half the size: the force changes by 2 % at most with a length of 1 mm; without one it breaks earlier."""
     averaged, local = (
         [pull_notched(tmp_path, cells, length) for cells in ("[8, 12]", "[16, 24]")] for length in (1.0, 1e-3)
     )
     assert averaged[0].argmax() < 5, "it softens"
     np.testing.assert_allclose(averaged[1], averaged[0], rtol=0.02)
-    assert local[1][-1] < 0.75 * local[0][-1]
+    assert local[1][-2] < 0.75 * local[0][-2], "at 0.7 mm"
 
 
 def test_a_resumed_run_gives_the_same_bits(tmp_path) -> None:

@@ -37,7 +37,7 @@ class Localisation(Arrays):
     load: float = 0.0
     """Work of what drives the body in the last increment, over its part of the stage [N mm]; 0: none, or taken back."""
     room: float = 0.0
-    """Volume that would flow if flow were even [mm3]; 0: nothing flows."""
+    """Part of the body that would flow if flow were even; 0: nothing flows."""
     load_rate: float = 0.0
     room_rate: float = 0.0
     """How fast the logarithms of both change, per stage."""
@@ -73,9 +73,10 @@ def _find_load(trial: State) -> float:
 
 
 def _find_flow(state_n: State, trial: State) -> tuple[float, float]:
-    """Return the volume that would flow if flow were even [mm3], and its plastic strain in the increment."""
-    total = squares = 0.0
+    """Return the part of the body that would flow if flow were even, and its plastic strain in the increment."""
+    total = squares = whole = 0.0
     for before, after, volume in zip(state_n.cells.eqps, trial.cells.eqps, trial.cells.volume, strict=True):
         grown = np.maximum(after - before, 0.0)
         total, squares = total + float((volume * grown).sum()), squares + float((volume * grown**2).sum())
-    return (total**2 / squares, squares / total) if squares > 0.0 else (0.0, 0.0)
+        whole += float(volume.sum())
+    return (total**2 / (squares * whole), squares / total) if squares > 0.0 else (0.0, 0.0)
