@@ -13,6 +13,8 @@ that motion, and the spring carries no force. Where tools, bodies or friction ho
 about SOFT of theirs. The tangent has k w on the diagonal, which is the same on rigid motions and next to nothing on all
 others.
 
+In the first stage the springs act once a body has been found loose: a run begins only with bodies that something holds.
+
 A sheet between tools has no spring: tools that pick it up push by less than the rounding of its own forces, so
 a spring is felt. The run only says that nothing holds it.
 
@@ -42,7 +44,7 @@ from presswork.model import FloatArray, Model, list_bodies
 from presswork.outcome import Step
 from presswork.state import RUN, Arrays, OnNewMesh, State
 
-SOFT = 1e-10
+SOFT = 1e-7
 """Stiffness of the spring over that of the body's extension."""
 CARRIES = 0.5
 """Part of the loads along a rigid motion beyond which nothing but the spring carries them."""
@@ -96,13 +98,14 @@ class LooseBodies(Interaction):
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Find the motions that the supports of the stage leave free, and their moves where the nodes are."""
         model, supports = self._model, self._supports
-        if _is_between_tools(model):
+        self._springs = []
+        is_first = step.stage == 0 and (state_n[LooseArrays].stage < 0).all()
+        if _is_between_tools(model) or is_first:
             return
         points = model.mesh.points + state_n.nodes.moved
         motions = about_points(model, points)
         rows = hold_by_supports(motions, points, supports.fixed(step.stage), supports.slanted(step.stage))
         d, n_motions = model.dimension, len(name_motions(model))
-        self._springs = []
         for body, weight in zip(self._bodies, self._weights, strict=True):
             free = find_free(spread([body], rows, n_motions))[0]
             if free.shape[1]:
