@@ -19,8 +19,7 @@ from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from presswork import _core
 from presswork.model import BoolArray, CellBlock, FloatArray
@@ -141,8 +140,8 @@ def count_folds(
                                for i, c in enumerate(cells)])  # fmt: skip
         node = np.concatenate([c.ravel() for c in cells])
         n = sum(map(len, cells))
-        graph = coo_array((np.ones(len(cell)), (cell, n + node)), shape=(n + len(points),) * 2)
-        label = connected_components(graph, directed=False)[1]
+        graph = scipy.sparse.coo_array((np.ones(len(cell)), (cell, n + node)), shape=(n + len(points),) * 2)
+        label = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
         groups = np.unique(label[:n])
         found.append(sum(int(np.prod([1 if plane[node[label[cell] == g]].any() else 2 for plane in in_plane]))
                          for g in groups))  # fmt: skip

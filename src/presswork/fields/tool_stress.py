@@ -103,7 +103,8 @@ def shear_strength(model: Model, flow_stress: FloatArray) -> FloatArray:
     """Return the largest shear that the material at a node carries (n_points,) [MPa]; infinite where not known."""
     strength: FloatArray = flow_stress / np.sqrt(3.0)
     for block in model.mesh.blocks:
-        if model.materials[block.material].umat is not None:
+        material = model.materials[block.material]
+        if material.umat is not None or material.is_elastic:
             strength[np.unique(block.connectivity)] = np.inf
     return strength
 

@@ -152,7 +152,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
     ("workpiece.section.points", 1, ["workpiece.section.points", "2"]),
     ("workpiece.section", {"thickness": 1, "points": 4, "rule": "simpson"}, ["section.points", "odd", "take 5"]),
     ("workpiece.element", "quad4", ["workpiece.element", "shell4_mitc"]),
-    ("workpiece.material", "stel", ["workpiece.material", "did you mean `steel`", "aa6016_t4"]),
+    ("workpiece.material", "stel", ["workpiece.material", "did you mean `steel`", "presswork materials"]),
     ("workpiece.material", "aa6016", ["workpiece.material", "did you mean `aa6016_t4`"]),
     ("materials", {"steel": {"library": "aa6016"}}, ["materials.steel.library", "did you mean `aa6016_t4`", ".toml"]),
     ("materials", {"steel": {"library": "no.toml"}}, ["materials.steel.library", "no such", "check the path"]),
@@ -192,7 +192,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
      ["workpiece.mesh: ", "cells have no area at a corner", "less long and thin"]),
     ("workpiece.mesh", {"size": [10, 2], "cells": [4, 2], "roll_radius": 0.3184},
      ["workpiece.mesh.roll_radius = 0.3184", "spans more than 120 degrees", "at least 0.4775 mm, or more cells"]),
-    ("output", {"steps": 10**400}, ["output.steps", "1000000"]),
+    ("output", {"steps": 10**400}, ["output.steps", "1329 bits"]),
     ("tools", {"punch": {}}, ["tools", "cannot touch a shell yet"]),
 ])  # fmt: skip
 def test_bad_input_is_named(tmp_path, path, value, fragments) -> None:

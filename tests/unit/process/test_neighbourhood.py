@@ -27,7 +27,7 @@ def make_model(mesh, analysis="plane_strain", *, planes=(), critical=0.9, length
     names, dimension = ("left", "bottom", "back"), mesh.points.shape[1]
     supports = [Support(names[axis], tuple(i == axis for i in range(dimension))) for axis in planes]
     material = SimpleNamespace(damage=Damage("cockcroft_latham", {}, critical, length))
-    return SimpleNamespace(mesh=mesh, analysis=analysis, supports=supports, materials=[material])
+    return SimpleNamespace(mesh=mesh, analysis=analysis, lasting_supports=supports, materials=[material])
 
 
 def mesh_plane(size, *, low=(0.0, 0.0), cells=(24, 24)):

@@ -101,7 +101,7 @@ def test_a_pause_is_ended_by_any_server_and_by_a_stop(tmp_path: Path, at_work: s
     with pytest.raises(OutputError, match="paused in the browser"):
         open_output_folder(out, overwrite=True)
     other.resume(out)
-    assert is_moving(out)
+    wait_until(lambda: is_moving(out))
     assert one.state(out, {})["word"] == "running"
     one.pause(out)
     one.stop(out)
