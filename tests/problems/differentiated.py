@@ -324,7 +324,8 @@ def stamp_hot() -> dict[str, Any]:
         ("tools.die.heat.conductance", 2.0),
     )
     tight = {"max_iterations": 60, "force_tolerance": 1e-9, "displacement_tolerance": 1e-8}
-    return data | {"implicit": tight | {"initial_increment": 0.05, "max_increment": 0.05}}
+    alike = {"initial_increment": 0.05, "max_increment": 0.05, "increment_tolerance": 0.9}  # in neighbouring runs
+    return data | {"implicit": tight | alike}
 
 
 def draw_under_holder() -> dict[str, Any]:
