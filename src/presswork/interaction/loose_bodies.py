@@ -44,7 +44,7 @@ from presswork.model import FloatArray, Model, list_bodies
 from presswork.outcome import Step
 from presswork.state import RUN, Arrays, OnNewMesh, State
 
-SOFT = 1e-7
+SOFT = 1e-8
 """Stiffness of the spring over that of the body's extension."""
 CARRIES = 0.5
 """Part of the loads along a rigid motion beyond which nothing but the spring carries them."""
