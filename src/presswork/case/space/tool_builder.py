@@ -6,7 +6,7 @@ from __future__ import annotations
 import functools
 import logging
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,6 +22,7 @@ from presswork.case.space.tools import (
     ProfileTool,
     SpaceTool,
     SphereTool,
+    ToolFile,
     unit_vector3,
 )
 from presswork.case.tools.builder import find_centre, is_backwards
@@ -32,9 +33,10 @@ from presswork.geometry.pose import SpacePose, find_axis, find_space_pose
 from presswork.geometry.segments import TURN, X0, X1, reverse_segments, sample_arc
 from presswork.geometry.swept_tool import draw_block
 from presswork.geometry.tool_surface import list_extreme_points, make_surface
-from presswork.geometry.touch_in_space import find_touch_in_space
+from presswork.geometry.touch_in_space import Nearest, find_touch_in_space
 from presswork.mesh import MeshError
 from presswork.mesh.tool_file import read_tool
+from presswork.mesh.triangles import double_areas
 from presswork.model import (
     FloatArray,
     Friction,
@@ -59,6 +61,8 @@ CHORD_OF_FACE = 0.05
 """Of the mean edge of cells: how deep a tool may reach into a face whose nodes lie on it, as on a round of the tool."""
 CHORD = 1e-4
 """Of the size of the workpiece: how far the facets of a straight tool may lie off its arcs."""
+FACING = 0.01
+"""Of the area of an open surface: how much of it, on balance, must face against the tool's way to be turned over."""
 BEYOND = 5.0
 """Times the size of the workpiece: half the length of a straight tool."""
 
@@ -73,31 +77,20 @@ def build_tool(
     """
     nodes = mesh.points[np.unique(mesh.boundary_faces)]
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    shape = _make_shape(name, tool, mesh, nodes, size, folder)
+    shape = _make_shape(name, tool, mesh, way, folder)
     if isinstance(shape, Problem):
         return shape
     drawn = _place(name, tool, shape)
-    surface = make_surface(shape)
-
-    def nearest(points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
-        gap, normal, *_ = surface.nearest(np.ascontiguousarray(start.to_frame(points)), reach)
-        return gap, start.turn(normal)
-
-    start = find_space_pose(drawn, np.zeros(3))
     if tool.position == "touch":
-        corners = np.zeros((1, 3)) if isinstance(shape, Plane) else start.carry(list_extreme_points(shape))
-        afar = size + float(np.linalg.norm(corners, axis=1).max() + np.linalg.norm(nodes, axis=1).max())
-        aside = start
         for places in (nodes, np.concatenate([nodes, look_inside_faces(mesh)[0]])):
-            start = aside
-            gone = find_touch_in_space(nearest, places + afar * way, way) if way.any() else None
-            if gone is None:
+            position = _come_from_afar(drawn, places, way)
+            if position is None:
                 return _explain_no_touch(name, way)
-            x, y, z = (float(part) for part in (gone - afar) * way)
-            drawn = replace(drawn, position=(x, y, z))
-            start = find_space_pose(drawn, np.zeros(3))
-            if _check_clear(name, mesh, size, nearest) is None:  # else it has come between the nodes of a face
+            touching = replace(drawn, position=position)
+            if _check_clear(name, mesh, size, _look_at(touching)) is None:  # else it is between the nodes of a face
                 break
+        drawn = touching
+    start, nearest = find_space_pose(drawn, np.zeros(3)), _look_at(drawn)
     if isinstance(tool, ProfileTool):
         warn_of_radius(name, draw_outline(tool.profile, False).segments, mean_edge(mesh))
     elif isinstance(shape, SweptProfile):
@@ -142,6 +135,32 @@ def _place(name: str, tool: SpaceTool, shape: Surface) -> Tool:
     )
 
 
+def _look_at(tool: Tool) -> Nearest:
+    """Return what gives gap and normal of a tool where it starts."""
+    surface, pose = make_surface(tool.surface), find_space_pose(tool, np.zeros(3))
+
+    def nearest(points: FloatArray, reach: float) -> tuple[FloatArray, FloatArray]:
+        gap, normal, *_ = surface.nearest(np.ascontiguousarray(pose.to_frame(points)), reach)
+        return gap, pose.turn(normal)
+
+    return nearest
+
+
+def _come_from_afar(tool: Tool, places: FloatArray, way: FloatArray) -> tuple[float, float, float] | None:
+    """Return the position of a tool that comes from afar along `way` until it touches a place (n, 3); None: never."""
+    if not way.any():
+        return None
+    shape, pose = tool.surface, find_space_pose(tool, np.zeros(3))
+    corners = np.zeros((1, 3)) if isinstance(shape, Plane) else pose.carry(list_extreme_points(shape))
+    size = float(np.linalg.norm(np.ptp(places, axis=0)))
+    afar = size + float(np.linalg.norm(corners, axis=1).max() + np.linalg.norm(places, axis=1).max())
+    gone = find_touch_in_space(_look_at(tool), places + afar * way, way)
+    if gone is None:
+        return None
+    x, y, z = (float(part) for part in (gone - afar) * way)
+    return x, y, z
+
+
 def _explain_no_touch(name: str, way: FloatArray) -> Problem:
     """Say why a tool cannot be put where it touches the workpiece."""
     key = f"tools.{name}.position"
@@ -149,13 +168,11 @@ def _explain_no_touch(name: str, way: FloatArray) -> Problem:
         remedy = "give a stage in which the tool has a stroke, move or force, or position = [x, y, z]"
         return Problem(key, "the tool never moves, so it is not known from where it comes", remedy, "touch")
     x, y, z = way
-    fault = f"along its first motion, ({x:g}, {y:g}, {z:g}), the tool passes the workpiece or never comes to it"
-    return Problem(key, fault, "draw it on the side that it comes from, or give position = [x, y, z]", "touch")
+    fault = f"along its first motion, ({x:g}, {y:g}, {z:g}), the tool passes beside the workpiece"
+    return Problem(key, fault, "draw it in line with the workpiece, or give position = [x, y, z]", "touch")
 
 
-def _check_clear(
-    name: str, mesh: Mesh, size: float, nearest: Callable[[FloatArray, float], tuple[FloatArray, FloatArray]]
-) -> Problem | None:
+def _check_clear(name: str, mesh: Mesh, size: float, nearest: Nearest) -> Problem | None:
     """Return a problem where the boundary lies in a tool at the start: a node, or a place on a face.
 
     nearest: gap and normal of places (n, 3) within a reach. Faces with nodes on the tool are chords of its rounds.
@@ -232,14 +249,14 @@ def _draw_block(tool: CylinderTool | SphereTool | BoxTool) -> SweptProfile:
     return draw_block((r, r), r, tool.length, tool.edge_radius)
 
 
-def _make_shape(
-    name: str, tool: SpaceTool, mesh: Mesh, nodes: FloatArray, size: float, folder: Path
-) -> Surface | Problem:
+def _make_shape(name: str, tool: SpaceTool, mesh: Mesh, way: FloatArray, folder: Path) -> Surface | Problem:
+    nodes = mesh.points[np.unique(mesh.boundary_faces)]
+    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     if isinstance(tool, PlaneTool):
         x, y, z = (part / math.hypot(*tool.normal) + 0.0 for part in tool.normal)
         return Plane((x, y, z))
     if isinstance(tool, ProfileTool):
-        return _draw(name, tool, nodes, size)
+        return _draw(name, tool, nodes, size, way)
     if isinstance(tool, CylinderTool | SphereTool | BoxTool):
         return _draw_block(tool)
     try:
@@ -251,7 +268,22 @@ def _make_shape(
         return Problem(f"tools.{name}.path", error.fault, error.remedy, tool.path)
     for note in notes:
         _warn_once(folder / tool.path, f"tools.{name}.path = {tool.path}: {note}")
+    if tool.position == "touch":
+        read = _face(name, tool, read, way)
     return check_facets(name, tool.path, read, mean_edge(mesh)) or read
+
+
+def _face(name: str, tool: ToolFile, shape: Triangulation, way: FloatArray) -> Triangulation:
+    """Return a tool's surface, turned over where it is open and faces against the tool's way (3,)."""
+    areas = find_space_pose(_place(name, tool, shape), np.zeros(3)).turn(double_areas(shape.points, shape.triangles))
+    if shape.is_closed or areas.sum(axis=0) @ way >= -FACING * float(np.linalg.norm(areas, axis=1).sum()):
+        return shape
+    logger.warning(
+        "tools.%s.path = %s: the open surface faces against the tool's motion, into its metal: turned over",
+        name,
+        tool.path,
+    )
+    return replace(shape, triangles=np.ascontiguousarray(shape.triangles[:, ::-1]))
 
 
 @functools.lru_cache(maxsize=1000)
@@ -260,8 +292,8 @@ def _warn_once(path: Path, note: str) -> None:
     logger.warning("%s", note, extra={"path": path})
 
 
-def _draw(name: str, tool: ProfileTool, nodes: FloatArray, size: float) -> Surface | Problem:
-    """Draw a profile with the workpiece on its left, and turn or draw it out."""
+def _draw(name: str, tool: ProfileTool, nodes: FloatArray, size: float, way: FloatArray) -> Surface | Problem:
+    """Draw a profile with the workpiece on its left, where it starts, and turn or draw it out."""
     try:
         segments = draw_outline(tool.profile, False).segments
     except ProfileError as error:
@@ -272,7 +304,15 @@ def _draw(name: str, tool: ProfileTool, nodes: FloatArray, size: float) -> Surfa
         a, b = crossing.point
         fault = f"the profile crosses or touches itself at ({a:.6g}, {b:.6g})"
         return Problem(f"tools.{name}.profile", fault, "draw an outline without loops")
-    seen = find_space_pose(_place(name, tool, Plane((0.0, 0.0, 1.0))), np.zeros(3)).to_frame(nodes)
+    pose = find_space_pose(_place(name, tool, Plane((0.0, 0.0, 1.0))), np.zeros(3))
+    ahead = np.zeros(3)
+    if tool.position == "touch":
+        # drawn where it closes, it has the workpiece on both sides; where it comes from, all of it lies before the tool
+        ends = np.insert(segments[:, 0:4].reshape(-1, 2), 1, 0.0, axis=1)
+        if tool.shape == "round":
+            ends = list_extreme_points(_turn(segments))
+        ahead = (float((pose.carry(ends) @ way).max() - (nodes @ way).min()) + size) * way
+    seen = pose.to_frame(nodes + ahead)
     across = np.hypot(seen[:, 0], seen[:, 1]) if tool.shape == "round" else seen[:, 0]
     backwards = is_backwards(name, tool.free_side, np.column_stack([across, seen[:, 2]]), segments)
     if isinstance(backwards, Problem):
