@@ -16,7 +16,7 @@ from presswork.case.table_file import read_table_lines
 from presswork.case.units import DENSITY, HEAT_CAPACITY, Dimension, to_number
 from presswork.material.compression import CompressionTest, correct, find_adiabatic_part, read_compression
 from presswork.material.hot_plot import draw_hot_fit
-from presswork.material.identify_hot import HOT_LAWS, HotFit, fit_hot, tabulate
+from presswork.material.identify_hot import HOT_LAWS, HotFit, find_untested, fit_hot, tabulate
 from presswork.results.whole_file import write_whole
 
 
@@ -41,17 +41,44 @@ def fit_compression(
     measured = read_compression(path)
     tests = correct(measured, capacity)
     _tell(measured, tests, capacity)
-    fits = sorted((fit_hot(tests, name) for name in (HOT_LAWS if law == "all" else (law,))), key=lambda f: f.relative)
+    fits = _fit(tests, law)
     for fit in fits:
         parameters = ", ".join(f"{key} = {value:.5g}" for key, value in fit.parameters.items() if value)
         typer.echo(f"{fit.law}: {fit.scatter:.2f} MPa ({100 * fit.relative:.2f} %): {parameters}")
+        if fit.left_out:
+            names = ", ".join(fit.left_out)
+            typer.echo(
+                f"{fit.law}: the tests do not tell {names}, which are 0; more strains, rates, temperatures would"
+            )
     target = output or path.with_suffix(".toml")
     _write(target, path, fits[0], {"young": young, "poisson": poisson}, capacity)
-    table = target.with_name(f"{target.stem}_table.csv")
+    typer.echo(str(target))
     rows = [",".join(f"{value:.6g}" for value in row) for row in tabulate(tests, fits[0])]
-    write_whole(table, "\n".join(["strain,rate,temperature,stress", *rows, ""]).encode())
-    picture = draw_hot_fit(tests, fits, path.stem, target.with_suffix(".png"))
-    typer.echo(f"{target}\n{table}\n{picture}")
+    if rows:
+        table = target.with_name(f"{target.stem}_table.csv")
+        write_whole(table, "\n".join(["strain,rate,temperature,stress", *rows, ""]).encode())
+        untested = [f"{rate:g} 1/s at {start:g} degrees C" for rate, start in find_untested(tests)]
+        typer.echo(f"{table}" + (f"; untested, so of the law: {', '.join(untested)}" if untested else ""))
+    else:
+        typer.echo("no table: the tests have no strains in common")
+    typer.echo(str(draw_hot_fit(tests, fits, path.stem, target.with_suffix(".png"))))
+
+
+def _fit(tests: Sequence[CompressionTest], law: str) -> list[HotFit]:
+    """Return the fits of a law, or of all that the tests determine, the best first. Raises CaseError."""
+    if law != "all":
+        return [fit_hot(tests, law)]
+    fits, faults = [], []
+    for name in HOT_LAWS:
+        try:
+            fits.append(fit_hot(tests, name))
+        except CaseError as error:
+            faults.append(error)
+    if not fits:
+        raise faults[0]
+    for fault in faults:
+        typer.echo(f"left out: {fault}")
+    return sorted(fits, key=lambda fit: fit.relative)
 
 
 def _tell(measured: Sequence[CompressionTest], tests: Sequence[CompressionTest], capacity: float | None) -> None:

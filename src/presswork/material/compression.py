@@ -27,7 +27,8 @@ from presswork.model import FloatArray
 
 NEEDED = ("strain", "stress", "rate", "temperature")
 SPECIMEN = ("height", "diameter", "m", "final_height", "barrel_diameter", "top_diameter")
-FEWEST = 4
+FEWEST = 2
+"""Points of a test, which make its curve."""
 ADIABATIC = ((1e-3, 0.0), (1.0, 1.0))
 """Rates [1/s] up to which a test keeps its temperature, and from which its heat stays in it; Goetz & Semiatin 2001."""
 
@@ -142,7 +143,7 @@ def _make_test(start: float, rate: float, columns: dict[str, FloatArray], proble
     keep = strain > 0.0
     test = CompressionTest(rate, start, strain[keep], stress[keep], np.full(int(keep.sum()), start))
     if len(test.strain) < FEWEST:
-        problems.append(Problem(where, f"{len(test.strain)} points with a strain > 0", f"give at least {FEWEST}"))
+        problems.append(Problem(where, f"points with a strain > 0: {len(test.strain)}", f"give at least {FEWEST}"))
         return test
     if (np.diff(test.strain) <= 0.0).any():
         problems.append(Problem(where, "two points of the same strain", "leave one out"))

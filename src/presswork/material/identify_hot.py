@@ -32,8 +32,12 @@ TERMS: dict[str, Callable[[FloatArray, FloatArray, FloatArray], FloatArray]] = {
     "m9": lambda e, r, t: np.log(t),
 }
 """Of Hensel-Spittel: what stands with each parameter in the logarithm of the stress; e, rate, T [degrees C]."""
-USUAL_TERMS = ("m1", "m2", "m3", "m4", "m5", "m7", "m8")
-"""m9 beside m1 says the same over most windows."""
+USUAL_TERMS = ("m1", "m3", "m2", "m8", "m5", "m7", "m4")
+"""Those that few tests tell come first; m9 beside m1 says the same over most windows."""
+TOLD = 1e-6
+"""Least singular value over the largest, of columns of length 1, from which the points tell terms apart."""
+OF_SINH = 4
+"""Constants of the sinh law, which do not depend on the strain."""
 FIRST_STRAIN = 0.02
 """Where the fit starts; below lies the bend from elastic to plastic."""
 TABLE_STRAINS = 15
@@ -54,6 +58,8 @@ class HotFit:
     """Root mean square of the differences [MPa]."""
     relative: float
     """Mean of their magnitudes over the measured stress."""
+    left_out: tuple[str, ...] = ()
+    """Parameters of Hensel-Spittel that the tests do not tell, which are zero."""
 
     def stress(self, strain: FloatArray, rate: float, temperature: FloatArray) -> FloatArray:
         """Return the flow stress [MPa] at strains and temperatures [degrees C] (n,), a rate [1/s], in the window."""
@@ -85,10 +91,11 @@ def evaluate(
     return np.asarray(np.arcsinh(np.exp((log_z - np.log(a)) / n)) / alpha)
 
 
-def fit_hot(tests: Sequence[CompressionTest], law: str, terms: Sequence[str] = USUAL_TERMS) -> HotFit:
-    """Fit a law to corrected tests; terms: parameters of Hensel-Spittel that may differ from zero.
+def fit_hot(tests: Sequence[CompressionTest], law: str, terms: Sequence[str] | None = None) -> HotFit:
+    """Fit a law to corrected tests.
 
-    Raises CaseError where the tests do not determine it.
+    terms: parameters of Hensel-Spittel that may differ from zero; without them those of the usual ones that the tests
+    tell apart. Raises CaseError where the tests do not determine it.
     """
     short = [test for test in tests if test.strain[-1] < FIRST_STRAIN]
     if short:
@@ -106,7 +113,22 @@ def fit_hot(tests: Sequence[CompressionTest], law: str, terms: Sequence[str] = U
         if len(np.unique(values)) < 2:
             text = f"all tests have one {name}, {np.unique(values)[0]:g} {unit}"
             raise CaseError([Problem("", text, "give tests at two at least")], "compression tests")
-    found = _fit_hensel_spittel(e, r, t, s, terms) if law == "hensel_spittel" else _fit_sinh(r, t, s)
+    left_out: tuple[str, ...] = ()
+    if law == "hensel_spittel":
+        if terms is None:
+            starts = np.concatenate(
+                [np.full(len(own), test.start) for test, (own, *_) in zip(tests, points, strict=True)]
+            )
+            terms = _choose_terms(e, r, starts)
+            left_out = tuple(sorted(set(USUAL_TERMS) - set(terms)))
+        found = _fit_hensel_spittel(e, r, t, s, terms)
+    else:
+        kinds = len({(test.rate, test.start) for test in tests})
+        if kinds < OF_SINH:
+            text = f"{kinds} pairs of rate and temperature do not tell its {OF_SINH} constants apart"
+            remedy = f"give tests at {OF_SINH} pairs at least, or take --law hensel_spittel"
+            raise CaseError([Problem("", text, remedy)], "sinh_arrhenius")
+        found = _fit_sinh(r, t, s)
     fitted = evaluate(law, found, e, r, t)
     return HotFit(
         law,
@@ -116,7 +138,23 @@ def fit_hot(tests: Sequence[CompressionTest], law: str, terms: Sequence[str] = U
         (min(float(t.min()), *(test.start for test in tests)), float(t.max())),
         float(np.sqrt(np.mean((fitted - s) ** 2))),
         float(np.mean(np.abs(fitted - s) / s)),
+        left_out,
     )
+
+
+def _choose_terms(e: FloatArray, r: FloatArray, t: FloatArray) -> tuple[str, ...]:
+    """Return the usual terms that points tell apart, with one point more than parameters.
+
+    t: temperatures at which the tests begin, since those by heating in the test depend on strain and rate.
+    """
+    chosen: tuple[str, ...] = ()
+    for name in USUAL_TERMS:
+        terms = (*chosen, name)
+        columns = np.column_stack([np.ones_like(e), *(TERMS[term](e, r, t) for term in terms)])
+        values = np.linalg.svd(columns / np.linalg.norm(columns, axis=0), compute_uv=False)
+        if len(e) > columns.shape[1] and values[-1] > TOLD * values[0]:
+            chosen = terms
+    return chosen
 
 
 def _fit_hensel_spittel(
@@ -164,12 +202,15 @@ def _fit_sinh(r: FloatArray, t: FloatArray, s: FloatArray) -> dict[str, float]:
 
 
 def tabulate(tests: Sequence[CompressionTest], fit: HotFit) -> FloatArray:
-    """Return rows of strain, rate, temperature and stress of the measured curves at common strains (n, 4).
+    """Return rows of strain, rate, temperature and stress of the measured curves at common strains (n, 4), if any.
 
-    Heating in the test is taken off by the ratio of the fitted law's stresses at both temperatures.
+    Heating in the test is taken off by the ratio of the fitted law's stresses at both temperatures. Pairs of rate and
+    temperature without a test have the law's stresses, since a table holds all pairs.
     """
     first = max(FIRST_STRAIN, *(float(test.strain[0]) for test in tests))
     last = min(float(test.strain[-1]) for test in tests)
+    if last <= first:
+        return np.zeros((0, 4))
     strains = np.linspace(first, last, TABLE_STRAINS)
     rows = []
     for test in tests:
@@ -177,4 +218,13 @@ def tabulate(tests: Sequence[CompressionTest], fit: HotFit) -> FloatArray:
         isothermal = test.stress * at_start / fit.stress(test.strain, test.rate, test.temperature)
         stress = np.interp(strains, test.strain, isothermal)
         rows += [(e, test.rate, test.start, s) for e, s in zip(strains, stress, strict=True)]
+    for rate, start in find_untested(tests):
+        stress = fit.stress(strains, rate, np.full_like(strains, start))
+        rows += [(e, rate, start, s) for e, s in zip(strains, stress, strict=True)]
     return np.array(sorted(rows))
+
+
+def find_untested(tests: Sequence[CompressionTest]) -> list[tuple[float, float]]:
+    """Return the pairs of a test's rate [1/s] and another one's temperature [degrees C] at which there is no test."""
+    pairs = {(test.rate, test.start) for test in tests}
+    return sorted({(one.rate, other.start) for one in tests for other in tests} - pairs)

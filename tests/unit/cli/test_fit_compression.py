@@ -39,6 +39,21 @@ def test_material_file_table_and_picture_are_written(curves: Path) -> None:
     assert curves.with_suffix(".png").stat().st_size > 20_000
 
 
+def test_a_law_and_a_whole_table_come_of_few_points(tmp_path: Path) -> None:
+    path = tmp_path / "few.csv"
+    tests = {(0.01, 900): (120, 130), (1, 900): (170, 190), (0.01, 1100): (60, 62)}
+    rows = [f"{e},{s},{r},{t}" for (r, t), stress in tests.items() for e, s in zip((0.1, 0.3), stress, strict=True)]
+    path.write_text("\n".join(["strain,stress,rate,temperature", "0,0,1,900", *rows]))
+    result = CliRunner().invoke(app, ["fit", str(path), "--young", "100 GPa"])
+    assert result.exit_code == 0, result.output
+    told = " ".join(result.output.split())
+    assert "the tests do not tell m4, m7, m8, which are 0" in told
+    assert "untested, so of the law: 1 1/s at 1100 degrees C" in told
+    assert "left out: sinh_arrhenius: 3 pairs of rate and temperature" in told
+    numbers = read_hot_table(path.with_name("few_table.csv"))
+    assert len(numbers) == 3 + 15 + 2 + 2 + 15 * 2 * 2
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

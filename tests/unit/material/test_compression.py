@@ -2,6 +2,7 @@
 """Hot compression tests: reading, corrections for friction and heating, laws that come back from their own curves."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -117,7 +118,7 @@ BAD = [
     ("strain,stress,speed,temperature", FOUR, "no column rate"),
     (HEAD, [*FOUR, "0.5,-3,1,1000"], 'line 7, stress = "-3": expected a number > 0'),
     (HEAD, [*FOUR, "0.5,x,1,1000"], "line 7, stress"),
-    (HEAD, FOUR[:3], "3 points with a strain > 0; give at least 4"),
+    (HEAD, FOUR[:1], "points with a strain > 0: 1; give at least 2"),
     (HEAD, [*FOUR, "0.4,121,1,1000"], "two points of the same strain"),
     (HEAD, [*FOUR, "40,121,1,1000"], "strain to 40; give true strains, not per cent"),
     (HEAD + ",m", [row + ",0.2" for row in FOUR], "friction needs the specimen"),
@@ -147,6 +148,50 @@ def test_curves_that_end_before_flow_are_refused(law: str) -> None:
     short = [replace(t, strain=t.strain * 0.01) for t in measure("hensel_spittel", HENSEL)]
     with pytest.raises(CaseError, match=r"the test at 900 degrees C and .* 1/s: strains end at .*; give the curve to"):
         fit_hot(short, law)
+
+
+FEW = {"A": 1500.0, "m1": -0.0027, "m2": -0.12, "m3": 0.1, "m5": -2e-4}
+PAIRS = ((0.01, 900.0), (1.0, 900.0), (0.01, 1100.0), (1.0, 1100.0))
+
+
+def measure_few(pairs: Sequence[tuple[float, float]], strains: Sequence[float]) -> list[CompressionTest]:
+    """Return tests of few points at pairs of rate and temperature, of a law of few constants."""
+    e = np.array(strains)
+    columns = [(rate, start, e, np.full_like(e, rate), np.full_like(e, start)) for rate, start in pairs]
+    return [CompressionTest(r, t, e, evaluate("hensel_spittel", FEW, e, rs, ts), ts) for r, t, e, rs, ts in columns]
+
+
+@pytest.mark.parametrize(
+    ("pairs", "strains", "left_out"),
+    [
+        (PAIRS[:3], (0.1, 0.3), ("m4", "m7", "m8")),
+        (PAIRS, (0.1, 0.3), ("m4", "m7")),
+        (PAIRS, (0.1, 0.2, 0.3), ("m4",)),
+        (PAIRS, (0.1, 0.2, 0.3, 0.4), ()),
+    ],
+)
+def test_few_points_determine_a_law_of_fewer_constants(
+    pairs: Sequence[tuple[float, float]], strains: Sequence[float], left_out: tuple[str, ...]
+) -> None:
+    fit = fit_hot(measure_few(pairs, strains), "hensel_spittel")
+    assert fit.left_out == left_out
+    for key, value in FEW.items():
+        assert fit.parameters[key] == pytest.approx(value, rel=1e-6)
+
+
+def test_heating_in_the_test_tells_no_constant() -> None:
+    tests = correct(measure_few(PAIRS[:3], (0.1, 0.3)), CAPACITY)
+    assert fit_hot(tests, "hensel_spittel").left_out == ("m4", "m7", "m8")
+
+
+def test_three_pairs_of_rate_and_temperature_make_no_sinh_law() -> None:
+    with pytest.raises(CaseError, match="3 pairs of rate and temperature do not tell its 4 constants apart"):
+        fit_hot(measure_few(PAIRS[:3], (0.1, 0.3)), "sinh_arrhenius")
+
+
+def test_tests_without_strains_in_common_make_no_table() -> None:
+    tests = [*measure_few(PAIRS[:2], (0.1, 0.2)), *measure_few(PAIRS[2:], (0.3, 0.4))]
+    assert not len(tabulate(tests, fit_hot(tests, "hensel_spittel")))
 
 
 def test_one_rate_does_not_make_a_law() -> None:
