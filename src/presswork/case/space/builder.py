@@ -30,6 +30,7 @@ from presswork.case.space.bodies import (
     check_space_bodies,
     list_space_bodies,
 )
+from presswork.case.space.close_fits import close_fits_in_space
 from presswork.case.space.cyclic import check_cyclic, find_cyclic
 from presswork.case.space.explicit_checks import check_space_procedure, choose_element
 from presswork.case.space.heat import build_space_heat, check_space_heat
@@ -85,6 +86,9 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         logger.warning("%s", warning)
     problems = problems or check_motions(case, tools) or check_reach(tools, stages, mesh)
     _stop_at(problems, case)
+    tools, close = close_fits_in_space(tools, stages, mesh)
+    for warning in close:
+        logger.warning("%s", warning)
     return model.Model(
         title=case.title,
         analysis="solid",

@@ -32,13 +32,14 @@ def close_fits(
     """Return the tools with the clearances closed that cells cannot flow into, and a warning of each."""
     ends = mesh.points[mesh.boundary_edges[:, :2]]
     edge = float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).mean())
+    middle = find_middle(mesh.points)
     found, warnings = list(tools), []
     for number, tool in enumerate(tools):
         for other in tools:
-            if other is tool or not (way := _find_way(tool, other, stages)).any():
+            if other is tool or not (way := find_way(tool, other, stages, 2)).any():
                 continue
-            for corner, gap, normal in _find_close_corners(found[number], other, way, CLOSE * edge):
-                closed = _move_side(found[number].profile, corner, way, -(gap + PAST * edge) * normal)
+            for corner, gap, normal in _find_close_corners(found[number], other, way, middle, CLOSE * edge):
+                closed = move_side(found[number].profile, corner, way, -(gap + PAST * edge) * normal)
                 if closed is not None:
                     found[number] = replace(found[number], shape=closed)
                     warnings.append(
@@ -48,39 +49,46 @@ def close_fits(
     return tuple(found), warnings
 
 
-def _find_way(tool: model.Tool, other: model.Tool, stages: Sequence[model.Stage]) -> FloatArray:
-    """Return the one direction (2,) in which a tool moves past another; zero if there is none or several."""
-    still, way = model.ToolMotion(), np.zeros(2)
+def find_way(tool: model.Tool, other: model.Tool, stages: Sequence[model.Stage], dimension: int) -> FloatArray:
+    """Return the one direction (dimension,) in which a tool moves past another; zero if there is none or several."""
+    still, way = model.ToolMotion(), np.zeros(dimension)
     for stage in stages:
         own, its = (stage.tool_motion.get(t.name, still) for t in (tool, other))
         if own.turn or its.turn or its.push is not None:
-            return np.zeros(2)
-        move = np.array(own.push.direction[:2] if own.push is not None else np.subtract(own.move, its.move)[:2])
+            return np.zeros(dimension)
+        move = np.array(own.push.direction if own.push is not None else np.subtract(own.move, its.move))[:dimension]
         if not move.any():
             continue
-        move /= np.linalg.norm(move)
-        if way.any() and abs(way[0] * move[1] - way[1] * move[0]) > PARALLEL:
-            return np.zeros(2)
+        move = move / np.linalg.norm(move)
+        if way.any() and np.linalg.norm(move - (move @ way) * way) > PARALLEL:
+            return np.zeros(dimension)
         way = move
     return way
 
 
+def find_middle(points: FloatArray) -> FloatArray:
+    """Return the middle of a workpiece (dimension,) [mm]: a face that presses it comes from before that."""
+    return np.asarray(0.5 * (points.min(axis=0) + points.max(axis=0)))
+
+
 def _find_close_corners(
-    tool: model.Tool, other: model.Tool, way: FloatArray, nearest: float
+    tool: model.Tool, other: model.Tool, way: FloatArray, middle: FloatArray, nearest: float
 ) -> Iterator[tuple[int, float, FloatArray]]:
-    """Yield the corners of a tool that go along another tool's wall: number of the segment that ends there, gap from
-    the wall [mm], and the wall's normal (2,).
+    """Yield the corners of a tool that go along another tool's wall, towards the middle (2,) of the workpiece.
+
+    Each is the number of the segment that ends there, its gap from the wall [mm], and the wall's normal (2,).
     """
     corners = start_profile(tool)[:-1, X1]
     if not len(corners):
         return
     gap, normal, *_ = _core.touch_profile(start_profile(other), np.ascontiguousarray(corners))
-    for corner in np.flatnonzero((np.abs(gap) <= nearest) & (np.abs(normal @ way) < PARALLEL)):
+    goes_along = (np.abs(gap) <= nearest) & (np.abs(normal @ way) < PARALLEL) & ((middle - corners) @ way > 0.0)
+    for corner in np.flatnonzero(goes_along):
         if gap[corner] > -1e-9 * nearest:
             yield int(corner), float(max(gap[corner], 0.0)), normal[corner]
 
 
-def _move_side(profile: model.Profile, corner: int, way: FloatArray, by: FloatArray) -> model.Profile | None:
+def move_side(profile: model.Profile, corner: int, way: FloatArray, by: FloatArray) -> model.Profile | None:
     """Return a profile whose side at a corner is moved; None where that is not a side between two straight pieces.
 
     corner: number of the segment that ends there. way: of the tool; by: move of the side (2,) [mm], across the way.
