@@ -97,6 +97,20 @@ def test_inclined_interface_carries_hydrostatic_pressure() -> None:
     np.testing.assert_allclose(in_plane, wanted, atol=1e-5 * PRESSURE)
 
 
+@pytest.mark.parametrize("strain", [1e-5, 1e-3])
+def test_bodies_that_touch_part_where_they_narrow(strain) -> None:
+    """Drawn out sideways between rests they leave each other by some millionths of an edge, or more."""
+    model = two_blocks("quad4_fbar", "plane_strain", 0)
+    supports = [Support(f"{body}left", (True, False)) for body in ("", "die.")]
+    supports += [Support(side, (False, True)) for side in ("bottom", "die.top")]
+    drawn = tuple(PrescribedDisplacement(f"{body}right", 0, 8.0 * np.expm1(strain)) for body in ("", "die."))
+    stage = replace(model.stages[0], pressures=(), prescribed=drawn)
+    procedure, reports = run(replace(model, supports=tuple(supports), stages=(stage,)))
+    stress = stress_of(procedure)[:, [0, 1, 3]] / (2e5 / (1.0 - 0.3**2) * strain)
+    np.testing.assert_allclose(stress, np.tile([1.0, 0.0, 0.0], (len(stress), 1)), atol=1e-8)
+    assert max(len(report.log) for report in reports) <= 5
+
+
 # --- Hertz ---------------------------------------------------------------------------------------------------------
 RADII, YOUNG, POISSON = (10.0, 20.0), (2e5, 1e5), 0.3
 

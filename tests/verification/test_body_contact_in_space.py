@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -74,6 +76,23 @@ def test_blocks_of_unlike_meshes_pass_the_contact_patch_test(element, law, frict
     pressure = run.state[InterfaceArrays].pressure
     assert (pressure != 0.0).sum() == 24
     assert np.abs(pressure[pressure != 0.0] + mean).max() < 10 * UNEVEN[element] * abs(mean)
+
+
+@pytest.mark.parametrize("element", ["hex8_fbar", "tet4_mini"])
+@pytest.mark.parametrize("strain", [1e-5, 1e-3])
+def test_blocks_that_touch_part_where_they_narrow(element, strain):
+    """Drawn out sideways between rests they leave each other by some millionths of an edge, or more."""
+    model = two_blocks(element)
+    drawn = tuple(PrescribedDisplacement(f"{body}right", 0, 8.0 * np.expm1(strain)) for body in ("", "upper."))
+    model = replace(
+        model,
+        supports=(*model.supports, Support("upper.front", (False, False, True))),
+        stages=(replace(model.stages[0], prescribed=drawn),),
+    )
+    run = ImplicitProcedure(model)
+    assert all(len(report.log) <= 5 for report in run.advance())
+    stress = np.concatenate([s.reshape(-1, 6) for s in run.state.cells.stress])
+    np.testing.assert_allclose(stress / (YOUNG * strain), np.tile(np.eye(6)[0], (len(stress), 1)), atol=1e-7)
 
 
 def test_an_elastic_sphere_and_block_touch_as_hertz_says():

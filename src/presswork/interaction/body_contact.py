@@ -167,6 +167,8 @@ class BodyContacts(Interaction):
         self._believed[fresh] = np.minimum(own.pressure, self._credible)[fresh]
         self._held[own.pressure > 0] = KEEPS_HOLD
         self._held[(own.pressure == 0) & (before == KEEPS_HOLD)] = BY_GAP
+        opens = (before == BY_GAP) & (own.pressure == 0) & (self._believed < 0)  # the tangent has held it shut
+        self._held[opens & (self._changes < MAX_CHANGES)] = LET_GO
         if near:
             pulls = own.pressure < 0
             self._held[pulls & (self._changes < MAX_CHANGES)] = LET_GO
