@@ -80,6 +80,20 @@ def test_temperatures_beyond_a_table_are_warned_of(tmp_path) -> None:
     assert "C45: conductivity is given from 20 to 800 degrees C" in warning
 
 
+def test_a_table_is_judged_by_the_temperatures_of_its_own_metal(tmp_path) -> None:
+    """The ring of steel is at 1000 degrees C, beyond the table of its aluminium core, which stays below 450."""
+    path = copy_example("bimetal_upsetting", tmp_path)
+    small = ["workpiece.mesh.cells=[3,4]", "bodies.ring.mesh.cells=[2,4]", "remesh.enabled=false", "output.steps=1"]
+    small += ["stages.0.tools.die.stroke=1", "stages.0.duration=0.03"]
+    short = "materials.EN AW-6082.thermal.conductivity=[[20, 191.4], [360, 225]]"
+    for keys, expected in (([], []), ([short], ["EN AW-6082: conductivity is given from 20 to 360 degrees C"])):
+        outcome = run_model(build_model(read_case(path, [*small, *keys])), tmp_path / str(len(keys)), threads=1)
+        found = outcome.result.summary["warnings"]
+        assert len(found) == len(expected)
+        assert all(one.startswith(said) for one, said in zip(found, expected, strict=True))
+    assert 360.0 < float(found[0].split(" to ")[-1].split(":")[0]) < 450.0
+
+
 def test_check_describes_the_case_in_words(tmp_path) -> None:
     from typer.testing import CliRunner
 

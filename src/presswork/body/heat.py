@@ -14,6 +14,24 @@ def sum_at_nodes(nodes: IntArray, values: FloatArray, n_points: int) -> FloatArr
     return np.bincount(nodes.ravel(), values.ravel(), minlength=n_points).astype(np.float64, copy=False)
 
 
+def measure_ranges(model: Model, temperature: FloatArray) -> FloatArray:
+    """Return the lowest and highest temperature of each material's nodes (n_materials, 2) [degrees C].
+
+    temperature: of the nodes, those of the model first.
+    """
+    least, most = temperature.max(), temperature.min()
+    found = np.tile([least, most], (len(model.materials), 1))
+    for block in model.mesh.blocks:
+        own = temperature[block.connectivity]
+        found[block.material] = widen(found[block.material], np.array([own.min(), own.max()]))
+    return found
+
+
+def widen(ranges: FloatArray, others: FloatArray) -> FloatArray:
+    """Return the ranges (..., 2) that hold both."""
+    return np.stack([np.minimum(ranges[..., 0], others[..., 0]), np.maximum(ranges[..., 1], others[..., 1])], axis=-1)
+
+
 class Enthalpy:
     """Heat content of a unit of mass by temperature: the integral of the specific heat, and latent heat."""
 

@@ -15,7 +15,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from presswork.body.heat import Conduction, PointShapes
+from presswork.body.heat import Conduction, PointShapes, measure_ranges, widen
 from presswork.implicit.heat_equation import PRESCRIBED, HeatEquation, HeatProblem, HeatStep
 from presswork.implicit.heat_made import HeatSources
 from presswork.implicit.heat_of_phases import KIND as LATENT
@@ -58,6 +58,7 @@ class HeatArrays(Arrays):
         "die_rate": RUN,
         "die_heat": RUN,
         "phases": NODE,
+        "reached": RUN,
         "last_step": RUN,
         "next_step": RUN,
     }
@@ -78,6 +79,8 @@ class HeatArrays(Arrays):
     """Heat come into all of them since the start, by DIE_KINDS (5,) [N mm]."""
     phases: FloatArray
     """Ferrite, pearlite, bainite and martensite at the nodes (n_points, 4); 0 where no steel transforms."""
+    reached: FloatArray
+    """Lowest and highest temperature of each material since the start (n_materials, 2) [degrees C]."""
     last_step: float = 0.0
     """Last time step of heat [s]; 0 where a stage begins."""
     next_step: float = 0.0
@@ -141,7 +144,8 @@ class HeatOfForming:
                 columns[t] = self._heat.tools[tool.name].temperature
         rates = np.zeros(len(start)), np.zeros(len(dies))
         heat, phases = (np.zeros(len(KINDS)), np.zeros(len(DIE_KINDS))), self._phases.at_rest()
-        return HeatArrays(start, rates[0], heat[0], columns, dies, rates[1], heat[1], phases)
+        reached = measure_ranges(self._model, start)
+        return HeatArrays(start, rates[0], heat[0], columns, dies, rates[1], heat[1], phases, reached)
 
     def hottest(self, arrays: HeatArrays) -> dict[str, float]:
         """Return the highest temperature of every tool that warms up, at its surface or of its mesh [degrees C]."""
@@ -341,6 +345,7 @@ class HeatOfForming:
             die_rate=found.rate[n:],
             die_heat=before.die_heat + heat[1, : len(DIE_KINDS)],
             phases=found.phases,
+            reached=widen(before.reached, measure_ranges(self._model, found.temperature)),
             last_step=found.last_step,
             next_step=found.next_step,
         )

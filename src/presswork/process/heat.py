@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
+from presswork.body.heat import measure_ranges, widen
 from presswork.implicit.heat_equation import PRESCRIBED, HeatEquation, HeatProblem
 from presswork.implicit.stepping import IncrementReport
 from presswork.interaction.heat_films import Film, make_contacts, make_films, read_at
@@ -74,10 +75,11 @@ class HeatProcedure:
             "temperature": self._initial(),
             "rate": np.zeros(n),
             "heat": np.zeros(len(KINDS)),
+            "reached": measure_ranges(model, self._initial()),
             "progress": np.zeros(7),
         }
         """temperature (n_points,) [degrees C]; rate of the last step (n_points,) [K/s]; heat that has come in so far by
-        KINDS [N mm]; progress."""
+        KINDS [N mm]; lowest and highest temperature of each material (n_materials, 2) [degrees C]; progress."""
         self.state["progress"][SIZE] = self._first_size()
         self._films: tuple[int, list[Film]] = (-1, [])
 
@@ -240,6 +242,7 @@ class HeatProcedure:
         state["rate"] = (found.temperature - state["temperature"]) / dt
         state["temperature"] = found.temperature
         state["heat"] = state["heat"] + found.heat
+        state["reached"] = widen(state["reached"], measure_ranges(self.model, found.temperature))
         p = state["progress"]
         p[TIME] += dt
         p[STEPS] += 1

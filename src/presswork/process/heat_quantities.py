@@ -84,14 +84,20 @@ def summarise_heat(stored: float, kinds: Sequence[str], heat: FloatArray) -> dic
     }
 
 
-def warn_of_tables(model: Model, history: Mapping[str, NDArray[Any]]) -> list[str]:
-    """Return which tables of materials the temperatures have left, and by how much."""
-    if not len(history["time"]):
-        return []
-    low, high = float(history["temperature_min"].min()), float(history["temperature_max"].max())
-    whose = "temperatures of all bodies" if len(model.materials) > 1 else "temperatures"
+def ranges_of_sheet(model: Model, history: Mapping[str, NDArray[Any]]) -> FloatArray:
+    """Return the lowest and highest temperature of a sheet, for each of its materials (n_materials, 2) [degrees C]."""
+    ends = history["temperature_min"].min(initial=np.inf), history["temperature_max"].max(initial=-np.inf)
+    return np.tile(ends, (len(model.materials), 1))
+
+
+def warn_of_tables(model: Model, reached: FloatArray) -> list[str]:
+    """Return which tables of materials their temperatures have left, and by how much.
+
+    reached: lowest and highest temperature of each material (n_materials, 2) [degrees C].
+    """
     warnings = []
-    for material in model.materials:
+    for number in sorted({block.material for block in model.mesh.blocks}):
+        material, (low, high) = model.materials[number], reached[number]
         if material.thermal is None:
             continue
         tables: dict[str, FloatArray] = {
@@ -102,7 +108,7 @@ def warn_of_tables(model: Model, history: Mapping[str, NDArray[Any]]) -> list[st
             first, last = table[0, 0], table[-1, 0]
             if len(table) > 1 and (low < first - 1.0 or high > last + 1.0):
                 warnings.append(
-                    f"{material.name}: {name} is given from {first:g} to {last:g} degrees C, and the {whose} went "
+                    f"{material.name}: {name} is given from {first:g} to {last:g} degrees C, and its temperatures went "
                     f"from {low:.4g} to {high:.4g}: beyond its ends it was taken as constant"
                 )
     return warnings

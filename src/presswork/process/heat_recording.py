@@ -126,5 +126,5 @@ class HeatRecording(ModelRecording):
             "extremes": {"temperature": [float(temperature.min()), float(temperature.max())]},
             "heat": summarise_heat(procedure.stored(), KINDS, procedure.state["heat"]),
             "linear_solver": procedure.equation.solver.name,
-            "warnings": warn_of_tables(self.model, history),
+            "warnings": warn_of_tables(self.model, procedure.state["reached"]),
         }

@@ -282,7 +282,7 @@ class ImpactRecording(RowRecording):
             "warnings": [
                 *self.points.window.warnings(self.model.materials),
                 *warn_of_energies(history, advice),
-                *(warn_of_tables(self.model, history) if self.heat else ()),
+                *(warn_of_tables(self.model, self.heat.arrays.reached) if self.heat else ()),
                 *(warn_of_ram(self.model, history, np.ones(len(self.model.stages))) if has_ram(self.model) else ()),
             ],
         }

@@ -370,7 +370,7 @@ class ImplicitRecording(IncrementRecording):
                 *_warn(contact),
                 *(warn_of_ram(model, history, state[RamArrays].plastic_share) if RamArrays in state else ()),
                 *state[LawWindow].warnings(model.materials),
-                *(warn_of_tables(model, history) if procedure.heat else ()),
+                *(warn_of_tables(model, state[HeatArrays].reached) if procedure.heat else ()),
                 *(verdict.warnings() if verdict else ()),
             ],
         }

@@ -32,7 +32,13 @@ from presswork.interaction.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
 from presswork.process.draw_in import DrawIn
-from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
+from presswork.process.heat_quantities import (
+    columns_of_sheet,
+    measure_sheet_heat,
+    ranges_of_sheet,
+    summarise_sheet_heat,
+    warn_of_tables,
+)
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
@@ -351,7 +357,7 @@ class ImplicitStamping(IncrementRecording):
             part = f"inertia took {100.0 * abs(energy['inertia_work']) / internal:.3g} % of the internal energy"
             warnings.append(f"{part}: set implicit.inertia lower, or the stages' velocity")
         heat = self.procedure.sheet_heat
-        warnings += warn_of_tables(self.model, history) if heat else []
+        warnings += warn_of_tables(self.model, ranges_of_sheet(self.model, history)) if heat else []
         warnings += state[LawWindow].warnings(self.model.materials)
         return {
             **self._count_work(),

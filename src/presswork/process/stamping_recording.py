@@ -24,7 +24,13 @@ from presswork.formability import Formability
 from presswork.model import ExplicitSheet, FloatArray, IntArray, Model
 from presswork.process.draw_in import DrawIn
 from presswork.process.explicit_heat import ExplicitHeat
-from presswork.process.heat_quantities import columns_of_sheet, measure_sheet_heat, summarise_sheet_heat, warn_of_tables
+from presswork.process.heat_quantities import (
+    columns_of_sheet,
+    measure_sheet_heat,
+    ranges_of_sheet,
+    summarise_sheet_heat,
+    warn_of_tables,
+)
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
 from presswork.process.marked_points import MarkedPoints
@@ -257,7 +263,7 @@ class StampingRecording(RowRecording):
                 *self._warn_of_holders(history, float(fields["thickness"].max())),
                 *warn_of_energies(history),
                 *verdict.warnings(),
-                *(warn_of_tables(self.model, history) if self.heat else ()),
+                *(warn_of_tables(self.model, ranges_of_sheet(self.model, history)) if self.heat else ()),
                 *self.layers.warnings(),
             ],
         }
