@@ -93,3 +93,12 @@ def test_a_run_that_forms_or_is_meant_to_stay_elastic_has_no_verdict(name: str, 
     found = run(plane_case({"punch": line(15)}, AXIS | MIDDLE, stroke, **QUICK, **materials), tmp_path / "out")
     assert found["verdict"] == ""
     assert found["warnings"] == []
+
+
+def test_a_run_that_gives_up_before_its_first_row_has_no_verdict(tmp_path: Path) -> None:
+    """Equilibrium within 1e-15 is not found."""
+    stroke = {"punch": {"stroke": 0.1, "direction": [0, -1]}}
+    strict = {"solver": {"force_tolerance": 1e-15, "max_iterations": 5}}
+    done = run_model(build_model(plane_case({"punch": line(15)}, AXIS | MIDDLE, stroke, **strict)), tmp_path / "out")
+    assert done.status == "gave_up"
+    assert done.result.summary["warnings"] == []

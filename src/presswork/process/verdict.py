@@ -38,8 +38,10 @@ def judge_run(
     """Return the verdict on a run.
 
     extremes: least and largest value of fields at the end, by name. is_over: whether the whole process was computed;
-    else the verdict names the tools alone that have not touched yet.
+    else the verdict names the tools alone that have not touched yet, once anything was computed.
     """
+    if not is_over and not len(history["time"]):
+        return Verdict("", ())
     moving, standing = _find_idle(model, history, is_over=is_over)
     if not is_over:
         return Verdict("", (*moving, *standing))
