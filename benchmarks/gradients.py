@@ -16,8 +16,8 @@ from functools import partial
 from time import process_time
 from typing import Any
 
+from presswork.case import build_model
 from presswork.case.case_file import CaseFile
-from presswork.case.kinds import build_model
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.process.begin import begin

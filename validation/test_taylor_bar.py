@@ -12,6 +12,7 @@ from presswork import build_model
 from presswork.case.space.schema import SpaceCase
 from presswork.process.begin import begin
 from tests.problems.explicit_solids import measure_taylor_bar, taylor_bar
+from tests.verification.test_explicit_in_space import compare_taylor_bars
 
 pytestmark = pytest.mark.validation
 
@@ -25,6 +26,10 @@ def strike(element: str, n: int, *, tied: bool = True, fraction: float = 0.05) -
     assert abs(balance.error_percent) < 0.02
     print(element, n, "tied" if tied else "wall", fraction, {k: round(v, 3) for k, v in found.items()})
     return found
+
+
+def test_taylor_bar_of_tetrahedra_is_that_of_axisymmetry() -> None:
+    compare_taylor_bars("tet4_nodal")
 
 
 @pytest.mark.parametrize("element", ["quad4_1pt", "tri3"])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-from .api import run
+from .api import check, run
 from .case import Case, CaseError, OneStepCase, ShellCase, StampingCase, build_model, read_case
 from .law.allowed import allow_library
 from .recorder import Outcome, run_model
@@ -18,6 +18,7 @@ __all__ = [
     "StampingCase",
     "allow_library",
     "build_model",
+    "check",
     "read_case",
     "run",
     "run_model",

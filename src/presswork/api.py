@@ -1,53 +1,31 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Run a case of any kind into an output folder: a process in time, or one step back from a part."""
+"""The front door: check, build and run a case of any kind. Modules are loaded when a call needs them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import logging
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
-from presswork.bead_forces import find_bead_forces
-from presswork.case import build_model
-from presswork.case.onestep.schema import OneStepCase, build_onestep_model
+from presswork.case import build_model, describe, read_case
+from presswork.case.any_case import list_libraries
+from presswork.law.allowed import is_allowed
 from presswork.model import Model, OneStepModel
-from presswork.recorder import Outcome, StartError, fingerprint, run_model
-from presswork.results import OutputError
+from presswork.outcome import StartError
 
 if TYPE_CHECKING:
-    from presswork.case.kinds import AnyCase
-    from presswork.recorder import Progress
+    from presswork.case.any_case import AnyCase, ProcessCase
+    from presswork.ranks.world import World
+    from presswork.recorder import Outcome, Progress
+
+logger = logging.getLogger(__name__)
 
 
 def run(
-    case: AnyCase,
-    folder: Path | str,
-    *,
-    overwrite: bool = False,
-    resume: bool = False,
-    threads: int = 0,
-    on_increment: Callable[[Progress], None] | None = None,
-) -> Outcome:
-    """Compute a case into a folder and return how it ended; `.result` reads what it wrote.
-
-    `threads` 0 uses every core. `on_increment` is called after every increment; one step has none. Raises CaseError for
-    a case that cannot be computed, before anything is, StartError if nothing can be computed from its start, and
-    OutputError for a folder that cannot be used.
-    """
-    return compute(case, folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=on_increment)
-
-
-def build(job: AnyCase | Model | OneStepModel) -> Model | OneStepModel:
-    """Return the Model of a case, which holds all that its files do; a Model as it is. Raises CaseError.
-
-    Drawbeads that are given by their geometry are computed first, unless the file beside the case has their forces.
-    """
-    if isinstance(job, Model | OneStepModel):
-        return job
-    return build_onestep_model(job) if isinstance(job, OneStepCase) else build_model(find_bead_forces(job))
-
-
-def compute(
     job: AnyCase | Model | OneStepModel,
     folder: Path | str,
     *,
@@ -55,30 +33,143 @@ def compute(
     resume: bool = False,
     threads: int = 0,
     on_increment: Callable[[Progress], None] | None = None,
+    world: World | None = None,
 ) -> Outcome:
-    """Compute a case, or the Model that it made, as `run` does."""
+    """Compute a case, or the Model of one, into a folder and return how it ended; `.result` reads what it wrote.
+
+    `threads` 0 uses every core. `on_increment` is called after every increment, or iteration of one step. `world`: the
+    ranks of MPI that compute together. Raises CaseError for a case that cannot be computed, before anything is,
+    StartError if nothing can be computed from its start, and OutputError for a folder that cannot be used.
+    """
+    from presswork.process.begin import begin
+    from presswork.recorder import run_model
+    from presswork.results import OutputError
+
     model = build(job)
-    if isinstance(model, Model):
-        return run_model(model, folder, overwrite=overwrite, resume=resume, threads=threads, on_increment=on_increment)
+    if isinstance(model, OneStepModel):
+        if world is not None:
+            raise StartError("a one-step run takes seconds and is not divided over ranks: run it without mpiexec")
+        if resume:
+            raise OutputError("a one-step run takes seconds and leaves nothing to resume; run it anew with --overwrite")
+        return find_blank(model, folder, overwrite=overwrite, threads=threads, on_iteration=on_increment)
+    procedure = begin
+    if world is not None:
+        from presswork.process.on_ranks import begin_on_ranks
+
+        procedure = partial(begin_on_ranks, world=world)
+    return run_model(
+        model,
+        folder,
+        overwrite=overwrite,
+        resume=resume,
+        threads=threads,
+        on_increment=on_increment,
+        procedure=procedure,
+        world=world,
+    )
+
+
+def find_blank(
+    model: OneStepModel,
+    folder: Path | str,
+    *,
+    overwrite: bool = False,
+    threads: int = 0,
+    on_iteration: Callable[[Progress], None] | None = None,
+    write_case: Path | None = None,
+) -> Outcome:
+    """Go one step back from a part to its blank, as `run` does with such a case.
+
+    write_case: where a stamping of that blank goes, with tools made of the part; what is doubtful of them is logged.
+    Raises StartError for a part that cannot be meshed, and OutputError.
+    """
     from presswork.mesh import MeshError
     from presswork.onestep.part import OneStepError
-    from presswork.onestep.record import run_one_step
+    from presswork.onestep.record import BLANK_POINTS, run_one_step
+    from presswork.onestep.stamping_case import check_case_path, write_stamping_case
+    from presswork.recorder import Outcome, Progress
 
-    if resume:
-        raise OutputError("a one-step run leaves nothing to resume; run it anew with overwrite")
+    def report(number: int, error: float) -> None:
+        if on_iteration is not None:
+            on_iteration(Progress(0.0, f"iteration {number}: unbalanced force {error:.1e} of the flow force"))
+
+    folder = Path(folder)
+    if write_case is not None:
+        check_case_path(write_case, overwrite=overwrite)
     try:
-        run_one_step(model, folder, overwrite=overwrite, threads=threads)
+        _, outline = run_one_step(model, folder, overwrite=overwrite, threads=threads, on_iteration=report)
     except OneStepError as error:
-        return Outcome("gave_up", Path(folder), str(error))
+        return Outcome("gave_up", folder, str(error))
     except MeshError as error:
         raise StartError(str(error)) from error
-    return Outcome("completed", Path(folder))
+    if write_case is not None:
+        for note in write_stamping_case(write_case, model, outline, folder / BLANK_POINTS):
+            logger.warning("%s: %s", write_case, note)
+    return Outcome("completed", folder)
+
+
+def load(path: Path | str, overrides: Sequence[str] = ()) -> Model | OneStepModel:
+    """Read a case file of any kind, with `key=value` overrides, and build its Model. Raises CaseError."""
+    return build(read_case(path, overrides))
+
+
+@overload
+def build(job: ProcessCase | Model, *, runs_code: bool = True) -> Model: ...
+@overload
+def build(job: AnyCase | Model | OneStepModel, *, runs_code: bool = True) -> Model | OneStepModel: ...
+def build(job: AnyCase | Model | OneStepModel, *, runs_code: bool = True) -> Model | OneStepModel:
+    """Return the Model of a case, which holds all that its files do; a Model as it is. Raises CaseError.
+
+    Drawbeads that are given by their geometry are computed first, unless the file beside the case has their forces.
+    runs_code: without it no library of a case is opened and no strip pulled through a bead: the Model can be
+    described, not computed.
+    """
+    if isinstance(job, Model | OneStepModel):
+        return job
+    if getattr(job, "analysis", None) == "stamping":  # build_model refuses what is no case
+        from presswork.bead_forces import find_bead_forces
+
+        job = find_bead_forces(job, may_compute=runs_code)
+    return build_model(job, run_user_code=runs_code)
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What a case would compute."""
+
+    description: str
+    fault: str
+    """Why nothing can be computed from its start; empty if it can."""
+
+
+def check(case: AnyCase) -> Checked:
+    """Describe a case and try its start. Raises CaseError.
+
+    Libraries that the case names are opened only if they may run (`allow_library`); without them nothing is tried.
+    """
+    libraries = list_libraries(case)
+    model = build(case, runs_code=bool(libraries) and all(map(is_allowed, libraries)))
+    words = describe(model)
+    if isinstance(model, OneStepModel):
+        return Checked(words, "")
+    if any(material.umat and math.isnan(material.young) for material in model.materials):
+        note = "not opened: the libraries of its materials, whose code would run; --run-user-code tries them"
+        return Checked(f"{words}\n{note}", "")
+    from presswork.process.begin import check_start
+
+    try:
+        check_start(model)
+    except StartError as error:
+        return Checked(words, str(error))
+    return Checked(words, "")
 
 
 def identify(case: AnyCase) -> str:
     """Return the fingerprint of a case's Model: equal for cases that compute the same. Raises CaseError."""
     model = build(case)
     if isinstance(model, Model):
+        from presswork.recorder import fingerprint
+
         return fingerprint(model)
     from presswork.onestep.record import identify_model
 

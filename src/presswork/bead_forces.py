@@ -19,19 +19,13 @@ from presswork.results import OutputError, Result
 from presswork.results.whole_file import write_whole
 
 if TYPE_CHECKING:
-    from presswork.case.kinds import AnyCase
+    from presswork.case.any_case import AnyCase
     from presswork.case.stamping.schema import StampingCase
-    from presswork.model import Model
 
 logger = logging.getLogger(__name__)
 
 STEADY = 0.6, 0.95
 """Part of the way pulled over which the forces are averaged: all that passes has come over every radius by then."""
-
-
-def build_stamping(case: StampingCase) -> Model:
-    """Build the Model of a stamping, forces of its beads found first. Raises CaseError."""
-    return build_model(find_bead_forces(case))
 
 
 def find_bead_forces(case: AnyCase, *, may_compute: bool = True) -> AnyCase:

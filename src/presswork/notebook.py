@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from presswork import __version__
 from presswork.case import CaseError, build_model, describe
-from presswork.case.onestep.schema import OneStepCase, build_onestep_model
+from presswork.model import OneStepModel
 from presswork.outcome import StartError
 from presswork.recorder import write_start
 from presswork.report import assemble_page
@@ -19,7 +19,7 @@ from presswork.report.run_data import pack_run
 from presswork.results import OutputError, Result
 
 if TYPE_CHECKING:
-    from presswork.case.kinds import AnyCase
+    from presswork.case.any_case import AnyCase
 
 _BYTES = 6_000_000
 """Bytes of the numbers of a page at most: a notebook keeps what it shows."""
@@ -39,11 +39,9 @@ def show_case(case: AnyCase) -> str:
     A case whose materials are code of its own is described, not drawn: showing it runs nothing.
     """
     try:
-        if isinstance(case, OneStepCase):
-            return f"<pre>{escape(describe(build_onestep_model(case)))}</pre>"
         model = build_model(case, run_user_code=False)
         words = f"<pre>{escape(describe(model))}</pre>"
-        if any(material.umat for material in model.materials):
+        if isinstance(model, OneStepModel) or any(material.umat for material in model.materials):
             return words
         with tempfile.TemporaryDirectory() as place:
             write_start(model, Path(place))

@@ -71,6 +71,11 @@ class Outcome:
     reason: str = ""
 
     @property
+    def has_results(self) -> bool:
+        """Whether anything was saved: a blank that was not found leaves nothing."""
+        return (self.folder / SUMMARY).exists()
+
+    @property
     def result(self) -> Result:
         """The results, read from the folder."""
         return Result(self.folder)

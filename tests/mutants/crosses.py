@@ -19,8 +19,8 @@ import tomli_w
 from presswork.case import CaseError, Problem, build_model, read_case
 from presswork.case.description import describe
 from presswork.case.kinds import KINDS
-from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 from presswork.examples import copy_example, list_examples
+from presswork.model import Model
 from presswork.outcome import StartError
 from presswork.process.begin import check_start
 from tests.mutants.mutate import change_data
@@ -86,12 +86,9 @@ def read_cross(path: Path) -> None:
     """Go the way of `presswork check`. Raises TooLittleSaidError for a refusal that lacks file, key or remedy."""
     try:
         case = read_case(path)
-        if isinstance(case, OneStepCase):
-            describe(build_onestep_model(case))
-            return
         model = build_model(case, run_user_code=False)
         describe(model)
-        if sum(len(block.connectivity) for block in model.mesh.blocks) < FEW_CELLS:
+        if isinstance(model, Model) and sum(len(block.connectivity) for block in model.mesh.blocks) < FEW_CELLS:
             check_start(model)
     except CaseError as error:
         if error.source != str(path):

@@ -17,10 +17,10 @@ from presswork.case import CaseError, build_model, read_case
 from presswork.case.description import describe
 from presswork.case.material.forming_limit.build import build_formability
 from presswork.case.material.library import read_sheet
-from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 from presswork.cli import app
 from presswork.examples import copy_example
 from presswork.mesh.structured import mesh_rectangle
+from presswork.model import Model
 from presswork.onestep.part import OneStepError
 from presswork.outcome import StartError
 from presswork.process.begin import check_start
@@ -125,13 +125,9 @@ all = "where the numbers come from"
 def _case(path: Path) -> None:
     """Go all the way that `presswork check` goes."""
     case = read_case(path)
-    if isinstance(case, OneStepCase):
-        describe(build_onestep_model(case))
-        return
     model = build_model(case)
     describe(model)
-    cells = sum(len(block.connectivity) for block in model.mesh.blocks)
-    if cells < 2000:
+    if isinstance(model, Model) and sum(len(block.connectivity) for block in model.mesh.blocks) < 2000:
         check_start(model)
 
 

@@ -15,7 +15,6 @@ from typing import Any
 import tomli_w
 
 from presswork.case import CaseError, Problem, build_model, read_case
-from presswork.case.onestep.schema import OneStepCase, build_onestep_model
 from tests.mutants.crosses import read_examples
 from tests.mutants.mutate import change_data
 
@@ -60,11 +59,7 @@ def _list_problems(path: Path, data: dict[str, Any]) -> tuple[Problem, ...]:
     """Return the problems of a case that show before its start is computed."""
     path.write_bytes(tomli_w.dumps(data).encode())
     try:
-        case = read_case(path)
-        if isinstance(case, OneStepCase):
-            build_onestep_model(case)
-        else:
-            build_model(case, run_user_code=False)
+        build_model(read_case(path), run_user_code=False)
     except CaseError as error:
         return error.problems
     return ()

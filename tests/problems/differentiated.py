@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from presswork.case import build_model
 from presswork.case.case_file import CaseFile
-from presswork.case.kinds import build_model
 from presswork.model import FloatArray
 from presswork.recorder import run_model
 from presswork.results import Result

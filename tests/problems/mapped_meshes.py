@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from presswork.case.kinds import build_model
+from presswork.case import build_model
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.implicit.stepping import ImplicitProcedure

@@ -89,7 +89,7 @@ def test_killed_runs_resume_to_the_same_bits(case_file, reference, tmp_path) -> 
     command += ["--no-plot", "--output", str(tmp_path / "out"), "--set", SMALL[0], "--set", "output.checkpoint_every=1"]
     rng = random.Random(1)
     kills = 0
-    while kills < 6:
+    while kills < 4:
         resume = ["--resume"] if (tmp_path / "out" / "checkpoint.h5").exists() else ["--overwrite"]
         process = subprocess.Popen(command + resume, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         started = time.monotonic()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from presswork.case.kinds import build_model
+from presswork.case import build_model
 from presswork.case.shell.schema import ShellCase
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
+from .any_case import build_model, json_schema, read_case
 from .description import describe
 from .errors import CaseError, Problem
-from .kinds import build_model, json_schema, read_case
 from .material.hardening import (
     HockettSherby,
     Linear,

@@ -13,9 +13,9 @@ from typing import Any, Self, get_args
 from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
 from presswork.case.errors import CaseError, Problem
-from presswork.case.kinds import KINDS
+from presswork.case.kinds import find_kind
 from presswork.case.part import Part
-from presswork.case.reader import apply_overrides, list_problems, read_toml
+from presswork.case.reader import Tables, list_problems, read_tables
 
 
 class CaseFile(Part):
@@ -51,13 +51,16 @@ class CaseFile(Part):
         Raises CaseError with every problem found; of a file of another kind of case, which `presswork.read_case` reads,
         its kind alone.
         """
-        path = Path(path)
-        data, text = read_toml(path)
-        apply_overrides(data, overrides, path)
+        return cls.from_tables(read_tables(Path(path), overrides))
+
+    @classmethod
+    def from_tables(cls, tables: Tables) -> Self:
+        """Validate what was read from a case file. Raises CaseError as `from_toml` does."""
+        path, data = tables.path, tables.data
         cls._refuse_other_kind(data.get("analysis"), path)
         case = cls.model_validate(data, context={"source": path})
         case._source = path
-        case._text = write_as_run(data, path.parent) if overrides or names_files(data) else text
+        case._text = tables.text if tables.text and not names_files(data) else write_as_run(data, path.parent)
         return case
 
     def beside(self, data: dict[str, Any]) -> Self:
@@ -74,11 +77,11 @@ class CaseFile(Part):
     @classmethod
     def _refuse_other_kind(cls, analysis: object, path: Path) -> None:
         """Raise CaseError if `analysis` is a word of another kind of case, whose keys are others."""
-        for kind in KINDS.values():
-            if analysis in kind.analyses and analysis not in cls.analyses():
-                own = f"{cls.__name__} is for {' and '.join(cls.analyses())}"
-                remedy = f"read it by presswork.read_case(path), which reads every kind, or by {kind.name}.from_toml"
-                raise CaseError([Problem("analysis", own, remedy, analysis)], path)
+        kind = find_kind(analysis)
+        if kind is not None and analysis not in cls.analyses():
+            own = f"{cls.__name__} is for {' and '.join(cls.analyses())}"
+            remedy = f"read it by presswork.read_case(path), which reads every kind, or by {kind.name}.from_toml"
+            raise CaseError([Problem("analysis", own, remedy, analysis)], path)
 
     def _repr_html_(self) -> str:
         """Return a drawing of the case's start and the case in words, for notebooks."""

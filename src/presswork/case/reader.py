@@ -7,6 +7,7 @@ import difflib
 import json
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,23 @@ LARGEST_INTEGER = 2**63
 """TOML's whole numbers have 64 bits."""
 LARGEST_FILE = 16_000_000
 """Bytes of the largest case file that is read."""
+
+
+@dataclass(frozen=True)
+class Tables:
+    """What a case file holds, before it is validated."""
+
+    path: Path
+    data: dict[str, Any]
+    text: str
+    """As it stands in the file; empty if overrides have changed the data."""
+
+
+def read_tables(path: Path, overrides: Sequence[str] = ()) -> Tables:
+    """Read a case file, with `key=value` overrides in its data. Raises CaseError."""
+    data, text = read_toml(path)
+    apply_overrides(data, overrides, path)
+    return Tables(path, data, "" if overrides else text)
 
 
 def read_toml(path: Path) -> tuple[dict[str, Any], str]:

@@ -17,7 +17,7 @@ from presswork.geometry.tool_surface import list_extreme_points
 from presswork.model import Model, Plane, Profile, Tool
 
 if TYPE_CHECKING:
-    from presswork.case.kinds import AnyCase
+    from presswork.case.case_file import CaseFile
 
 UNITS = {"mm": 1.0, "cm": 10.0, "inch": 25.4, "m": 1e3, "um": 1e-3}
 """Millimetres in units of length that files are written in."""
@@ -35,7 +35,7 @@ LEAST, MOST = 0.1, 5e4
 """Diagonals of a workpiece that are believed [mm]."""
 
 
-def warn_of_sheet(case: AnyCase, model: Model) -> Iterator[str]:
+def warn_of_sheet(case: CaseFile, model: Model) -> Iterator[str]:
     """Yield what looks like another unit of length in a stamping: its thickness, and tools of its operations."""
     size = float(np.linalg.norm(np.ptp(model.mesh.points, axis=0)))
     yield from warn_of_thickness(model.sheet[0].thickness, size)

@@ -14,12 +14,12 @@ from presswork.case.tools.cavity import check_cavity
 from presswork.model import Model
 
 if TYPE_CHECKING:
-    from presswork.case.kinds import AnyCase
+    from presswork.case.case_file import CaseFile
 
 logger = logging.getLogger(__name__)
 
 
-def check_whole_model(case: AnyCase, model: Model) -> None:
+def check_whole_model(case: CaseFile, model: Model) -> None:
     """Warn of what looks like a slip. Raises CaseError where nothing can be formed, or tools go through each other.
 
     limits.stop = false turns these errors into warnings.

@@ -3,22 +3,17 @@
 
 from __future__ import annotations
 
-from math import expm1
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from presswork.case import CaseError
-from presswork.case.onestep.schema import OneStepCase, build_onestep_model
-from presswork.cli.case_files import picture_undercut
-from presswork.cli.pictures import show
-from presswork.cli.terminal import GAVE_UP, console, exit_on, refuse
-from presswork.mesh import MeshError
+from presswork import api
+from presswork.case import OneStepCase, build_model
+from presswork.cli.case_files import reading
+from presswork.cli.computing import ending, finish, showing_progress
+from presswork.cli.terminal import refuse
 from presswork.model import OneStepModel
-from presswork.onestep.part import OneStepError
-from presswork.onestep.record import BLANK_DRAWING, BLANK_POINTS, run_one_step
-from presswork.results import OutputError, Result
 
 _IN_CASE = {
     "material": "blank.material",
@@ -82,18 +77,12 @@ def onestep(
         rolling,
         folder,
     )  # fmt: skip
-    try:
-        if write_case is not None:
-            from presswork.onestep.stamping_case import check_case_path
-
-            check_case_path(write_case, overwrite=overwrite)
-        result = compute(model, folder, overwrite=overwrite, threads=threads, write_case=write_case)
-    except OneStepError as error:
-        raise refuse(str(error), GAVE_UP) from error
-    except (OutputError, MeshError) as error:
-        raise refuse(str(error)) from error
-    with exit_on(OutputError):
-        show(result, plot=plot, report=report)
+    with ending(part):
+        with showing_progress(model.title, quiet=False) as show:
+            outcome = api.find_blank(
+                model, folder, overwrite=overwrite, threads=threads, on_iteration=show, write_case=write_case
+            )
+        finish(outcome, plot=plot, report=report)
 
 
 def _refuse_options(context: typer.Context) -> None:
@@ -107,54 +96,6 @@ def _refuse_options(context: typer.Context) -> None:
         raise refuse(f"a case file says all of the part and its process: set these in it: {', '.join(given)}")
 
 
-def compute(
-    model: OneStepModel,
-    folder: Path,
-    *,
-    overwrite: bool = False,
-    threads: int = 0,
-    quiet: bool = False,
-    write_case: Path | None = None,
-) -> Result:
-    """Find a part's blank, say how far it is and what came out. write_case: where a stamping of that blank goes.
-
-    Raises OneStepError, MeshError, OutputError.
-    """
-    with console().status("laying the part flat") as status:
-        if quiet:
-            status.stop()
-
-        def show(number: int, error: float) -> None:
-            status.update(f"iteration {number}: unbalanced force {error:.1e} of the flow force")
-
-        result, outline = run_one_step(model, folder, overwrite=overwrite, threads=threads, on_iteration=show)
-    if write_case is not None:
-        from presswork.onestep.stamping_case import write_stamping_case
-
-        for note in write_stamping_case(write_case, model, outline, folder / BLANK_POINTS):
-            console().print(f"{write_case}: {note}", style="yellow", markup=False)
-    read = Result(folder)
-    for warning in read.summary["warnings"]:
-        console().print(f"warning: {warning}", style="yellow", markup=False)
-    if not quiet:
-        width, height = outline.extent
-        thinning = result.fields["thickness_strain"]
-        strip = read.summary["blank"]["strip"]
-        typer.echo(
-            f"blank {width:.1f} x {height:.1f} mm, {outline.area:.0f} mm2; thickness {_percent(thinning.min())} to "
-            f"{_percent(thinning.max())}; punch force {result.punch_force / 1e3:.1f} kN; "
-            f"{strip['utilisation_percent']:.0f} % of a strip {strip['width_mm']:.1f} mm wide"
-        )
-        judged = read.summary["formability"]
-        typer.echo(judged["verdict"] + (f"; {judged['paths']}" if judged["least_margin"] else ""))
-        typer.echo(f"{read.summary['work']}, {read.summary['wall_seconds']['total']:.1f} s; {folder / BLANK_DRAWING}")
-    return read
-
-
-def _percent(strain: float) -> str:
-    return f"{100 * expm1(strain):+.1f} %"
-
-
 def _load(
     part: Path,
     material: str | None,
@@ -165,9 +106,9 @@ def _load(
     folder: Path,
 ) -> OneStepModel:
     """Build the model of a case file, or of a part's file and options."""
-    try:
+    with reading(folder):
         if part.suffix == ".toml":
-            return build_onestep_model(OneStepCase.from_toml(part))
+            return build_model(OneStepCase.from_toml(part))
         if material is None or thickness is None:
             given = {"--material": (material, "dc04"), "--thickness": (thickness, "'0.8 mm'")}
             missing = [f"{name} {example}" for name, (value, example) in given.items() if value is None]
@@ -181,9 +122,7 @@ def _load(
             "process": process,
             "materials": {name: {"library": str(Path(material).resolve()) if material.endswith(".toml") else material}},
         }
-        return build_onestep_model(OneStepCase.from_data(data))
-    except CaseError as error:
-        raise refuse(f"{error}{picture_undercut(error, folder)}") from error
+        return build_model(OneStepCase.from_data(data))
 
 
 def _plain(text: str) -> float | str:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from presswork.case import CaseError, build_model, describe, read_case
-from presswork.case.onestep.schema import OneStepCase, build_onestep_model
+from presswork.model import OneStepModel
 from presswork.outcome import StartError
 from presswork.recorder import write_start
 from presswork.server.confined import confine
@@ -21,14 +21,13 @@ from presswork.server.confined import confine
 def check(case_file: Path, folder: Path) -> dict[str, Any]:
     """Return problems of a case file, or its description; the start is drawn into the folder, a run with one step."""
     try:
-        case = read_case(case_file)
-        if isinstance(case, OneStepCase):
-            return {"problems": [], "description": describe(build_onestep_model(case)), "is_drawn": False}
-        model = build_model(case, run_user_code=False)
+        model = build_model(read_case(case_file), run_user_code=False)
     except CaseError as error:
         problems = [{"key": p.key, "text": str(p), "expected": p.expected, "remedy": p.remedy} for p in error.problems]
         return {"problems": problems}
     found: dict[str, Any] = {"problems": [], "description": describe(model), "is_drawn": False}
+    if isinstance(model, OneStepModel):
+        return found
     if any(material.umat for material in model.materials):
         return {**found, "note": "Its materials are code, which is not run here: nothing is drawn."}
     try:

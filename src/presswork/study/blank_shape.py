@@ -16,11 +16,11 @@ from typing import Any, Literal
 import numpy as np
 import tomli_w
 
-from presswork.bead_forces import build_stamping
+from presswork.api import build
 from presswork.case import CaseError, StampingCase
 from presswork.case.case_file import write_as_run
 from presswork.case.errors import Problem
-from presswork.case.reader import apply_overrides, read_toml
+from presswork.case.reader import read_tables
 from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.tools import RectangularTool, RoundTool
 from presswork.model import FloatArray, Model
@@ -155,14 +155,13 @@ class _Search:
             if fault:
                 raise CaseError([Problem(key, fault, remedy)])
         self.target, self.tolerance, self.damping = target, tolerance, damping
-        data, _ = read_toml(case_file)
-        apply_overrides(data, settings, case_file)
-        self.case = StampingCase.from_toml(case_file, settings)  # says all that is wrong, by the case's own name
+        tables = read_tables(case_file, settings)
+        self.case = StampingCase.from_tables(tables)
         if self.case.trim:
             fault = "the drawn flange is compared with the target, and a trim line would cut it"
             raise CaseError([Problem("trim", fault, "leave the trim lines out")], case_file)
-        model = build_stamping(self.case)
-        self.data: dict[str, Any] = tomllib.loads(write_as_run(data, case_file.parent))
+        model = build(self.case)
+        self.data: dict[str, Any] = tomllib.loads(write_as_run(tables.data, case_file.parent))
         self.element_size = getattr(self.case.blank, "element_size", None) or _mean_size(model)
         self.draws: list[Draw] = []
 
@@ -188,7 +187,7 @@ class _Search:
         for number in range(most):
             folder = self.folder / f"draw_{number:02d}"
             try:
-                model = build_stamping(self.write_case(number, outline))
+                model = build(self.write_case(number, outline))
                 show = None if on_progress is None else lambda now, n=number: on_progress(n, now)
             except CaseError as error:
                 return "gave_up", f"draw {number} cannot be started: {error}"

@@ -17,11 +17,11 @@ from typing import Any, Literal
 import numpy as np
 import tomli_w
 
-from presswork.bead_forces import build_stamping
+from presswork.api import build
 from presswork.case import CaseError, StampingCase
 from presswork.case.case_file import write_as_run
 from presswork.case.errors import Problem
-from presswork.case.reader import apply_overrides, read_toml
+from presswork.case.reader import read_tables
 from presswork.case.stamping.target_part import read_target_part
 from presswork.mesh.stl_file import pack_stl
 from presswork.model import FloatArray, IntArray
@@ -150,12 +150,11 @@ class _Search:
         if not tolerance > 0:
             raise CaseError([Problem("--tolerance", f"{tolerance:g} is not > 0", "give a length in mm")])
         self.tolerance, self.fix_binder = tolerance, fix_binder
-        data, _ = read_toml(case_file)
-        apply_overrides(data, settings, case_file)
-        self.case = StampingCase.from_toml(case_file, settings)  # says all that is wrong, by the case's own name
+        tables = read_tables(case_file, settings)
+        self.case = StampingCase.from_tables(tables)
         _check(self.case, fix_binder)
-        model = build_stamping(self.case)
-        self.data: dict[str, Any] = tomllib.loads(write_as_run(data, case_file.parent))
+        model = build(self.case)
+        self.data: dict[str, Any] = tomllib.loads(write_as_run(tables.data, case_file.parent))
         self.planes = model.symmetry
         size = np.ptp(model.mesh.points[:, :2], axis=0) * np.where(self.planes, 2.0, 1.0)
         self.target = None if target is None else read_target_part(target, unit, float(np.linalg.norm(size)))
@@ -194,7 +193,7 @@ class _Search:
             folder = self.folder / f"loop_{number:02d}"
             try:
                 case, lower = self.write_case(number, tools)
-                model = build_stamping(case)
+                model = build(case)
             except CaseError as error:
                 return "gave_up", f"loop {number} cannot be started: {error}"
             show = None if on_progress is None else lambda now, n=number: on_progress(n, now)

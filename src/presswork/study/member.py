@@ -17,7 +17,7 @@ import time
 import traceback
 from threading import Thread
 
-from presswork.api import build, compute
+from presswork.api import build, run
 from presswork.case import CaseError
 from presswork.law.allowed import allow_all
 from presswork.outcome import ShortOfMemoryError
@@ -37,7 +37,7 @@ def main() -> None:
         Thread(target=_watch_for_end_of_input, daemon=True).start()
         if order["memory"]:
             _limit_memory(order["memory"])
-        outcome = compute(
+        outcome = run(
             model,
             order["folder"],
             overwrite=order["mode"] == "overwrite",

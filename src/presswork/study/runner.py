@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 from presswork.study.member_process import Ending, Mode
 
 if TYPE_CHECKING:
-    from presswork.case.kinds import AnyCase
+    from presswork.case.any_case import AnyCase
     from presswork.model import Model, OneStepModel
 
 

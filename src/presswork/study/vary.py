@@ -19,7 +19,7 @@ from presswork.case import CaseError, read_case
 from presswork.case.errors import Problem
 
 if TYPE_CHECKING:
-    from presswork.case.kinds import AnyCase
+    from presswork.case.any_case import AnyCase
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _RANGE = re.compile(rf"\s*({_NUMBER})\s*:\s*({_NUMBER})\s*:\s*(\d+)\s*")

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from presswork.case import build_model
 from presswork.case.errors import CaseError
-from presswork.case.kinds import build_model
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase

@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import Field
@@ -20,9 +19,6 @@ from presswork.case.settings import Whole
 from presswork.case.units import Density, Number, Stress
 from presswork.law.allowed import is_allowed
 from presswork.law.umat import elastic_constants, try_umat
-
-if TYPE_CHECKING:
-    from presswork.case.kinds import AnyCase
 
 _FAULTS = {
     "not_finite": (
@@ -87,13 +83,6 @@ class UmatMaterial(Part):
     def is_metal(self) -> bool:
         """Whether there is a density."""
         return self.density is not None
-
-
-def list_libraries(case: AnyCase) -> list[Path]:
-    """Return the libraries that the materials of a case name."""
-    folder = case.source.parent if case.source else Path()
-    tables = case.materials.values()
-    return [folder / table.umat for table in tables if isinstance(table, UmatMaterial)]
 
 
 def build_umat(

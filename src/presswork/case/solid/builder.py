@@ -16,7 +16,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem
-from presswork.case.heat.forming import build_heat, start_hot
+from presswork.case.heat.forming_builder import build_heat, start_hot
 from presswork.case.held_stages import list_released
 from presswork.case.marked_points import build_points
 from presswork.case.material.umat import UmatMaterial, build_umat
@@ -26,7 +26,8 @@ from presswork.case.solid import schema
 from presswork.case.solid.bodies import build_bodies, build_contacts, list_bodies
 from presswork.case.solid.reach import check_reach, check_room
 from presswork.case.solid.references import check_references, check_sets
-from presswork.case.solid.remesh import OF_SMALLEST, build_remeshing, check_places, check_sizes, check_tools
+from presswork.case.solid.remesh import OF_SMALLEST
+from presswork.case.solid.remesh_builder import build_remeshing, check_places, check_sizes, check_tools
 from presswork.case.tool_sizes import warn_of_tools
 from presswork.case.tools.builder import build_tool, check_motions, find_way
 from presswork.case.tools.close_fits import close_fits

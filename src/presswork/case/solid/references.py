@@ -7,8 +7,8 @@ from typing import Literal
 
 from presswork import model
 from presswork.case.errors import Problem, suggest
-from presswork.case.heat.forming import check_heat
-from presswork.case.heat.series import check_series
+from presswork.case.heat.forming_checks import check_heat
+from presswork.case.heat.series_checks import check_series
 from presswork.case.held_stages import check_held_stages, releases
 from presswork.case.material.library import find_material_problem
 from presswork.case.press.builder import check_timing
@@ -17,7 +17,7 @@ from presswork.case.solid import schema
 from presswork.case.solid.bodies import check_bodies, list_bodies
 from presswork.case.solid.explicit_checks import check_procedure
 from presswork.case.solid.law_checks import check_laws
-from presswork.case.solid.remesh import check_remesh
+from presswork.case.solid.remesh_builder import check_remesh
 from presswork.case.solid.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.case.units import LENGTH, unit_factor
 from presswork.memory import available_memory, estimate_rectangle, explain_shortage

@@ -11,7 +11,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.heat.forming import start_hot
+from presswork.case.heat.forming_builder import start_hot
 from presswork.case.held_stages import check_held_stages, list_released, releases
 from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
@@ -34,7 +34,7 @@ from presswork.case.space.close_fits import close_fits_in_space
 from presswork.case.space.cyclic import check_cyclic, find_cyclic
 from presswork.case.space.explicit_checks import check_space_procedure, choose_element
 from presswork.case.space.heat import build_space_heat, check_space_heat
-from presswork.case.space.remesh import build_space_remeshing, check_space_remesh
+from presswork.case.space.remesh_builder import build_space_remeshing, check_space_remesh
 from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
 from presswork.case.space.symmetry import Symmetry, build_supports, check_symmetry, find_symmetry
 from presswork.case.space.tool_builder import build_tool, check_motions, find_way

@@ -7,7 +7,9 @@ from collections.abc import Iterator
 
 from presswork import model
 from presswork.case.errors import Problem
-from presswork.case.heat.forming import FormingHeat, check_material, make_heat
+from presswork.case.heat.forming import FormingHeat
+from presswork.case.heat.forming_builder import make_heat
+from presswork.case.heat.forming_checks import check_material
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.space.schema import SpaceCase, SpaceWorkpiece
 

@@ -35,7 +35,7 @@ from presswork.case.stamping.checks import (
     explain_too_many,
 )
 from presswork.case.stamping.clashes import check_clashes
-from presswork.case.stamping.heat import add_heat, build_sheet_heat, check_sheet_heat
+from presswork.case.stamping.heat_builder import add_heat, build_sheet_heat, check_sheet_heat
 from presswork.case.stamping.line import (
     build_operation,
     check_closings,

@@ -28,7 +28,7 @@ from presswork.study.sweep import MemberStatus, SweepProgress
 from presswork.study.table import read_summary, write_table
 
 if TYPE_CHECKING:
-    from presswork.case.kinds import AnyCase
+    from presswork.case.any_case import AnyCase
 
 TABLE = "table.csv"
 _KEPT = ("completed", "gave_up")
