@@ -205,7 +205,11 @@ def change(keys: str, value: object) -> dict[str, Any]:
         ("operations.1.trim.hole.diameter", 60, "operations.1.trim.hole: nothing is left outside of the line"),
         ("operations.2.tools.die.outer_radius", 9, "operations.2.tools.die.outer_radius = 9: the radii of the edges"),
         ("operations.2.tools.pad.gap", 0.5, "operations.2.tools.pad.gap = 0.5: the gap is smaller than"),
-        ("operations.2.stages.0.tools.punch", {"close": 1, "stroke": 1}, "give one of stroke, force and close"),
+        (
+            "operations.2.stages.0.tools.punch",
+            {"close": 1, "stroke": 1},
+            "stroke and close both say what it does; leave close out",
+        ),
         ("operations.0.stages.0.tools.punch", {"close": 1}, "only tools that a formed part is laid into close on"),
         ("operations.2.stages.0.tools.die", {"close": 1}, "tools.die.close = 1.0: a die is what others close on"),
         ("operations.1.place", {"tip": True}, None),

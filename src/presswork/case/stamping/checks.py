@@ -7,16 +7,15 @@ import itertools
 
 import numpy as np
 
-from presswork.case.errors import Problem, suggest
+from presswork.case.errors import Problem
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.library import find_material_problem
 from presswork.case.material.umat import UmatMaterial
-from presswork.case.press.builder import check_in_explicit, check_timing
 from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank
 from presswork.case.stamping.plan_line import TrimFile
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.shapes import clearance
-from presswork.case.stamping.stage import VELOCITY, StampingStage
+from presswork.case.stamping.stage_checks import check_stages
 from presswork.case.stamping.tools import DrawnTool, SectionTool, ToolFile
 from presswork.case.stamping.tools import Tool as CaseTool
 from presswork.case.units import LENGTH, unit_factor
@@ -69,17 +68,7 @@ def check_names(case: StampingCase) -> list[Problem]:
     problems += _check_self_contact(case)
     problems += _check_device(case)
     problems += _check_step_bound(case)
-    names = [stage.name for stage in case.stages]
-    for index, stage in enumerate(case.stages):
-        key = f"stages.{index}"
-        if stage.name in names[:index]:
-            problems.append(Problem(f"{key}.name", "two stages have this name", "give each its own", stage.name))
-        problems += [
-            Problem(f"{key}.tools.{tool}", "no such tool", suggest(tool, case.tools, "tools"))
-            for tool in stage.tools
-            if tool not in case.tools
-        ]
-        problems += _check_timing(key, stage) + _check_press(case, index, stage)
+    problems += check_stages(case)
     return [*problems, *check_needs(case.materials, [case.blank.material], case.stages, heated=case.heat is not None)]
 
 
@@ -112,48 +101,6 @@ def explain_too_many(n_cells: float, element_size: float) -> Problem:
     """Return the problem of a blank of too many elements."""
     fault = f"about {n_cells:.2g} elements, more than memory will hold"
     return Problem("blank.element_size", fault, "make it larger", element_size)
-
-
-def _check_press(case: StampingCase, index: int, stage: StampingStage) -> list[Problem]:
-    """Return the problems of the press of a stage."""
-    problems = list(check_timing(stage.find_timing(index), case.presses))
-    if problems or stage.press is None:
-        return problems
-    key = f"stages.{index}"
-    if stage.press.blows > 1:
-        fault = "the tools of a stamping cannot be placed anew for a second blow"
-        problems.append(Problem(f"{key}.press.blows", fault, "take one blow", stage.press.blows))
-    if stage.displacement:
-        fault = "the blank itself is moved, whose work is not the ram's"
-        problems.append(Problem(f"{key}.displacement", fault, "give it a stage of its own"))
-    if case.procedure == "explicit":
-        problems += check_in_explicit(key, case.presses[stage.press.name], stage.press, blows=False)
-    return problems
-
-
-def _check_timing(key: str, stage: StampingStage) -> list[Problem]:
-    """Return the problems of a stage's motions in time."""
-    if stage.dwell is not None:
-        return []
-    strokes = [abs(a.stroke) for a in stage.tools.values() if a.stroke]
-    ways = [abs(action.way) for action in stage.tools.values()]
-    farthest = max([*ways, *(abs(e.value) for e in stage.displacement)], default=0.0)
-    problems = []
-    for name, action in stage.tools.items():
-        if isinstance(action.force, tuple) and not strokes:
-            fault, remedy = "a table over the stroke, but no tool moves in this stage", "give one force"
-            problems.append(Problem(f"{key}.tools.{name}.force", fault, remedy))
-    if farthest == 0.0 and stage.duration is None:
-        remedy = "give a tool a stroke ([stages.tools.NAME]), or the stage a duration"
-        problems.append(Problem(key, f'nothing moves in the stage "{stage.name}", so its duration is unknown', remedy))
-    elif stage.ramp is not None:
-        speed = stage.velocity or VELOCITY
-        longest = 0.5 * stage.duration if stage.duration is not None else farthest / speed
-        if stage.ramp > longest * (1 + 1e-12):
-            what = f"{stage.duration:g} s" if stage.duration is not None else f"{farthest:g} mm at {speed:g} mm/s"
-            fault = f"the smooth start and end do not fit into {what}"
-            problems.append(Problem(f"{key}.ramp", fault, f"take at most {longest:.3g} s", stage.ramp))
-    return problems
 
 
 def check_tools(case: StampingCase) -> list[Problem]:

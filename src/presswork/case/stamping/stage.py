@@ -26,6 +26,10 @@ Whole = Annotated[int, Field(strict=True, ge=1)]
 ForceRow = tuple[Length, Force]
 
 
+ACTIONS = ("stroke", "force", "close")
+"""Of which a tool takes one in a stage."""
+
+
 class ToolAction(Part):
     """What a tool does in a stage."""
 
@@ -48,8 +52,9 @@ class ToolAction(Part):
 
     @model_validator(mode="after")
     def _check_one_action(self) -> Self:
-        if sum(each is not None for each in (self.stroke, self.force, self.close)) != 1:
-            raise fault("give one of stroke, force and close", "for instance stroke = 25", key="stroke")
+        given = [key for key in ACTIONS if getattr(self, key) is not None]
+        if len(given) > 1:
+            raise fault(f"{given[0]} and {given[1]} both say what it does", f"leave {given[1]} out", key=given[1])
         rows = self.force if isinstance(self.force, tuple) else ((0.0, self.force or 0.0),)
         if not rows or min(force for _, force in rows) < 0:
             raise fault("expected forces >= 0", "a tool pushes, it does not pull", key="force")
