@@ -14,6 +14,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.units import ANY_NUMBER
 from presswork.text_file import UnreadableError, read_text
 
 JsonSchema = Mapping[str, Any]
@@ -199,8 +200,10 @@ def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Probl
     if kind == "case":
         sub_key = context["key"]
         key = f"{key}.{sub_key}" if key and sub_key else key or sub_key
-        value = _descend(value, sub_key)
-        return _problem(key, context["expected"], context["remedy"], value)
+        value, remedy = _descend(value, sub_key), context["remedy"]
+        if remedy == ANY_NUMBER and isinstance(node.get("default"), int | float):
+            remedy = f"write for instance {node['default']:g}"  # which is within the bounds of the key
+        return _problem(key, context["expected"], remedy, value)
     name = key.rsplit(".", 1)[-1]
     if kind == "extra_forbidden":
         return _problem(key, "unknown key", _suggest_key(key, name, parent, schema), value)

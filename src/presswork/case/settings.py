@@ -20,6 +20,15 @@ RAMP = 0.1
 """Part of an explicit stage that starts it smoothly, and part that ends it, where it says nothing."""
 
 Whole = Annotated[int, Field(strict=True)]
+IncrementTolerance = Annotated[
+    Number,
+    Field(
+        gt=0,
+        lt=1,
+        description="largest relative error by the length of increments: of stress and creep where flow depends on the "
+        "strain rate, of the neck where flow localises, of grain and phases",
+    ),
+]
 
 
 class Terms(Part):
@@ -73,13 +82,7 @@ class Solver(Part):
     max_increment: Number = Field(
         default=_SOLVER.max_increment, gt=0, le=1, description="largest increment, fraction of the stage"
     )
-    increment_tolerance: Number = Field(
-        default=_SOLVER.increment_tolerance,
-        gt=0,
-        lt=1,
-        description="largest relative error by the length of increments: of stress and creep where flow depends on the "
-        "strain rate, of the neck where flow localises, of grain and phases",
-    )
+    increment_tolerance: IncrementTolerance = _SOLVER.increment_tolerance
     target_iterations: Whole = Field(
         default=_SOLVER.target_iterations, ge=1, description="increments grow while they take fewer iterations"
     )

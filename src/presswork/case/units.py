@@ -61,6 +61,8 @@ ENERGY = Dimension("an energy", "kJ", "25 kJ", 1e9)
 POWER = Dimension("a power", "kW", "90 kW", 1e9)
 MASS = Dimension("a mass", "kg", "2 t", 1e9)
 PURE_NUMBER = Dimension("a number without a unit", "", "0.3", 1e30)
+ANY_NUMBER = f"write for instance {PURE_NUMBER.example}"
+"""Remedy of a key that takes a number without a unit."""
 
 _USUAL = {
     LENGTH: {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "in": 25.4, "inch": 25.4},
@@ -134,7 +136,7 @@ def to_number(value: object, dimension: Dimension) -> float:
     if dimension.unit:
         remedy = f'write a plain number in {dimension.unit}, or for instance "{dimension.example}"'
     else:
-        remedy = f"write for instance {dimension.example}"
+        remedy = ANY_NUMBER
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise fault(expected, remedy)
     if isinstance(value, str):

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from presswork.mesh.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, Mesh, Model, change_mesh
+from presswork.process.peaks import LatestPeaks
 from presswork.process.recording import ModelRecording
 
 NamedArrays = dict[str, NDArray[np.generic]]
@@ -33,6 +34,7 @@ class EpochRecording(ModelRecording, ABC):
         """How many meshes there were before the present one."""
         self._first_mesh = model.mesh
         self._origin: FloatArray | None = None
+        self._latest_peaks = LatestPeaks()
 
     @property
     def mesh(self) -> Mesh:

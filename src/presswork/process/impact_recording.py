@@ -158,6 +158,9 @@ class ImpactRecording(RowRecording):
 
     def _find_peaks(self) -> tuple[Peak, ...]:
         """Return the largest damage by each criterion."""
+        return self._latest_peaks.find((self.epoch, self.solids.cycle), self._look_for_peaks)
+
+    def _look_for_peaks(self) -> tuple[Peak, ...]:
         solids = self.solids
         return find_peaks(self.model, self.mesh, solids.position, solids.damage, solids.critical_damage())
 

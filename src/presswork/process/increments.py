@@ -90,6 +90,9 @@ class IncrementRecording(EpochRecording):
 
     def find_peaks(self) -> tuple[Peak, ...]:
         """Return the largest damage of the converged state by each criterion."""
+        return self._latest_peaks.find((self.epoch, self.number), self._look_for_peaks)
+
+    def _look_for_peaks(self) -> tuple[Peak, ...]:
         procedure, mesh = self.procedure, self.model.mesh
         evolution = procedure.evolution
         position = mesh.points + procedure.state.nodes.displacement[:, : mesh.points.shape[1]]

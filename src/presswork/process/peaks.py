@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -49,6 +49,20 @@ class Peak:
     """Centre of the cell [mm]."""
     mean: Mean
     """Of all means the largest, or the one nearest to its critical value."""
+
+
+class LatestPeaks:
+    """The peaks of the latest instant, for which the row of the history and the limits both ask."""
+
+    def __init__(self) -> None:
+        self._instant: Hashable = None
+        self._peaks: tuple[Peak, ...] = ()
+
+    def find(self, instant: Hashable, find: Callable[[], tuple[Peak, ...]]) -> tuple[Peak, ...]:
+        """Return the peaks of an instant, found once."""
+        if instant != self._instant:
+            self._instant, self._peaks = instant, find()
+        return self._peaks
 
 
 def peak_columns(evolved: Mapping[str, object]) -> list[str]:

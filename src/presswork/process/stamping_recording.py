@@ -198,6 +198,9 @@ class StampingRecording(RowRecording):
 
     def _find_peaks(self) -> tuple[Peak, ...]:
         """Return the largest damage by each criterion."""
+        return self._latest_peaks.find((self.epoch, self.shells.cycle), self._look_for_peaks)
+
+    def _look_for_peaks(self) -> tuple[Peak, ...]:
         critical: dict[str, list[float | None]] = {
             law.name: [law.critical.get(law.name)] * len(self.model.mesh.blocks) for law in self._damage_laws
         }

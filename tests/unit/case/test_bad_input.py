@@ -68,7 +68,7 @@ FAULTS = {
     ),
     "value_of_a_short_form": (
         ("size = [10, 15]\ncells = [2, 3]", 'zones_x = [[10, 2, 1]]\nzones_y = [[5, 1, 1], [10, 2, "x"]]'),
-        ['workpiece.mesh.zones_y.1.2 = "x"', "expected a number", "write for instance 0.3"],
+        ['workpiece.mesh.zones_y.1.2 = "x"', "expected a number", "write for instance 1"],
     ),
     "number_of_a_point": (
         ("profile = [[0, 15], [30, 15]]", 'profile = [[0, 15], [30, "x"]]'),

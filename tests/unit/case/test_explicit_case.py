@@ -57,9 +57,11 @@ def test_motions_start_smoothly_within_a_tenth_of_the_stage_unless_it_says_other
     assert build().stages[0].ramp == pytest.approx(5e-6)
     assert build(stages__0__ramp="10 us").stages[0].ramp == pytest.approx(1e-5)
     assert build(stages__0__ramp=0).stages[0].ramp == 0.0
-    assert 'stage 1 "impact", 5e-05 s: 5e-06 s to start and to stop' in describe(build(stages__0__tools=anvil))
+    moved = describe(build(stages__0__tools=anvil))
+    assert moved.count('stage 1 "impact"') == 1
+    assert "  5e-06 s to start and to stop" in moved
     blow = describe(build(stages__0__tools=anvil, stages__0__ramp=0))
-    assert 'stage 1 "impact", 5e-05 s: at full velocity from the first cycle on' in blow
+    assert "  at full velocity from the first cycle on" in blow
 
 
 def test_description_says_how_it_starts_and_how_long_it_takes() -> None:

@@ -160,6 +160,7 @@ def test_times_follow_from_velocity_duration_and_ramp() -> None:
     ("materials.steel.density", 7850, ["materials.steel.density", "7850", "density of no metal", "kg/m^3"]),
     ("materials.steel.density", 7.85e-12, ["materials.steel.density", "density of no metal"]),
     ("materials.steel.density", 0, ["materials.steel.density", "density of no metal"]),
+    ("explicit", {"safety": ["1 m", "2"]}, ["explicit.safety", "without a unit; write for instance 0.9"]),
     ("tools.punch.diameter", 53, ["tools.punch", "clearance is negative", "0.25 mm larger", "die"]),
     ("tools.punch.diameter", 52, ["tools.punch", "clearance of 0.25 mm", "0.8 mm"]),
     ("tools.holder.diameter", 49, ["tools.punch", "clearance is negative", "holder"]),

@@ -16,7 +16,7 @@ from presswork.mesh.box import mesh_box
 from presswork.mesh.structured import mesh_rectangle
 from presswork.model import Damage, Section, Support
 from presswork.process.neighbourhood import FormedBlock
-from presswork.process.peaks import find_peaks
+from presswork.process.peaks import LatestPeaks, find_peaks
 
 RADIUS, FALL = 2.0, 0.02
 """Of the neighbourhood, and of the damage by the square of the distance from where it is largest."""
@@ -112,6 +112,13 @@ def test_neighbours_are_those_of_the_undeformed_material():
     )
     assert drawn[0] == pytest.approx(at_first[0], rel=1e-9)
     assert drawn[1:] == at_first[1:]
+
+
+def test_peaks_of_an_instant_are_found_once():
+    latest, calls = LatestPeaks(), []
+    for instant in ((0, 1), (0, 1), (0, 2), (1, 2)):
+        latest.find(instant, lambda instant=instant: (calls.append(instant), ())[1])
+    assert calls == [(0, 1), (0, 2), (1, 2)]
 
 
 def test_another_body_does_not_count():

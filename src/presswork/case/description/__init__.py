@@ -9,7 +9,7 @@ from dataclasses import fields
 import numpy as np
 
 from presswork import model
-from presswork.case.description.explicit import describe_explicit
+from presswork.case.description.explicit import describe_explicit, describe_ramp
 from presswork.case.description.heat import describe_heat, describe_heat_of_forming
 from presswork.case.description.loads import describe_loads
 from presswork.case.description.material import describe_material
@@ -51,6 +51,7 @@ def describe(problem: model.Model | OneStepModel) -> str:
             f'stage {number} "{stage.name}", {stage.duration:g} s:',
             *(f"  {line}" for line in _describe_stage(stage, problem.dimension)),
             *(f"  {line}" for line in describe_loads(problem, number - 1)),
+            *(f"  {line}" for line in (describe_ramp(stage) if problem.explicit is not None else ())),
         ]
     meshes = [_describe_remeshing(problem.remeshing)] if problem.remeshing is not None else []
     if problem.heat is not None:

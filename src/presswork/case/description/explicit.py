@@ -8,7 +8,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from presswork import model
-from presswork.case.description.press import describe_drive
 from presswork.mesh.faces import list_cell_faces, take_corners
 
 SECONDS = 0.1e-6
@@ -28,13 +27,6 @@ def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> It
     for tool in problem.tools:
         if not any(any(stage.tool_motion.get(tool.name, model.ToolMotion()).move) for stage in problem.stages):
             yield f"tool {tool.name} stands still"
-    for number, stage in enumerate(problem.stages, start=1):
-        if stage.prescribed or any(any(motion.move) for motion in stage.tool_motion.values()):
-            how = (
-                f"{stage.ramp:.3g} s to start and to stop" if stage.ramp else "at full velocity from the first cycle on"
-            )
-            how = how if stage.drive is None else describe_drive(stage.drive)
-            yield f'stage {number} "{stage.name}", {stage.duration:.4g} s: {how}'
     if settings.damping:
         yield f"mass damping {settings.damping:g} 1/s"
     yield f"output: {problem.output.rows} rows of history and {problem.output.steps} saved steps a stage"
@@ -51,6 +43,13 @@ def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> It
     cells = sum(len(block.connectivity) for block in problem.mesh.blocks)
     yield f"time steps: about {step:.2g} s at first, {how}; so {cycles:.2g} cycles or more"
     yield f"time: about {cycles * cells * SECONDS:.2g} s on one core (an estimate)"
+
+
+def describe_ramp(stage: model.Stage) -> Iterator[str]:
+    """Say how what a stage of an explicit run moves starts and stops; of a press its drive says so."""
+    moves = stage.prescribed or any(any(motion.move) for motion in stage.tool_motion.values())
+    if moves and stage.drive is None:
+        yield f"{stage.ramp:.3g} s to start and to stop" if stage.ramp else "at full velocity from the first cycle on"
 
 
 def _shortest_side(points: model.FloatArray, connectivity: model.IntArray) -> float:

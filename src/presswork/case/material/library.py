@@ -10,6 +10,7 @@ name = "..."            summary = "..."            thickness = 1.0 (optional, of
 from __future__ import annotations
 
 import difflib
+import functools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,9 +45,10 @@ class NamedSheet:
     """What was assumed, by key."""
 
 
-def list_sheets() -> list[NamedSheet]:
-    """Read every material file that ships, by name of the file."""
-    return [read_sheet(path) for path in sorted(FOLDER.glob("*.toml"))]
+@functools.cache
+def list_sheets() -> tuple[NamedSheet, ...]:
+    """Read every material file that ships, by name of the file; once, since none changes while a program runs."""
+    return tuple(read_sheet(path) for path in sorted(FOLDER.glob("*.toml")))
 
 
 def list_keys() -> list[str]:

@@ -19,6 +19,7 @@ from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
 from presswork.case.press.schema import Press
+from presswork.case.settings import IncrementTolerance
 from presswork.case.shell.material import HeavyShellMaterial
 from presswork.case.shell.schema import ShellBoundary
 from presswork.case.stamping.blank import Blank
@@ -116,13 +117,7 @@ class Implicit(Part):
     displacement_tolerance: Number = Field(
         default=_SOLVER.displacement_tolerance, gt=0, lt=1, description="largest correction over largest displacement"
     )
-    increment_tolerance: Number = Field(
-        default=_SOLVER.increment_tolerance,
-        gt=0,
-        lt=1,
-        description="largest relative error by the length of increments: of stress and creep where flow depends on the "
-        "strain rate, of the neck where flow localises, of grain and phases",
-    )
+    increment_tolerance: IncrementTolerance = _SOLVER.increment_tolerance
     contact_stiffness: Number = Field(
         default=_SOLVER.contact_stiffness,
         gt=0,

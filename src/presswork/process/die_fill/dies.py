@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -140,6 +140,14 @@ def hold_places(sides: Iterable[Side], places: FloatArray) -> BoolArray:
 def find_level(sides: Iterable[Side], axis: int) -> float | None:
     """Return the place of the axis of rotation or of a symmetry plane across an axis [mm]; None without one."""
     return next((side.level for side in sides if side.axis == axis), None)
+
+
+def list_closing(model: Model, tools: Iterable[Tool]) -> Iterator[tuple[Tool, FloatArray, int]]:
+    """Yield the tools that close as dies, with their directions (dimension,) and the axis that these follow."""
+    for tool in tools:
+        way = find_way_of_die(model, tool)
+        if way is not None:
+            yield tool, way, int(np.argmax(np.abs(way)))
 
 
 def find_way_of_die(model: Model, tool: Tool) -> FloatArray | None:

@@ -18,8 +18,8 @@ from presswork.process.die_fill.dies import (
     faces_others,
     find_level,
     find_sides,
-    find_way_of_die,
     hold_places,
+    list_closing,
 )
 
 TOLERANCE = 0.004
@@ -50,11 +50,7 @@ def _find_dies(model: Model) -> Iterator[Die]:
     middle, sides = model.mesh.points.mean(axis=0), find_sides(model)
     profiles = {tool.name: start_profile(tool) for tool in model.plane_tools}
     rims = {name: segments[:, :4].reshape(-1, 2) for name, segments in profiles.items()}
-    for tool in model.plane_tools:
-        way = find_way_of_die(model, tool)
-        if way is None:
-            continue
-        axis = int(np.argmax(np.abs(way)))
+    for tool, way, axis in list_closing(model, model.plane_tools):
         side, plane = find_level(sides, 1 - axis), find_level(sides, axis)
         beside = middle.copy()
         if side is not None:

@@ -18,8 +18,8 @@ from presswork.process.die_fill.dies import (
     faces_others,
     find_level,
     find_sides,
-    find_way_of_die,
     hold_places,
+    list_closing,
 )
 
 TOLERANCE = 0.006
@@ -58,15 +58,13 @@ def _find_dies(model: Model) -> Iterator[Die]:
         for tool in model.space_tools
         if isinstance(tool.surface, Triangulation)
     }
-    for tool in model.space_tools:
-        way = find_way_of_die(model, tool)
-        if way is None or not isinstance(tool.surface, Triangulation):
+    for tool, way, axis in list_closing(model, model.space_tools):
+        if not isinstance(tool.surface, Triangulation):
             continue
         cut = [(side.axis, side.level, side.sign) for side in sides if tool.mirrored_across[side.axis]]
         wall = find_cavity(rims[tool.name], tool.surface.triangles, way, beside, cut)
         if wall is None:
             continue
-        axis = int(np.argmax(np.abs(way)))
         across = find_level(sides, axis)
         if across is None and not faces_others(model, tool, wall.land, way, rims):
             continue
