@@ -4,6 +4,7 @@
 Such a side lies in a coordinate plane, or in a plane through the z axis, and the whole workpiece on one side of it.
 It looks like a symmetry plane in three cases. A side that meets it at the origin is one. The program has meshed a
 sector. A tool of finite extent is symmetric about it; or ends at it, and goes on far beyond the workpiece's other side.
+It is none where such a tool reaches over it and has no mirror image of itself there.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ ACROSS = 0.1
 """Part of a unit vector along a normal from which on it counts as going along it."""
 OVER, BEYOND = 0.25, 0.5
 """Widths of the workpiece by which a tool may reach over the plane where it ends, and must reach beyond it inwards."""
+ENDLESS = 4.0
+"""Sizes of the workpiece beyond which, to both sides, a tool is drawn without end."""
 MORE = 4.0
 """Times its reach over the plane that a tool must reach beyond the other side."""
 
@@ -60,7 +63,11 @@ def find_forgotten_planes(model: Model) -> list[FlatSide]:
     bare = [side for side in sides if _is_bare(model, side) and not (np.abs(strokes @ side.normal) > ACROSS).any()]
     held = [side for side in sides if _is_held(model, side)]
     is_sector = "first_plane" in model.mesh.node_sets
-    return [side for side in bare if is_sector or _has_partner(side, held) or _has_tool(model, side)]
+    if is_sector:
+        return bare
+    return [
+        side for side in bare if (_has_partner(side, held) or _has_tool(model, side)) and not _is_crossed(model, side)
+    ]
 
 
 def _list_sides(model: Model) -> Iterator[FlatSide]:
@@ -180,19 +187,33 @@ def _has_partner(side: FlatSide, held: list[FlatSide]) -> bool:
 
 def _has_tool(model: Model, side: FlatSide) -> bool:
     """Say whether a tool of finite extent is symmetric about a side's plane, or ends at it and goes on far inwards."""
-    if side.axis is None:
-        return False
-    heights = model.mesh.points @ side.normal
-    width = float(np.ptp(heights))
-    for reach in (_reach(tool, side.normal) for tool in model.tools):
-        if reach is None:
-            continue
-        over, beyond = reach[1], -width - reach[0]
-        is_symmetric = abs(reach[0] + reach[1]) < 1e-3 * width and reach[1] > FLAT * width
+    for low, over, width in _list_reaches(model, side):
+        beyond = -width - low
         ends_there = -FLAT * width <= over <= OVER * width and beyond > max(BEYOND * width, MORE * over)
-        if is_symmetric or ends_there:
+        if (_is_symmetric(low, over, width) and over > FLAT * width) or ends_there:
             return True
     return False
+
+
+def _is_crossed(model: Model, side: FlatSide) -> bool:
+    """Say whether a tool of finite extent reaches over a side's plane, and not as far as to the other side of it."""
+    reaches = _list_reaches(model, side)
+    return any(over > OVER * width and not _is_symmetric(low, over, width) for low, over, width in reaches)
+
+
+def _is_symmetric(low: float, over: float, width: float) -> bool:
+    return abs(low + over) < 1e-3 * width
+
+
+def _list_reaches(model: Model, side: FlatSide) -> Iterator[tuple[float, float, float]]:
+    """Yield from where to where each tool of finite extent reaches along a side's normal, and the workpiece's width."""
+    if side.axis is None:
+        return
+    points = model.mesh.points
+    heights, far = points @ side.normal, ENDLESS * float(np.linalg.norm(np.ptp(points, axis=0)))
+    for reach in (_reach(tool, side.normal) for tool in model.tools):
+        if reach is not None and (reach[0] > -far or reach[1] < far):
+            yield *reach, float(np.ptp(heights))
 
 
 def _reach(tool: Tool, normal: FloatArray) -> tuple[float, float] | None:

@@ -115,6 +115,24 @@ def test_a_forgotten_coordinate_plane_is_told(caplog: pytest.LogCaptureFixture) 
     assert "y = 0 (set 'bottom')" in build(space_case(BOX, flats, {"x0": QUARTER["x0"]}, DOWN_IN_SPACE), caplog)
 
 
+def straight(z: float, up: float) -> dict[str, Any]:
+    return {"shape": "straight", "profile": [[-20, z], [40, z], [40, z - 9 * up]], "contact": "sticking"}
+
+
+def test_a_half_that_is_whole_along_y_is_known_by_its_tools(caplog: pytest.LogCaptureFixture) -> None:
+    """A punch over the middle of a block from y = 0 to 12, which has no mirror image of itself beyond y = 0."""
+    punch = {"shape": "box", "size": [40, 20, 8], "contact": "sticking"}
+    tools = {"punch": {**punch, "position": [0, 6, 19]}, "anvil": flat(0, 1)}
+    assert not build(space_case(BOX, tools, {"x0": QUARTER["x0"]}, DOWN_IN_SPACE), caplog)
+    tools["punch"] = {**punch, "position": [0, 0, 19], "size": [40, 40, 8]}
+    assert "y = 0 (set 'bottom')" in build(space_case(BOX, tools, {"x0": QUARTER["x0"]}, DOWN_IN_SPACE), caplog)
+
+
+def test_a_tool_that_goes_straight_on_without_end_tells_no_plane(caplog: pytest.LogCaptureFixture) -> None:
+    tools = {"punch": straight(15, -1), "anvil": straight(0, 1)}
+    assert "symmetry plane" not in build(space_case(BOX, tools, {}, DOWN_IN_SPACE), caplog)
+
+
 @pytest.mark.parametrize("name", ["whole", "equal", "no_plane", "half"])
 def test_no_plane_is_missed_where_the_whole_workpiece_is_modelled(name: str, caplog: pytest.LogCaptureFixture) -> None:
     ends = {"whole": (-20.0, 30.0), "equal": (0.0, 10.0)}
