@@ -12,8 +12,6 @@ from presswork import Case, build_model
 from presswork.process.begin import begin
 
 RADIUS, LENGTH, BORE, BEARING = 5.0, 14.0, 4.2, 2.2
-NEIGHBOURHOOD = 1.0
-"""Of the metal [mm]."""
 
 
 def extrude(across: int):
@@ -32,7 +30,7 @@ def extrude(across: int):
                 "young": 206e3,
                 "poisson": 0.3,
                 "hardening": {"law": "swift", "K": 700, "e0": 0.015, "n": 0.2},
-                "damage": {"critical": 0.24, "length": NEIGHBOURHOOD},
+                "damage": {"critical": 0.24},
             }
         },
         tools={
@@ -59,5 +57,7 @@ def test_the_mean_that_decides_is_alike_on_three_meshes_and_no_ripple_is_a_crack
         peaks.append(peak.value)
         means.append(peak.mean.value)
         assert not peak.mean.is_beyond
+        assert peak.mean.length == pytest.approx(1.0, rel=0.01), "a tenth of the bar"
     assert min(peaks) > 0.24, "single points pass the critical value on every mesh"
+    assert min(means) > 0.22, "a critical value below the mean is passed on every mesh"
     assert np.ptp(means) < 0.04 * np.mean(means)

@@ -162,7 +162,9 @@ class ImpactRecording(RowRecording):
 
     def _look_for_peaks(self) -> tuple[Peak, ...]:
         solids = self.solids
-        return find_peaks(self.model, self.mesh, solids.position, solids.damage, solids.critical_damage())
+        return find_peaks(
+            self.model, self.mesh, solids.position, solids.damage, solids.critical_damage(), self.damage_lengths
+        )
 
     def _measure_pressure(self, stress: FloatArray, flow_stress: FloatArray) -> list[Measure]:
         """Return the mean pressure in the metal; none without tools or with UMATs. Both (n,) [MPa]."""

@@ -97,7 +97,7 @@ class IncrementRecording(EpochRecording):
         evolution = procedure.evolution
         position = mesh.points + procedure.state.nodes.displacement[:, : mesh.points.shape[1]]
         critical = {name: evolution.critical(name) for name in evolution.names}
-        return find_peaks(self.model, self.mesh, position, find_evolved(procedure.state), critical)
+        return find_peaks(self.model, self.mesh, position, find_evolved(procedure.state), critical, self.damage_lengths)
 
     def remaining(self) -> float:
         """Return the part of the whole process that is still to be computed, counted in stage durations."""

@@ -21,7 +21,7 @@ from presswork.mesh.topology import count_corners
 from presswork.model import ELEMENTS, FloatArray, IndexArray, Mesh, Model, find_held_side
 
 CELLS = 2.0
-"""Radius of the neighbourhood of a material that gives no length, in sizes of the cell in its middle."""
+"""Radius of the neighbourhood in a sheet whose material gives no length, in sizes of the shell in its middle."""
 ENOUGH = 1e-3
 """Part by which a cell's own damage must exceed the largest mean so far for its neighbourhood to be looked at."""
 _AT_ONCE = 64

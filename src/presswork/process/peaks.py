@@ -85,18 +85,23 @@ def find_peaks(
     position: FloatArray,
     evolved: Mapping[str, Sequence[FloatArray]],
     critical: Mapping[str, Sequence[float | None]],
+    lengths: Sequence[float | None],
 ) -> tuple[Peak, ...]:
     """Return the peak of every damage.
 
     mesh: its points where their material was when the run began; position: of the nodes now (n_points, 2 | 3) [mm];
     evolved: values at the points by quantity and block (n_cells, p), of shells the layers of a point one after the
-    other; critical: the critical value in each block, by quantity.
+    other; critical: the critical value in each block, by quantity; lengths: in each block, where the material gives
+    none (process/damage_length.py).
     """
     peaks = []
     for name in (name for name in evolved if name.startswith(DAMAGE)):
         limits = critical[name] if any(limit is not None for limit in critical[name]) else [1.0] * len(mesh.blocks)
         of_blocks = [
-            (_find_peak(FormedBlock(model, mesh, position, number), name, values, critical[name][number]), limit)
+            (
+                _find_peak(FormedBlock(model, mesh, position, number), name, values, critical[name][number], lengths),
+                limit,
+            )
             for number, (values, limit) in enumerate(zip(evolved[name], limits, strict=True))
             if values.size and limit is not None
         ]
@@ -106,13 +111,16 @@ def find_peaks(
     return tuple(peaks)
 
 
-def _find_peak(block: FormedBlock, name: str, values: FloatArray, critical: float | None) -> Peak:
+def _find_peak(
+    block: FormedBlock, name: str, values: FloatArray, critical: float | None, lengths: Sequence[float | None]
+) -> Peak:
     """Return the peak of a block's values (n_cells, p)."""
     of = block.mesh.blocks[block.number]
     first = sum(len(each.connectivity) for each in block.mesh.blocks[: block.number])
     layers, chosen = 1 if of.section is None else of.section.points, block.model.materials[of.material].damage
+    given = None if chosen is None else chosen.length
     mean, middle, length = block.find_largest_mean(
-        values.reshape(len(values), -1, layers).mean(axis=1), None if chosen is None else chosen.length
+        values.reshape(len(values), -1, layers).mean(axis=1), lengths[block.number] if given is None else given
     )
     cell, point = (int(i) for i in np.unravel_index(int(np.argmax(values)), values.shape))
     place, around = (

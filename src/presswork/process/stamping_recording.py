@@ -204,7 +204,7 @@ class StampingRecording(RowRecording):
         critical: dict[str, list[float | None]] = {
             law.name: [law.critical.get(law.name)] * len(self.model.mesh.blocks) for law in self._damage_laws
         }
-        return find_peaks(self.model, self.mesh, self.shells.position, self._evolved(), critical)
+        return find_peaks(self.model, self.mesh, self.shells.position, self._evolved(), critical, self.damage_lengths)
 
     @property
     def time(self) -> float:

@@ -94,7 +94,7 @@ def test_a_ripple_of_the_mesh_is_no_crack_and_its_mean_beyond_the_limit_is(analy
     for critical, cracks in ((0.235, False), (0.21, True)):
         model = make_model(mesh, analysis, critical=critical, length=length)
         evolved = {"damage_cockcroft_latham": [np.tile((0.218 + ripple)[:, None], 4)]}
-        (peak,) = find_peaks(model, mesh, mesh.points, evolved, {"damage_cockcroft_latham": [critical]})
+        (peak,) = find_peaks(model, mesh, mesh.points, evolved, {"damage_cockcroft_latham": [critical]}, [None])
         assert peak.value > 0.25
         assert peak.mean.value == pytest.approx(0.218, abs=0.009)
         assert peak.mean.is_beyond == cracks
@@ -127,5 +127,5 @@ def test_another_body_does_not_count():
     left = mesh.points[cells].mean(axis=1)[:, 0] < 4.0
     two = replace(mesh, blocks=tuple(replace(mesh.blocks[0], connectivity=cells[own]) for own in (left, ~left)))
     evolved = {"damage_oyane": [np.full((left.sum(), 4), 0.8), np.full(((~left).sum(), 4), 0.2)]}
-    (peak,) = find_peaks(make_model(two), two, two.points, evolved, {"damage_oyane": [None, None]})
+    (peak,) = find_peaks(make_model(two), two, two.points, evolved, {"damage_oyane": [None, None]}, [None, None])
     assert peak.mean.value == pytest.approx(0.8)

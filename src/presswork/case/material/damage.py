@@ -21,8 +21,8 @@ class _Damage(Part):
     length: Length | None = Field(
         default=None,
         gt=0,
-        description="radius over which the mean of the damage decides, of the undeformed material [mm]; without it two "
-        "sizes of a cell",
+        description="radius over which the mean of the damage decides, of the undeformed material [mm]; without it a "
+        "tenth of a solid's thickness (the largest ball inside), of a sheet two sizes of a shell",
     )
 
     def to_model(self) -> model.Damage:
