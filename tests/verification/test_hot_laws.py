@@ -222,3 +222,12 @@ def test_what_flowed_outside_the_window_is_counted_over_a_resumed_run_too() -> N
     for name, values in procedure.state[LawWindow].to_arrays().items():
         np.testing.assert_array_equal(again.state[LawWindow].to_arrays()[name], values)
     assert procedure.state[LawWindow].flowed[0] > 0
+
+
+def test_growth_of_a_point_by_round_off_is_no_flow() -> None:
+    material = build_model(Case.model_validate(solid(-0.4))).materials[0]
+    window, grown = LawWindow.at_rest([material]), np.array([1e-12, 1e-3])
+    window.note(0, material, np.full(2, 0.1), grown, 0.1, np.full(2, TEMPERATURE))
+    assert window.flowed[0] == 1
+    assert window.warnings([material]) == []
+    assert window.reached[0, 1] == pytest.approx(1e-2)

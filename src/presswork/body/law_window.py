@@ -15,6 +15,8 @@ from presswork.state import RUN, Arrays, OnNewMesh, State
 
 QUANTITIES = ("strain", "rate", "temperature")
 UNITS = ("", " 1/s", " degrees C")
+FLOWS = 1e-6
+"""Growth of the equivalent plastic strain in an increment from which metal flows; less is round-off and unloading."""
 
 
 @dataclass
@@ -37,13 +39,19 @@ class LawWindow(Arrays):
         reached = np.tile([np.inf, -np.inf], (n, 3, 1))
         return cls(np.zeros(n), np.zeros((n, 3, 2)), reached)
 
-    def note(self, number: int, material: Material, values: tuple[FloatArray, FloatArray, FloatArray]) -> None:
-        """Note strains, rates and temperatures (n,) of points that flowed in an increment."""
-        window = None if material.hardening is None else material.hardening.window
-        if window is None or not len(values[0]):
+    def note(
+        self, number: int, material: Material, strain: FloatArray, grown: FloatArray, dt: float, temperature: FloatArray
+    ) -> None:
+        """Note the points that have flowed in an increment of dt [s].
+
+        strain, grown: equivalent plastic strain at its end, and by how much it has grown (n,); temperature: (n,)
+        [degrees C].
+        """
+        window, flows = None if material.hardening is None else material.hardening.window, grown > FLOWS
+        if window is None or not flows.any():
             return
-        self.flowed[number] += len(values[0])
-        for k, found in enumerate(values):
+        self.flowed[number] += flows.sum()
+        for k, found in enumerate((strain[flows], grown[flows] / dt, temperature[flows])):
             low, high = window[k]
             self.outside[number, k] += (found < low).sum(), (found > high).sum()
             ends = self.reached[number, k]
@@ -97,6 +105,4 @@ def note_rates(
     """
     grown = trial.cells.eqps[block] - state_n.cells.eqps[block]
     trial.cells.rate[block] = grown / dt
-    flows = (grown > 0.0).ravel()
-    values = (trial.cells.eqps[block].ravel()[flows], grown.ravel()[flows] / dt, temperature[flows])
-    trial[LawWindow].note(number, material, values)
+    trial[LawWindow].note(number, material, trial.cells.eqps[block].ravel(), grown.ravel(), dt, temperature)

@@ -80,11 +80,9 @@ class RowHistory:
         hardens = [np.ones_like(after.eqps) for after in points]
         for i, (before, after) in enumerate(zip(self._before, points, strict=True)):
             number, grown = self._numbers[i], after.eqps - before.eqps
-            flows = grown > 0.0
             degrees = np.zeros_like(after.eqps) if after.temperature is None else after.temperature
             if dt > 0.0:
-                noted = (after.eqps[flows], grown[flows] / dt, degrees[flows])
-                self.window.note(number, self._materials[number], noted)
+                self.window.note(number, self._materials[number], after.eqps, grown, dt, degrees)
             if self._laws[i]:
                 hardens[i] = self._advance(i, before, after, dt)
         return hardens
