@@ -90,7 +90,6 @@ def test_a_hot_bar_that_nothing_holds_shrinks_about_its_centre() -> None:
     assert along.min() == pytest.approx(shrunk, rel=0.02)
 
 
-@pytest.mark.xfail(strict=False, reason="a node may follow the tool that leaves, at a force of rounding")
 def test_a_body_on_another_rests_while_the_other_is_pressed_on() -> None:
     """The upper bar is pressed onto the lower one, and its tool leaves it: it rests in x, and on the lower one in y."""
     case = pressed(

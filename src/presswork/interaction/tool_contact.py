@@ -31,6 +31,8 @@ from presswork.state import State
 
 MAX_CHANGES = 4
 """Changes after which a node keeps contact until the increment ends."""
+SLOWER = 0.5
+"""Of the speed of the tool that leaves fastest: a body stays on tools that leave more slowly."""
 FLUSH = 1 - 1e-6
 """Cosine between two faces above which they are one: a node held by both would not slide."""
 
@@ -198,7 +200,10 @@ class Contact:
         return int(changed.sum())
 
     def _let_go(self, trial: State, before: StatusArray, push: FloatArray, drag: Drag, tolerance: float) -> None:
-        """Release nodes that pull, except those that their shear may drag off the tool."""
+        """Release nodes that pull, except those that their shear may drag off the tool.
+
+        So are nodes that do not even push on a tool that leaves: a body that nothing else holds would follow it.
+        """
         touch = trial[ContactArrays]
         held = (before > 0) & (touch.status > 0)
         judged = np.where(held, self._judge(push), 0.0)
@@ -206,16 +211,17 @@ class Contact:
         by_shear = (self._changes >= 2) | (-judged.min(axis=0, initial=0.0) < drag.force)
         self._grazes = self._on_shear(trial) & (pulls.any(axis=0) & by_shear | (touch.shear_part < 1.0))
         pulls &= ~(self._grazes & (touch.shear_part > 0.0))
-        pulls &= self._leave_first(trial, pulls)
-        touch.status[pulls & (self._changes < MAX_CHANGES)] = 0
+        speed = self._find_speed(trial)
+        pulls &= _leave_first(speed, pulls)
+        fastest = float(speed[np.arange(len(speed)), self.gap.argmin(axis=1)].max())
+        idle = held & (np.abs(judged) <= tolerance) & (speed > 0.0) & (speed >= SLOWER * fastest)
+        touch.status[(pulls | idle) & (self._changes < MAX_CHANGES)] = 0
         self.n_unsettled = int((pulls & (self._changes >= MAX_CHANGES)).any(axis=0).sum())
 
-    def _leave_first(self, trial: State, pulls: BoolArray) -> BoolArray:
-        """Mark the faces that leave their nodes fastest, of those that pull; all where none leaves (n_faces, n)."""
+    def _find_speed(self, trial: State) -> FloatArray:
+        """Return how far faces have left the candidates since the increment began (n_faces, n_candidates) [mm]."""
         moved = (trial[ToolArrays].displacement - self._start).repeat(2, axis=0)
-        speed = -(self.normal * moved[:, None]).sum(axis=2)
-        fastest = float(speed[pulls].max(initial=0.0))
-        return np.asarray(speed >= 0.5 * fastest) if fastest > 0.0 else np.ones_like(pulls)
+        return -np.asarray((self.normal * moved[:, None]).sum(axis=2))
 
     def _on_shear(self, trial: State) -> BoolArray:
         """Mark nodes that one face alone holds, with constant shear (n_candidates,)."""
@@ -398,3 +404,9 @@ class Contact:
         else:
             value[node, free] = np.linalg.lstsq(own, rest, rcond=None)[0]
         mask[node] = 1
+
+
+def _leave_first(speed: FloatArray, pulls: BoolArray) -> BoolArray:
+    """Mark the faces that leave their nodes fastest, of those that pull; all where none leaves (n_faces, n)."""
+    fastest = float(speed[pulls].max(initial=0.0))
+    return np.asarray(speed >= SLOWER * fastest) if fastest > 0.0 else np.ones_like(pulls)
