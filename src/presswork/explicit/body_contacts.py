@@ -67,7 +67,7 @@ class BodyContactOfRun:
         if not (0 <= mu <= 10):
             raise ExplicitError(f"mu of contact {name} = {mu}: it must lie between 0 and 10")
         self.name, self._loop, self._number, self._nodes = name, loop, number, nodes
-        self.edge = surfaces.edge
+        self.edge, self.mu = surfaces.edge, mu
         place = np.empty(len(nodes), dtype=np.int32)
         place[nodes] = np.arange(len(nodes))
         sides = (surfaces.slave, surfaces.master, surfaces.slave_cells, surfaces.master_cells)

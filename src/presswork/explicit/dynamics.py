@@ -110,6 +110,13 @@ class Dynamics(NodalMotion):
             start, largest = self._reference
             self._reference = (start + self._energy_with_mass() - before, largest)
 
+    def take_off(self, velocity: Array) -> None:
+        """Take velocities (n_nodes, freedoms) [mm/s, 1/s] off those of the nodes; what energy goes is no error."""
+        before, reference = self._energy_with_mass(), self._reference
+        self.velocity = self.velocity - velocity
+        if reference:
+            self._reference = (reference[0] + self._energy_with_mass() - before, reference[1])
+
     def added_mass(self) -> MassScaling:
         """Give the state of mass scaling."""
         added = self._loop.added_mass

@@ -23,6 +23,7 @@ Where loads push a body that nothing holds, only this spring would carry them: s
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -40,7 +41,7 @@ from presswork.interaction.rigid_motions import (
     spread,
 )
 from presswork.interaction.supports import Supports
-from presswork.model import FloatArray, Model, list_bodies
+from presswork.model import FloatArray, IntArray, Model, list_bodies
 from presswork.outcome import Step
 from presswork.state import RUN, Arrays, OnNewMesh, State
 
@@ -111,7 +112,7 @@ class LooseBodies(Interaction):
             if free.shape[1]:
                 own = slice(body.points.start, body.points.stop)
                 moves = np.einsum("nij,jk->nik", motions.move(points[own])[:, :d], free)
-                self._springs.append(_Spring(own, _make_orthonormal(moves, weight), weight, name_body(model, body)))
+                self._springs.append(_Spring(own, make_orthonormal(moves, weight, d), weight, name_body(model, body)))
 
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> Forces | None:
         """Return the forces of the springs at a guess."""
@@ -146,17 +147,25 @@ def warn_of_loose(model: Model, state: State) -> list[str]:
     """Return what a user should know of bodies that nothing has held."""
     if LooseArrays not in state:
         return []
-    warnings, names, stages = [], name_motions(model), state[LooseArrays].stage
     rests = "it rests where it is. Add a [boundary] entry, or let a tool hold it"
     if _is_between_tools(model):
         rests = "where it goes means nothing. Add a [boundary] entry, or set implicit.inertia = 1"
-    for body, first in zip(list_bodies(model), stages, strict=True):
+    return [f"{text}: {rests}" for _, text in list_loose(model, state[LooseArrays].stage)]
+
+
+def list_loose(model: Model, first_stage: IntArray) -> Iterator[tuple[int, str]]:
+    """Yield the number of each body that nothing has held, and a text that names it, its motions and the stage.
+
+    first_stage: as in LooseArrays (n_bodies, n_motions).
+    """
+    names = name_motions(model)
+    for number, (body, first) in enumerate(zip(list_bodies(model), first_stage, strict=True)):
         for stage in np.unique(first[first >= 0]):
             free = " and ".join(name for name, since in zip(names, first, strict=True) if since == stage)
-            warnings.append(
-                f"nothing holds {name_body(model, body)} in {free} in stage {model.stages[stage].name!r}: {rests}"
+            yield (
+                number,
+                f"nothing holds {name_body(model, body)} in {free} in stage {model.stages[stage].name!r}",
             )
-    return warnings
 
 
 def _is_between_tools(model: Model) -> bool:
@@ -164,7 +173,10 @@ def _is_between_tools(model: Model) -> bool:
     return model.analysis == "shell" and bool(model.space_tools)
 
 
-def _make_orthonormal(moves: FloatArray, weight: FloatArray) -> FloatArray:
-    """Return motions (n, d, k) as combinations of which the products, weighted by (n,), are one or zero."""
-    product = np.einsum("nik,n,nil->kl", moves, weight, moves)
+def make_orthonormal(moves: FloatArray, weight: FloatArray, d: int) -> FloatArray:
+    """Return motions (n, freedoms, k) as combinations of which the products are one or zero.
+
+    Products are of the first d freedoms, weighted by (n,).
+    """
+    product = np.einsum("nik,n,nil->kl", moves[:, :d], weight, moves[:, :d])
     return np.asarray(moves @ np.linalg.inv(np.linalg.cholesky(product)).T)

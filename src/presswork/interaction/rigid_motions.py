@@ -31,7 +31,7 @@ def name_body(model: Model, body: Body) -> str:
     """Return how a message names a body."""
     if model.bodies and body.name != model.bodies[0].name:
         return f"the body {body.name!r}"
-    return "the workpiece" if model.analysis != "shell" else "the shell"
+    return {"shell": "the shell", "stamping": "the blank"}.get(model.analysis, "the workpiece")
 
 
 def count_freedoms(model: Model) -> int:

@@ -26,6 +26,7 @@ from presswork.process.die_fill import make_die_fill
 from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself, names_of_heat
 from presswork.process.impact_recording import ADDED_MASS, ImpactRecording
+from presswork.process.loose_rows import LooseRows, find_held_by_wall
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.reactions import Reactions
 from presswork.process.row_history import RowHistory
@@ -64,6 +65,8 @@ class ExplicitImpact(ImpactRecording):
         self.heat = self._make_heat(threads or available_threads()) if model.heat else None
         self.points = RowHistory(model.materials, [b.material for b in model.mesh.blocks], is_solid=True)
         self.points.start(self._find_points())
+        velocities = (self.settings.velocity, *self.settings.velocity_of_others)
+        self.loose = None if np.any(np.ravel(velocities)) else LooseRows(model)
         self._begin_stage()
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
@@ -126,6 +129,10 @@ class ExplicitImpact(ImpactRecording):
             hardens = self.points.end_row(self._find_points(), self.solids.time - time)
             if self.points.softens:
                 self.solids.recover(np.concatenate(hardens)[:, 0])
+        if self.loose is not None:
+            walls = zip(self.walls, self.model.tools, strict=True)
+            held = [find_held_by_wall(wall.nodal_force, find_coefficient(tool.friction)) for wall, tool in walls]
+            self.loose.end_row(self.model, number, self.solids, self.solids.mass, held, self.contacts)
         energies = self.solids.energies()
         self._progress[ADDED_MASS] = self.solids.added_mass().percent
         cycles = self.solids.cycle - cycle
@@ -179,11 +186,14 @@ class ExplicitImpact(ImpactRecording):
 
     def _arrays_beside_run(self) -> NamedArrays:
         heat = self.heat.arrays.to_arrays() if self.heat else {}
-        return {"progress": self._progress.copy(), **self.points.to_arrays(), **heat}
+        loose = self.loose.to_arrays() if self.loose else {}
+        return {"progress": self._progress.copy(), **self.points.to_arrays(), **heat, **loose}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
         self.points.load_arrays(arrays)
+        if self.loose is not None:
+            self.loose.load_arrays(arrays)
         own = {*self.points.to_arrays(), *names_of_heat(arrays), *self.own_arrays}
         self.solids.restore({name: np.asarray(values) for name, values in arrays.items() if name not in own})
         if self.heat is not None:

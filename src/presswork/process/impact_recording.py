@@ -24,6 +24,7 @@ from presswork.process.die_fill.dies import DieFill
 from presswork.process.heat_of_rows import HeatOfRows
 from presswork.process.heat_quantities import show_dies, warn_of_tables
 from presswork.process.limits import Measure, Watched, measure_hydrostatic_stress, measure_mean_pressure
+from presswork.process.loose_rows import LooseRows
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.peaks import Peak, find_peaks, peak_columns, peak_row
 from presswork.process.penetration import Penetration
@@ -60,6 +61,8 @@ class ImpactRecording(RowRecording):
     reactions: Reactions
     marked: MarkedPoints
     fill: DieFill
+    loose: LooseRows | None
+    """None where bodies are meant to fly."""
     settings: ExplicitSolid
     _materials: list[SolidMaterial]
     _pores: NonlocalPorosity | None = None
@@ -285,6 +288,7 @@ class ImpactRecording(RowRecording):
             **summarise_ram(self.model, history),
             **self.points.window.summarise(self.model.materials),
             "warnings": [
+                *(self.loose.warn(self.model) if self.loose else ()),
                 *self.points.window.warnings(self.model.materials),
                 *warn_of_energies(history, advice),
                 *(warn_of_tables(self.model, self.heat.arrays.reached) if self.heat else ()),

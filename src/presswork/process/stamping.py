@@ -32,6 +32,7 @@ from presswork.process.draw_in import DrawIn
 from presswork.process.epochs import NamedArrays
 from presswork.process.explicit_heat import ExplicitHeat, names_of_heat
 from presswork.process.laying import find_sag
+from presswork.process.loose_rows import LooseRows
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.reactions import Reactions
 from presswork.process.refinement import choose_shells, find_planes, place_nodes
@@ -100,7 +101,7 @@ class ExplicitStamping(StampingRecording):
         self.layers = SheetHistory(model, self.shells)
         if begin is not None:
             self.layers.take(begin.blocks)
-        self.marked, self.edge = MarkedPoints(model), DrawIn(model)
+        self.marked, self.edge, self.loose = MarkedPoints(model), DrawIn(model), LooseRows(model)
         self._begin_stage()
         self.shells.find_contact()
 
@@ -173,6 +174,8 @@ class ExplicitStamping(StampingRecording):
                 self.heat.sample()
             stop.look()
         self._reaction = self.shells.reaction_impulse / (end - begin)
+        if not self.tools.hold_sheet:
+            self.loose.end_row(self.model, int(self._progress[STAGE]), self.shells, self.shells.mass[:, 0])
         energies = self._energies(stage, end)
         self._progress[[CYCLES, SHELL_CYCLES]] += (n, n * n_shells)
         if self.heat is not None:
@@ -308,12 +311,13 @@ class ExplicitStamping(StampingRecording):
 
     def _arrays_beside_run(self) -> NamedArrays:
         heat = self.heat.dump() if self.heat else {}
-        return {"progress": self._progress.copy(), **self.layers.dump(), **heat}
+        return {"progress": self._progress.copy(), **self.layers.dump(), **heat, **self.loose.to_arrays()}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
         heated = names_of_heat(arrays) | set(self.layers.dump())
         self.layers.restore(arrays)
+        self.loose.load_arrays(arrays)
         self.shells.restore({name: np.asarray(values) for name, values in arrays.items() if name not in heated})
         if self.heat is not None:
             self.heat.restore(arrays)

@@ -33,6 +33,7 @@ from presswork.process.heat_quantities import (
 )
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
+from presswork.process.loose_rows import LooseRows
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.overlap import OVERLAP, summarise_overlap, warn_of_overlap
 from presswork.process.peaks import Peak, find_peaks, peak_columns, peak_row
@@ -60,6 +61,7 @@ class StampingRecording(RowRecording):
     marked: MarkedPoints
     edge: DrawIn
     reactions: Reactions
+    loose: LooseRows
     settings: ExplicitSheet
     _precision: Precision
     _cells: IntArray
@@ -262,6 +264,7 @@ class StampingRecording(RowRecording):
             **summarise_overlap(self.model, history),
             **self._summarise_holders(history, float(fields["thickness"].max())),
             "warnings": [
+                *self.loose.warn(self.model),
                 *warn_of_overlap(self.model, history),
                 *self._warn_of_holders(history, float(fields["thickness"].max())),
                 *warn_of_energies(history),

@@ -71,6 +71,12 @@ class StampingTools:
         """The tools in the order of the model's."""
         return self._tools
 
+    @property
+    def hold_sheet(self) -> bool:
+        """Whether a tool touches the sheet, or a bead restrains it."""
+        beads = (self._shells.bead_restraint(bead.name) for bead in self._model.beads)
+        return any(tool.force.any() for tool in self._tools) or any(beads)
+
     def placed(self) -> list[PlacedTool]:
         """Return the tools where they stand."""
         return [PlacedTool(s, tool.position) for s, tool in zip(self._surfaces, self._tools, strict=True)]
