@@ -75,14 +75,23 @@ def _check_held_in_plane(model: Model, interactions: Interactions, state: State)
 
 
 def note_loose(model: Model, interactions: Interactions, state: State, stage: int) -> None:
-    """Note in a converged state the motions of bodies that nothing holds; bodies that lie on a tool are held by it."""
+    """Note in a converged state the motions of bodies that nothing holds.
+
+    Bodies that lie on a tool are held by it, but do not move by themselves.
+    """
     if interactions.inertia:
         return
+    own = state[LooseArrays]
+    own.free = np.zeros_like(own.free)
     if not _leaves_free(model, interactions, state, stage):
         return
+    free = find_free(_find_holds(model, interactions, state, stage, lying=False))
+    rows = free.reshape(len(own.free), free.shape[2])
+    own.free = rows @ rows.T
+    if not own.free.any():
+        return
     loose = find_named(find_free(_find_holds(model, interactions, state, stage, lying=True)))
-    first = state[LooseArrays].stage
-    first[loose & (first < 0)] = stage
+    own.stage[loose & (own.stage < 0)] = stage
 
 
 def _leaves_free(model: Model, interactions: Interactions, state: State, stage: int) -> bool:

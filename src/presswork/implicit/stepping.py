@@ -274,6 +274,8 @@ class ImplicitProcedure:
         if is_led:
             fixed = self.interactions.supports.fixed(stage)
             guess = find_first_guess(state_n, trial, fraction - fraction_n, self.interactions.all, fixed)
+        if self.interactions.loose:
+            guess = self.interactions.loose.steady(state_n, guess)
         is_led &= fraction - fraction_n > WORTH_ALL * last > 0.0
         return trial, self.equilibrium.solve(state_n, trial, step, guess, gently=gently, is_led=is_led)
 

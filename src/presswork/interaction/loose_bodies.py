@@ -15,8 +15,8 @@ others.
 
 In the first stage the springs act once a body has been found loose: a run begins only with bodies that something holds.
 
-A sheet between tools has no spring: tools that pick it up push by less than the rounding of its own forces, so
-a spring is felt. The run only says that nothing holds it.
+Equilibrium along a rigid motion is as good as its tolerance: a body would go on with the guess, so this begins without
+the motions that nothing pushed or held before (`steady`).
 
 Where loads push a body that nothing holds, only this spring would carry them: such an increment fails.
 """
@@ -58,9 +58,11 @@ class LooseArrays(Arrays):
     """What nothing has held."""
 
     owner = "loose"
-    on_new_mesh: ClassVar[dict[str, OnNewMesh]] = {"stage": RUN}
+    on_new_mesh: ClassVar[dict[str, OnNewMesh]] = {"stage": RUN, "free": RUN}
     stage: NDArray[np.int64]
     """The first stage in which nothing held a body along a rigid motion, -1: none (n_bodies, n_motions)."""
+    free: FloatArray
+    """Projector onto the rigid motions of all bodies that nothing pushes or holds (n_bodies n_motions, the same)."""
 
 
 @dataclass(frozen=True)
@@ -94,14 +96,37 @@ class LooseBodies(Interaction):
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return that everything has been held."""
-        return (LooseArrays(np.full((len(self._bodies), len(name_motions(self._model))), -1)),)
+        shape = len(self._bodies), len(name_motions(self._model))
+        return (LooseArrays(np.full(shape, -1), np.zeros(2 * (shape[0] * shape[1],))),)
+
+    def steady(self, state_n: State, guess: FloatArray) -> FloatArray:
+        """Return a guess of the increment after a converged state without rigid motions that nothing pushes or holds.
+
+        Equilibrium is as good anywhere along these, so a body would go on with the guess.
+        """
+        free, model = state_n[LooseArrays].free, self._model
+        if not free.any():
+            return guess
+        points, d = model.mesh.points + state_n.nodes.moved, model.dimension
+        motions, parts = about_points(model, points), []
+        for body, weight in zip(self._bodies, self._weights, strict=True):
+            own = slice(body.points.start, body.points.stop)
+            moves = motions.move(points[own])[:, : guess.shape[1]]
+            root = np.sqrt(weight)[:, None]
+            rows = (root[:, :, None] * moves[:, :d]).reshape(-1, moves.shape[2])
+            parts.append((own, moves, np.linalg.lstsq(rows, (root * guess[own, :d]).ravel(), rcond=None)[0]))
+        rigid = (free @ np.concatenate([part for _, _, part in parts])).reshape(len(parts), -1)
+        steadied = guess.copy()
+        for (own, moves, _), taken in zip(parts, rigid, strict=True):
+            steadied[own, : moves.shape[1]] -= moves @ taken
+        return steadied
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Find the motions that the supports of the stage leave free, and their moves where the nodes are."""
         model, supports = self._model, self._supports
         self._springs = []
         is_first = step.stage == 0 and (state_n[LooseArrays].stage < 0).all()
-        if _is_between_tools(model) or is_first:
+        if is_first:
             return
         points = model.mesh.points + state_n.nodes.moved
         motions = about_points(model, points)
@@ -148,8 +173,6 @@ def warn_of_loose(model: Model, state: State) -> list[str]:
     if LooseArrays not in state:
         return []
     rests = "it rests where it is. Add a [boundary] entry, or let a tool hold it"
-    if _is_between_tools(model):
-        rests = "where it goes means nothing. Add a [boundary] entry, or set implicit.inertia = 1"
     return [f"{text}: {rests}" for _, text in list_loose(model, state[LooseArrays].stage)]
 
 
@@ -166,11 +189,6 @@ def list_loose(model: Model, first_stage: IntArray) -> Iterator[tuple[int, str]]
                 number,
                 f"nothing holds {name_body(model, body)} in {free} in stage {model.stages[stage].name!r}",
             )
-
-
-def _is_between_tools(model: Model) -> bool:
-    """Say whether a model is of a sheet between tools."""
-    return model.analysis == "shell" and bool(model.space_tools)
 
 
 def make_orthonormal(moves: FloatArray, weight: FloatArray, d: int) -> FloatArray:

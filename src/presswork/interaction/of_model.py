@@ -50,10 +50,11 @@ class Interactions:
             SheetOnItself(model, cells) if model.self_contact and isinstance(cells, ShellMechanics) else None
         )
         self.inertia = Inertia(model) if model.solver.inertia > 0.0 else None
+        self.loose = None if self.inertia else LooseBodies(model, self.supports)
         self.all: tuple[Interaction, ...] = (
             self.supports,
             self.loads,
-            *(() if self.inertia else (LooseBodies(model, self.supports),)),
+            *((self.loose,) if self.loose else ()),
             *((self.bodies,) if model.contacts else ()),
             *((LapMarks(model, self.bodies),) if model.remeshing is not None else ()),
             *((CyclicTies(model, cells),) if model.cyclic and isinstance(cells, Mechanics) else ()),

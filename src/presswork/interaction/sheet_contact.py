@@ -126,10 +126,10 @@ class SheetContact(SpaceContact):
         self.beads.settle(trial, found.beads)
 
     def held_directions(
-        self, state: State, ways: Mapping[int, FloatArray], *, lying: bool
+        self, state: State, ways: Mapping[int, FloatArray], least: float, *, lying: bool
     ) -> tuple[IndexArray, FloatArray]:
         """Return nodes (n,) and vectors (n, 3) along which beads and tools hold them; rough tools in all three."""
-        nodes, directions = super().held_directions(state, ways, lying=lying)
+        nodes, directions = super().held_directions(state, ways, least, lying=lying)
         beneath, across = self.beads.held_directions()
         return np.concatenate([beneath, nodes]), np.concatenate([across, directions])
 

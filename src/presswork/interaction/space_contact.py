@@ -196,18 +196,18 @@ class SpaceContact:
         return self.evaluate(state, state, state.nodes.displacement).by_tool
 
     def held_directions(
-        self, state: State, ways: Mapping[int, FloatArray], *, lying: bool
+        self, state: State, ways: Mapping[int, FloatArray], least: float, *, lying: bool
     ) -> tuple[IndexArray, FloatArray]:
         """Return nodes (n,) and vectors (n, 3) along which tools hold them; rough tools in all three.
 
-        ways: directions (3,) of tools that forces push, by their numbers, along which these hold nothing. lying: nodes
-        that lie on tools are held, too, pushed or not.
+        ways: directions (3,) of tools that forces push, by their numbers, along which these hold nothing. least: a
+        push that counts as none [N]. lying: nodes that lie on tools are held, too, pushed or not.
         """
         nodes, directions = [np.zeros(0, dtype=np.intp)], [np.zeros((0, 3))]
         forces = self.touched(state)
         lies = self._find_lying(state) if lying else [(np.zeros(0, dtype=np.intp), np.zeros((0, 3)))] * len(forces)
         for t, (tool, force, (beside, out)) in enumerate(zip(self._model.space_tools, forces, lies, strict=True)):
-            pushed = np.flatnonzero(np.linalg.norm(force, axis=1) > 0.0)
+            pushed = np.flatnonzero(np.linalg.norm(force, axis=1) > least)
             along = force[pushed] / np.linalg.norm(force[pushed], axis=1)[:, None]
             touched, along = np.concatenate([pushed, beside]), np.concatenate([along, out])
             if not is_frictionless(tool.friction):

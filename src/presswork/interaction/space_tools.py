@@ -43,6 +43,7 @@ class SpaceTools(TravellingTools):
         )
         self.floating = FloatingSpaceTools(model)
         self._course = ToolCourse(model.space_tools, model.stages, 3)
+        self._rounding = 0.0
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return the arrays of tools and beads that have not moved and touch nothing."""
@@ -83,7 +84,8 @@ class SpaceTools(TravellingTools):
         lying: nodes that lie on tools are held, too, pushed or not.
         """
         ways = {t: np.array(push.direction) for t, push in self.floating.pushes(stage).items()}
-        return self.contact.held_directions(state, ways if self._model.analysis == "solid" else {}, lying=lying)
+        ways = ways if self._model.analysis == "solid" else {}
+        return self.contact.held_directions(state, ways, self._rounding, lying=lying)
 
     def lead(self, state_n: State, trial: State, guess: FloatArray) -> FloatArray:
         """Return a first guess with the nodes of a sheet where the tools push on them as they did."""
@@ -108,6 +110,11 @@ class SpaceTools(TravellingTools):
     def predict(self, found: Any, change: FloatArray) -> None:
         """Take note of a correction that is about to be evaluated."""
         self.contact.predict(found)
+
+    def update(self, trial: State, point: Point, own: Any, *, near: bool, pull: float) -> int:
+        """Take the force that counts as none."""
+        self._rounding = pull
+        return 0
 
     def tune(self, trial: State, point: Point, *, pull: float, credible: float) -> int:
         """Return how many nodes the tangent of the law of contact still pushes otherwise than the law."""
@@ -172,8 +179,13 @@ class SpaceTools(TravellingTools):
         return self.contact.augment(own)
 
     def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
-        """Keep the forces of tools and beads."""
+        """Keep the forces of tools and beads; a tool that leaves, and only touches by rounding, has none."""
         self.contact.settle(trial, own)
+        placed, placed_n = trial[SpaceToolArrays], state_n[SpaceToolArrays]
+        moved = placed.displacement - placed_n.displacement
+        leaves = np.einsum("tni,ti->t", placed.force, moved) < 0.0
+        leaves &= np.linalg.norm(placed.force, axis=2).max(axis=1, initial=0.0) <= self._rounding
+        placed.force[leaves], placed.friction[leaves] = 0.0, 0.0
 
     def commit(self, state_n: State, trial: State, step: Step) -> None:
         """Keep the travel of the increment."""

@@ -26,13 +26,15 @@ from presswork.geometry.pose import ToolPose, place_points, start_centre, start_
 from presswork.interaction.contract import Constraints
 from presswork.interaction.grazing import Drag, Grazing
 from presswork.interaction.tool_arrays import SLIDING, STUCK, ContactArrays, StatusArray, ToolArrays
-from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model, list_bodies
 from presswork.state import State
 
 MAX_CHANGES = 4
 """Changes after which a node keeps contact until the increment ends."""
 SLOWER = 0.5
 """Of the speed of the tool that leaves fastest: a body stays on tools that leave more slowly."""
+ALONG = 0.5
+"""Part of a normal along the free motion of a body, below which it lies across."""
 FLUSH = 1 - 1e-6
 """Cosine between two faces above which they are one: a node held by both would not slide."""
 
@@ -51,6 +53,9 @@ class Contact:
         quadratic = boundary if boundary.shape[1] == 3 else np.zeros((0, 3))
         self._sides: IndexArray = np.searchsorted(self.nodes, quadratic)  # first, last, mid-side as places
         self._leader = self._find_leaders()
+        self._bodies = list_bodies(model)
+        starts = [body.points.start for body in self._bodies]
+        self._body = np.searchsorted(starts, self.nodes, side="right") - 1
         points = model.mesh.points
         self.tolerance = 1e-6 * float(np.ptp(points, axis=0).max())
         self.gap = np.full((2 * len(model.plane_tools), len(self.nodes)), np.inf)
@@ -194,16 +199,15 @@ class Contact:
         touch.status[(self.gap < limit) & (touch.status == 0) & self._free(fixed)] = SLIDING
         self._limit_faces(touch.status, before)
         if near:
-            self._let_go(trial, before, self.normal_forces(trial, reaction, fixed), drag, tolerance)
+            self._let_go(trial, before, self.normal_forces(trial, reaction, fixed), drag, fixed, tolerance)
         changed = (before != touch.status).any(axis=0)
         self._changes[changed] += 1
         return int(changed.sum())
 
-    def _let_go(self, trial: State, before: StatusArray, push: FloatArray, drag: Drag, tolerance: float) -> None:
-        """Release nodes that pull, except those that their shear may drag off the tool.
-
-        So are nodes that do not even push on a tool that leaves: a body that nothing else holds would follow it.
-        """
+    def _let_go(
+        self, trial: State, before: StatusArray, push: FloatArray, drag: Drag, fixed: BoolArray, tolerance: float
+    ) -> None:
+        """Release nodes that pull, except those that their shear may drag off the tool, and those that only touch."""
         touch = trial[ContactArrays]
         held = (before > 0) & (touch.status > 0)
         judged = np.where(held, self._judge(push), 0.0)
@@ -213,10 +217,28 @@ class Contact:
         pulls &= ~(self._grazes & (touch.shear_part > 0.0))
         speed = self._find_speed(trial)
         pulls &= _leave_first(speed, pulls)
-        fastest = float(speed[np.arange(len(speed)), self.gap.argmin(axis=1)].max())
-        idle = held & (np.abs(judged) <= tolerance) & (speed > 0.0) & (speed >= SLOWER * fastest)
+        idle = self._find_idle(held, np.abs(judged), speed, fixed, tolerance)
         touch.status[(pulls | idle) & (self._changes < MAX_CHANGES)] = 0
         self.n_unsettled = int((pulls & (self._changes >= MAX_CHANGES)).any(axis=0).sum())
+
+    def _find_idle(
+        self, held: BoolArray, force: FloatArray, speed: FloatArray, fixed: BoolArray, tolerance: float
+    ) -> BoolArray:
+        """Mark faces that hold their nodes with no more force than may be out of balance, where a body would follow.
+
+        It would follow a tool that leaves it; and where tools bear no part of it at all, it would go along a surface
+        across its free motion to stay in touch, as a strip that shrinks between rolls.
+        """
+        fastest = float(speed[np.arange(len(speed)), self.gap.argmin(axis=1)].max())
+        leaves = (speed > 0.0) & (speed >= SLOWER * fastest)
+        borne, free = np.zeros(len(self._bodies)), np.zeros((len(self._bodies), 2))
+        np.maximum.at(borne, self._body, force.max(axis=0))
+        for number, body in enumerate(self._bodies):
+            free[number] = ~fixed[body.points.start : body.points.stop, :2].any(axis=0)
+        free[:, 0] *= self._model.analysis != "axisymmetric"
+        along = np.linalg.norm(self.normal * free[self._body], axis=2)
+        across = (borne[self._body] <= tolerance) & (along < ALONG)
+        return np.asarray(held & (force <= tolerance) & (leaves | across))
 
     def _find_speed(self, trial: State) -> FloatArray:
         """Return how far faces have left the candidates since the increment began (n_faces, n_candidates) [mm]."""
