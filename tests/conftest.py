@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -32,6 +33,17 @@ def umat_laws(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def umat_sheet(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The library of data/umat/sheet_mises.cpp."""
     return compile_law(SOURCES / "sheet_mises.cpp", tmp_path_factory.mktemp("umat") / "sheet_mises.so")
+
+
+@pytest.fixture(scope="session")
+def umat_norton(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The first C++ block of docs/adding_a_law.md, compiled: Norton's creep, by E, nu, A, n."""
+    page = (Path(__file__).parents[1] / "docs" / "adding_a_law.md").read_text(encoding="utf-8")
+    block = re.search(r"```cpp\n(.*?)```", page, re.DOTALL)
+    assert block is not None
+    source = tmp_path_factory.mktemp("umat") / "norton.cpp"
+    source.write_text(block.group(1))
+    return compile_law(source)
 
 
 @pytest.fixture(scope="session")

@@ -3,6 +3,7 @@
 
 import copy
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from presswork.case.stamping.schema import Implicit
 from presswork.fields.shell_fields import sheet_effective_stress
 from presswork.fields.solid_fields import effective_stress
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.model import Model, SolverSettings
+from presswork.model import Model, SolverSettings, Umat
 from presswork.state import State
 
 YOUNG, POISSON, STRESS = 150e3, 0.3, 300.0
@@ -91,6 +92,18 @@ def test_a_held_norton_bar_relaxes_as_the_closed_form_says(family: str, power: f
     exact = (stresses[0] ** (1 - power) + (power - 1) * modulus * factor * TIMES) ** (1 / (1 - power))
     assert np.interp(TIMES, times, stresses) == pytest.approx(exact, rel=0.01)
     assert len(times) < 160
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_a_norton_bar_of_a_user_law_relaxes_as_the_closed_form_says(family: str, umat_norton: Path) -> None:
+    power, factor = 5.0, 1e-13
+    bar = stretched_bar(family, power, factor)
+    law = Umat(str(umat_norton), (YOUNG, POISSON, factor, power), 1)
+    material = replace(bar.materials[0], hardening=None, heating=None, umat=law)
+    times, stresses = relax(ImplicitProcedure(replace(bar, materials=(material,)), threads=1))
+    modulus = 1.5 * YOUNG / (1 + POISSON) if family == "plane" else YOUNG
+    exact = (stresses[0] ** (1 - power) + (power - 1) * modulus * factor * TIMES) ** (1 / (1 - power))
+    assert np.interp(TIMES, times, stresses) == pytest.approx(exact, rel=0.01)
 
 
 def test_a_hot_bar_relaxes_by_its_modulus_at_this_temperature() -> None:

@@ -13,6 +13,7 @@ import numpy as np
 
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
+from presswork.implicit.half_steps import HalfSteps
 from presswork.implicit.localisation import Localisation, note_localisation
 from presswork.implicit.step_sizes import SMALLEST
 from presswork.implicit.stress_error import StressError
@@ -47,7 +48,7 @@ class Accuracy:
     """Judges increments by their error."""
 
     def __init__(self, model: Model, mechanics: Mechanics | ShellMechanics) -> None:
-        self._model, self._stress = model, StressError(model, mechanics)
+        self._model, self._stress, self._user_laws = model, StressError(model, mechanics), HalfSteps(model, mechanics)
         self._error = 0.0
 
     @staticmethod
@@ -66,7 +67,8 @@ class Accuracy:
             # in less, what equilibrium leaves out counts as flow
             self._error = np.sqrt(self._stress.find_of_flow(state_n, trial, step.dt) / tolerance)
         of_stress = self._stress.correct(state_n, trial, NOTHING * kept.largest_stress) / tolerance
-        self._error = max(self._error, of_stress)
+        of_user = self._user_laws.find(state_n, trial, step, NOTHING * kept.largest_stress) / tolerance
+        self._error = max(self._error, of_stress, of_user)
 
     def judge(self, step: Step, log: IterationLog) -> Converged | Failed:
         """Refuse an increment that errs by much."""

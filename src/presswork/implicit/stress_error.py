@@ -72,7 +72,7 @@ class StressError:
 
     def mean_stress(self, state: State) -> float:
         """Return the largest mean of the effective stress of a block that depends on the rate [MPa]."""
-        return max((_root_mean(state.cells.volume[i], _effective(state, i)) for i in self._blocks), default=0.0)
+        return max((root_mean(state.cells.volume[i], _effective(state, i)) for i in self._blocks), default=0.0)
 
     def _correct_block(self, block: int, state_n: State, trial: State, least: float) -> float:
         before, after = _effective(state_n, block), _effective(trial, block)
@@ -82,11 +82,11 @@ class StressError:
         # a stress that rises is on its way to the flow stress, where the error is forgotten
         summed += np.where(z > 1.0, 0.0, np.maximum(after - before, 0.0) * own)
         volume = trial.cells.volume[block]
-        stress = max(_root_mean(volume, np.maximum(before, after)), least)
+        stress = max(root_mean(volume, np.maximum(before, after)), least)
         if self._materials[block].kinematic is None and self._materials[block].gtn is None:
             self._take_off(block, trial, np.minimum(fallen * own, LARGEST * after), after, power)
             summed = REMAINS * summed
-        return _root_mean(volume, summed) / stress if stress > 0.0 else 0.0
+        return root_mean(volume, summed) / stress if stress > 0.0 else 0.0
 
     def _take_off(self, block: int, trial: State, excess: FloatArray, stress: FloatArray, power: FloatArray) -> None:
         """Lower the effective stress of a block's points by an excess (n_cells, p) [MPa], as plastic strain does."""
@@ -143,7 +143,7 @@ def _effective(state: State, block: int) -> FloatArray:
     return sheet_effective_stress(stress) if stress.shape[-1] == 3 else effective_stress(stress)
 
 
-def _root_mean(volume: FloatArray, values: FloatArray) -> float:
+def root_mean(volume: FloatArray, values: FloatArray) -> float:
     """Return the root of the mean square by volume; of a block without volume 0."""
     whole = float(volume.sum())
     return float(np.sqrt((volume * values**2).sum() / whole)) if whole > 0.0 else 0.0
