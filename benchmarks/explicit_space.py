@@ -14,7 +14,8 @@ import numpy as np
 from presswork import _core
 from presswork.body.laws_of_solids import make_law
 from presswork.explicit.device import Device
-from presswork.explicit.space_solids import ExplicitSpaceSolids, SpaceMaterial
+from presswork.explicit.space_material import SpaceMaterial
+from presswork.explicit.space_solids import ExplicitSpaceSolids
 from presswork.mesh.box import mesh_box
 from presswork.model import Hardening, Material, SolverSettings
 

@@ -168,7 +168,7 @@ def identify(case: AnyCase) -> str:
     """Return the fingerprint of a case's Model: equal for cases that compute the same. Raises CaseError."""
     model = build(case)
     if isinstance(model, Model):
-        from presswork.recorder import fingerprint
+        from presswork.fingerprint import fingerprint
 
         return fingerprint(model)
     from presswork.onestep.record import identify_model

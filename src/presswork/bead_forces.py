@@ -14,7 +14,8 @@ import numpy as np
 
 from presswork.case import CaseError, build_model
 from presswork.case.errors import Problem
-from presswork.recorder import StartError, fingerprint, run_model
+from presswork.fingerprint import fingerprint
+from presswork.recorder import StartError, run_model
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import write_whole
 

@@ -3,25 +3,23 @@
 
 from __future__ import annotations
 
-import hashlib
 import logging
 import os
 import platform
 import resource
-import sys
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import partial
 from io import TextIOWrapper
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal
 
-import numpy as np
 from numpy.typing import NDArray
 
 from presswork import __version__, stop
+from presswork.fingerprint import fingerprint
 from presswork.model import Model
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
@@ -46,10 +44,9 @@ from presswork.results.progress import ProgressFile
 from presswork.results.whole_file import explain_write_error, open_to_append, write_whole
 from presswork.step_writer import StepWriter, append_snapshot
 
-__all__ = ["Outcome", "Progress", "StartError", "fingerprint", "run_model"]
+__all__ = ["Outcome", "Progress", "StartError", "run_model"]
 
 Status = Literal["completed", "gave_up", "interrupted"]
-_NOT_COMPUTED_WITH = ("title", "output", "case_text", "mesh", "limits")
 
 
 @dataclass(frozen=True)
@@ -160,31 +157,6 @@ def _follow_rows(recording: Recording, world: World) -> Status:
     except KeyboardInterrupt:
         return "interrupted"
     return "completed"
-
-
-def fingerprint(model: Model) -> str:
-    """Return a digest of what a checkpoint depends on: everything but the title and what is saved."""
-    digest = hashlib.sha256()
-    with np.printoptions(threshold=sys.maxsize, floatmode="unique"):
-        digest.update(f"{_save_points(model)!r}".encode())
-        for part in fields(model):
-            if part.name not in _NOT_COMPUTED_WITH:
-                digest.update(f"{part.name} {getattr(model, part.name)!r}".encode())
-    digest.update(np.ascontiguousarray(model.mesh.points).tobytes())
-    if model.mesh.normals is not None:
-        digest.update(np.ascontiguousarray(model.mesh.normals).tobytes())
-    for block in model.mesh.blocks:
-        section = repr(block.section).encode() if block.section else b""
-        digest.update(block.element.encode() + section + np.ascontiguousarray(block.connectivity).tobytes())
-    return digest.hexdigest()
-
-
-def _save_points(model: Model) -> object:
-    """Return what the output settings say of the implicit procedure's increments, which end where a step is saved."""
-    if model.explicit is not None:
-        return None
-    steps = 0 if model.output.every else model.output.steps
-    return steps, tuple(float(part) for part in model.output.at)
 
 
 def write_start(model: Model, folder: Path) -> list[str]:

@@ -20,7 +20,8 @@ from presswork.explicit.dynamics import RENEWAL
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.shells import ExplicitShells, Precision, ShellOptions
 from presswork.explicit.space import SpaceDynamics
-from presswork.explicit.space_solids import ExplicitSpaceSolids, SpaceMaterial
+from presswork.explicit.space_material import SpaceMaterial
+from presswork.explicit.space_solids import ExplicitSpaceSolids
 from presswork.geometry.tool_surface import make_surface
 from presswork.model import Damage, Plane, SolverSettings
 from presswork.outcome import StartError

@@ -8,7 +8,8 @@ from presswork import _core
 from presswork.body.divided_solids import DividedMechanics
 from presswork.body.make import make_mechanics
 from presswork.body.shells import ShellFailed
-from presswork.body.solids import Mechanics, TurnedInsideOut
+from presswork.body.solids import Mechanics
+from presswork.body.turned_inside_out import TurnedInsideOut
 from presswork.model import Stage
 from presswork.outcome import Step
 from presswork.timing import Timing

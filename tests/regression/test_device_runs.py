@@ -15,10 +15,11 @@ from presswork.case import StampingCase, build_model
 from presswork.cli.commands import app
 from presswork.examples import copy_example
 from presswork.explicit.input_checks import ExplicitError
+from presswork.fingerprint import fingerprint
 from presswork.outcome import GaveUpError
 from presswork.post.section import measure_draw_in
 from presswork.process.begin import begin
-from presswork.recorder import StartError, fingerprint, run_model
+from presswork.recorder import StartError, run_model
 from tests.regression.whole_runs import run_in_two_parts, run_to_end, stop_after
 from tests.unit.case.round_cup import CUP, changed
 

@@ -13,7 +13,8 @@ import pytest
 from presswork import Case, OutputError, Result, run
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
-from presswork.recorder import fingerprint, run_model
+from presswork.fingerprint import fingerprint
+from presswork.recorder import run_model
 from presswork.results import load_checkpoint
 from presswork.results.folder import CHECKPOINT, HISTORY, RESULTS
 from tests.regression.faulty_runs import Ending, Fault, run_with_fault

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from presswork import run_model
+from presswork.fingerprint import fingerprint
 from presswork.geometry.swept_tool import draw_hemispherical_punch
 from presswork.mesh.shells import mesh_shell_rectangle
 from presswork.model import (
@@ -23,7 +24,7 @@ from presswork.model import (
     Tool,
     ToolMotion,
 )
-from presswork.recorder import Progress, fingerprint
+from presswork.recorder import Progress
 
 DEEP = 0.4
 

@@ -13,7 +13,8 @@ from presswork import _core, build_model
 from presswork.body.laws_of_solids import make_law
 from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
-from presswork.explicit.space_solids import ExplicitSpaceSolids, SpaceMaterial
+from presswork.explicit.space_material import SpaceMaterial
+from presswork.explicit.space_solids import ExplicitSpaceSolids
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.space.drawn_up import mesh_turned
 from presswork.model import Hardening, Material, Plane, SolverSettings

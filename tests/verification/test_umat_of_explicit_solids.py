@@ -11,7 +11,8 @@ import pytest
 from presswork import _core
 from presswork.body.laws_of_solids import make_law
 from presswork.explicit.input_checks import ExplicitError
-from presswork.explicit.space_solids import ExplicitSpaceSolids, SpaceMaterial
+from presswork.explicit.space_material import SpaceMaterial
+from presswork.explicit.space_solids import ExplicitSpaceSolids
 from presswork.law.umat import open_umat
 from presswork.model import Hardening, Material, SolverSettings, Umat
 from tests.problems import space_solids

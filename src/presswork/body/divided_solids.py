@@ -9,7 +9,8 @@ from dataclasses import fields
 from presswork.body.contract import Look, Near
 from presswork.body.divided_cells import DividedCells
 from presswork.body.law_failed import LawFailed
-from presswork.body.solids import CellBlock, Mechanics, SolidAssembler, TurnedInsideOut
+from presswork.body.solids import CellBlock, Mechanics, SolidAssembler
+from presswork.body.turned_inside_out import TurnedInsideOut
 from presswork.model import FloatArray, IntArray, Model
 from presswork.ranks.world import World
 from presswork.state import CellArrays, State

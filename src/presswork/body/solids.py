@@ -18,6 +18,7 @@ from presswork.body.law_window import LawWindow, note_rates
 from presswork.body.laws_of_solids import make_law, make_point_settings
 from presswork.body.nodal_pressure import describe_freedom, find_scale
 from presswork.body.solid_energy import elastic_energy, stress_in_axes
+from presswork.body.turned_inside_out import TurnedInsideOut
 from presswork.evolution.points import find_evolved
 from presswork.fields.contact_stress import BodyTraction, ContactForces
 from presswork.fields.instant import Instant, SolidPoints
@@ -31,21 +32,10 @@ from presswork.law.elastic_plastic import (
     temperature_at_rest,
 )
 from presswork.model import FloatArray, IntArray, MaskArray, Material, Model
-from presswork.outcome import BadGuess, Step
+from presswork.outcome import Step
 from presswork.ranks.assembler import DividedAssembler
 from presswork.state import CellArrays, NodeArrays, State
 from presswork.timing import Timing
-
-
-@dataclass(frozen=True)
-class TurnedInsideOut(BadGuess):
-    """A cell that the trial displacement has turned inside out; the increment must be cut."""
-
-    block: int
-    cell: int
-
-    def __str__(self) -> str:
-        return f"cell {self.cell} of block {self.block} turned inside out"
 
 
 @dataclass(frozen=True)

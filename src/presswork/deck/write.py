@@ -10,8 +10,9 @@ import meshio
 import numpy as np
 import tomli_w
 
+from presswork.deck.blank_and_tools import Surface
 from presswork.deck.notes import Notes
-from presswork.deck.stamping import ImportedStamping, Surface
+from presswork.deck.stamping import ImportedStamping
 from presswork.mesh.dynain import write_dynain
 from presswork.mesh.stl_file import pack_stl
 from presswork.mesh.triangles import double_areas

@@ -20,12 +20,12 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
-from presswork.evolution.damage import DamageLaw
 from presswork.explicit.blocks import Solids
 from presswork.explicit.body_contacts import TouchingBodies, TouchingSurfaces, list_known
 from presswork.explicit.device import Device, refuse
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space import SpaceDynamics
+from presswork.explicit.space_material import SpaceMaterial
 from presswork.explicit.space_walls import NOT_TURNED, SpaceWall, WallStart
 from presswork.model import Mesh
 from presswork.ranks.world import World
@@ -40,27 +40,6 @@ DEEPEST_START = 1e-6
 """Of the size of the body: how deep a node may lie in a tool at the start."""
 SAME_DIRECTION = 1e-6
 """Part of a normal beside what holds its nodes already that counts for nothing."""
-
-
-@dataclass(frozen=True)
-class SpaceMaterial:
-    """What a block of solids in space is made of."""
-
-    law: _core.VonMises | _core.SolidLaw | _core.Umat
-    density: float
-    """[t/mm3]"""
-    elastic: tuple[float, float] = (0.0, 0.0)
-    """Young's modulus [MPa] and Poisson's ratio of a UMAT's first tangent."""
-    rolling: tuple[float, float, float] = (1.0, 0.0, 0.0)
-    """Unit vector along the law's x."""
-    porosity: float | None = None
-    """At the start, of a metal with pores."""
-    damage: tuple[DamageLaw, ...] = ()
-    """Criteria whose damage grows."""
-    start: float = 20.0
-    """Temperature at the start [degrees C]."""
-    heats: bool = False
-    """Whether the law heats."""
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from presswork.model import FloatArray
-from presswork.post.section import cut_sheet
+from presswork.post.section import cut_sheet, find_sheets
 from presswork.results import Result
 from presswork.results.whole_file import write_whole
 
@@ -23,9 +23,10 @@ def measure_draw_in_around(result: Result, step: int = -1) -> FloatArray:
     """
     symmetry = str(result.info.get("symmetry", ""))
     low, high = {"": (0.0, 360.0), "x": (-90.0, 90.0), "y": (0.0, 180.0)}.get(symmetry, (0.0, 90.0))
-    rows = []
+    rows, sheets = [], [find_sheets(result.mesh_at(s)) for s in (0, step)]
     for angle in np.linspace(low, high, round((high - low) / EVERY) + 1):
-        before, now = (cut_sheet(result, float(np.radians(angle)), s).line for s in (0, step))
+        turned = float(np.radians(angle))
+        before, now = (cut_sheet(result, turned, s, sheets=own).line for s, own in zip((0, step), sheets, strict=True))
         if len(before):
             rows.append((angle, before[-1, 1, 0] - now[-1, 1, 0]))
     return np.array(rows).reshape(-1, 2)

@@ -40,18 +40,24 @@ def cut_sheet(
     *,
     start: tuple[float, float] = ORIGIN,
     whole: bool = False,
+    sheets: IntArray | None = None,
 ) -> SheetSection:
     """Cut the sheet along the ray from `start` (x, y) [mm] at an angle from x [rad].
 
     The ray is drawn on the undeformed blank, so that the same material is seen at every step; of its places now the
     part along the ray is returned. In an operation whose part was turned over or round the ray turns with it
     (find_ray). A ray that starts outside the blank cuts it from side to side, and so does one that
-    is whole: distances behind its start are negative.
+    is whole: distances behind its start are negative. sheets: what find_sheets returns, for one who cuts often.
 
     Pieces where the radius runs along a side of two cells belong to one of them.
     """
     plan, least = result.plan_at(step), -np.inf if whole else 0.0
-    return _cut_mesh(result.mesh_at(step), result.points(step), angle, start, least, plan)
+    return _cut_mesh(result.mesh_at(step), result.points(step), angle, start, least, plan, sheets)
+
+
+def find_sheets(mesh: ResultMesh) -> IntArray:
+    """Return the sheet of each node, of sheets that share none (n_points,)."""
+    return find_parts([np.asarray(b.connectivity, dtype=np.int32) for b in mesh.blocks], len(mesh.points))[1]
 
 
 def find_breaks(line: FloatArray) -> NDArray[np.intp]:
@@ -79,6 +85,7 @@ def _cut_mesh(
     start: tuple[float, float],
     least: float = 0.0,
     plan: FloatArray | None = None,
+    sheets: IntArray | None = None,
 ) -> SheetSection:
     """Cut a mesh whose nodes are at `now` (n_points, 3), as cut_sheet, from a distance on; plan: of find_plans."""
     out, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
@@ -90,7 +97,7 @@ def _cut_mesh(
     size = float(np.ptp(before, axis=0).max())
     off = np.where(np.abs(off) < 1e-9 * size, 0.0, off)
     pieces: list[tuple[int, float, FloatArray, int]] = []
-    first, part = 0, find_parts([np.asarray(b.connectivity, dtype=np.int32) for b in mesh.blocks], len(mesh.points))[1]
+    first, part = 0, find_sheets(mesh) if sheets is None else sheets
     for block in mesh.blocks:
         cells = block.connectivity
         sides = np.sign(off[cells])

@@ -16,7 +16,8 @@ from presswork.explicit.body_contacts import TouchingSurfaces
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.energy import EnergyBalance
 from presswork.explicit.motion import Motion
-from presswork.explicit.space_solids import ExplicitSpaceSolids, SpaceMaterial, TiedFaces
+from presswork.explicit.space_material import SpaceMaterial
+from presswork.explicit.space_solids import ExplicitSpaceSolids, TiedFaces
 from presswork.explicit.space_walls import SpaceWall, WallStart
 from presswork.fields.solid_fields import effective_stress
 from presswork.geometry.pose import find_axis, find_space_pose, start_centre_in_space, turn_about

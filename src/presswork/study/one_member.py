@@ -6,8 +6,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from presswork.fingerprint import fingerprint
 from presswork.model import Model
-from presswork.recorder import Progress, fingerprint
+from presswork.recorder import Progress
 from presswork.results import OutputError, load_checkpoint
 from presswork.results.folder import CHECKPOINT, find_members
 from presswork.study.member_process import Ending, Mode

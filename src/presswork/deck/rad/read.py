@@ -9,14 +9,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
-from presswork.deck.contents import Contact, Deck, Held, MaterialCard, Motion, PartCard, Push, Shells
+from presswork.deck.contents import Deck, MaterialCard, PartCard, Shells
 from presswork.deck.fields import FieldError, read_table
 from presswork.deck.notes import Notes
 from presswork.deck.rad.blocks import Block, read_blocks, read_row
+from presswork.deck.rad.conditions import Conditions, RigidBody
 from presswork.deck.rad.engine import read_engine, take_engine_block
 from presswork.deck.rad.groups import Groups
 from presswork.deck.rad.keywords import SEEN, STARTER
@@ -27,13 +27,6 @@ from presswork.model import IndexArray
 
 _OLDEST = 51
 """The first version whose fields are 10 and 20 characters wide."""
-_AXES = {"X": 0, "Y": 1, "Z": 2, "XX": 3, "YY": 4, "ZZ": 5}
-_KINDS: dict[str, Literal["velocity", "acceleration", "displacement"]] = {
-    "IMPVEL": "velocity",
-    "IMPACC": "acceleration",
-    "IMPDISP": "displacement",
-}
-_FOREVER = 1e20
 
 
 @dataclass(frozen=True)
@@ -43,20 +36,6 @@ class _Part:
     material: int
     thickness: float
     block: Block
-
-
-@dataclass(frozen=True)
-class _Body:
-    """A rigid body: its main node, all its nodes, and the parts that they are."""
-
-    main: int
-    nodes: IndexArray
-    parts: tuple[int, ...]
-
-    @property
-    def part(self) -> int:
-        """The part that stands for all of them."""
-        return self.parts[0]
 
 
 class RadDeck:
@@ -76,7 +55,7 @@ class RadDeck:
         self._materials: dict[int, Block] = {}
         self._groups = Groups()
         self._later: list[Block] = []
-        self._bodies: list[_Body] = []
+        self._bodies: list[RigidBody] = []
         self._all = Shells(np.empty(0, dtype=np.intp), np.empty((0, 4), dtype=np.intp), np.empty(0))
 
     def read(self) -> Deck:
@@ -236,9 +215,10 @@ class RadDeck:
         for number, each in self._parts.items():
             if number not in {each for body in self._bodies for each in body.parts}:
                 self._try(self._sheet, each.block)
+        conditions = Conditions(deck, self.notes, self._groups, self._all, self._bodies)
         for block in self._later:
             if block.words[0] != "RBODY":
-                self._try(_LATER[block.words[0]].__get__(self), block)
+                self._try(conditions.take, block)
 
     def _body(self, block: Block) -> None:
         """Find the part that a rigid body is; several parts become one."""
@@ -261,7 +241,7 @@ class RadDeck:
         of = self._parts[parts[0]]
         self.deck.parts[parts[0]] = PartCard(of.title, 0, 0, of.block.place, of.block.keyword)
         self.deck.materials[0] = MaterialCard(block.keyword, 0.0, 0.0, 0.0, block.place, is_rigid=True)
-        self._bodies.append(_Body(main, nodes, parts))
+        self._bodies.append(RigidBody(main, nodes, parts))
 
     def _sheet(self, block: Block) -> None:
         """Take a part that is not rigid, with its property and material."""
@@ -288,104 +268,6 @@ class RadDeck:
         if material is not None:
             deck.materials[number] = replace(material, rolling=rolling if material.yield_function else None)
 
-    def _bodies_of(self, nodes: IndexArray) -> list[_Body]:
-        """Return the rigid bodies that a group drives: by their main node, or all their nodes."""
-        return [body for body in self._bodies if body.main in nodes or np.isin(body.nodes, nodes).all()]
-
-    def _motion(self, block: Block) -> None:
-        rows = block.titled()[1]
-        direction, kind = rows[0][10:20].decode("latin-1").strip().upper(), _KINDS[block.words[0]]
-        curve, _, skew, sensor, group, frame, around = (
-            int(each) for each in read_row(rows[0][:10] + b" " * 10 + rows[0][20:], *[10] * 7)
-        )
-        if skew or sensor or frame or around or direction not in _AXES:
-            text = "a motion in a frame of its own, by a sensor, or along a direction that is not known"
-            self.notes.refuse(block.place, block.keyword, text, "give it along X, Y or Z of the deck")
-            return
-        along, scale, begin, end = read_row(rows[1] if len(rows) > 1 else b"", 20, 20, 20, 20)
-        bodies = self._driven(block, group)
-        number = self._scaled(curve, along, begin)
-        for body in bodies:
-            motion = (kind, number, scale or 1.0, begin, end or _FOREVER, block.place, block.keyword)
-            self.deck.motions.append(Motion(body.part, _AXES[direction], *motion))
-
-    def _push(self, block: Block) -> None:
-        row = block.titled()[1][0]
-        direction = row[10:20].decode("latin-1").strip().upper()
-        curve, _, skew, sensor, group, _, along, scale = read_row(row[:10] + b" " * 10 + row[20:], *[10] * 6, 20, 20)
-        if skew or sensor or direction not in ("X", "Y", "Z"):
-            text = "a moment, or a force in a frame of its own or by a sensor"
-            self.notes.refuse(block.place, block.keyword, text, "give it along X, Y or Z of the deck")
-            return
-        nodes = self._groups.nodes("GRNOD", int(group), self._all)
-        for body in self._driven(block, int(group)):
-            n = int(np.isin(body.nodes, nodes).sum())
-            number = self._scaled(int(curve), along, 0.0)
-            push = Push(body.part, _AXES[direction], number, n * (scale or 1.0), block.place, block.keyword)
-            self.deck.pushes.append(push)
-
-    def _driven(self, block: Block, group: int) -> list[_Body]:
-        bodies = self._bodies_of(self._groups.nodes("GRNOD", group, self._all))
-        if not bodies:
-            text = "drives nodes that are no rigid body"
-            self.notes.refuse(block.place, block.keyword, text, "drive the main nodes of /RBODY")
-        return bodies
-
-    def _scaled(self, number: int, along: float, begin: float) -> int:
-        """Return the number of a curve whose times are scaled, and counted from where it begins to act."""
-        along = along or 1.0
-        curve = self.deck.curves.get(number)
-        if curve is None or (along == 1.0 and not begin):
-            return number
-        found = max(self.deck.curves) + 1
-        self.deck.curve_lines[found] = self.deck.curve_lines[number]
-        self.deck.curves[found] = np.column_stack([curve[:, 0] * along - begin, curve[:, 1]])
-        return found
-
-    def _support(self, block: Block) -> None:
-        row = block.titled()[1][0]
-        fixed = tuple(each == "1" for each in row[:10].decode("latin-1") if each in "01")
-        skew, group = (int(each) for each in read_row(row[10:], 10, 10))
-        if len(fixed) != 6:
-            raise FieldError(f"`{row[:10].decode('latin-1')}` is no row of six digits")
-        if skew:
-            self.notes.refuse(block.place, block.keyword, "a support in a frame of its own")
-            return
-        if any(fixed):
-            nodes = self._groups.nodes("GRNOD", group, self._all)
-            self.deck.held.append(Held(nodes, fixed, block.place, block.keyword))
-
-    def _contact(self, block: Block) -> None:
-        kind = block.words[1] if len(block.words) > 1 else ""
-        if kind not in ("TYPE7", "TYPE21"):
-            self.notes.refuse(block.place, block.keyword, "a contact of another kind", "take TYPE7 or TYPE21")
-            return
-        rows = block.titled()[1]
-        second, main, _, heat, _, _, _, _, curved, _ = (int(each) for each in read_row(rows[0], *[10] * 10))
-        last = 4 if kind == "TYPE7" and curved in (1, 2) else 3
-        _, friction, gap, begin, end = read_row(rows[last], *[20] * 5)
-        law, sensor, table = 0.0, 0.0, 0.0
-        if len(rows) > last + 2:
-            law, _, _, _, sensor, curve, _, named = read_row(rows[last + 2], 10, 10, 20, 10, 10, 10, 20, 10)
-            table = curve or named
-        if heat or sensor or table or begin or 0.0 < end < (self.deck.end or 0.0):
-            text = "a contact with heat, for a part of the time, by a sensor, or with a table of friction"
-            self.notes.refuse(block.place, block.keyword, text)
-        if law:
-            self.notes.change(
-                block.place, block.keyword, f"one coefficient of friction, Fric; Ifric = {law:g} is left out"
-            )
-        if gap:
-            self.notes.change(block.place, block.keyword, f"a gap of {gap:g}: the sheet touches with its faces")
-        room = "GRNOD" if kind == "TYPE7" else "SURF"
-        found = (self._groups.parts(room, second, self._all), self._groups.parts("SURF", main, self._all))
-        stands = {each: body.part for body in self._bodies for each in body.parts}
-        sides = (tuple(stands.get(n, n) for n in found[0]), tuple(stands.get(n, n) for n in found[1]))
-        rigid = {body.part for body in self._bodies}
-        if all(set(side) - rigid for side in sides):
-            self.notes.refuse(block.place, block.keyword, "a sheet that touches itself")
-        self.deck.contacts.append(Contact(sides, (friction, 0.0), block.place, block.keyword))
-
 
 _HANDLERS: dict[str, Callable[[RadDeck, Block], None]] = {
     "BEGIN": RadDeck._begin,
@@ -401,13 +283,5 @@ _HANDLERS: dict[str, Callable[[RadDeck, Block], None]] = {
     "FUNCT": RadDeck._curve,
     "ADMESH": RadDeck._adaptive,
 }
-_LATER: dict[str, Callable[[RadDeck, Block], None]] = {
-    "RBODY": RadDeck._body,
-    "IMPVEL": RadDeck._motion,
-    "IMPACC": RadDeck._motion,
-    "IMPDISP": RadDeck._motion,
-    "CLOAD": RadDeck._push,
-    "BCS": RadDeck._support,
-    "INTER": RadDeck._contact,
-}
+_LATER = ("RBODY", "IMPVEL", "IMPACC", "IMPDISP", "CLOAD", "BCS", "INTER")
 """What names groups, which may stand below it."""

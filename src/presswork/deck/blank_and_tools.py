@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Blank, tools and their motions among the parts of a deck, in the frame of a case."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from presswork.deck.contents import Deck, MaterialCard, Motion, PartCard, Push
+from presswork.deck.formed import has_past
+from presswork.deck.material import keep_curve
+from presswork.deck.notes import Notes
+from presswork.deck.place import Seat, find_normal, find_planes, seat
+from presswork.deck.stages import find_way, sample_times
+from presswork.deck.units import Units
+from presswork.model import FloatArray, IndexArray
+
+PUNCH = re.compile(r"punch|stamp|post", re.IGNORECASE)
+"""Titles of parts that are punches."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Triangles and quadrilaterals of a part, in the frame of the case."""
+
+    points: FloatArray
+    """(n, 3) [mm]."""
+    cells: IndexArray
+    """(m, 4); a triangle has its last node twice."""
+
+
+class BlankAndTools:
+    """What a deck says of its blank and of the tools that touch it."""
+
+    def __init__(self, deck: Deck, units: Units, notes: Notes) -> None:
+        self.deck, self.units, self.notes = deck, units, notes
+        assert deck.shells is not None
+        self.shells = deck.shells
+        largest = int(deck.labels.max())
+        self.row_of = np.full(largest + 1, -1, dtype=np.intp)
+        self.row_of[deck.labels] = np.arange(len(deck.labels))
+        self._check_nodes()
+        self.blank, self.material = self._find_blank()
+        self.tools = self._find_tools()
+        self.sheet_points, self.sheet_index = self._points_of(self.blank)
+        self.has_past = has_past(deck, self.blank)
+        self.seat, self.symmetry = self._find_seat()
+        self.times, self.ways = self._find_ways()
+
+    def _check_nodes(self) -> None:
+        nodes = self.shells.nodes
+        known = (nodes > 0) & (nodes < len(self.row_of))
+        if not known.all() or (self.row_of[nodes] < 0).any():
+            raise self.notes.fail(
+                None, "shells of nodes that the deck does not have", "the deck is cut short, or a file is missing"
+            )
+
+    # --- parts -------------------------------------------------------------------------------------------------------
+
+    def _find_blank(self) -> tuple[int, MaterialCard]:
+        deck, used = self.deck, set(np.unique(self.shells.part).tolist())
+        sheets = []
+        for number, part in deck.parts.items():
+            material = deck.materials.get(part.material)
+            if number not in used:
+                self.notes.drop(part.place, part.keyword, f"part {number} ({part.title}) has no shells")
+            elif material is None:
+                remedy = "give its material in the deck, or leave the part out"
+                raise self.notes.fail(
+                    part.place, f"part {number} ({part.title}) has no material {part.material}", remedy
+                )
+            elif not material.is_rigid:
+                sheets.append((number, material))
+        if len(sheets) != 1:
+            names = ", ".join(f"{n} ({deck.parts[n].title})" for n, _ in sheets) or "none"
+            fault = f"expected one part of shells that deforms, the blank; found: {names}"
+            raise self.notes.fail(None, fault, "make tools rigid (*MAT_RIGID, *RIGID BODY, /RBODY), and give one sheet")
+        return sheets[0]
+
+    def _find_tools(self) -> dict[int, PartCard]:
+        """Return the rigid parts that touch the blank."""
+        touched: dict[int, PartCard] = {}
+        for contact in self.deck.contacts:
+            for own, other in (contact.parts, contact.parts[::-1]):
+                if self.blank in own:
+                    touched |= {n: self.deck.parts[n] for n in other if n in self.deck.parts and n != self.blank}
+        used = set(np.unique(self.shells.part).tolist())
+        touched = {number: part for number, part in touched.items() if number in used}
+        if not touched:
+            raise self.notes.fail(None, "no rigid part touches the blank", "give a contact between blank and tools")
+        for number in used - set(touched) - {self.blank}:
+            if number not in self.deck.parts:
+                text = f"shells of part {number}, which the deck does not have"
+                raise self.notes.fail(None, text, "the deck is cut short, or a file is missing")
+            part = self.deck.parts[number]
+            self.notes.drop(part.place, part.keyword, f"part {number} ({part.title}) touches nothing")
+        return touched
+
+    def _points_of(self, part: int) -> tuple[FloatArray, IndexArray]:
+        """Return the points of a part (n, 3) [mm], and each label's number among them."""
+        labels = np.unique(self.shells.nodes[self.shells.part == part])
+        index = np.full(len(self.row_of), -1, dtype=np.intp)
+        index[labels] = np.arange(len(labels))
+        return self.deck.points[self.row_of[labels]] * self.units.length, index
+
+    @property
+    def angle(self) -> FloatArray:
+        """Of the material from the first side of each shell of the blank (n,) [rad]."""
+        own = self.shells.part == self.blank
+        return np.zeros(int(own.sum())) if self.shells.angle is None else np.radians(self.shells.angle[own])
+
+    def surface(self, part: int) -> Surface:
+        """Return the shells of a part in the frame of the case."""
+        points, index = self._points_of(part)
+        return Surface(self.seat.place(points), index[self.shells.nodes[self.shells.part == part]])
+
+    # --- the frame ---------------------------------------------------------------------------------------------------
+
+    def _find_seat(self) -> tuple[Seat, tuple[str, ...]]:
+        points = self.sheet_points
+        driven: list[Motion | Push] = [*self.deck.motions, *self.deck.pushes]
+        normal = find_normal(points)
+        axes = {each.axis for each in driven if each.part in self.tools}
+        if self.has_past and len(axes) == 1:
+            normal = axes.pop() % 3
+        if normal is None:
+            fault = "the blank is not flat, or not normal to x, y or z"
+            raise self.notes.fail(self.deck.parts[self.blank].place, fault, "form the part from its flat blank")
+        for other in driven:
+            if other.part in self.tools and other.axis != normal:
+                axis = "xyz"[other.axis] if other.axis < 3 else f"a turn about {'xyz'[other.axis - 3]}"
+                fault = f"part {other.part} is driven along {axis}, the press works along {'xyz'[normal]}"
+                self.notes.refuse(other.place, other.keyword, fault, "tools of a stamping move normal to the blank")
+        self.notes.check()
+        self._normal = normal
+        planes = find_planes(points, self.sheet_index, self.deck.held, normal)
+        taken = [held for _, own in planes.values() for held in own]
+        for held in taken:
+            self.notes.change(held.place, held.keyword, "a symmetry plane of the blank (blank.symmetry)")
+        for held in self.deck.held:
+            is_of_blank = (self.sheet_index[held.nodes[held.nodes < len(self.sheet_index)]] >= 0).any()
+            if held in taken:
+                continue
+            if is_of_blank:
+                self.notes.refuse(held.place, held.keyword, "supports of the blank that are no symmetry plane")
+            else:
+                self.notes.drop(held.place, held.keyword, "holds nodes of rigid tools, which move as stages say")
+        self.notes.check()
+        upwards = self._comes_from_above(normal)
+        placed, symmetry = seat(points, normal, upwards, {axis: at for axis, (at, _) in planes.items()})
+        return placed, symmetry
+
+    def _comes_from_above(self, normal: int) -> bool:
+        """Say whether the punch comes from the side of the positive normal: named so, or pushed, or with most tools."""
+        level = float(self.sheet_points[:, normal].mean())
+        side = {number: float(np.sign(self._points_of(number)[0][:, normal].mean() - level)) for number in self.tools}
+        named = [number for number, part in self.tools.items() if PUNCH.search(part.title)]
+        if len(named) == 1:
+            return side[named[0]] > 0
+        total = sum(side.values())
+        if total == 0:
+            moved = {motion.part for motion in self.deck.motions if motion.axis == normal}
+            total = sum(side[number] for number in self.tools if number in moved)
+        return total >= 0
+
+    # --- what tools do -----------------------------------------------------------------------------------------------
+
+    def _find_ways(self) -> tuple[FloatArray, dict[int, FloatArray]]:
+        """Return times [s] and the tools' displacements along z of the case [mm] by part."""
+        end = self._find_end()
+        own = [m for m in self.deck.motions if m.part in self.tools]
+        times = sample_times(end, [self._curve(m) for m in own])
+        found: dict[int, FloatArray] = {}
+        for motion in own:
+            way = find_way(motion.kind, self._curve(motion), motion.scale, motion.begin, motion.end, times)
+            way = way * self.units.length * self.seat.turn[2, motion.axis]
+            found[motion.part] = found.get(motion.part, 0.0) + way
+        return times * self.units.time, found
+
+    def _find_end(self) -> float:
+        if self.deck.end is not None and self.deck.end > 0.0:
+            return self.deck.end
+        raise self.notes.fail(None, "the deck does not say when it ends", "add *CONTROL_TERMINATION or /RUN")
+
+    def _curve(self, of: Motion | Push) -> FloatArray:
+        curve = self.deck.curves.get(of.curve)
+        if curve is None or len(curve) < 2:
+            raise self.notes.fail(
+                of.place, f"{of.keyword}: there is no curve {of.curve} of two points", "add *DEFINE_CURVE or /FUNCT"
+            )
+        keep_curve(self.deck, of.curve, of.keyword, self.notes)
+        return curve
+
+    def force(self, push: Push, times: FloatArray) -> FloatArray:
+        """Return what a tool pushes with on the whole part at times [s] (n,) [N]; along -z it is positive."""
+        curve = self._curve(push)
+        values = push.scale * np.interp(times / self.units.time, curve[:, 0], curve[:, 1])
+        whole = 2 ** len(self.symmetry)
+        return np.asarray(values * self.units.force * whole * self.seat.turn[2, push.axis])
