@@ -61,17 +61,6 @@ void bind_heat(nb::module_& m) {
       "pieces (n, 4): temperature from where on, specific heat, its slope and heat content there; latent [mm2/s2] from "
       "start to end [degrees C].");
   m.def(
-      "shapes_at_points",
-      [](const std::string& cell, int n_points) {
-        const std::vector<double> found = find_shapes(cell, n_points);
-        require(!found.empty(), "no such rule");
-        double* N;
-        auto result = new_array({static_cast<std::size_t>(n_points), found.size() / n_points}, &N);
-        std::copy(found.begin(), found.end(), N);
-        return result;
-      },
-      nb::arg("cell"), nb::arg("n_points"), "Shape functions of a cell at the points of a rule (n_points, nodes).");
-  m.def(
       "lump_volumes",
       [](const std::string& cell, Ints connectivity, Doubles points, bool axisymmetric, double depth) {
         const auto& type = heat_cell_named(cell);

@@ -10,6 +10,7 @@ void bind_kinematics(nb::module_& m);
 void bind_material(nb::module_& m);
 void bind_elastic_plastic(nb::module_& m);
 void bind_umat(nb::module_& m);
+void bind_cells(nb::module_& m);
 void bind_element(nb::module_& m);
 void bind_shell(nb::module_& m);
 void bind_contact(nb::module_& m);
@@ -41,6 +42,7 @@ NB_MODULE(_core, m) {
   bind_material(m);
   bind_elastic_plastic(m);
   bind_umat(m);
+  bind_cells(m);
   bind_element(m);
   bind_shell(m);
   bind_contact(m);

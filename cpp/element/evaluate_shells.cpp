@@ -18,12 +18,9 @@ void tabulate(double* N, double* dN, double* weight, double* dN_at_nodes) {
   std::memcpy(dN, table.dN, sizeof table.dN);
   std::memcpy(weight, table.weight, sizeof table.weight);
   constexpr int nodes = Cell::nodes;
-  constexpr double square[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, 0}};
-  constexpr double corner[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
   for (int a = 0; a < nodes; ++a) {
-    const double* at = Cell::is_triangle ? corner[a] : square[a];
     double values[nodes];
-    Cell::shape(at, values, reinterpret_cast<double (*)[2]>(dN_at_nodes + 2 * nodes * a));
+    Cell::shape(Cell::places[a], values, reinterpret_cast<double (*)[2]>(dN_at_nodes + 2 * nodes * a));
   }
 }
 

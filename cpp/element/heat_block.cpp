@@ -81,24 +81,6 @@ constexpr HeatCellType heat_cells[] = {
 
 }  // namespace
 
-template <class Cell, int n_points>
-bool copy_shapes(std::string_view cell, int points, std::vector<double>& N) {
-  if (Cell::name != cell || n_points != points) return false;
-  const ShapeTable<Cell, n_points> table;
-  N.assign(&table.N[0][0], &table.N[0][0] + n_points * Cell::nodes);
-  return true;
-}
-
-std::vector<double> find_shapes(std::string_view cell, int n) {
-  std::vector<double> N;
-  copy_shapes<Tri3, 1>(cell, n, N) || copy_shapes<Tri6, 6>(cell, n, N) || copy_shapes<Tri6, 7>(cell, n, N) ||
-      copy_shapes<Quad4, 4>(cell, n, N) || copy_shapes<Quad4, 1>(cell, n, N) || copy_shapes<Quad8, 9>(cell, n, N) ||
-      copy_shapes<Quad8, 4>(cell, n, N) || copy_shapes<Quad9, 9>(cell, n, N) || copy_shapes<Quad9, 4>(cell, n, N) ||
-      copy_shapes<Hex8, 8>(cell, n, N) || copy_shapes<Hex8, 1>(cell, n, N) || copy_shapes<Tet4, 1>(cell, n, N) ||
-      copy_shapes<Tet10, 4>(cell, n, N);
-  return N;
-}
-
 const HeatCellType* find_heat_cell(std::string_view name) {
   for (const auto& type : heat_cells)
     if (type.cell == name) return &type;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string_view>
-#include <vector>
 
 #include "element/heat_conduction.hpp"
 
@@ -24,9 +23,6 @@ struct HeatCellType {
                  double* conduction);
   void (*lump)(const HeatBlock&, double* volume);
 };
-
-// The shape functions of a cell at the points of a rule (n_points, nodes); empty if there is no such rule.
-std::vector<double> find_shapes(std::string_view cell, int n_points);
 
 // By the cell's name, as ElementRow::cell has it; null if there is none.
 const HeatCellType* find_heat_cell(std::string_view cell);

@@ -8,17 +8,25 @@
 namespace presswork {
 
 struct Hex8 {
-  static constexpr std::string_view name = "hex8";
-  static constexpr int dim = 3, nodes = 8;
+  static constexpr std::string_view name = "hex8", plural = "hexahedra";
+  static constexpr int dim = 3, nodes = 8, corners = 8;
+  static constexpr double places[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
+                                          {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
+  static constexpr int edges[12][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
+                                       {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
+  static constexpr int faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                      {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  static constexpr int simplices[6][4] = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6},
+                                          {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
+  static constexpr int reversed[8] = {4, 5, 6, 7, 0, 1, 2, 3};
+  using rules = std::integer_sequence<int, 1, 8, 27>;
 
   static void shape(const double* at, double* N, double (*dN)[3]) {
-    constexpr double corner[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
-                                     {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
     for (int a = 0; a < 8; ++a) {
       double along[3];
-      for (int i = 0; i < 3; ++i) along[i] = 0.5 * (1 + corner[a][i] * at[i]);
+      for (int i = 0; i < 3; ++i) along[i] = 0.5 * (1 + places[a][i] * at[i]);
       N[a] = along[0] * along[1] * along[2];
-      for (int i = 0; i < 3; ++i) dN[a][i] = 0.5 * corner[a][i] * along[(i + 1) % 3] * along[(i + 2) % 3];
+      for (int i = 0; i < 3; ++i) dN[a][i] = 0.5 * places[a][i] * along[(i + 1) % 3] * along[(i + 2) % 3];
     }
   }
 

@@ -8,8 +8,11 @@
 namespace presswork {
 
 struct Quadrilateral {
-  static constexpr int dim = 2;
-  static constexpr bool is_triangle = false;
+  static constexpr std::string_view plural = "quadrilaterals";
+  static constexpr int dim = 2, corners = 4;
+  static constexpr double places[9][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, 0}};
+  static constexpr int simplices[2][3] = {{0, 1, 2}, {0, 2, 3}}, spans[2][2] = {{0, 2}, {1, 3}};
+  using rules = std::integer_sequence<int, 1, 4, 9>;
 
   template <int n>
   static std::array<QuadraturePoint<2>, n> rule() {
@@ -24,35 +27,39 @@ struct Quadrilateral {
   }
 
  protected:
-  static constexpr double corner[2][4] = {{-1, 1, 1, -1}, {-1, -1, 1, 1}};
-
   static void put(double n, double nx, double ny, double& N, double (&dN)[2]) { N = n, dN[0] = nx, dN[1] = ny; }
 };
 
 struct Quad4 : Quadrilateral {
   static constexpr std::string_view name = "quad4";
-  static constexpr int nodes = 4;
+  static constexpr int nodes = 4, edges[4][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}}, pieces[2][3] = {{0, 1, 2}, {0, 2, 3}},
+                       reversed[4] = {0, 3, 2, 1};
+  static constexpr double mass_shares[4] = {0.25, 0.25, 0.25, 0.25};
 
   static void shape(const double* at, double* N, double (*dN)[2]) {
     const double x = at[0], y = at[1];
-    const auto& [cx, cy] = corner;
-    for (int i = 0; i < 4; ++i)
-      put(0.25 * (1 + cx[i] * x) * (1 + cy[i] * y), 0.25 * cx[i] * (1 + cy[i] * y), 0.25 * cy[i] * (1 + cx[i] * x),
-          N[i], dN[i]);
+    for (int i = 0; i < 4; ++i) {
+      const auto [cx, cy] = places[i];
+      put(0.25 * (1 + cx * x) * (1 + cy * y), 0.25 * cx * (1 + cy * y), 0.25 * cy * (1 + cx * x), N[i], dN[i]);
+    }
   }
 };
 
 struct Quad8 : Quadrilateral {
   static constexpr std::string_view name = "quad8";
-  static constexpr int nodes = 8;
+  static constexpr int nodes = 8, edges[4][3] = {{0, 1, 4}, {1, 2, 5}, {2, 3, 6}, {3, 0, 7}},
+                       pieces[6][3] = {{0, 4, 7}, {4, 1, 5}, {5, 2, 6}, {6, 3, 7}, {4, 5, 6}, {4, 6, 7}},
+                       reversed[8] = {0, 3, 2, 1, 7, 6, 5, 4};
+  static constexpr double mass_shares[8] = {3.0 / 76,  3.0 / 76,  3.0 / 76,  3.0 / 76,
+                                            16.0 / 76, 16.0 / 76, 16.0 / 76, 16.0 / 76};
 
   static void shape(const double* at, double* N, double (*dN)[2]) {
     const double x = at[0], y = at[1];
-    const auto& [cx, cy] = corner;
     for (int i = 0; i < 4; ++i) {
-      const double u = cx[i] * x, v = cy[i] * y;
-      put(0.25 * (1 + u) * (1 + v) * (u + v - 1), 0.25 * cx[i] * (1 + v) * (2 * u + v),
-          0.25 * cy[i] * (1 + u) * (2 * v + u), N[i], dN[i]);
+      const auto [cx, cy] = places[i];
+      const double u = cx * x, v = cy * y;
+      put(0.25 * (1 + u) * (1 + v) * (u + v - 1), 0.25 * cx * (1 + v) * (2 * u + v), 0.25 * cy * (1 + u) * (2 * v + u),
+          N[i], dN[i]);
     }
     put(0.5 * (1 - x * x) * (1 - y), -x * (1 - y), -0.5 * (1 - x * x), N[4], dN[4]);
     put(0.5 * (1 + x) * (1 - y * y), 0.5 * (1 - y * y), -y * (1 + x), N[5], dN[5]);
@@ -63,7 +70,12 @@ struct Quad8 : Quadrilateral {
 
 struct Quad9 : Quadrilateral {
   static constexpr std::string_view name = "quad9";
-  static constexpr int nodes = 9;
+  static constexpr int nodes = 9, edges[4][3] = {{0, 1, 4}, {1, 2, 5}, {2, 3, 6}, {3, 0, 7}},
+                       pieces[8][3] = {{0, 4, 8}, {4, 1, 8}, {1, 5, 8}, {5, 2, 8},
+                                       {2, 6, 8}, {6, 3, 8}, {3, 7, 8}, {7, 0, 8}},
+                       reversed[9] = {0, 3, 2, 1, 7, 6, 5, 4, 8};
+  static constexpr double mass_shares[9] = {1.0 / 36, 1.0 / 36, 1.0 / 36, 1.0 / 36, 4.0 / 36,
+                                            4.0 / 36, 4.0 / 36, 4.0 / 36, 16.0 / 36};
 
   static void shape(const double* at, double* N, double (*dN)[2]) {
     auto line = [](int k, double s, double& value, double& slope) {  // -1, +1, 0

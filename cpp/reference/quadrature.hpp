@@ -2,14 +2,26 @@
 // Quadrature points, Gauss's rules on [-1, 1], and tables of a cell's shape functions at the points of a rule.
 //
 // A reference cell is a struct with
-//     name                          as meshes call it
+//     name, plural                  as meshes call it, and as messages call cells of its shape
 //     dim, nodes                    how many directions and nodes it has
+//     corners                       how many of the nodes are corners: the first ones
+//     places                        natural coordinates of the nodes [nodes][dim]
+//     edges                         first end, last end[, middle] of each
+//     faces                         nodes of each, counter-clockwise seen from outside (in space)
+//     simplices                     of corners, which fill the cell
+//     pieces                        triangles between all nodes (in the plane)
+//     spans                         two pairs of corners; their differences' cross product is twice the area (in the
+//     plane) reversed                      the nodes of the cell turned inside out mass_shares                   of the
+//     nodes in the cell's mass, in proportion to int N^2 dV (Hinton, Rock &
+//                                   Zienkiewicz 1976); a cell without takes int N dV
 //     shape(at, N, dN)              shape functions N[nodes] and their derivatives dN[nodes][dim] at at[dim]
-//     rule<n>()                     the quadrature rule of n points
+//     rule<n>(), rules              the quadrature rule of n points, and the list of such n
+// cells.hpp lists them; Python's table of cells is made from that list (bindings/cells.cpp).
 #pragma once
 
 #include <array>
 #include <string_view>
+#include <utility>
 
 namespace presswork {
 

@@ -10,8 +10,11 @@
 namespace presswork {
 
 struct Triangle {
-  static constexpr int dim = 2;
-  static constexpr bool is_triangle = true;
+  static constexpr std::string_view plural = "triangles";
+  static constexpr int dim = 2, corners = 3;
+  static constexpr double places[6][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}};
+  static constexpr int simplices[1][3] = {{0, 1, 2}}, spans[2][2] = {{0, 1}, {0, 2}};
+  using rules = std::integer_sequence<int, 1, 3, 6, 7>;
 
   template <int n>
   static std::array<QuadraturePoint<2>, n> rule() {
@@ -45,7 +48,9 @@ struct Triangle {
 
 struct Tri3 : Triangle {
   static constexpr std::string_view name = "tri3";
-  static constexpr int nodes = 3;
+  static constexpr int nodes = 3, edges[3][2] = {{0, 1}, {1, 2}, {2, 0}}, pieces[1][3] = {{0, 1, 2}},
+                       reversed[3] = {0, 2, 1};
+  static constexpr double mass_shares[3] = {1.0 / 3, 1.0 / 3, 1.0 / 3};
 
   static void shape(const double* at, double* N, double (*dN)[2]) {
     put(1 - at[0] - at[1], -1, -1, N[0], dN[0]);
@@ -68,7 +73,9 @@ struct Tri3Bubble : Triangle {
 
 struct Tri6 : Triangle {
   static constexpr std::string_view name = "tri6";
-  static constexpr int nodes = 6;
+  static constexpr int nodes = 6, edges[3][3] = {{0, 1, 3}, {1, 2, 4}, {2, 0, 5}},
+                       pieces[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}, reversed[6] = {0, 2, 1, 5, 4, 3};
+  static constexpr double mass_shares[6] = {3.0 / 57, 3.0 / 57, 3.0 / 57, 16.0 / 57, 16.0 / 57, 16.0 / 57};
 
   static void shape(const double* at, double* N, double (*dN)[2]) {
     const double x = at[0], y = at[1], z = 1 - x - y;

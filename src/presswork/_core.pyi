@@ -385,6 +385,71 @@ class Umat:
         Call it once at a small strain increment from no deformation: xx, yy, xy; xx, yy, zz, xy; or xx, yy, zz, xy, yz, zx (n). Returns status, stress (n), state (n_state) and tangent (n, n).
         """
 
+class Rule:
+    """A quadrature rule of a cell."""
+
+    @property
+    def points(self) -> int: ...
+
+    @property
+    def weights(self) -> NDArray[numpy.float64]:
+        """Shape (points,)."""
+
+    @property
+    def shapes(self) -> NDArray[numpy.float64]:
+        """Shape functions at the points (points, nodes)."""
+
+    @property
+    def slopes(self) -> NDArray[numpy.float64]:
+        """Their derivatives (points, nodes, dimension)."""
+
+class Cell:
+    """
+    A row of the table of cells; cpp/reference/quadrature.hpp says what its entries are.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def plural(self) -> str: ...
+
+    @property
+    def dimension(self) -> int: ...
+
+    @property
+    def corners(self) -> int: ...
+
+    @property
+    def places(self) -> NDArray[numpy.float64]: ...
+
+    @property
+    def edges(self) -> list[list[int]]: ...
+
+    @property
+    def faces(self) -> list[list[int]]: ...
+
+    @property
+    def simplices(self) -> list[list[int]]: ...
+
+    @property
+    def pieces(self) -> list[list[int]]: ...
+
+    @property
+    def spans(self) -> list[list[int]]: ...
+
+    @property
+    def reversed(self) -> list[int]: ...
+
+    @property
+    def mass_shares(self) -> list[float]: ...
+
+    @property
+    def rules(self) -> list[Rule]: ...
+
+def cells() -> list[Cell]:
+    """The table of cells, a row each."""
+
 class TangentKind(enum.Enum):
     """Which tangent an element builds."""
 
@@ -1979,9 +2044,6 @@ def find_heat_content(pieces: Annotated[NDArray[numpy.float64], dict(order='C', 
 
     pieces (n, 4): temperature from where on, specific heat, its slope and heat content there; latent [mm2/s2] from start to end [degrees C].
     """
-
-def shapes_at_points(cell: str, n_points: int) -> NDArray[numpy.float64]:
-    """Shape functions of a cell at the points of a rule (n_points, nodes)."""
 
 def lump_volumes(cell: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float) -> NDArray[numpy.float64]:
     """Volume that each node of each cell stands for (n_cells, nodes) [mm3]."""

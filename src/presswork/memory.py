@@ -69,15 +69,19 @@ def _count_points(element: str, layers: int) -> int:
 
 def estimate_rectangle(cells: int, element: str, layers: int, *, explicit: bool) -> float:
     """Estimate the bytes for a rectangle of so many cells, before it is meshed. layers: of a shell, else 0."""
-    nodes = cells * {3: 0.5, 6: 2.0, 4: 1.0, 8: 3.0, 9: 4.0}[model.ELEMENTS[element].nodes]
+    cell = model.cell_of(element)
+    edges = 0.5 * cell.corners  # of a cell, each shared by two; Euler's formula has the corners
+    nodes = cells * (edges - 1.0 + edges * cell.is_quadratic + len(cell.inner))
     return _estimate_block(cells, element, layers, nodes, 6 if layers else 2, not explicit)
 
 
 def estimate_box(cells: int, element: str) -> float:
     """Estimate the bytes for a box of so many hexahedra, or of six tetrahedra in each, before it is meshed."""
     row = model.ELEMENTS[element]
-    count = 6 * cells if row.cell.startswith("tet") else cells
-    nodes = float(8 * cells if row.cell == "tet10" else cells)
+    cell = model.CELLS[row.cell]
+    count = 6 * cells if cell.is_simplex else cells
+    edges = cells + count * (0.5 * len(cell.faces) - 1.0)  # Euler's formula, a corner to a hexahedron
+    nodes = cells + edges * cell.is_quadratic + count * len(cell.inner)
     iterates = row.freedoms == 3 and 3 * nodes >= model.LARGE
     return _estimate_block(count, element, 0, nodes, row.freedoms, with_matrix=True, iterates=iterates)
 

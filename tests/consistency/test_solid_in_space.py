@@ -5,9 +5,8 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.mesh.box import EDGES_OF_TET
+from presswork.model import CELLS, list_names
 from presswork.model import ELEMENTS as ELEMENTS_BY_NAME
-from presswork.model import list_names
 
 ELEMENTS = list_names(_core.Family.space, in_implicit=True)
 MEASURES = ["log", "stretch", "green_lagrange"]
@@ -27,7 +26,7 @@ class OneCell:
         self.points = rng.standard_normal((self.nodes, self.f))
         corners = CUBE if self.nodes == 8 else CUBE[[0, 1, 3, 4]]
         if self.nodes == 10:
-            corners = np.concatenate([corners, corners[np.array(EDGES_OF_TET)].mean(axis=1)])
+            corners = np.concatenate([corners, corners[CELLS["tet4"].edges].mean(axis=1)])
         self.points[:, :3] = corners + 0.05 * self.points[:, :3]
         self.stress = 100 * rng.standard_normal((1, self.q, 6))
         self.eqps = 0.02 * rng.random((1, self.q))

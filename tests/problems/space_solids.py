@@ -4,9 +4,10 @@
 import numpy as np
 
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.mesh.box import EDGES_OF_TET, finish_mesh, mesh_box
+from presswork.mesh.box import finish_mesh, mesh_box
 from presswork.mesh.faces import face_areas
 from presswork.model import (
+    CELLS,
     FaceForce,
     FacePressure,
     Hardening,
@@ -43,7 +44,7 @@ def box(element: SpaceElement, size: tuple[float, float, float], cells: tuple[in
 def straighten(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Return the points with the middles of tetrahedra of 10 nodes halfway between the ends of their edges."""
     if cells.shape[1] == 10:
-        points[cells[:, 4:]] = points[cells[:, EDGES_OF_TET]].mean(axis=2)
+        points[cells[:, 4:]] = points[cells[:, CELLS["tet4"].edges]].mean(axis=2)
     return points
 
 

@@ -6,8 +6,18 @@ import scipy
 
 from presswork.body.solids import Mechanics
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.mesh.box import EDGES_OF_TET, add_middles, finish_mesh, mesh_box, node_volumes, split_hexahedra
-from presswork.model import ELEMENTS, FacePressure, Hardening, Material, Model, PrescribedDisplacement, Stage, Support
+from presswork.mesh.box import add_middles, finish_mesh, mesh_box, node_volumes, split_hexahedra
+from presswork.model import (
+    CELLS,
+    ELEMENTS,
+    FacePressure,
+    Hardening,
+    Material,
+    Model,
+    PrescribedDisplacement,
+    Stage,
+    Support,
+)
 from presswork.timing import Timing
 from tests.problems.space_solids import make_model
 
@@ -41,7 +51,7 @@ def thick_ball(element: str, n: int, layers: int, front: float) -> Model:
     points, cells = hollow_ball(n, layers)
     if ELEMENTS[element].nodes == 10:  # its middles lie on the spheres
         points, cells, _ = add_middles(points, split_hexahedra(cells.astype(np.int32)), {})
-        middles, of_ends = cells[:, 4:], np.linalg.norm(points[cells[:, EDGES_OF_TET]], axis=3).mean(axis=2)
+        middles, of_ends = cells[:, 4:], np.linalg.norm(points[cells[:, CELLS["tet4"].edges]], axis=3).mean(axis=2)
         points[middles] *= (of_ends / np.linalg.norm(points[middles], axis=2))[:, :, None]
     radius = np.linalg.norm(points, axis=1)
     sides = {"bore": np.flatnonzero(radius < BORE + 1e-9), "outside": np.flatnonzero(radius > OUTSIDE - 1e-9)}

@@ -7,8 +7,9 @@ import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.case.errors import CaseError
-from presswork.mesh.box import EDGES_OF_TET, add_middles, corner_volumes, node_volumes
+from presswork.mesh.box import add_middles, corner_volumes, node_volumes
 from presswork.mesh.faces import face_areas, find_boundary_faces, press_faces
+from presswork.model import CELLS
 from presswork.report.surface import find_surface
 from presswork.view.all_plots import plot_all
 from tests.regression.test_tetrahedra import TEXT as LINEAR
@@ -90,7 +91,9 @@ def test_every_format_gives_the_same_mesh(model, tmp_path, ending) -> None:
     np.testing.assert_allclose(other.points, model.mesh.points, atol=1e-12)
     np.testing.assert_array_equal(other.blocks[0].connectivity, model.mesh.blocks[0].connectivity)
     cells = other.blocks[0].connectivity
-    np.testing.assert_allclose(other.points[cells[:, 4:]], other.points[cells[:, EDGES_OF_TET]].mean(axis=2), atol=1e-9)
+    np.testing.assert_allclose(
+        other.points[cells[:, 4:]], other.points[cells[:, CELLS["tet4"].edges]].mean(axis=2), atol=1e-9
+    )
 
 
 def test_universal_files_are_refused_with_the_formats_that_serve(tmp_path) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork import _core
-from presswork.model import ELEMENTS, FloatArray, IntArray, Model, Thermal
+from presswork.model import CELLS, ELEMENTS, FloatArray, IntArray, Model, Thermal
 
 
 def sum_at_nodes(nodes: IntArray, values: FloatArray, n_points: int) -> FloatArray:
@@ -65,7 +65,7 @@ class PointShapes:
         self._n_points = len(mesh.points)
         self._connectivity = [np.ascontiguousarray(block.connectivity, dtype=np.int32) for block in mesh.blocks]
         rows = [ELEMENTS[block.element] for block in mesh.blocks]
-        self._shapes = [np.asarray(_core.shapes_at_points(row.cell, row.points)) for row in rows]
+        self._shapes = [CELLS[row.cell].rules[row.points].shapes for row in rows]
         self._parts = []
         self.volumes: list[FloatArray] = []
         """Of each block's cells at the start (n_cells,) [mm3]."""

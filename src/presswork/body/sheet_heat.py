@@ -23,7 +23,7 @@ import scipy
 from presswork.body.heat import Enthalpy, sum_at_nodes
 from presswork.evolution.kinetics import Kinetics
 from presswork.mesh.topology import is_triangle
-from presswork.model import FloatArray, IntArray, Thermal
+from presswork.model import FloatArray, IntArray, Thermal, find_cell
 
 MOST_ITERATIONS = 40
 RESIDUAL = 1e-12
@@ -295,7 +295,7 @@ class LayerMap:
         self._of_layer[np.arange(len(heights)), below] = 1.0 - (place - below)
         self._of_layer[np.arange(len(heights)), below + 1] += place - below
         weights = np.broadcast_to(shapes, (len(cells), *shapes.shape))
-        if cells.shape[1] == 4 and len(shapes) == 1 and (three := is_triangle(cells)).any():
+        if find_cell(2, cells).name == "quad4" and len(shapes) == 1 and (three := is_triangle(cells)).any():
             weights = weights.copy()
             weights[three] = np.array([[1 / 3, 1 / 3, 1 / 6, 1 / 6]])
         self._weights, self._cells, self._n = weights, cells, n_points

@@ -15,8 +15,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from presswork import _core
-from presswork.model import ELEMENTS, GROWN, POROSITY, CellBlock, FloatArray, Model
+from presswork.model import CELLS, ELEMENTS, GROWN, POROSITY, CellBlock, FloatArray, Model
 
 MOST = 1.0
 """Porosity of nothing."""
@@ -55,7 +54,7 @@ class NonlocalPorosity:
 def place_points(block: CellBlock, points: FloatArray) -> FloatArray:
     """Return where the integration points of a block are, cell after cell (n, 2) [mm]."""
     row = ELEMENTS[block.element]
-    shapes = np.asarray(_core.shapes_at_points(row.cell, row.points))
+    shapes = CELLS[row.cell].rules[row.points].shapes
     return np.asarray(np.einsum("qa,cak->cqk", shapes, points[block.connectivity]).reshape(-1, points.shape[1]))
 
 

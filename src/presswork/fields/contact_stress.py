@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.mesh.edges import edge_shape_functions
-from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model, find_cell
 
 LEAVES = 2.0
 """An edge beside the contact counts by 1 - LEAVES gap / length of its free node: not at all from 30 degrees on."""
@@ -184,12 +184,12 @@ def split_edges(edges: IntArray, points: FloatArray, depth: float | None) -> tup
     """Return the edges or their halves (m, 2), the integrals of both hats over each (m, 2), and those of the shape
     functions over whole edges (n_edges, 2 | 3) [mm2]. Of quadratic edges all first halves come first.
     """
-    if edges.shape[1] == 2:
+    if not find_cell(1, edges).is_quadratic:
         parts, whole = _integrate_hats(points, edges, depth, -1.0, 1.0)
         return edges, parts, whole
     first, of_first = _integrate_hats(points, edges, depth, -1.0, 0.0)
     second, of_second = _integrate_hats(points, edges, depth, 0.0, 1.0)
-    halves = np.concatenate([edges[:, [0, 2]], edges[:, [2, 1]]])
+    halves = np.concatenate([edges[:, ends] for ends in find_cell(1, edges).pieces])
     return halves, np.concatenate([first, second]), of_first + of_second
 
 
@@ -197,7 +197,7 @@ def _share_middles(
     edges: IntArray, parts: FloatArray, whole: FloatArray, held: BoolArray
 ) -> tuple[IntArray, list[tuple[IntArray, FloatArray]]]:
     """Return the mid-sides of quadratic edges held whole, and the ends with the part of its force that each takes."""
-    if edges.shape[1] == 2:
+    if not find_cell(1, edges).is_quadratic:
         return np.zeros(0, dtype=np.int32), []
     n = len(edges)
     own = held[edges].all(axis=1) & (whole[:, 2] > 0)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from presswork.model import FloatArray, IntArray
+from presswork.model import FloatArray, IntArray, find_cell
 
 
 def nodal_areas(points: FloatArray, cells: Sequence[IntArray]) -> FloatArray:
@@ -17,8 +17,8 @@ def nodal_areas(points: FloatArray, cells: Sequence[IntArray]) -> FloatArray:
     """
     areas = np.zeros_like(points)
     for block in cells:
-        a, b, c, d = (points[block[:, i]] for i in (0, 1, 2, block.shape[1] - 1))
-        share = (0.5 * np.cross(c - a, d - b) if block.shape[1] == 4 else 0.5 * np.cross(b - a, c - a)) / block.shape[1]
+        one, other = (points[block[:, last]] - points[block[:, first]] for first, last in find_cell(2, block).spans)
+        share = 0.5 * np.cross(one, other) / block.shape[1]
         for column in block.T:
             np.add.at(areas, column, share)
     return areas

@@ -19,7 +19,7 @@ from presswork.interaction.body_surfaces import InterfaceArrays
 from presswork.interaction.forming_instant import BetweenBodies, FormingInstant, Poses, find_poses
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, ToolArrays
-from presswork.model import BodyContact, FloatArray, Model
+from presswork.model import BodyContact, FloatArray, Model, find_cell
 from presswork.outcome import Failed, Step
 from presswork.state import State
 from presswork.timing import Timing
@@ -146,7 +146,7 @@ class HeatOfIncrements:
         nodal = np.zeros(len(self._model.mesh.points))
         interface = next(i for i in self._interactions.bodies.interfaces if i.contact is contact)
         nodal[interface.nodes] = slots[interface.places]
-        if self._model.dimension == 2 and interface.slave.shape[1] == 3:
+        if self._model.dimension == 2 and find_cell(1, interface.slave).is_quadratic:
             first, last, middle = interface.slave.T
             nodal[middle] = 0.5 * (nodal[first] + nodal[last])
         return nodal

@@ -9,8 +9,8 @@ import numpy as np
 
 from presswork import _core
 from presswork.interaction.body_surfaces import MARGIN, TOUCHING, BodySurfaces, CellsOfSides
-from presswork.mesh.topology import chain_edges, count_corners, edge_keys, list_cell_edges
-from presswork.model import FloatArray, IntArray
+from presswork.mesh.topology import chain_edges, edge_keys, list_cell_edges
+from presswork.model import FloatArray, IntArray, find_cell, take_corners
 
 
 class Interface(BodySurfaces[_core.InterfaceResult]):
@@ -48,7 +48,7 @@ class Interface(BodySurfaces[_core.InterfaceResult]):
             places = np.nonzero(np.isin(keys, own))[0]
             order = np.argsort(own, kind="stable")
             at = order[np.searchsorted(own[order], keys[places])]
-            found.append((number, places, (at // count_corners(block.connectivity.shape[1])).astype(np.int32)))
+            found.append((number, places, (at // find_cell(2, block.connectivity).corners).astype(np.int32)))
         return found
 
     def _measure_heights(self, points: FloatArray, sides: IntArray, cells: CellsOfSides) -> FloatArray:
@@ -57,17 +57,16 @@ class Interface(BodySurfaces[_core.InterfaceResult]):
         height = np.zeros(len(sides))
         for number, places, cell in cells:
             connectivity = self._model.mesh.blocks[number].connectivity
-            corners = count_corners(connectivity.shape[1])
-            x, y = np.moveaxis(points[connectivity[cell, :corners]], -1, 0)
+            x, y = np.moveaxis(points[take_corners(connectivity[cell])], -1, 0)
             area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
-            height[places] = (2.0 if corners == 3 else 1.0) * area / length[places]
+            height[places] = (2.0 if find_cell(2, connectivity).is_simplex else 1.0) * area / length[places]
         return height
 
     def _find_pairs(self, points: FloatArray) -> IntArray:
         return _core.find_edge_pairs(self.slave, self.master, points, MARGIN * self.mean_edge, self.is_self)
 
     def _couple(self) -> IntArray:
-        halves = self.slave.shape[1] - 1
+        halves = len(find_cell(1, self.slave).pieces)
         edge_pairs = np.unique(self.pairs // halves, axis=0)
         couplings = [np.zeros((0, 2), dtype=np.int32)]
         # all nodes of the edges that can share a slot
@@ -98,7 +97,7 @@ class Interface(BodySurfaces[_core.InterfaceResult]):
         own, own_shear = np.asarray(result.pressure), np.asarray(result.shear)
         pushes = own > 0
         pressure[self.nodes[pushes]], shear[self.nodes[pushes]] = own[pushes], -own_shear[pushes]
-        if self.slave.shape[1] == 3:
+        if find_cell(1, self.slave).is_quadratic:
             middle = self.slave[:, 2]
             both = pushes[self.slots].any(axis=1)
             pressure[middle[both]] = own[self.slots].mean(axis=1)[both]

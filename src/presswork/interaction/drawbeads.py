@@ -19,8 +19,7 @@ import numpy as np
 from presswork import _core
 from presswork.interaction.coulomb import return_to_limit
 from presswork.interaction.tool_arrays import SpaceToolArrays
-from presswork.mesh.topology import count_corners
-from presswork.model import BoolArray, Drawbead, FloatArray, IndexArray, IntArray, Model
+from presswork.model import BoolArray, Drawbead, FloatArray, IndexArray, IntArray, Model, take_corners
 from presswork.state import Arrays, State
 
 SLIP = 0.01
@@ -64,7 +63,7 @@ class SheetBeads:
         self._of = np.repeat(np.arange(len(beads)), [len(b.place) for b in beads])
         names = [t.name for t in model.space_tools]
         self._tool = [names.index(b.tool) if b.tool is not None else -1 for b in beads]
-        blocks = [b.connectivity[:, : count_corners(b.connectivity.shape[1])] for b in model.mesh.blocks]
+        blocks = [take_corners(b.connectivity) for b in model.mesh.blocks]
         self._sheet = _core.SheetUnder([np.ascontiguousarray(b, dtype=np.int32) for b in blocks])
         sections = [b.section.thickness for b in model.mesh.blocks if b.section is not None]
         self._slip = SLIP * min(sections, default=1.0)

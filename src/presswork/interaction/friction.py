@@ -33,7 +33,7 @@ from presswork.interaction.coulomb import return_to_limit
 from presswork.interaction.grazing import Drag
 from presswork.interaction.tool_arrays import SLIDING, ContactArrays
 from presswork.interaction.tool_contact import Contact
-from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model, find_cell
 from presswork.state import State
 
 ELASTIC_SLIP = 2e-3
@@ -132,7 +132,8 @@ class FrictionForces:
 
     def find_area_blocks(self) -> tuple[IntArray, FloatArray]:
         """Return how friction depends on the areas of straight edges, as pairs of nodes and blocks (contract.py)."""
-        found = [of.find_blocks(self.points, self.depth) for of in self.by_area if of.edges.shape[1] == 2]
+        straight = [of for of in self.by_area if not find_cell(1, of.edges).is_quadratic]
+        found = [of.find_blocks(self.points, self.depth) for of in straight]
         pairs, blocks = (np.concatenate(each) for each in zip(*found, strict=True)) if found else _NO_BLOCKS
         return pairs, blocks
 

@@ -19,12 +19,8 @@ import numpy as np
 from presswork.interaction.contract import Forces, Guess, Interaction
 from presswork.interaction.sheet_contact import share_surface
 from presswork.mesh.box import node_volumes
-from presswork.mesh.topology import count_corners
-from presswork.model import CellBlock, FloatArray, Model
+from presswork.model import CellBlock, FloatArray, Model, find_cell, take_corners
 from presswork.state import Arrays, State
-
-SHARES = {3: (1 / 3,), 4: (1 / 4,), 6: (3 / 57, 16 / 57), 8: (3 / 76, 16 / 76), 9: (1 / 36, 4 / 36, 16 / 36)}
-"""Of a cell's mass, by its number of nodes: at a corner, a mid-side, the middle."""
 
 
 @dataclass
@@ -99,19 +95,16 @@ def _share_sheet(model: Model, block: CellBlock) -> FloatArray:
 
 def _share_solid(model: Model, block: CellBlock) -> FloatArray:
     """Return the volume of a solid that each node stands for (n_points,) [mm3]; of full rings in axisymmetry."""
-    nodes = block.connectivity.shape[1]
     if model.dimension == 3:
         share = np.zeros(len(model.mesh.points))
         np.add.at(share, block.connectivity, node_volumes(model.mesh.points, block.connectivity))
         return share
-    corners = count_corners(nodes)
-    x, y = np.moveaxis(model.mesh.points[block.connectivity[:, :corners]], -1, 0)
+    x, y = np.moveaxis(model.mesh.points[take_corners(block.connectivity)], -1, 0)
     cross = x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y
     if model.analysis == "axisymmetric":  # 2 pi int r dA of a polygon
         volume = 2.0 * np.pi * ((x + np.roll(x, -1, axis=1)) * cross).sum(axis=1) / 6.0
     else:
         volume = model.depth * 0.5 * cross.sum(axis=1)
-    kinds = np.repeat(range(3), [corners, min(nodes - corners, corners), max(nodes - 2 * corners, 0)])
     share = np.zeros(len(model.mesh.points))
-    np.add.at(share, block.connectivity, volume[:, None] * np.array(SHARES[nodes])[kinds])
+    np.add.at(share, block.connectivity, volume[:, None] * find_cell(2, block.connectivity).mass_shares)
     return share

@@ -21,8 +21,7 @@ from presswork.interaction.drawbeads import SheetBeads
 from presswork.interaction.space_contact import SpaceContact, SpaceForces
 from presswork.interaction.space_touch import TouchingNodes, choose_touched
 from presswork.interaction.tool_arrays import SpaceToolArrays
-from presswork.mesh.topology import count_corners
-from presswork.model import FloatArray, IndexArray, IntArray, Model
+from presswork.model import FloatArray, IndexArray, IntArray, Model, find_cell
 from presswork.state import Arrays, State
 
 ROUNDING = 1e-3
@@ -195,8 +194,8 @@ def share_surface(points: FloatArray, connectivity: IntArray) -> FloatArray:
 
 def _cell_areas(points: FloatArray, connectivity: IntArray) -> FloatArray:
     """Return the areas of flat triangles or quadrilaterals, by their corners [mm2]."""
-    corners = points[connectivity[:, : count_corners(connectivity.shape[1])]]
-    one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    if corners.shape[1] == 4:
-        one, other = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
+    one, other = (
+        points[connectivity[:, last]] - points[connectivity[:, first]]
+        for first, last in find_cell(2, connectivity).spans
+    )
     return np.asarray(0.5 * np.linalg.norm(np.cross(one, other), axis=1))

@@ -21,8 +21,7 @@ from presswork.body.shells import ShellMechanics
 from presswork.interaction.contract import Forces, Guess, Interaction, Point
 from presswork.interaction.sheet_contact import SheetNodes
 from presswork.interaction.space_touch import TANGENTIAL, TouchedNodes, TouchingNodes, choose_touched
-from presswork.mesh.topology import count_corners
-from presswork.model import FloatArray, IntArray, Model
+from presswork.model import FloatArray, IntArray, Model, take_corners
 from presswork.outcome import PassedThrough, Step
 from presswork.state import ANEW, RUN, Arrays, OnNewMesh, State
 
@@ -72,7 +71,9 @@ class SheetOnItself(Interaction):
         assert model.self_contact is not None
         self._model, self._mechanics, self._mu = model, mechanics, model.self_contact.mu
         thickest = max(b.section.thickness for b in model.mesh.blocks if b.section is not None)
-        corners = [_take_corners(block.connectivity) for block in model.mesh.blocks]
+        corners = [
+            np.ascontiguousarray(take_corners(block.connectivity), dtype=np.int32) for block in model.mesh.blocks
+        ]
         self._sheet = _core.SheetOnItself(corners, model.mesh.points, thickness=thickest)
         self._margin, self._thickest = MARGIN * thickest, thickest
         self._nodes = SheetNodes(model)
@@ -200,7 +201,3 @@ class SheetOnItself(Interaction):
             self._searched_at = None
         x = self._places(displacement)
         return max(0.0, -float(self._look(x, x, 0.0)[1].min()))
-
-
-def _take_corners(connectivity: IntArray) -> IntArray:
-    return np.ascontiguousarray(connectivity[:, : count_corners(connectivity.shape[1])], dtype=np.int32)

@@ -10,7 +10,7 @@ import numpy as np
 from presswork import _core
 from presswork.interaction.body_surfaces import MARGIN, REACH, TOUCHING, BodySurfaces, CellsOfSides
 from presswork.mesh.faces import face_areas, list_cell_faces
-from presswork.model import FloatArray, IntArray
+from presswork.model import FloatArray, IntArray, find_cell
 
 
 class SpaceInterface(BodySurfaces[_core.FaceInterfaceResult]):
@@ -38,7 +38,7 @@ class SpaceInterface(BodySurfaces[_core.FaceInterfaceResult]):
             own = np.sort(list_cell_faces(block.connectivity), axis=1)
             both, index = np.unique(np.concatenate([own, keys]), axis=0, return_inverse=True)
             cell_of = np.full(len(both), -1, dtype=np.int32)
-            cell_of[index.ravel()[: len(own)]] = np.arange(len(own)) // (len(own) // len(block.connectivity))
+            cell_of[index.ravel()[: len(own)]] = np.arange(len(own)) // len(find_cell(3, block.connectivity).faces)
             cells = cell_of[index.ravel()[len(own) :]]
             places = np.flatnonzero(cells >= 0)
             found.append((number, places, cells[places]))
@@ -46,14 +46,15 @@ class SpaceInterface(BodySurfaces[_core.FaceInterfaceResult]):
 
     def _measure_heights(self, points: FloatArray, sides: IntArray, cells: CellsOfSides) -> FloatArray:
         """Return twice the height of the cell's middle, of tetrahedra four times."""
-        height, quads = np.zeros(len(sides)), sides.shape[1] == 4
+        height, face = np.zeros(len(sides)), find_cell(2, sides)
+        (a, b), (c, d) = face.spans
         for number, places, cell in cells:
             x = points[self._model.mesh.blocks[number].connectivity[cell]]
             middle, own = x.mean(axis=1), points[sides[places]]
-            out = np.cross(own[:, 2 if quads else 1] - own[:, 0], own[:, -1] - own[:, 1 if quads else 0])
+            out = np.cross(own[:, b] - own[:, a], own[:, d] - own[:, c])
             out /= np.linalg.norm(out, axis=1)[:, None]
             rise = np.einsum("ni,ni->n", own.mean(axis=1) - middle, out)
-            height[places] = (2.0 if quads else 4.0) * np.abs(rise)
+            height[places] = (4.0 if face.is_simplex else 2.0) * np.abs(rise)
         return height
 
     def _find_pairs(self, points: FloatArray) -> IntArray:

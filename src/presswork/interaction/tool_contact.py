@@ -26,7 +26,7 @@ from presswork.geometry.pose import ToolPose, place_points, start_centre, start_
 from presswork.interaction.contract import Constraints
 from presswork.interaction.grazing import Drag, Grazing
 from presswork.interaction.tool_arrays import SLIDING, STUCK, ContactArrays, StatusArray, ToolArrays
-from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model, list_bodies
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model, find_cell, list_bodies
 from presswork.state import State
 
 MAX_CHANGES = 4
@@ -48,9 +48,9 @@ class Contact:
         self._centres = [start_centre(t) for t in model.plane_tools]
         laws = [t.friction.law for t in model.plane_tools]
         self._sticking = np.array([law == "sticking" for law in laws], dtype=bool)
-        boundary = model.mesh.boundary_edges if model.plane_tools else np.zeros((0, 2))
+        boundary = model.mesh.boundary_edges if model.plane_tools else np.zeros((0, 2), dtype=np.int32)
         self.nodes: IntArray = np.unique(boundary).astype(np.int32)
-        quadratic = boundary if boundary.shape[1] == 3 else np.zeros((0, 3))
+        quadratic = boundary if find_cell(1, boundary).is_quadratic else np.zeros((0, 3))
         self._sides: IndexArray = np.searchsorted(self.nodes, quadratic)  # first, last, mid-side as places
         self._leader = self._find_leaders()
         self._bodies = list_bodies(model)

@@ -14,17 +14,7 @@ import numpy as np
 
 from presswork.mesh.checks import MeshError
 from presswork.mesh.raw import RawMesh
-from presswork.model import IntArray
-
-_FLAT = re.compile(r"^(?:CAX|CGAX|CPE|CPS|CPEG|M3D|S|STRI|R3D|RAX|MAX|SAX)(\d+)")
-_SOLIDS = {
-    "hex8": re.compile(r"^C3D8[RIHT]*$"),
-    "tet4": re.compile(r"^C3D4[HT]*$"),
-    "tet10": re.compile(r"^C3D10[MHTS]*$"),
-}
-_NODES_OF_SOLID = {"hex8": 8, "tet4": 4, "tet10": 10}
-_LINE = re.compile(r"^(?:T2D|T3D|B2|B3|SAX|RAX|MAX)(\d)")
-_KINDS = {3: "tri3", 6: "tri6", 4: "quad4", 8: "quad8", 9: "quad9"}
+from presswork.model import CELLS, Cell, IntArray
 
 
 def read_abaqus(path: Path) -> RawMesh:
@@ -68,11 +58,11 @@ def _read_elements(
     element_type: str, rows: list[list[str]], elements: dict[int, tuple[str, list[int]]], other: set[str]
 ) -> list[int]:
     """Read the elements of one block, whose data may run over several rows; return their labels."""
-    kind = _kind_of(element_type)
-    if kind is None:
+    cell = _find_cell(element_type)
+    if cell is None:
         other.add(element_type)
         return []
-    n_nodes = _NODES_OF_SOLID.get(kind) or int(kind[-1])
+    n_nodes = cell.nodes
     values = [int(word) for row in rows for word in row if word]
     if len(values) % (n_nodes + 1):
         raise MeshError(
@@ -82,32 +72,13 @@ def _read_elements(
     labels = []
     for start in range(0, len(values), n_nodes + 1):
         labels.append(values[start])
-        elements[values[start]] = (kind, values[start + 1 : start + n_nodes + 1])
+        elements[values[start]] = (cell.name, values[start + 1 : start + n_nodes + 1])
     return labels
 
 
-def _kind_of(element_type: str) -> str | None:
-    """Return tri3 ... quad9, hex8, tet4, tet10, line2 or line3 for an Abaqus element type, None for any other."""
-    line = _LINE.match(element_type)
-    if line:
-        digit = int(line.group(1))
-        if element_type.startswith("B"):
-            return {1: "line2", 2: "line3", 3: "line2"}.get(digit)
-        if element_type.startswith(("SAX", "RAX", "MAX")):
-            return {1: "line2", 2: "line2"}.get(digit)
-        return {2: "line2", 3: "line3"}.get(digit)
-    for kind, pattern in _SOLIDS.items():
-        if pattern.match(element_type):
-            return kind
-    flat = _FLAT.match(element_type)
-    if flat is None:
-        return None
-    digits = flat.group(1)
-    if element_type.startswith("STRI"):
-        digits = digits[0]
-    if element_type.startswith(("M3D", "R3D")):
-        digits = digits[-1]
-    return _KINDS.get(int(digits[0]))
+def _find_cell(element_type: str) -> Cell | None:
+    """Return the kind of cell of an Abaqus element type, None if it is not read."""
+    return next((cell for cell in CELLS.values() if re.match(cell.files.abaqus, element_type)), None)
 
 
 def _read_labels(rows: list[list[str]], sets: dict[str, list[int]], generate: bool) -> list[int]:
@@ -152,11 +123,7 @@ def _to_raw(
 
     kinds = {kind for kind, _ in elements.values()}
     for kind in sorted(kinds):
-        if kind in _SOLIDS:
-            raw.add_volumes(kind, connect(list(elements), kind))
-            raw.other_kinds.add(f"C3D{_NODES_OF_SOLID[kind]}")
-        elif not kind.startswith("line"):
-            raw.add_cells(kind, connect(list(elements), kind))
+        raw.add_cells(CELLS[kind], connect(list(elements), kind))
     for name, labels in element_sets.items():
         for kind in kinds:
             raw.add_to_set(name.lower(), kind, connect(labels, kind))

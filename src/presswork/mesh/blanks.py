@@ -15,9 +15,9 @@ from math import ceil
 import numpy as np
 
 from presswork.mesh.topology import find_boundary_edges, select_edges
-from presswork.model import CellBlock, ElementName, FloatArray, IntArray, Mesh, Section
+from presswork.model import ELEMENTS, CellBlock, ElementName, FloatArray, IntArray, Mesh, Section, find_cell
 
-_ELEMENTS: dict[int, ElementName] = {3: "shell3_1pt", 4: "shell4_1pt"}
+_ELEMENTS: dict[str, ElementName] = {"tri3": "shell3_1pt", "quad4": "shell4_1pt"}
 _ON_AXIS, _ON_DIAGONAL = 0.65, 0.75
 """Extent of the square core of a circle along its axes and its diagonal, over the radius."""
 
@@ -106,13 +106,13 @@ def name_sets(points: FloatArray, kinds: Sequence[IntArray], symmetry: Sequence[
 
     kinds: quadrilaterals, triangles.
     """
-    if triangles and kinds[0].shape[1] == 4:
+    if triangles and not find_cell(2, kinds[0]).is_simplex:
         quads = kinds[0]
         centre = np.tile(len(points) + np.arange(len(quads)), (4, 1)).T
         points = np.concatenate([points, points[quads].mean(axis=1)])
         parts = np.stack([quads, np.roll(quads, -1, axis=1), centre], axis=2).reshape(-1, 3)
         kinds = [np.concatenate([parts, *kinds[1:]])]
-    blocks = tuple(CellBlock(_ELEMENTS[cells.shape[1]], cells.astype(np.int32), 0) for cells in kinds)
+    blocks = tuple(CellBlock(_ELEMENTS[find_cell(2, cells).name], cells.astype(np.int32), 0) for cells in kinds)
     boundary = find_boundary_edges([block.connectivity for block in blocks])
     tolerance = 1e-9 * float(np.abs(points).max())
     low, high = points.min(axis=0), points.max(axis=0)
@@ -135,9 +135,10 @@ def name_sets(points: FloatArray, kinds: Sequence[IntArray], symmetry: Sequence[
     return Mesh(space, blocks, numbered, {"edge": outline, "boundary": boundary}, boundary)
 
 
-def assign_section(mesh: Mesh, elements: Mapping[int, ElementName], section: Section, material: int) -> Mesh:
-    """Return the mesh with its cells' element, by their number of nodes, section and material."""
+def assign_section(mesh: Mesh, elements: Mapping[str, ElementName], section: Section, material: int) -> Mesh:
+    """Return the mesh with its cells' element, by their kind, section and material."""
     blocks = tuple(
-        CellBlock(elements[block.connectivity.shape[1]], block.connectivity, material, section) for block in mesh.blocks
+        CellBlock(elements[ELEMENTS[block.element].cell], block.connectivity, material, section)
+        for block in mesh.blocks
     )
     return Mesh(mesh.points, blocks, mesh.node_sets, mesh.edge_sets, mesh.boundary_edges, mesh.normals)

@@ -13,15 +13,20 @@ from presswork.mesh.faces import find_boundary_faces, list_cell_faces, select_fa
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
 from presswork.mesh.topology import drop_unused_points, find_parts
-from presswork.model import ELEMENTS, CellBlock, FloatArray, IntArray, Mesh, SpaceElement, list_names
+from presswork.model import (
+    CELLS,
+    CellBlock,
+    FloatArray,
+    IntArray,
+    Mesh,
+    SpaceElement,
+    cell_of,
+    find_cell,
+    list_names,
+)
 
 SIDES = (("left", "right"), ("bottom", "top"), ("back", "front"))
 """Names of the lower and upper sides normal to x, y and z."""
-EDGES_OF_TET = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
-"""Ends of the edges of a tetrahedron, in the order of their middle nodes."""
-_KINDS = {"hex8": "hexahedra of 8 nodes", "tet4": "tetrahedra of 4 nodes", "tet10": "tetrahedra of 10 nodes"}
-_TURNED_OVER = {4: [0, 2, 1, 3], 8: [4, 5, 6, 7, 0, 1, 2, 3], 10: [0, 2, 1, 3, 6, 5, 4, 7, 9, 8]}
-_NAMES_IN_FILES = {"hex8": {"hexahedron", "C3D8"}, "tet4": {"tetra", "C3D4"}, "tet10": {"tetra10", "C3D10"}}
 
 
 def mesh_box(
@@ -78,18 +83,18 @@ def read_solid_mesh(
 
 def _take_volumes(raw: RawMesh, element: SpaceElement) -> IntArray:
     """Return the cells that fit the element (n_cells, n_nodes). Raises MeshError where there are none, or others."""
-    wanted = ELEMENTS[element].cell
+    wanted = cell_of(element)
     there = ", ".join(sorted({*raw.cells, *raw.other_kinds})) or "nothing"
-    if wanted not in raw.volumes:
+    if wanted.name not in raw.volumes:
         fits = [name for kind in raw.volumes for name in list_names(_core.Family.space, in_implicit=True, cell=kind)]
         remedy = f"take element = {' or '.join(fits)}" if fits else "mesh the body with such cells"
-        raise MeshError(f"the file has no {_KINDS[wanted]} (it has {there})", remedy)
+        raise MeshError(f"the file has no {wanted.plural} of {wanted.nodes} nodes (it has {there})", remedy)
     volumes = ("tetra", "wedge", "pyramid", "hexahedron", "C3D")
-    others = [kind for kind in sorted(raw.other_kinds - _NAMES_IN_FILES[wanted]) if kind.startswith(volumes)]
+    others = [kind for kind in sorted(raw.other_kinds - {wanted.files.meshio}) if kind.startswith(volumes)]
     if others:
-        one = "hexahedra" if wanted == "hex8" else "tetrahedra"
-        raise MeshError(f"the file has cells of other kinds too ({', '.join(others)})", f"mesh with {one} only")
-    return np.concatenate(raw.volumes[wanted])
+        fault = f"the file has cells of other kinds too ({', '.join(others)})"
+        raise MeshError(fault, f"mesh with {wanted.plural} only")
+    return np.concatenate(raw.volumes[wanted.name])
 
 
 def finish_mesh(
@@ -100,9 +105,10 @@ def finish_mesh(
     Hexahedra are split where the element is a tetrahedron, and edges get a node in the middle where it has 10 nodes;
     that node joins every set that has both ends.
     """
-    if ELEMENTS[element].cell.startswith("tet") and cells.shape[1] == 8:
+    wanted = cell_of(element)
+    if wanted.is_simplex and not find_cell(3, cells).is_simplex:
         cells = split_hexahedra(cells)
-    if ELEMENTS[element].nodes == 10 and cells.shape[1] == 4:
+    if wanted.is_quadratic and not find_cell(3, cells).is_quadratic:
         points, cells, node_sets = add_middles(points, cells, node_sets)
     faces, _ = find_boundary_faces([cells])
     sets = dict(node_sets)
@@ -143,9 +149,10 @@ def add_middles(
     points: FloatArray, cells: IntArray, node_sets: dict[str, IntArray]
 ) -> tuple[FloatArray, IntArray, dict[str, IntArray]]:
     """Return points, tetrahedra (n_cells, 10) and node sets with a node in the middle of every edge."""
-    ends = np.sort(cells[:, EDGES_OF_TET].astype(np.int64), axis=2)
+    edges_of_cell = find_cell(3, cells).edges
+    ends = np.sort(cells[:, edges_of_cell].astype(np.int64), axis=2)
     edges, number = np.unique(ends.reshape(-1, 2), axis=0, return_inverse=True)
-    middles = len(points) + number.reshape(len(cells), 6)
+    middles = len(points) + number.reshape(len(cells), len(edges_of_cell))
     sets = {}
     for name, nodes in node_sets.items():
         inside = np.zeros(len(points), dtype=bool)
@@ -175,10 +182,11 @@ def corner_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
     A tetrahedron of 4 nodes has one (n_cells, 1), six times its volume; one of 10 nodes has that of its corners and
     those at its four points of integration (n_cells, 5).
     """
-    x = points[cells]
-    if cells.shape[1] in (4, 10):
+    x, cell = points[cells], find_cell(3, cells)
+    if cell.is_simplex:
         of_corners = np.asarray(np.linalg.det(x[:, 1:4] - x[:, :1]))[:, None]
-        return of_corners if cells.shape[1] == 4 else np.column_stack([of_corners, _jacobians_inside(x)])
+        return of_corners if not cell.is_quadratic else np.column_stack([of_corners, _jacobians_inside(x)])
+    x = x[:, : cell.corners]
     next_ones = np.array([[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]])
     edges = x[:, next_ones] - x[:, :, None]
     return np.asarray(np.linalg.det(edges))
@@ -190,14 +198,12 @@ def node_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
     Of a tetrahedron of 10 nodes, whose corners would stand for less than nothing, in proportion to int N^2 dV
     (n_cells, 10): a corner for 1/36, a middle for 4/27 (Hinton, Rock & Zienkiewicz 1976).
     """
-    if cells.shape[1] == 4:
-        return np.tile(corner_volumes(points, cells) / 24.0, (1, 4))
-    if cells.shape[1] == 10:
-        volume = corner_volumes(points, cells)[:, 1:].sum(axis=1) / 24.0
-        return np.outer(volume, [1.0 / 36.0] * 4 + [4.0 / 27.0] * 6)
-    lower = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    corner = np.column_stack([np.tile(lower, (2, 1)), np.repeat([-1.0, 1.0], 4)])
-    volumes = np.zeros(cells.shape)
+    cell = find_cell(3, cells)
+    if cell.is_simplex:
+        whole = corner_volumes(points, cells)
+        volume = whole[:, 1:].sum(axis=1) / 24.0 if cell.is_quadratic else whole[:, 0] / 6.0
+        return np.outer(volume, cell.mass_shares)
+    corner, volumes = cell.places, np.zeros(cells.shape)
     for place in corner / np.sqrt(3.0):  # Gauss's points, of weight 1
         along = 0.5 * (1.0 + corner * place)
         slopes = 0.5 * corner * along[:, [1, 2, 0]] * along[:, [2, 0, 1]]
@@ -212,7 +218,7 @@ def _jacobians_inside(x: FloatArray) -> FloatArray:
     for near in range(4):
         share = np.full(4, 0.13819660112501051518)
         share[near] = 0.58541019662496845446
-        middles = [4.0 * (slopes[a] * share[b] + share[a] * slopes[b]) for a, b in EDGES_OF_TET]
+        middles = [4.0 * (slopes[a] * share[b] + share[a] * slopes[b]) for a, b, _ in CELLS["tet10"].edges]
         dN = np.concatenate([slopes * (4.0 * share - 1.0)[:, None], middles])
         found.append(np.linalg.det(np.einsum("aj,cai->cij", dN, x)))
     return np.stack(found, axis=1)
@@ -224,7 +230,7 @@ def _wind_outwards(points: FloatArray, cells: IntArray) -> tuple[IntArray, bool]
     if (volumes > 0.0).all():
         return cells, False
     if (volumes < 0.0).all():
-        return np.ascontiguousarray(cells[:, _TURNED_OVER[cells.shape[1]]]), True
+        return np.ascontiguousarray(cells[:, find_cell(3, cells).reversed]), True
     wrong = np.flatnonzero(~(volumes > 0.0).all(axis=1))
     centre = ", ".join(f"{c:.6g}" for c in points[cells[wrong[0]]].mean(axis=0))
     raise MeshError(

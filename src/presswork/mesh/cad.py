@@ -16,7 +16,7 @@ import numpy as np
 
 from presswork.mesh.checks import MeshError
 from presswork.mesh.raw import RawMesh
-from presswork.model import FloatArray
+from presswork.model import CELLS, FloatArray
 from presswork.own_process import DiedError, call_apart
 
 _IGES = (".iges", ".igs")
@@ -106,7 +106,7 @@ def triangulate(path: Path, tolerance: float | None) -> RawMesh:
     is_turned = np.einsum("ij,ij->i", np.cross(b - a, c - a), normals.sum(axis=1)) < 0.0
     triangles[is_turned] = triangles[is_turned][:, ::-1]
     raw = RawMesh(corners.reshape(-1, 3))
-    raw.add_cells("tri3", triangles)
+    raw.add_cells(CELLS["tri3"], triangles)
     return raw
 
 

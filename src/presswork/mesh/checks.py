@@ -8,8 +8,8 @@ import math
 import numpy as np
 import scipy
 
-from presswork.mesh.topology import count_cells_of_edges, count_corners, find_parts
-from presswork.model import FloatArray, IntArray
+from presswork.mesh.topology import count_cells_of_edges, find_parts
+from presswork.model import FloatArray, IntArray, find_cell
 
 SMALLEST, LARGEST = 1.0, 1e4
 """Diagonals of tools and parts that are believed [mm]."""
@@ -67,12 +67,11 @@ def corner_jacobians(points: FloatArray, connectivity: IntArray) -> FloatArray:
     It has the sign of the Jacobian there. The tangent at a corner a of a curved edge to b by its middle m is
     that of the parabola through them, -3 a + 4 m - b.
     """
-    n_nodes = connectivity.shape[1]
-    n_corners = count_corners(n_nodes)
-    here = points[connectivity[:, :n_corners]]
+    cell = find_cell(2, connectivity)
+    here = points[connectivity[:, : cell.corners]]
     after, before = np.roll(here, -1, axis=1), np.roll(here, 1, axis=1)
-    if n_nodes > n_corners:
-        middle_after = points[connectivity[:, n_corners : 2 * n_corners]]
+    if cell.is_quadratic:
+        middle_after = points[connectivity[:, cell.edges[:, 2]]]
         middle_before = np.roll(middle_after, 1, axis=1)
         out = -3.0 * here + 4.0 * middle_after - after
         back = -3.0 * here + 4.0 * middle_before - before
@@ -82,14 +81,8 @@ def corner_jacobians(points: FloatArray, connectivity: IntArray) -> FloatArray:
 
 
 def reverse_cells(connectivity: IntArray) -> IntArray:
-    """Return the cells with their winding reversed, the first corner kept."""
-    n_nodes = connectivity.shape[1]
-    n_corners = count_corners(n_nodes)
-    order = [0, *range(n_corners - 1, 0, -1)]
-    if n_nodes > n_corners:
-        order += list(range(2 * n_corners - 1, n_corners - 1, -1))
-    order += list(range(len(order), n_nodes))
-    return np.ascontiguousarray(connectivity[:, order])
+    """Return plane cells with their winding reversed, the first corner kept."""
+    return np.ascontiguousarray(connectivity[:, find_cell(2, connectivity).reversed])
 
 
 def wind_counter_clockwise(points: FloatArray, connectivity: IntArray) -> tuple[IntArray, bool]:

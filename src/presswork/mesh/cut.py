@@ -33,7 +33,7 @@ from presswork.geometry.polygon import (
 from presswork.geometry.polygon_cell import Loop, find_normal, find_weights, split_polygon
 from presswork.mesh.checks import MeshError
 from presswork.mesh.topology import edge_keys, find_boundary_edges, find_parts, list_cell_edges, select_edges
-from presswork.model import BoolArray, FloatArray, IntArray
+from presswork.model import BoolArray, FloatArray, IntArray, find_cell
 
 NEAR = 0.3
 """Part of an edge within which a node is moved onto the line."""
@@ -49,11 +49,6 @@ _ON = 1e-9
 """Part of the mesh's size within which a node lies on the line."""
 _NO_AREA = 1e-6
 """Quality of a piece that is nothing."""
-NATURAL = {
-    3: np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]),
-    4: np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]),
-}
-"""Corners in natural coordinates."""
 
 Keep = Literal["inside", "outside"]
 
@@ -271,7 +266,7 @@ class _Cutter:
         self.side = np.concatenate([self.side, np.zeros(len(edges), dtype=np.int32)])
         pieces = _Pieces()
         for b, cells in enumerate(self.blocks):
-            side, natural = self.side[cells], NATURAL[cells.shape[1]]
+            side, natural = self.side[cells], find_cell(2, cells).places
             whole = (side > 0).all(axis=1)
             pieces.add_whole(b, cells, np.flatnonzero(whole), natural)
             for cell in np.flatnonzero(~whole & (side >= 0).any(axis=1)).tolist():
@@ -340,20 +335,20 @@ class _Pieces:
     """The part that is kept, cell by cell."""
 
     def __init__(self) -> None:
-        self._rows: dict[int, list[tuple[IntArray, IntArray, FloatArray]]] = {4: [], 3: []}
+        self._rows: dict[str, list[tuple[IntArray, IntArray, FloatArray]]] = {"quad4": [], "tri3": []}
 
     def add_whole(self, block: int, cells: IntArray, numbers: NDArray[np.intp], natural: FloatArray) -> None:
         """Keep cells of a block as they are."""
         parent = np.column_stack([np.full(len(numbers), block), numbers]).astype(np.int32)
         places = np.broadcast_to(natural, (len(numbers), *natural.shape))
-        self._rows[cells.shape[1]].append((cells[numbers], parent, places))
+        self._rows[find_cell(2, cells).name].append((cells[numbers], parent, places))
 
     def add_parts(self, block: int, cell: int, loop: list[int], places: FloatArray, parts: list[Loop]) -> None:
         """Keep parts of a cell, each some corners of a loop."""
         for part in parts:
             own = list(part)
             row = (np.array([[loop[k] for k in own]], np.int32), np.array([[block, cell]], np.int32), places[own][None])
-            self._rows[len(own)].append(row)
+            self._rows[find_cell(2, row[0]).name].append(row)
 
     def cells(self) -> tuple[CutCells, ...]:
         """Return the cells of each kind, in the order of their parents."""

@@ -15,8 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.mesh.checks import MeshError
-from presswork.mesh.topology import count_corners
-from presswork.model import BoolArray, CellBlock, FloatArray, IntArray
+from presswork.model import BoolArray, CellBlock, FloatArray, IntArray, find_cell
 
 FOLD = np.radians(40.0)
 """Angle between the normals of two cells at a node above which the sheet is folded there."""
@@ -73,7 +72,7 @@ def cell_normals(points: FloatArray, connectivity: IntArray, slopes: FloatArray)
             f"normals differ by more than {np.degrees(WARPED):.0f} degrees from their mean",
             "mend these cells in the mesher; all must be convex, and nearly flat",
         )
-    weight = (tangents**2).sum(axis=3).prod(axis=2) if connectivity.shape[1] in (3, 4) else size
+    weight = (tangents**2).sum(axis=3).prod(axis=2) if not find_cell(2, connectivity).is_quadratic else size
     weighted: FloatArray = normals / weight[..., None]
     return weighted
 
@@ -160,11 +159,7 @@ def _check_defined(points: FloatArray, node: IntArray, cosine: FloatArray) -> No
 
 def _ring_neighbours(connectivity: IntArray) -> IntArray:
     """Return the nodes before and after each node along its cell's boundary (n_cells, n_nodes, 2); -1 at a centre."""
-    n_nodes = connectivity.shape[1]
-    corners = count_corners(n_nodes)
-    ring = list(range(corners))
-    if n_nodes > corners:
-        ring = [node for i in range(corners) for node in (i, corners + i)]
+    ring = find_cell(2, connectivity).ring
     neighbours = np.full((*connectivity.shape, 2), -1, dtype=np.int32)
     for place, node in enumerate(ring):
         neighbours[:, node, 0] = connectivity[:, ring[place - 1]]

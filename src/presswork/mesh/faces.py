@@ -12,13 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from presswork.model import FloatArray, IntArray
+from presswork.model import CELLS, FloatArray, IntArray, find_cell, take_corners
 
-FACES_OF_HEX = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
-FACES_OF_TET = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
-FACES_OF_TET10 = ((0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (2, 0, 3, 6, 7, 9))
-"""Nodes of the faces of a hexahedron and of tetrahedra, counter-clockwise seen from outside."""
-_FACES_OF_CELL = {4: FACES_OF_TET, 8: FACES_OF_HEX, 10: FACES_OF_TET10}
 _GAUSS_2 = (-np.sqrt(1 / 3), np.sqrt(1 / 3))
 
 
@@ -26,7 +21,7 @@ def list_cell_faces(connectivity: IntArray) -> IntArray:
     """Return the faces of every cell one after the other: six of a hexahedron (6 n_cells, 4), four of a tetrahedron
     (4 n_cells, 3 | 6).
     """
-    faces = np.array(_FACES_OF_CELL[connectivity.shape[1]])
+    faces = find_cell(3, connectivity).faces
     return connectivity[:, faces].reshape(-1, faces.shape[1])
 
 
@@ -38,24 +33,24 @@ def find_boundary_faces(connectivities: Sequence[IntArray]) -> tuple[IntArray, I
     faces = np.concatenate([list_cell_faces(connectivity) for connectivity in connectivities])
     _, index, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     own = np.sort(index[count == 1])
-    faces_of_cell = 6 if faces.shape[1] == 4 else 4
+    faces_of_cell = len(find_cell(3, connectivities[0]).faces)
     return np.ascontiguousarray(faces[own], dtype=np.int32), (own // faces_of_cell).astype(np.int32)
 
 
-def take_corners(faces: IntArray) -> IntArray:
-    """Return the corners of faces (n, 3 | 4)."""
-    return faces[:, :3] if faces.shape[1] == 6 else faces
+def split_faces(faces: IntArray) -> IntArray:
+    """Return triangles (n, 3) that cover faces between their corners."""
+    return np.concatenate([faces[:, corners] for corners in find_cell(2, faces).simplices])
 
 
 def take_bearing(faces: IntArray) -> IntArray:
     """Return the nodes of faces that stand for area (n, 3 | 4): all, or the middles of the sides of 6-node ones."""
-    return faces[:, 3:] if faces.shape[1] == 6 else faces
+    return faces[:, 3:] if _takes_middles(faces) else faces
 
 
 def find_face_middles(points: FloatArray, faces: IntArray) -> FloatArray:
     """Return where the middles of faces are (n_faces, 3) [mm]."""
     corners = points[take_corners(faces)].mean(axis=1)
-    if faces.shape[1] != 6:
+    if not _takes_middles(faces):
         return np.asarray(corners)
     return np.asarray((4.0 * points[faces[:, 3:]].mean(axis=1) - corners) / 3.0)
 
@@ -106,12 +101,15 @@ def press_faces(points: FloatArray, faces: IntArray, pressure: float) -> tuple[F
 
 def _rule(faces: IntArray) -> list[tuple[FloatArray, FloatArray]]:
     """Return shape functions (k,) times the weight and their derivatives (2, k) at the points of the faces' rule."""
-    if faces.shape[1] == 3:
-        return [(np.full(3, 1.0 / 6.0), np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]]))]
-    if faces.shape[1] == 6:
+    cell = find_cell(2, faces)
+    if _takes_middles(faces):
         return _rule_of_middles()
-    corner = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-    found = []
+    if cell.is_quadratic:
+        rule = cell.rules[max(cell.rules)]
+        return [(w * N, dN.T) for w, N, dN in zip(rule.weights, rule.shapes, rule.slopes, strict=True)]
+    if cell.is_simplex:
+        return [(np.full(3, 1.0 / 6.0), np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]]))]
+    corner, found = cell.places, []
     for r in _GAUSS_2:
         for s in _GAUSS_2:
             one, two = 0.5 * (1 + corner[:, 0] * r), 0.5 * (1 + corner[:, 1] * s)
@@ -119,18 +117,24 @@ def _rule(faces: IntArray) -> list[tuple[FloatArray, FloatArray]]:
     return found
 
 
+def _takes_middles(faces: IntArray) -> bool:
+    """Return whether integrals over faces take the values in the middle of their sides."""
+    return find_cell(2, faces).name == "tri6"
+
+
 def _rule_of_middles() -> list[tuple[FloatArray, FloatArray]]:
     """Return the same for the middles of the sides of 6-node triangles, where only their own nodes count."""
     found = []
     slopes = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])  # of the corners' shares
-    for middle, ends in enumerate(((0, 1), (1, 2), (2, 0))):
+    edges = CELLS["tri6"].edges.tolist()
+    for *ends, middle in edges:
         share, dN = np.zeros(3), np.zeros((2, 6))
-        share[list(ends)] = 0.5
+        share[ends] = 0.5
         dN[:, :3] = (slopes * (4.0 * share - 1.0)[:, None]).T
-        for side, (a, b) in enumerate(((0, 1), (1, 2), (2, 0))):
-            dN[:, 3 + side] = 4.0 * (slopes[a] * share[b] + share[a] * slopes[b])
+        for a, b, side in edges:
+            dN[:, side] = 4.0 * (slopes[a] * share[b] + share[a] * slopes[b])
         N = np.zeros(6)
-        N[3 + middle] = 1.0 / 6.0
+        N[middle] = 1.0 / 6.0
         found.append((N, dN))
     return found
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from presswork import _core
-from presswork.model import BoolArray, FloatArray, IntArray
+from presswork.model import BoolArray, FloatArray, IntArray, find_cell
 
 TOUCH = 1e-3
 """Of an edge: how far the ends of another may be from its line and still lie on it."""
@@ -38,9 +38,7 @@ class Facing:
 
 def split_edges(edges: IntArray) -> IntArray:
     """Return edges (n, 2 | 3) as straight pieces between neighbouring nodes (n | 2 n, 2)."""
-    if edges.shape[1] == 2:
-        return edges
-    return np.concatenate([edges[:, [0, 2]], edges[:, [2, 1]]])
+    return np.concatenate([edges[:, ends] for ends in find_cell(1, edges).pieces])
 
 
 def find_facing(

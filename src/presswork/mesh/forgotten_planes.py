@@ -18,8 +18,7 @@ from presswork.geometry.in_the_way import is_in_the_way
 from presswork.geometry.pose import find_space_pose, start_profile
 from presswork.geometry.segments import sample_points
 from presswork.geometry.tool_surface import list_extreme_points
-from presswork.mesh.faces import take_corners
-from presswork.model import FloatArray, IntArray, Model, Plane, Profile, Stage, Tool
+from presswork.model import FloatArray, IntArray, Model, Plane, Profile, Stage, Tool, take_corners
 
 FLAT = 1e-6
 """Of the size of the workpiece: how far a side may lie off its plane, and that off the origin."""

@@ -15,16 +15,9 @@ import numpy as np
 
 from presswork.mesh.checks import MeshError
 from presswork.mesh.raw import RawMesh
-from presswork.model import IntArray
+from presswork.model import CELLS, Cell, IntArray
 
-# Element types by what they are: plane stress, plane strain, plate, membrane, axisymmetric solid, thin shell.
-_LINEAR_TRIANGLES = (41, 51, 61, 71, 81, 91)
-_PARABOLIC_TRIANGLES = (42, 52, 62, 72, 82, 92)
-_LINEAR_QUADS = (44, 54, 64, 74, 84, 94)
-_PARABOLIC_QUADS = (45, 55, 65, 75, 85, 95)
-_LINES = (11, 21, 22, 23, 24)
-_SOLIDS = {111: "tetra", 112: "wedge", 115: "hexahedron", 116: "hexahedron20", 118: "tetra10"}
-_FILLING = {"tet4": "tetra", "hex8": "hexahedron"}
+_NOT_READ = {112: "wedge", 116: "hexahedron20"}
 _GROUPS = (2435, 2452, 2467, 2477)
 _NODE_CODE, _ELEMENT_CODE = 7, 8
 
@@ -43,17 +36,12 @@ def read_ideas(path: Path) -> RawMesh:
     labels = np.asarray(nodes["node_nums"]).astype(np.int64)
     raw = RawMesh(np.column_stack([nodes[axis] for axis in "xyz"]))
     index = {int(label): position for position, label in enumerate(labels)}
-    elements: dict[int, tuple[str, IntArray]] = {}
+    elements: dict[int, tuple[Cell, IntArray]] = {}
     for position in (place for place, number in enumerate(types) if number == 2412):
         _read_elements(file.read_sets(position), index, elements, raw)
-    kinds = {kind for kind, _ in elements.values() if not kind.startswith("line")}
+    kinds = {cell.name for cell, _ in elements.values()}
     for kind in sorted(kinds):
-        cells = np.array([cell for other, cell in elements.values() if other == kind])
-        if kind in _FILLING:
-            raw.add_volumes(kind, cells)
-            raw.other_kinds.add(_FILLING[kind])
-        else:
-            raw.add_cells(kind, cells)
+        raw.add_cells(CELLS[kind], np.array([nodes for cell, nodes in elements.values() if cell.name == kind]))
     for number, lines in datasets:
         if number in _GROUPS:
             _read_groups(lines, index, elements, raw)
@@ -76,15 +64,15 @@ def _refuse_long_rows(lines: list[str]) -> None:
     while row < len(lines):
         _, descriptor, _, _, _, n_nodes = (int(word) for word in lines[row].split()[:6])
         if n_nodes > 8:
-            named = _SOLIDS.get(descriptor, f"element type {descriptor}")
+            named = _name(descriptor, f"element type {descriptor}")
             raise MeshError(
                 f"elements of {n_nodes} nodes ({named}) are not read from this format", "save it as .inp, .msh or .vtk"
             )
-        row += 3 if descriptor in _LINES else 2
+        row += 3 if descriptor in CELLS["line2"].files.ideas else 2
 
 
 def _read_elements(
-    dataset: dict[Any, Any], index: dict[int, int], elements: dict[int, tuple[str, IntArray]], raw: RawMesh
+    dataset: dict[Any, Any], index: dict[int, int], elements: dict[int, tuple[Cell, IntArray]], raw: RawMesh
 ) -> None:
     """Take the elements of a dataset 2412 as pyuff gives it, by label, in the Model's node order."""
     for descriptor, entries in dataset.items():
@@ -97,35 +85,30 @@ def _read_elements(
                 raise MeshError(
                     f"elements use node {error.args[0]}, which the file does not have", "write it again from the mesher"
                 ) from None
-            kind = _kind_of(descriptor, len(nodes))
-            if kind is None:
-                named = _SOLIDS.get(descriptor, "element type")
+            cell = _find_cell(descriptor, len(nodes))
+            if cell is None:
+                named = _name(descriptor, "element type")
                 raw.other_kinds.add(f"{named} {descriptor} with {len(nodes)} nodes")
                 continue
-            if kind in ("tri6", "quad8"):
-                nodes = np.concatenate([nodes[::2], nodes[1::2]])
-            elements[int(entry["element_nums"])] = (kind, nodes)
+            if cell.dimension == 2:
+                nodes = nodes[np.argsort(cell.ring)]
+            elements[int(entry["element_nums"])] = (cell, nodes)
 
 
-def _kind_of(descriptor: int, n_nodes: int) -> str | None:
-    """Return tri3, tri6, quad4, quad8, line2, line3, tet4 or hex8 for an element type, None for any other."""
-    kinds = {
-        3: ("tri3", _LINEAR_TRIANGLES),
-        6: ("tri6", _PARABOLIC_TRIANGLES),
-        4: ("quad4", _LINEAR_QUADS),
-        8: ("quad8", _PARABOLIC_QUADS),
-    }
-    if descriptor in _LINES and n_nodes in (2, 3):
-        return f"line{n_nodes}"
-    for kind, solid in _FILLING.items():
-        if _SOLIDS.get(descriptor) == solid and n_nodes == int(kind[-1]):
-            return kind
-    kind, descriptors = kinds.get(n_nodes, ("", ()))
-    return kind if descriptor in descriptors else None
+def _find_cell(descriptor: int, n_nodes: int) -> Cell | None:
+    """Return the kind of cell of an element type, None if it is not read."""
+    fitting = (cell for cell in CELLS.values() if descriptor in cell.files.ideas and cell.nodes == n_nodes)
+    return next(fitting, None)
+
+
+def _name(descriptor: int, otherwise: str) -> str:
+    """Return what messages call an element type."""
+    names = {number: cell.files.meshio for cell in CELLS.values() if cell.dimension == 3 for number in cell.files.ideas}
+    return (_NOT_READ | names).get(descriptor, otherwise)
 
 
 def _read_groups(
-    lines: list[str], index: dict[int, int], elements: dict[int, tuple[str, IntArray]], raw: RawMesh
+    lines: list[str], index: dict[int, int], elements: dict[int, tuple[Cell, IntArray]], raw: RawMesh
 ) -> None:
     """Add the permanent groups of a dataset to the sets."""
     position = 0
@@ -139,6 +122,6 @@ def _read_groups(
             if code == _NODE_CODE and int(label) in index:
                 raw.add_to_set(name, "point", np.array([index[int(label)]]))
             elif code == _ELEMENT_CODE and int(label) in elements:
-                kind, nodes = elements[int(label)]
-                raw.add_to_set(name, kind, nodes[None, :])
+                cell, nodes = elements[int(label)]
+                raw.add_to_set(name, cell.name, nodes[None, :])
         position += 2 + n_rows

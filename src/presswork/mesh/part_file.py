@@ -14,7 +14,6 @@ from presswork.mesh.checks import MeshError, check_size
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
 from presswork.mesh.remesh import POOR, RIM, SURFACE, mend_slivers
-from presswork.mesh.topology import count_corners
 from presswork.mesh.triangles import (
     double_areas,
     find_crowded_edges,
@@ -27,7 +26,7 @@ from presswork.mesh.triangles import (
     pair_triangles,
     triangle_quality,
 )
-from presswork.model import BoolArray, FloatArray, IntArray
+from presswork.model import CELLS, BoolArray, FloatArray, IntArray, find_cell, take_corners
 
 STEEPEST = 1.0
 """Degrees by which a wall may lean over the vertical before it is an undercut."""
@@ -118,14 +117,14 @@ def _take_cells(raw: RawMesh, scale: float) -> tuple[FloatArray, Cells]:
         raise MeshError(f"the file has no triangles or quadrilaterals{others}", "save the part's mid-surface")
     if raw.points.shape[1] != 3 or not np.isfinite(raw.points).all():
         raise MeshError("some coordinates are no finite numbers, or not three", "write it again from the CAD program")
-    found: dict[int, list[IntArray]] = {3: [np.zeros((0, 3), dtype=np.int32)], 4: [np.zeros((0, 4), dtype=np.int32)]}
+    found = {kind: [np.zeros((0, CELLS[kind].nodes), dtype=np.int32)] for kind in ("tri3", "quad4")}
     for blocks in raw.cells.values():
         cells = np.concatenate(blocks)
         if cells.min() < 0 or cells.max() >= len(raw.points):
             raise MeshError("cells use points that the file does not have", "the file is cut short; write it again")
-        corners = count_corners(cells.shape[1])
-        found[corners].append(cells[:, :corners].astype(np.int32))
-    return raw.points * scale, (np.concatenate(found[3]), np.concatenate(found[4]))
+        corners = take_corners(cells).astype(np.int32)
+        found[find_cell(2, corners).name].append(corners)
+    return raw.points * scale, (np.concatenate(found["tri3"]), np.concatenate(found["quad4"]))
 
 
 def _merge(points: FloatArray, cells: Cells, tolerance: float) -> tuple[FloatArray, Cells]:

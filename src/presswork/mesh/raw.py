@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from presswork.model import FloatArray, IntArray
+from presswork.model import Cell, FloatArray, IntArray
 
 
 @dataclass
@@ -17,26 +17,23 @@ class RawMesh:
     points: FloatArray
     """Shape (n_points, 2 | 3), in the file's unit."""
     cells: dict[str, list[IntArray]] = field(default_factory=dict)
-    """Connectivity by kind: tri3, tri6, quad4, quad8, quad9."""
+    """Connectivity of triangles and quadrilaterals by kind: tri3, tri6, quad4, quad8, quad9."""
     other_kinds: set[str] = field(default_factory=set)
-    """Names of kinds in the file that are no 2D cells, lines or points."""
+    """Names of kinds in the file that are no 2D cells, lines or points; of volumes as meshio has them."""
     volumes: dict[str, list[IntArray]] = field(default_factory=dict)
-    """Connectivity of hexahedra of 8 nodes and tetrahedra of 4 and 10 by kind: hex8, tet4, tet10; their names are among
-    other_kinds, too."""
+    """Connectivity of cells that fill space by kind: hex8, tet4, tet10; their names are among other_kinds, too."""
     node_sets: dict[str, list[IntArray]] = field(default_factory=dict)
     """Node indices by name, from groups of nodes, points and cells."""
     line_sets: dict[str, list[IntArray]] = field(default_factory=dict)
     """Line cells by name, each of shape (n_lines, 2 | 3), nodes in any order."""
 
-    def add_cells(self, kind: str, connectivity: IntArray) -> None:
-        """Add 2D cells."""
-        if len(connectivity):
-            self.cells.setdefault(kind, []).append(connectivity.astype(np.int32))
-
-    def add_volumes(self, kind: str, connectivity: IntArray) -> None:
-        """Add cells that fill space."""
-        if len(connectivity):
-            self.volumes.setdefault(kind, []).append(connectivity.astype(np.int32))
+    def add_cells(self, cell: Cell, connectivity: IntArray) -> None:
+        """Add 2D cells, or cells that fill space; lines by themselves are no part of a mesh."""
+        if cell.dimension == 3:
+            self.other_kinds.add(cell.files.meshio)
+        if len(connectivity) and cell.dimension > 1:
+            cells = self.cells if cell.dimension == 2 else self.volumes
+            cells.setdefault(cell.name, []).append(connectivity.astype(np.int32))
 
     def add_to_set(self, name: str, kind: str, connectivity: IntArray) -> None:
         """Add cells of any kind, points included, to a named set."""

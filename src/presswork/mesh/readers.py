@@ -18,15 +18,8 @@ from presswork.mesh.abaqus import read_abaqus
 from presswork.mesh.checks import MeshError, check_connected, check_coordinates, wind_counter_clockwise
 from presswork.mesh.ideas import read_ideas
 from presswork.mesh.raw import RawMesh
-from presswork.mesh.structured import NODES_OF_KIND, cell_kind
 from presswork.mesh.topology import drop_unused_points, find_boundary_edges, select_edges
-from presswork.model import ELEMENTS, CellBlock, ElementName, FloatArray, IntArray, Mesh, list_names
-
-_MESHIO_KINDS = {
-    "triangle": "tri3", "triangle6": "tri6", "quad": "quad4", "quad8": "quad8", "quad9": "quad9",
-    "line": "line2", "line3": "line3", "vertex": "point",
-}  # fmt: skip
-_VOLUMES = {"hexahedron": "hex8", "tetra": "tet4", "tetra10": "tet10"}
+from presswork.model import CELLS, ELEMENTS, CellBlock, ElementName, FloatArray, IntArray, Mesh, list_names
 
 
 def read_mesh(
@@ -98,9 +91,10 @@ def _read_gmsh(path: Path) -> RawMesh:
             )
     mesh = _read_quietly(meshio.gmsh.read, path)
     raw = _from_meshio(mesh)
+    kinds = {"vertex": "point"} | {cell.files.meshio: cell.name for cell in CELLS.values() if cell.dimension < 3}
     for name, (tag, dimension) in mesh.field_data.items():
         for block, tags in zip(mesh.cells, mesh.cell_data.get("gmsh:physical", []), strict=False):
-            kind = _MESHIO_KINDS.get(block.type)
+            kind = kinds.get(block.type)
             if kind is not None and block.dim == dimension:
                 raw.add_to_set(name, kind, np.asarray(block.data)[np.asarray(tags) == tag])
     return raw
@@ -137,14 +131,12 @@ def _read_quietly(read: Callable[[str], Any], path: Path) -> Any:
 
 def _from_meshio(mesh: Any) -> RawMesh:
     raw = RawMesh(np.asarray(mesh.points, dtype=float))
+    cells = {cell.files.meshio: cell for cell in CELLS.values()}
     for block in mesh.cells:
-        kind = _MESHIO_KINDS.get(block.type)
-        if kind in NODES_OF_KIND:
-            raw.add_cells(kind, np.asarray(block.data))
-        elif kind is None:
+        if block.type in cells:
+            raw.add_cells(cells[block.type], np.asarray(block.data))
+        elif block.type != "vertex":
             raw.other_kinds.add(block.type)
-            if block.type in _VOLUMES:
-                raw.add_volumes(_VOLUMES[block.type], np.asarray(block.data))
     return raw
 
 
@@ -170,7 +162,7 @@ def take_cells(raw: RawMesh, element: ElementName) -> IntArray:
     if not raw.cells:
         others = f" (it has {', '.join(sorted(raw.other_kinds))})" if raw.other_kinds else ""
         raise MeshError(f"the file has no 2D cells{others}", "save triangles or quadrilaterals")
-    wanted = cell_kind(element)
+    wanted = ELEMENTS[element].cell
     if set(raw.cells) != {wanted}:
         counts = ", ".join(f"{sum(map(len, blocks))} {kind}" for kind, blocks in sorted(raw.cells.items()))
         family = ELEMENTS[element].family

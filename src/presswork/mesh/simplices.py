@@ -6,26 +6,18 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from presswork.mesh.topology import count_corners
-from presswork.model import ELEMENTS, FloatArray, IndexArray, Mesh
+from presswork.model import FloatArray, IndexArray, Mesh, cell_of
 
 NEAREST = 64
 """Simplices with the nearest middles, among which the one that holds a place is looked for."""
-_TETRAHEDRA = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
-_TRIANGLES = {3: [(0, 1, 2)], 4: [(0, 1, 2), (0, 2, 3)]}
 
 
 def list_simplices(mesh: Mesh) -> IndexArray:
     """Return the nodes of simplices that cover all cells (n, 3), in space (n, 4)."""
     parts = []
     for block in mesh.blocks:
-        cells = block.connectivity
-        if ELEMENTS[block.element].cell.startswith("tet"):
-            parts.append(cells[:, :4])
-        elif ELEMENTS[block.element].cell == "hex8":
-            parts.append(cells[:, _TETRAHEDRA].reshape(-1, 4))
-        else:
-            parts.append(cells[:, _TRIANGLES[count_corners(cells.shape[1])]].reshape(-1, 3))
+        simplices = cell_of(block.element).simplices
+        parts.append(block.connectivity[:, simplices].reshape(-1, simplices.shape[1]))
     return np.concatenate(parts).astype(np.intp)
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.mesh.topology import edge_keys
+from presswork.mesh.topology import edge_keys, with_four_nodes
 from presswork.model import BoolArray, FloatArray, IntArray, Mesh
 
 _QUAD = ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3))
@@ -37,9 +37,9 @@ class SplitMesh:
     @classmethod
     def begin(cls, cells: IntArray, n_nodes: int) -> SplitMesh:
         """Return the mesh before any shell is split; triangles (n, 3) get their last node twice."""
-        four = cells if cells.shape[1] == 4 else cells[:, [0, 1, 2, 2]]
         none = np.zeros(0, dtype=np.int32)
-        return cls(four.astype(np.int32), np.zeros(len(cells), np.int32), n_nodes, none.astype(np.int64), none)
+        four = with_four_nodes(cells).astype(np.int32)
+        return cls(four, np.zeros(len(cells), np.int32), n_nodes, none.astype(np.int64), none)
 
     def middles(self, cells: IntArray) -> IntArray:
         """Return the nodes in the middle of the sides 01, 12, 23, 30 of cells (n, 4); -1 where there is none."""

@@ -14,12 +14,9 @@ from typing import Literal
 import numpy as np
 
 from presswork.mesh.topology import find_boundary_edges, select_edges
-from presswork.model import ELEMENTS, CellBlock, ElementName, FloatArray, IntArray, Mesh
+from presswork.model import Cell, CellBlock, ElementName, FloatArray, IntArray, Mesh, cell_of
 
 Pattern = Literal["quad", "crossed", "left", "right"]
-CellKind = Literal["tri3", "tri6", "quad4", "quad8", "quad9"]
-
-NODES_OF_KIND: dict[CellKind, int] = {"tri3": 3, "tri6": 6, "quad4": 4, "quad8": 8, "quad9": 9}
 
 # Corners of the cells that a pattern makes of one quad, on a lattice of 2 x 2 steps per quad, counter-clockwise.
 _CORNERS: dict[Pattern, list[list[tuple[int, int]]]] = {
@@ -35,16 +32,9 @@ _CORNERS: dict[Pattern, list[list[tuple[int, int]]]] = {
 }
 
 
-def cell_kind(element: ElementName) -> CellKind:
-    """Return the kind of cell that an element formulation lives on."""
-    kind = ELEMENTS[element].cell
-    assert kind in NODES_OF_KIND
-    return kind
-
-
 def fitting_patterns(element: ElementName) -> tuple[Pattern, ...]:
     """Return the patterns that make cells for an element, the usual one first."""
-    return ("crossed", "left", "right") if cell_kind(element).startswith("tri") else ("quad",)
+    return ("crossed", "left", "right") if cell_of(element).is_simplex else ("quad",)
 
 
 def grade_line(start: float, zones: Sequence[tuple[float, int, float]]) -> FloatArray:
@@ -75,7 +65,7 @@ def mesh_rectangle(
     pattern = pattern or fitting_patterns(element)[0]
     if pattern not in fitting_patterns(element):
         raise ValueError(f"pattern {pattern} does not make cells for {element}")
-    steps, stencil = _stencil(cell_kind(element), pattern)
+    steps, stencil = _stencil(cell_of(element), pattern)
     x_first = len(x_lines) <= len(y_lines)
     inner, outer = (x_lines, y_lines) if x_first else (y_lines, x_lines)
     offset_inner, offset_outer = (stencil[..., 0], stencil[..., 1]) if x_first else (stencil[..., 1], stencil[..., 0])
@@ -99,17 +89,18 @@ def mesh_rectangle(
     return Mesh(points, (block,), node_sets, {**edge_sets, "boundary": boundary}, boundary)
 
 
-def _stencil(kind: CellKind, pattern: Pattern) -> tuple[int, IntArray]:
-    """Return the lattice steps per quad and the cells' nodes on it, shape (cells per quad, nodes, 2)."""
-    corners = np.array(_CORNERS[pattern], dtype=np.int32)
-    if kind in ("tri3", "quad4"):
-        return 2, corners
-    corners = 2 * corners  # a lattice of 4 x 4 steps, on which mid-sides of half diagonals lie too
-    middles = (corners + np.roll(corners, -1, axis=1)) // 2
-    nodes = [corners, middles]
-    if kind == "quad9":
-        nodes.append(np.full((1, 1, 2), 2, dtype=np.int32))
-    return 4, np.concatenate(nodes, axis=1)
+def _stencil(cell: Cell, pattern: Pattern) -> tuple[int, IntArray]:
+    """Return the lattice steps per quad and the cells' nodes on it, shape (cells per quad, nodes, 2).
+
+    The lattice is as fine as mid-sides, also those of half diagonals, and inner nodes need it.
+    """
+    corners = np.array(_CORNERS[pattern], dtype=np.float64)
+    nodes = np.repeat(corners.mean(axis=1, keepdims=True), cell.nodes, axis=1)
+    nodes[:, : cell.corners] = corners
+    if cell.is_quadratic:
+        nodes[:, cell.edges[:, 2]] = corners[:, cell.edges[:, :2]].mean(axis=2)
+    finer = next(n for n in range(1, 13) if np.allclose(n * nodes, np.rint(n * nodes)))
+    return 2 * finer, np.rint(finer * nodes).astype(np.int32)
 
 
 def _subdivide(lines: FloatArray, steps: int) -> FloatArray:

@@ -12,7 +12,6 @@ from presswork.mesh.checks import MeshError, check_size
 from presswork.mesh.raw import RawMesh
 from presswork.mesh.readers import read_raw
 from presswork.mesh.stl_file import MERGED, count_own_edges
-from presswork.mesh.topology import count_corners
 from presswork.mesh.triangles import (
     double_areas,
     enclosed_volumes,
@@ -27,7 +26,7 @@ from presswork.mesh.triangles import (
     separate_parts,
     split_quads,
 )
-from presswork.model import FloatArray, IntArray, Triangulation
+from presswork.model import FloatArray, IntArray, Triangulation, take_corners
 
 
 def read_tool(
@@ -86,8 +85,7 @@ def _take_facets(raw: RawMesh, scale: float) -> tuple[FloatArray, IntArray]:
         cells = np.concatenate(blocks)
         if cells.min() < 0 or cells.max() >= len(points):
             raise MeshError("facets use points that the file does not have", "the file is cut short; write it again")
-        corners = cells[:, : count_corners(cells.shape[1])]
-        parts.append(corners if corners.shape[1] == 3 else split_quads(points, corners))
+        parts.append(split_quads(points, take_corners(cells)))
     return points, np.concatenate(parts)
 
 

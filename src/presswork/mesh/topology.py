@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Edges, sets and connected parts of a mesh, from the cells' connectivity alone.
-
-Corners come first in every cell, counter-clockwise, mid-side i lies between corner i and i + 1, the centre is last.
-"""
+"""Edges, sets and connected parts of a mesh, from the cells' connectivity alone."""
 
 from __future__ import annotations
 
@@ -12,26 +9,13 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from presswork.model import BoolArray, FloatArray, IntArray
-
-_CORNERS_OF_NODES = {3: 3, 6: 3, 4: 4, 8: 4, 9: 4}
-
-
-def count_corners(n_nodes: int) -> int:
-    """Return the number of corners of a cell with so many nodes."""
-    return _CORNERS_OF_NODES[n_nodes]
+from presswork.model import BoolArray, FloatArray, IntArray, find_cell
 
 
 def list_cell_edges(connectivity: IntArray) -> IntArray:
-    """Return the edges of every cell, shape (n_cells * n_corners, 2 | 3): first, last[, mid]; the cell on the left."""
-    n_nodes = connectivity.shape[1]
-    n_corners = count_corners(n_nodes)
-    first = connectivity[:, :n_corners]
-    last = np.roll(first, -1, axis=1)
-    columns = [first, last]
-    if n_nodes > n_corners:
-        columns.append(connectivity[:, n_corners : 2 * n_corners])
-    return np.stack(columns, axis=-1).reshape(-1, len(columns))
+    """Return the edges of every plane cell (n_cells * n_corners, 2 | 3): first, last[, mid]; the cell on the left."""
+    edges = find_cell(2, connectivity).edges
+    return connectivity[:, edges].reshape(-1, edges.shape[1])
 
 
 def edge_keys(edges: IntArray) -> NDArray[np.int64]:

@@ -13,12 +13,14 @@ import scipy
 from numpy.typing import NDArray
 
 from presswork.mesh.topology import chain_edges, edge_keys, find_boundary_edges, list_cell_edges
-from presswork.model import BoolArray, FloatArray, IndexArray, IntArray
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, find_cell
 
 
-def split_quads(points: FloatArray, quads: IntArray) -> IntArray:
-    """Return two triangles for each quadrilateral (n, 4), cut along its shorter diagonal."""
-    a, b, c, d = quads.T
+def split_quads(points: FloatArray, cells: IntArray) -> IntArray:
+    """Return two triangles for each quadrilateral (n, 4), cut along its shorter diagonal; triangles as they are."""
+    if find_cell(2, cells).is_simplex:
+        return cells
+    a, b, c, d = cells.T
     other = np.linalg.norm(points[b] - points[d], axis=1) < np.linalg.norm(points[a] - points[c], axis=1)
     first = np.where(other, (a, b, d), (a, b, c))
     second = np.where(other, (b, c, d), (a, c, d))

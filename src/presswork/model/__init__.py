@@ -7,6 +7,7 @@ Directions and boundaries have names, never integer tags. All names are imported
 """
 
 from presswork.model.arrays import BoolArray, FloatArray, IndexArray, IntArray, MaskArray
+from presswork.model.cells import CELLS, Cell, NamesInFiles, find_cell, take_corners
 from presswork.model.contact import Body, BodyContact
 from presswork.model.draw_in import DrawInDirection
 from presswork.model.elements import (
@@ -17,6 +18,7 @@ from presswork.model.elements import (
     ShellElement,
     SolidElement,
     SpaceElement,
+    cell_of,
     list_names,
 )
 from presswork.model.formed_sheet import FormedSheet
@@ -111,6 +113,7 @@ from presswork.model.tool import (
 from presswork.model.transformation import ELEMENTS_OF_STEEL, PHASES, Transformation
 
 __all__ = [
+    "CELLS",
     "COLDEST",
     "ELEMENTS",
     "ELEMENTS_OF_STEEL",
@@ -128,6 +131,7 @@ __all__ = [
     "BodyContact",
     "BodyForce",
     "BoolArray",
+    "Cell",
     "CellBlock",
     "Closing",
     "ContactLaw",
@@ -176,6 +180,7 @@ __all__ = [
     "Material",
     "Mesh",
     "Model",
+    "NamesInFiles",
     "OneStepModel",
     "Operation",
     "OutputSettings",
@@ -227,8 +232,10 @@ __all__ = [
     "Umat",
     "UmatJacobian",
     "YieldFunction",
+    "cell_of",
     "change_mesh",
     "choose_slave",
+    "find_cell",
     "find_direction",
     "find_held_side",
     "list_bodies",
@@ -236,4 +243,5 @@ __all__ = [
     "list_sets",
     "mean_edge",
     "never_yield",
+    "take_corners",
 ]

@@ -6,9 +6,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal
 
 from presswork import _core
+from presswork.model.cells import CELLS, Cell
 
 ELEMENTS: dict[str, _core.Element] = {element.name: element for element in _core.elements()}
 """Every element by its name."""
+
+
+def cell_of(element: str) -> Cell:
+    """Return the kind of cell that an element lives on."""
+    return CELLS[ELEMENTS[element].cell]
 
 
 def list_names(
@@ -40,6 +46,6 @@ else:
     ]
     ShellElement = Literal[list_names(_core.Family.shell, in_implicit=True)]
     ExplicitElement = Literal[
-        tuple(n for n in list_names(_core.Family.shell, in_explicit=True) if ELEMENTS[n].nodes == 4)
+        tuple(n for n in list_names(_core.Family.shell, in_explicit=True) if ELEMENTS[n].cell == "quad4")
     ]
     ElementName = Literal[tuple(ELEMENTS)]

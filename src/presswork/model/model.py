@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from presswork.model.arrays import IntArray
+from presswork.model.cells import find_cell
 from presswork.model.contact import Body, BodyContact
 from presswork.model.draw_in import DrawInDirection
 from presswork.model.elements import ELEMENTS
@@ -154,7 +155,7 @@ class Model:
     def cells(self) -> IntArray:
         """Connectivity of a sheet's corners (n, 4), block after block, a triangle with its last node twice."""
         return np.concatenate(
-            [b.connectivity[:, [0, 1, 2, min(3, b.connectivity.shape[1] - 1)]] for b in self.mesh.blocks]
+            [b.connectivity[:, [0, 1, 2, find_cell(2, b.connectivity).corners - 1]] for b in self.mesh.blocks]
         )
 
     @property

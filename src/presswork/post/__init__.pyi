@@ -7,7 +7,7 @@ from .flange import FlangeFit, fit_flange
 from .formability import judge_cells, judge_part
 from .interface import Interface, order_along_boundary, trace_interface
 from .neutral_radius import NeutralRadius, find_neutral_radius
-from .nodal import average_to_nodes, cell_areas, count_corners
+from .nodal import average_to_nodes, cell_areas
 from .outline import OutlineLoop, find_outline, trace_outline
 from .section import cut_sheet, cut_tool, measure_draw_in, write_section
 from .skin import find_skin
@@ -22,7 +22,6 @@ __all__ = [
     "OutlineLoop",
     "average_to_nodes",
     "cell_areas",
-    "count_corners",
     "cut_sheet",
     "cut_tool",
     "distance_to_profile",

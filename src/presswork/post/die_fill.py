@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.model import FloatArray
+from presswork.model import FloatArray, find_cell
 from presswork.post.tool_profile import distance_to_profile, trace_profile
 from presswork.results import Result, ResultError
 
@@ -49,8 +49,7 @@ def measure_die_fill(
         raise ResultError(f"no part of tool {tool} lies between x = {low:g} and {high:g} mm")
     points, lengths = points[inside], lengths[inside]
     edges = result.mesh_at(step).boundary_edges
-    order = [0, 1] if edges.shape[1] == 2 else [0, 2, 1]
-    surface = list(result.points(step)[edges[:, order]])
+    surface = list(result.points(step)[edges[:, find_cell(1, edges).ring]])
     gap = distance_to_profile(points, surface)
     area = lengths * (2 * np.pi * np.abs(points[:, 0]) if axisymmetric else 1.0)
     return DieFill(points, gap, float(area[gap <= tolerance].sum() / area.sum()), float((gap * area).sum()))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.geometry.tool_surface import make_surface
+from presswork.mesh.faces import split_faces
 from presswork.model import FloatArray, IntArray, Triangulation
 from presswork.post.skin import find_skin
 from presswork.results import Result, ResultError
@@ -62,11 +63,9 @@ def find_die_stress(result: Result, tool: str, step: int = -1) -> DieStress:
 def _triangulate_skin(result: Result, step: int) -> IntArray:
     """Return the outer faces of the workpiece as triangles (n, 3)."""
     skin, _ = find_skin(result.mesh_at(step))
-    cut = []
-    for block in skin.blocks:
-        cells = block.connectivity[:, : 3 if block.connectivity.shape[1] in (3, 6) else 4]
-        cut += [cells[:, [0, k, k + 1]] for k in range(1, cells.shape[1] - 1)]
-    return np.ascontiguousarray(np.concatenate(cut), dtype=np.int32)
+    return np.ascontiguousarray(
+        np.concatenate([split_faces(block.connectivity.astype(np.int32)) for block in skin.blocks]), dtype=np.int32
+    )
 
 
 def _refine(corners: FloatArray, longest: float, low: FloatArray, high: FloatArray) -> FloatArray:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.model import BoolArray, FloatArray
+from presswork.model import BoolArray, FloatArray, find_cell
 from presswork.post.outline import find_outline
 from presswork.results import Result, ResultMesh
 
@@ -113,7 +113,10 @@ def _pull_back(mesh: ResultMesh, now: FloatArray) -> FloatArray:
     total, count = np.zeros((len(start), 2, 2)), np.zeros(len(start))
     for block in mesh.blocks:
         cells = block.connectivity
-        before, after = (_span(points[:, :2][cells]) for points in (start, now))
+        first, last = find_cell(2, cells).spans.T
+        before, after = (
+            np.swapaxes(points[cells[:, last], :2] - points[cells[:, first], :2], 1, 2) for points in (start, now)
+        )
         deformation = after @ np.linalg.inv(before)
         flat = np.linalg.det(deformation) > _STEEPEST
         inverse = np.linalg.inv(np.where(flat[:, None, None], deformation, np.eye(2)))
@@ -121,12 +124,3 @@ def _pull_back(mesh: ResultMesh, now: FloatArray) -> FloatArray:
             np.add.at(total, corner, inverse)
             np.add.at(count, corner, 1.0)
     return np.asarray(total / np.maximum(count, 1.0)[:, None, None])
-
-
-def _span(corners: FloatArray) -> FloatArray:
-    """Return two independent spans of cells (n, 3 | 4, 2) as columns (n, 2, 2)."""
-    if corners.shape[1] == 3:
-        spans = (corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    else:
-        spans = (corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    return np.stack(spans, axis=2)

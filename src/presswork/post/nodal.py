@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.model import FloatArray
+from presswork.model import FloatArray, find_cell, take_corners
 
 
 def average_to_nodes(
@@ -23,7 +23,7 @@ def average_to_nodes(
     """
     areas = np.concatenate([cell_areas(points, cells) for cells in connectivity])
     values = np.asarray(cell_values, dtype=np.float64).reshape(len(areas), -1)
-    corners = [cells[:, : count_corners(cells)] for cells in connectivity]
+    corners = [take_corners(cells) for cells in connectivity]
     nodes = np.concatenate([cells.ravel() for cells in corners])
     cells_of_nodes = np.repeat(np.arange(len(areas)), np.concatenate([np.full(len(c), c.shape[1]) for c in corners]))
     weights = areas[cells_of_nodes]
@@ -40,20 +40,16 @@ def average_to_nodes(
 
 def _fill_between_corners(values: FloatArray, cells: NDArray[np.integer], corners: NDArray[np.integer]) -> None:
     """Set mid-side nodes to the mean of their edge's ends and centre nodes to that of the corners."""
-    n = corners.shape[1]
-    if cells.shape[1] >= 2 * n:
-        values[cells[:, n : 2 * n]] = 0.5 * (values[corners] + values[np.roll(corners, -1, axis=1)])
-    if cells.shape[1] > 2 * n:
-        values[cells[:, 2 * n]] = values[corners].mean(axis=1)
+    cell = find_cell(2, cells)
+    if cell.is_quadratic:
+        first, last, middle = cells[:, cell.edges].transpose(2, 0, 1)
+        values[middle] = 0.5 * (values[first] + values[last])
+    for inner in cell.inner:
+        values[cells[:, inner]] = values[corners].mean(axis=1)
 
 
 def cell_areas(points: FloatArray, cells: NDArray[np.integer]) -> FloatArray:
     """Return the area of each cell's polygon of corners [mm^2], shape (n_cells,); mid-sides are passed over."""
-    x, y = np.moveaxis(points[cells[:, : count_corners(cells)]], 2, 0)
+    x, y = np.moveaxis(points[take_corners(cells)], 2, 0)
     crossed = x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y
     return np.asarray(np.abs(crossed.sum(axis=1)) / 2)
-
-
-def count_corners(cells: NDArray[np.integer]) -> int:
-    """Return 3 for triangles of 3 or 6 nodes, 4 for quadrilaterals of 4, 8 or 9."""
-    return 3 if cells.shape[1] in (3, 6) else 4

@@ -71,8 +71,7 @@ def triangulate_mesh(mesh: ResultMesh, points: FloatArray) -> IntArray:
     """Return the cells of a sheet as triangles (n, 3)."""
     parts = []
     for block in mesh.blocks:
-        cells = block.connectivity.astype(np.int32)
-        parts.append(split_quads(points, cells) if cells.shape[1] == 4 else cells)
+        parts.append(split_quads(points, block.connectivity.astype(np.int32)))
     return np.concatenate(parts).astype(np.int32)
 
 

@@ -9,7 +9,7 @@ from presswork import _core
 from presswork.geometry.pose import shift_segments
 from presswork.implicit.progress import Progress
 from presswork.interaction.tool_arrays import ToolArrays
-from presswork.model import BoolArray, FloatArray, Model, Remeshing, ToolMotion
+from presswork.model import BoolArray, FloatArray, Model, Remeshing, ToolMotion, find_cell
 from presswork.remesh.fill import SizeField
 from presswork.remesh.narrow_gaps import find_narrow_gap
 from presswork.remesh.section import OldSection, measure_sizes
@@ -109,7 +109,7 @@ def find_shares(state: State, fixed: BoolArray) -> FloatArray:
 
 def _find_few_across(old: OldSection, size: SizeField, wait: float) -> str | None:
     """Say where the metal has become too thin for its linear cells."""
-    if old.mesh.boundary_edges.shape[1] > 2:
+    if find_cell(1, old.mesh.boundary_edges).is_quadratic:
         return None
     edges = np.concatenate([np.column_stack([chain, np.roll(chain, -1)]) for chain in old.chains])
     thickness = metal_thickness(old.sides, old.held_sides)

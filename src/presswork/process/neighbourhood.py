@@ -17,8 +17,7 @@ import numpy as np
 from presswork import _core
 from presswork.mesh.box import node_volumes
 from presswork.mesh.faces import face_areas
-from presswork.mesh.topology import count_corners
-from presswork.model import ELEMENTS, FloatArray, IndexArray, Mesh, Model, find_held_side
+from presswork.model import ELEMENTS, FloatArray, IndexArray, Mesh, Model, find_held_side, take_corners
 
 CELLS = 2.0
 """Radius of the neighbourhood in a sheet whose material gives no length, in sizes of the shell in its middle."""
@@ -123,7 +122,7 @@ class FormedBlock:
     def _areas(self, cells: IndexArray, points: FloatArray) -> FloatArray:
         """Return the areas of shells (n,) [mm2]."""
         own = self.mesh.blocks[self.number].connectivity[cells]
-        return np.asarray(face_areas(points, own[:, : count_corners(own.shape[1])]).sum(axis=1))
+        return np.asarray(face_areas(points, take_corners(own)).sum(axis=1))
 
     def _lump(self, cells: np.ndarray, *, axisymmetric: bool) -> FloatArray:
         """Return the volumes of cells in the plane (n, k), for a depth of 1 or round the axis (n,) [mm3]."""

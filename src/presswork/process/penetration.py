@@ -15,8 +15,8 @@ import numpy as np
 
 from presswork.geometry.polygon import contains, measure_distance
 from presswork.mesh.edges import edge_shape_functions
-from presswork.mesh.faces import find_face_middles, take_corners
-from presswork.model import FloatArray, IntArray, Mesh
+from presswork.mesh.faces import find_face_middles, take_bearing
+from presswork.model import FloatArray, IntArray, Mesh, take_corners
 from presswork.process.limits import Measure
 
 _BETWEEN = np.linspace(-1.0, 1.0, 10)[1:-1]
@@ -102,9 +102,8 @@ class Penetration:
         faces = mesh.boundary_faces
         if not tools or not len(faces):
             return None
-        corners = take_corners(faces)
-        touching = faces[:, 3:] if faces.shape[1] == 6 else faces
-        between = [points[corners]] if faces.shape[1] == 6 else []
+        corners, touching = take_corners(faces), take_bearing(faces)
+        between = [points[corners]] if not np.isin(corners, touching).all() else []
         along = np.concatenate([points[touching], *between, find_face_middles(points, faces)[:, None]], axis=1)
         depth = np.maximum(-find_gaps(along.reshape(-1, 3)).reshape(len(tools), *along.shape[:2]), 0.0)
         self.node = max(self.node, float(depth[:, :, : touching.shape[1]].max()))

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.mesh.faces import select_faces, take_corners
-from presswork.model import Body, BoolArray, FloatArray, IntArray, Mesh, Model
+from presswork.mesh.faces import select_faces
+from presswork.model import Body, BoolArray, FloatArray, IntArray, Mesh, Model, take_corners
 from presswork.process.recording import Row
 
 AXES = "xyz"

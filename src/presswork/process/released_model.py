@@ -18,10 +18,11 @@ from presswork.model import (
     Springback,
     Stage,
     Support,
+    find_cell,
 )
 
 NAME = "springback"
-ELEMENTS: dict[int, ShellElement] = {3: "shell3_mitc_plus", 4: "shell4_mitc_plus"}
+ELEMENTS: dict[str, ShellElement] = {"tri3": "shell3_mitc_plus", "quad4": "shell4_mitc_plus"}
 """By number of nodes."""
 SYMMETRY = tuple(tuple(i in held for i in range(6)) for held in ((0, 4, 5), (1, 3, 5)))
 """What planes normal to x and y hold: a displacement and two rotations."""
@@ -56,7 +57,7 @@ def make_springback_model(model: Model, mesh: Mesh, turned: FloatArray | None = 
     """Return the Model of the released sheet; mesh: undeformed; turned: as of LaidPart, None: it was never turned."""
     springback = model.springback or Springback()
     planes = [s for s in model.lasting_supports if s.fix in SYMMETRY]
-    blocks = tuple(replace(block, element=ELEMENTS[block.connectivity.shape[1]]) for block in mesh.blocks)
+    blocks = tuple(replace(block, element=ELEMENTS[find_cell(2, block.connectivity).name]) for block in mesh.blocks)
     node_sets = dict(mesh.node_sets)
     supports = list(planes)
     points = mesh.points if turned is None else mesh.points @ turned.T

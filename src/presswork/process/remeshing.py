@@ -23,8 +23,7 @@ from presswork.interaction.laps import LapArrays
 from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.mesh.joined import split_mesh
-from presswork.mesh.topology import count_corners
-from presswork.model import Body, FloatArray, Model, Remeshing
+from presswork.model import Body, FloatArray, Model, Remeshing, find_cell, take_corners
 from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import carry_peaks, carry_to_mesh, find_undeclared
 from presswork.process.epochs import NamedArrays
@@ -229,7 +228,7 @@ class RemeshedForming(FoldingRecording):
         if not state.nodes.increment.any():
             return None
         cells = mesh.blocks[body.blocks.start].connectivity
-        corners = cells[:, : count_corners(cells.shape[1])]
+        corners = take_corners(cells)
         stress = state.cells.stress[body.blocks.start].mean(axis=1)
         position = mesh.points + state.nodes.moved
         ring = self.model.analysis == "axisymmetric"
@@ -258,7 +257,9 @@ class RemeshedForming(FoldingRecording):
         tools are at rest. Quadratic cells all give way at once: bodies have as many nodes on an edge.
         """
         old = self._sections()
-        own = bodies if bodies and self.model.mesh.boundary_edges.shape[1] == 2 else set(range(len(old)))
+        own = (
+            bodies if bodies and not find_cell(1, self.model.mesh.boundary_edges).is_quadratic else set(range(len(old)))
+        )
         found: list[NewEpoch] = []
         faults: list[str] = []
         self._stayed = False

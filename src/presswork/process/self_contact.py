@@ -10,7 +10,7 @@ import numpy as np
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.body_surfaces import InterfaceArrays
-from presswork.model import Body, BodyContact, Model
+from presswork.model import Body, BodyContact, Model, find_cell
 from presswork.remesh.section import halve_edges
 from presswork.remesh.space.closing import find_closing_faces
 from presswork.remesh.triggers import find_closing_gap
@@ -47,7 +47,7 @@ def find_folding(run: ImplicitProcedure, bodies: Sequence[Body]) -> dict[int, st
         if run.model.dimension == 2:
             edges = halve_edges(mesh.boundary_edges[body.owns(mesh.boundary_edges)])
             place = find_closing_gap((mesh.points + nodes.displacement)[edges], nodes.increment[edges])
-        elif mesh.boundary_faces.shape[1] == 6:
+        elif find_cell(2, mesh.boundary_faces).is_quadratic:
             continue
         else:
             faces = mesh.boundary_faces[body.owns(mesh.boundary_faces)]

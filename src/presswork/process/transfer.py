@@ -35,7 +35,7 @@ from presswork.law.umat import open_sheet_law
 from presswork.mesh.directors import cell_normals
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.mesh.topology import is_triangle, with_four_nodes
-from presswork.model import CellBlock, FloatArray, IntArray, Section
+from presswork.model import CellBlock, FloatArray, IntArray, Section, find_cell
 
 TEMPERATURE = "temperature"
 """Name of the mean temperature in SheetState.heated."""
@@ -266,9 +266,10 @@ def law_axes(shells: ExplicitShells) -> FloatArray:
 def _shells_of(procedure: ImplicitProcedure) -> tuple[ShellMechanics, Section]:
     """Return mechanics and section of a model of 3- and 4-node shells."""
     mechanics, blocks = procedure.mechanics, procedure.model.mesh.blocks
-    kinds = [block.connectivity.shape[1] for block in blocks]
+    kinds = [find_cell(2, block.connectivity).name for block in blocks]
+    fits = kinds in (["quad4"], ["tri3"], ["quad4", "tri3"])
     one_sheet = len({(block.material, block.section) for block in blocks}) == 1
-    if not isinstance(mechanics, ShellMechanics) or kinds not in ([4], [3], [4, 3]) or not one_sheet:
+    if not isinstance(mechanics, ShellMechanics) or not fits or not one_sheet:
         raise TransferError(
             "the model must have one block of 4-node or of 3-node shells, of shell4_mitc_plus and shell3_mitc_plus for "
             "instance, or one of each, in this order, of one sheet"

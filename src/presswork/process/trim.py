@@ -17,9 +17,9 @@ import numpy as np
 from presswork import _core
 from presswork.mesh.beside import Beside, find_beside
 from presswork.mesh.checks import MeshError
-from presswork.mesh.cut import NATURAL, CutCells, CutMesh, cut_mesh
+from presswork.mesh.cut import CutCells, CutMesh, cut_mesh
 from presswork.mesh.topology import find_boundary_edges
-from presswork.model import CellBlock, FloatArray, IndexArray, Mesh, ShellElement, TrimLine
+from presswork.model import CellBlock, FloatArray, IndexArray, Mesh, ShellElement, TrimLine, find_cell
 from presswork.process.transfer import SheetBlock, SheetState, at_points
 
 
@@ -70,7 +70,7 @@ def trim_sheet(
     mesh: Mesh,
     state: SheetState,
     lines: tuple[TrimLine, ...],
-    elements: Mapping[int, ShellElement],
+    elements: Mapping[str, ShellElement],
     symmetry: tuple[bool, bool] = (False, False),
 ) -> TrimmedSheet:
     """Cut a sheet along one line after the other.
@@ -107,11 +107,12 @@ def explain_beside(cut: Cut) -> list[str]:
     ]
 
 
-def _cut_mesh(mesh: Mesh, cut: CutMesh, elements: Mapping[int, ShellElement]) -> Mesh:
+def _cut_mesh(mesh: Mesh, cut: CutMesh, elements: Mapping[str, ShellElement]) -> Mesh:
     """Return the undeformed mesh after a cut."""
     first = mesh.blocks[0]
     blocks = tuple(
-        CellBlock(elements[c.connectivity.shape[1]], c.connectivity, first.material, first.section) for c in cut.cells
+        CellBlock(elements[find_cell(2, c.connectivity).name], c.connectivity, first.material, first.section)
+        for c in cut.cells
     )
     share = (cut.weights > 1e-12).astype(np.float64)
     node_sets = {}
@@ -123,16 +124,16 @@ def _cut_mesh(mesh: Mesh, cut: CutMesh, elements: Mapping[int, ShellElement]) ->
     return Mesh(cut.weights @ mesh.points, blocks, node_sets, {"boundary": boundary}, boundary)
 
 
-def _cut_state(state: SheetState, cut: CutMesh, elements: Mapping[int, ShellElement]) -> SheetState:
+def _cut_state(state: SheetState, cut: CutMesh, elements: Mapping[str, ShellElement]) -> SheetState:
     """Return the state after a cut."""
     blocks = tuple(_cut_block(state, cells, elements) for cells in cut.cells)
     heated = {name: np.asarray(cut.weights @ values) for name, values in state.heated.items()}
     return SheetState(cut.weights @ state.position, blocks, heated)
 
 
-def _cut_block(state: SheetState, cells: CutCells, elements: Mapping[int, ShellElement]) -> SheetBlock:
+def _cut_block(state: SheetState, cells: CutCells, elements: Mapping[str, ShellElement]) -> SheetBlock:
     """Return the state of cells of one kind, each point from the nearest one of the cell's parent."""
-    shape = _core.shell_shape(elements[cells.connectivity.shape[1]])[0]
+    shape = _core.shell_shape(elements[find_cell(2, cells.connectivity).name])[0]
     places = np.einsum("qa,cai->cqi", shape, cells.natural)
     found: dict[str, FloatArray] = {}
     for number, block in enumerate(state.blocks):
@@ -157,10 +158,10 @@ def _values_of(block: SheetBlock) -> dict[str, FloatArray]:
     return {name: at_points(values, q) for name, values in found.items()}
 
 
-def _nearest_points(block: SheetBlock, places: FloatArray, elements: Mapping[int, ShellElement]) -> IndexArray:
+def _nearest_points(block: SheetBlock, places: FloatArray, elements: Mapping[str, ShellElement]) -> IndexArray:
     """Return which of a block's points in the plane lies nearest to places in natural coordinates (n, q, 2) (n, q)."""
-    n_nodes, q = block.connectivity.shape[1], block.history.shape[1]
+    cell, q = find_cell(2, block.connectivity), block.history.shape[1]
     if q == 1:
         return np.zeros(places.shape[:2], dtype=np.intp)
-    points = _core.shell_shape(elements[n_nodes])[0] @ NATURAL[n_nodes]
+    points = _core.shell_shape(elements[cell.name])[0] @ cell.places
     return np.asarray(((places[:, :, None] - points) ** 2).sum(axis=3).argmin(axis=2))

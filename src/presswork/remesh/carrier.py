@@ -14,9 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from presswork import _core
-from presswork.mesh.topology import count_corners
-from presswork.model import ELEMENTS, BoolArray, CellBlock, FloatArray, IndexArray, Mesh
+from presswork.model import CELLS, ELEMENTS, BoolArray, CellBlock, FloatArray, IndexArray, Mesh, take_corners
 from presswork.remesh.space.transfer import FitInSpace, PointsInSpace, locate_in_tetrahedra
 from presswork.remesh.transfer import (
     OldPoints,
@@ -113,9 +111,7 @@ class _Sources:
     @cached_property
     def old_cells(self) -> IndexArray:
         """Corners of the old cells (n_cells, 3 | 4)."""
-        cells = self.old.connectivity
-        corners = cells if self.points.shape[1] == 3 else cells[:, : count_corners(cells.shape[1])]
-        return corners.astype(np.intp)
+        return take_corners(self.old.connectivity, self.points.shape[1]).astype(np.intp)
 
     @cached_property
     def places(self) -> Places:
@@ -292,7 +288,7 @@ class Carrier:
 def place_points(block: CellBlock, position: FloatArray) -> FloatArray:
     """Return where the integration points of a block's cells are, cell after cell (n, 2 | 3) [mm]."""
     row = ELEMENTS[block.element]
-    shapes = np.asarray(_core.shapes_at_points(row.cell, row.points))
+    shapes = CELLS[row.cell].rules[row.points].shapes
     return np.asarray(np.einsum("qa,cak->cqk", shapes, position[block.connectivity]).reshape(-1, position.shape[1]))
 
 

@@ -21,7 +21,7 @@ import scipy
 from presswork import _core
 from presswork.geometry.polygon import contains, measure_distance
 from presswork.mesh.checks import MeshError, corner_jacobians
-from presswork.model import BoolArray, FloatArray, IndexArray, IntArray
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, find_cell
 
 SizeField = Callable[[FloatArray], FloatArray]
 """Edge length of cells [mm] at points (n, 2)."""
@@ -73,7 +73,7 @@ def measure_quality(points: FloatArray, cells: IndexArray) -> FloatArray:
 
     The least Jacobian at a corner over the mean square of all sides; of triangles so that an even-sided one has 1.
     """
-    if cells.shape[1] == 3:
+    if find_cell(2, cells).is_simplex:
         return _measure_triangles(points, cells)
     x, y = points.T
     (xa, xb, xc, xd), (ya, yb, yc, yd) = x[cells.T], y[cells.T]

@@ -11,8 +11,20 @@ import numpy as np
 
 from presswork.geometry.polygon import list_sides
 from presswork.mesh.checks import MeshError
-from presswork.mesh.topology import chain_edges, count_corners, find_boundary_edges
-from presswork.model import Body, BoolArray, ElementName, FloatArray, IndexArray, IntArray, Mesh, Remeshing
+from presswork.mesh.topology import chain_edges, find_boundary_edges
+from presswork.model import (
+    ELEMENTS,
+    Body,
+    BoolArray,
+    ElementName,
+    FloatArray,
+    IndexArray,
+    IntArray,
+    Mesh,
+    Remeshing,
+    find_cell,
+    take_corners,
+)
 from presswork.remesh.boundary import NewLine, OldLine, refuse_fold, resample
 from presswork.remesh.carrier import SurfacePlaces
 from presswork.remesh.fill import close_loops, fill_with_quadrilaterals
@@ -40,7 +52,7 @@ _ATTEMPTS, _FINER = 3, 0.8
 
 def halve_edges(edges: IntArray) -> IntArray:
     """Return edges with a node in their middle (n, 3) as two each, in their order; others as they are."""
-    return edges if edges.shape[1] == 2 else np.ascontiguousarray(edges[:, [0, 2, 2, 1]].reshape(-1, 2))
+    return np.ascontiguousarray(edges[:, find_cell(1, edges).pieces].reshape(-1, 2))
 
 
 def _split_loops(edges: IntArray) -> list[IntArray]:
@@ -93,8 +105,7 @@ class OldSection:
 
     def corners(self) -> IndexArray:
         """Return the corners of the cells (n_cells, 3 | 4)."""
-        connectivity = self.mesh.blocks[0].connectivity
-        return connectivity[:, : count_corners(connectivity.shape[1])].astype(np.intp)
+        return take_corners(self.mesh.blocks[0].connectivity).astype(np.intp)
 
     @cached_property
     def chains(self) -> list[IndexArray]:
@@ -379,7 +390,7 @@ def _name_mesh(
         own_sides = _mark(edges[:, 0], chain)[chain] & _mark(edges[:, 1], chain)[chain[following]]
         edge_sets[name] = boundary[own_sides[middle][boundary[:, 0]]]
     element = old.blocks[0].element
-    if not element.startswith("quad4"):
+    if ELEMENTS[element].cell != "quad4":
         element = new_element
     block = replace(old.blocks[0], element=element, connectivity=connectivity)
     return Mesh(points, (block,), node_sets, edge_sets, boundary)

@@ -10,7 +10,7 @@ import scipy
 
 from presswork import _core
 from presswork.geometry.profile_way import ProfileWay
-from presswork.model import FloatArray, IndexArray
+from presswork.model import FloatArray, IndexArray, find_cell
 from presswork.remesh.fill import SizeField, measure_quality
 
 TOO_LONG = 1.5
@@ -115,7 +115,7 @@ def count_across(
     x, y = np.moveaxis(position[cells[own]], -1, 0)
     area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
     length = np.linalg.norm(sides[:, 1] - sides[:, 0], axis=1)
-    height = area / length * (2.0 if corners == 3 else 1.0)
+    height = area / length * (2.0 if find_cell(2, cells).is_simplex else 1.0)
     return np.asarray(thickness / height)
 
 

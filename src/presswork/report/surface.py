@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.model import FloatArray
-from presswork.post import count_corners, find_skin
+from presswork.model import FloatArray, find_cell, take_corners
+from presswork.post import find_skin
 from presswork.results import ResultMesh
 from presswork.view.cells import triangulate
 
@@ -66,9 +66,7 @@ def find_surface(mesh: ResultMesh, *, has_inside: bool = False) -> Surface:
         owners[cells[::-1]] = np.arange(len(cells))[::-1]
     renumbered = np.zeros(len(mesh.points), dtype=np.int64)
     renumbered[nodes] = np.arange(len(nodes))
-    boundary = mesh.boundary_edges
-    if boundary.shape[1] == 3:  # mid-side nodes last
-        boundary = np.concatenate([boundary[:, [0, 2]], boundary[:, [2, 1]]])
+    boundary = np.concatenate([mesh.boundary_edges[:, ends] for ends in find_cell(1, mesh.boundary_edges).pieces])
     return Surface(
         nodes=nodes,
         cells=cells,
@@ -83,17 +81,14 @@ def find_surface(mesh: ResultMesh, *, has_inside: bool = False) -> Surface:
 
 def _as_hexahedra(cells: Indices) -> Indices:
     """Return tetrahedra as hexahedra whose corners coincide; hexahedra as they are."""
-    return cells if cells.shape[1] == 8 else cells[:, [0, 1, 2, 2, 3, 3, 3, 3]]
+    return cells[:, [0, 1, 2, 2, 3, 3, 3, 3]] if find_cell(3, cells).is_simplex else take_corners(cells, 3)
 
 
 def _find_lines(blocks: list[Indices], n_nodes: int) -> Indices:
     """Return the sides of all faces, those of two faces once; a side with a node in the middle as two lines."""
     keys = []
     for cells in blocks:
-        corners = count_corners(cells)
-        loop = cells[:, :corners]
-        if cells.shape[1] > corners:
-            loop = np.stack([cells[:, :corners], cells[:, corners : 2 * corners]], axis=2).reshape(len(cells), -1)
+        loop = cells[:, find_cell(2, cells).ring]
         start, end = loop.ravel(), np.roll(loop, -1, axis=1).ravel()
         keys.append(np.minimum(start, end) * n_nodes + np.maximum(start, end))
     once = np.unique(np.concatenate(keys))

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from presswork.fields.table import find_row, find_unit
 from presswork.formability import Info
-from presswork.model import ELEMENTS, FloatArray, IntArray, Mesh
+from presswork.model import FloatArray, IntArray, Mesh, cell_of
 from presswork.results.dies import append_dies, truncate_dies, write_dies
 from presswork.results.vtkhdf_tools import (
     COMPRESSION,
@@ -40,9 +40,6 @@ from presswork.results.vtkhdf_tools import (
     write_tool_blocks,
 )
 from presswork.results.whole_file import OutputError, copy_content, replace_whole, write_hdf5
-
-VTK_TYPES = {"tri3": 5, "tri6": 22, "quad4": 9, "quad8": 23, "quad9": 28, "hex8": 12, "tet4": 10, "tet10": 24}
-"""VTK's number of each kind of cell."""
 
 _ROWS_PER_CHUNK = 16384
 _OVERHEAD_BYTES = 65536
@@ -205,7 +202,7 @@ def _append_mesh(file: h5py.File, mesh: Mesh) -> None:
     root = find_body(file)
     cells = [block.connectivity for block in mesh.blocks]
     nodes_per_cell = np.concatenate([np.full(len(c), c.shape[1]) for c in cells])
-    kinds = [np.full(len(b.connectivity), VTK_TYPES[ELEMENTS[b.element].cell]) for b in mesh.blocks]
+    kinds = [np.full(len(b.connectivity), cell_of(b.element).files.vtk) for b in mesh.blocks]
     space = np.zeros((len(mesh.points), 3))
     space[:, : mesh.points.shape[1]] = mesh.points
     rows: dict[str, NDArray[np.generic]] = {

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from presswork.model import find_cell
 from presswork.results import Result
 from presswork.view.cells import triangulate
 from presswork.view.mirror import IMAGES, Mirror
@@ -31,7 +32,7 @@ def plot_dies(result: Result, step: int = -1, *, mirror: Mirror = "", figure: Fi
     mesh, points = result.mesh_at(step), result.points(step)
     body = [(points, triangulate(mesh), result.field("nodal_temperature", step))]
     dies = [
-        (place, np.concatenate([cells[:, [0, k, k + 1]] for k in range(1, cells.shape[1] - 1)]), values)
+        (place, np.concatenate([cells[:, corners] for corners in find_cell(2, cells).pieces]), values)
         for place, cells, values in result.dies(step).values()
     ]
     for group, colours, name in ((body, COLOURS, "workpiece"), (dies, "inferno", "tools")):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.model import FloatArray, IndexArray
+from presswork.model import FloatArray, IndexArray, find_cell
 from presswork.post import average_to_nodes
 from presswork.results import Result
 from presswork.view.cells import outline_cells, triangulate
@@ -228,8 +228,7 @@ def draw_boundary(ax: Axes, edges: IndexArray, points: FloatArray, sign: tuple[i
     for axis, name in enumerate("xy"):
         if name in mirror:
             edges = edges[np.any(np.abs(points[edges, axis]) > 1e-6 * np.ptp(points), axis=1)]
-    order = [0, 1] if edges.shape[1] == 2 else [0, 2, 1]
-    lines = list(points[edges[:, order]] * sign)
+    lines = list(points[edges[:, find_cell(1, edges).ring]] * sign)
     ax.add_collection(LineCollection(lines, colors="0.15", linewidths=0.9, zorder=2), autolim=False)
 
 

@@ -10,9 +10,8 @@ import pytest
 
 from presswork.mesh import fitting_patterns, grade_line, mesh_rectangle
 from presswork.mesh.checks import corner_jacobians
-from presswork.mesh.structured import NODES_OF_KIND, Pattern, cell_kind
-from presswork.mesh.topology import count_corners
-from presswork.model import ElementName, FloatArray, Mesh, SpaceElement
+from presswork.mesh.structured import Pattern
+from presswork.model import ElementName, FloatArray, Mesh, SpaceElement, cell_of, take_corners
 
 FLAT = [element for element in get_args(ElementName) if element not in get_args(SpaceElement)]
 MESHES = [(element, pattern) for element in FLAT for pattern in fitting_patterns(element)]
@@ -25,7 +24,7 @@ def rectangle(element: ElementName, pattern: Pattern) -> Mesh:
 
 
 def corner_areas(points: FloatArray, mesh: Mesh) -> FloatArray:
-    corners = points[mesh.blocks[0].connectivity[:, : count_corners(mesh.blocks[0].connectivity.shape[1])]]
+    corners = points[take_corners(mesh.blocks[0].connectivity)]
     after = np.roll(corners, -1, axis=1)
     cross = corners[..., 0] * after[..., 1] - corners[..., 1] * after[..., 0]
     return 0.5 * np.sum(cross, axis=1)
@@ -45,8 +44,8 @@ def test_nodes_are_corners_then_mid_sides_then_the_centre(element: ElementName, 
     mesh = rectangle(element, pattern)
     cells = mesh.blocks[0].connectivity
     n_nodes = cells.shape[1]
-    n_corners = count_corners(n_nodes)
-    assert n_nodes == NODES_OF_KIND[cell_kind(element)]
+    n_corners = cell_of(element).corners
+    assert n_nodes == cell_of(element).nodes
     corners = mesh.points[cells[:, :n_corners]]
     if n_nodes > n_corners:
         middles = 0.5 * (corners + np.roll(corners, -1, axis=1))

@@ -31,7 +31,7 @@ DRAWN = np.array([-0.1, -0.2, 0.0])
 def plate(folder: Path, planes: str, width: float = 20.0) -> Result:
     """40 mm long in cells of 2 mm, or what symmetry planes leave; thickness 1 + x/100 at the middles of cells."""
     mesh = mesh_rectangular_blank((40.0, width), 2.0, [axis in planes for axis in "xy"])
-    mesh = assign_section(mesh, {4: "shell4_1pt"}, Section(1.0), 0)
+    mesh = assign_section(mesh, {"quad4": "shell4_1pt"}, Section(1.0), 0)
     moved = mesh.points * DRAWN + np.array([0.0, 0.0, 0.5]) * mesh.points[:, :1]
     thickness = 1 + mesh.points[mesh.blocks[0].connectivity, 0].mean(axis=1) / 100
     info = {"title": "plate", "analysis": "stamping", "symmetry": planes}

@@ -74,7 +74,7 @@ def test_in_space_the_neighbourhood_is_a_ball_and_goes_on_beyond_symmetry_planes
 def test_in_a_sheet_the_neighbourhood_is_a_disc_of_one_layer():
     """Of the squares of both coordinates over a disc: R^2 / 4; middles of cells are half a cell off the centre."""
     blank = mesh_rectangular_blank((8.0, 8.0), 0.4, (False, False))
-    mesh = assign_section(blank, {4: "shell4_mitc"}, Section(1.0, points=2), 0)
+    mesh = assign_section(blank, {"quad4": "shell4_mitc"}, Section(1.0, points=2), 0)
     middles = mesh.points[mesh.blocks[0].connectivity].mean(axis=1)
     fall = 1.0 - FALL * (middles[:, :2] ** 2).sum(axis=1)
     damage = np.column_stack([0.5 * fall, fall])

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from presswork import model
-from presswork.mesh.faces import list_cell_faces, take_corners
+from presswork.mesh.faces import list_cell_faces
 
 SECONDS = 0.1e-6
 """Of one core for a cell and a cycle, about."""
@@ -54,7 +54,7 @@ def describe_ramp(stage: model.Stage) -> Iterator[str]:
 
 def _shortest_side(points: model.FloatArray, connectivity: model.IntArray) -> float:
     """Return the shortest side of cells in the plane, or of the faces of cells in space [mm]."""
-    rings = connectivity if points.shape[1] == 2 else take_corners(list_cell_faces(connectivity))
+    rings = connectivity if points.shape[1] == 2 else model.take_corners(list_cell_faces(connectivity))
     return float(np.linalg.norm(points[rings] - points[np.roll(rings, 1, axis=1)], axis=2).min())
 
 

@@ -70,7 +70,7 @@ def check_bodies(case: schema.Case) -> list[Problem]:
     """Return the problems of bodies and contacts that show without their meshes."""
     bodies = list_bodies(case)
     problems = []
-    quadratic = {name: not body.element.startswith(("tri3", "quad4")) for name, (_, body) in bodies.items()}
+    quadratic = {name: model.cell_of(body.element).is_quadratic for name, (_, body) in bodies.items()}
     for name, (key, body) in bodies.items():
         if quadratic[name] != quadratic[WORKPIECE]:
             problems.append(

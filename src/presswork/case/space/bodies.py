@@ -14,6 +14,7 @@ from presswork.case.space.explicit_checks import choose_element
 from presswork.case.space.mesh_builder import check_space_mesh, mesh_space_body
 from presswork.case.space.schema import SpaceCase, SpaceWorkpiece
 from presswork.geometry.tool_surface import make_surface
+from presswork.mesh.faces import split_faces
 from presswork.mesh.joined import join_meshes
 from presswork.model import ELEMENTS, FloatArray
 
@@ -35,7 +36,7 @@ def check_space_bodies(case: SpaceCase) -> list[Problem]:
                 f"hexahedra and tetrahedra do not go together in one case: the workpiece has {case.workpiece.element}"
             )
             problems.append(Problem(f"{key}.element", fault, "take cells of one kind for all bodies", body.element))
-    if (case.bodies or case.contacts) and ELEMENTS[choose_element(case)].nodes == 10:
+    if (case.bodies or case.contacts) and model.cell_of(choose_element(case)).is_quadratic:
         fault = "bodies of tetrahedra of 10 nodes do not touch each other, so far"
         problems.append(Problem("workpiece.element", fault, "take tet4_mini", choose_element(case)))
     return problems + check_contacts(case.bodies, case.contacts, case.tools)
@@ -99,8 +100,7 @@ def _measure_travel(case: SpaceCase) -> float:
 def measure_distance_in_space(mesh: model.Mesh, points: FloatArray, body: model.Body) -> FloatArray:
     """Return the distance of points (n, 3) from the surface of a body [mm], negative inside."""
     faces = mesh.boundary_faces[body.owns(mesh.boundary_faces)]
-    triangles = np.concatenate([faces[:, [0, 1, 2]], faces[:, [2, 3, 0]]]) if faces.shape[1] == 4 else faces
-    used, triangles = np.unique(triangles, return_inverse=True)
+    used, triangles = np.unique(split_faces(faces), return_inverse=True)
     shape = model.Triangulation(
         np.ascontiguousarray(mesh.points[used]), triangles.reshape(-1, 3).astype(np.int32), is_closed=True
     )

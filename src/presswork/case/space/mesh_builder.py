@@ -41,7 +41,7 @@ def check_space_mesh(key: str, mesh: MadeMesh | MeshFile, element: model.SpaceEl
             problems.append(Problem(f"{key}.unit", fault, "e.g. mm, m, inch", mesh_unit))
     if isinstance(mesh, Cylinder | Turned) and (isinstance(mesh, Cylinder) or mesh.hole == 0.0):
         problems += _check_disc(key, mesh)
-    if isinstance(mesh, ClosedSurface) and not model.ELEMENTS[element].cell.startswith("tet"):
+    if isinstance(mesh, ClosedSurface) and not model.cell_of(element).is_simplex:
         fault = f"a surface is filled with tetrahedra, not with cells of {element}"
         problems.append(Problem(f"{key}.kind", fault, 'take element = "tet4_mini"', "surface"))
     if isinstance(mesh, Box | Cylinder | Ring | Turned):

@@ -16,9 +16,18 @@ from presswork.geometry.swept_tool import triangulate
 from presswork.geometry.tool_radius import find_least_radius
 from presswork.geometry.tool_surface import make_surface
 from presswork.geometry.tool_widths import find_widths
-from presswork.mesh.faces import take_corners
 from presswork.mesh.triangles import find_rims
-from presswork.model import FloatArray, IndexArray, Mesh, Plane, SweptProfile, Tool, Triangulation
+from presswork.model import (
+    FloatArray,
+    IndexArray,
+    Mesh,
+    Plane,
+    SweptProfile,
+    Tool,
+    Triangulation,
+    find_cell,
+    take_corners,
+)
 
 logger = logging.getLogger(__name__)
 
@@ -52,7 +61,7 @@ def look_inside_faces(mesh: Mesh) -> tuple[FloatArray, IndexArray]:
     edges = 0.5 * (corners + np.roll(corners, -1, axis=1))
     face = np.arange(len(corners))
     places, faces = [edges.reshape(-1, 3), corners.mean(axis=1)], [np.repeat(face, corners.shape[1]), face]
-    if corners.shape[1] == 4:
+    if not find_cell(2, mesh.boundary_faces).is_simplex:
         for r in LOOKS:
             for s in LOOKS:
                 weights = 0.25 * np.array([(1 - r) * (1 - s), (1 + r) * (1 - s), (1 + r) * (1 + s), (1 - r) * (1 + s)])

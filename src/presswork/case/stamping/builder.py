@@ -63,7 +63,7 @@ from presswork.mesh.topology import find_boundary_edges, find_parts
 
 logger = logging.getLogger(__name__)
 
-IMPLICIT_ELEMENTS: dict[int, model.ElementName] = {3: "shell3_mitc_plus", 4: "shell4_mitc"}
+IMPLICIT_ELEMENTS: dict[str, model.ElementName] = {"tri3": "shell3_mitc_plus", "quad4": "shell4_mitc"}
 """By number of nodes."""
 SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
 
@@ -219,9 +219,9 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
     return assign_section(mesh, _elements(case), section, material)
 
 
-def _elements(case: StampingCase) -> dict[int, model.ElementName]:
-    """Return the elements that the case takes, by their number of nodes."""
-    return {3: "shell3_1pt", 4: case.explicit.element} if case.procedure == "explicit" else IMPLICIT_ELEMENTS
+def _elements(case: StampingCase) -> dict[str, model.ElementName]:
+    """Return the elements that the case takes, by their kind of cell."""
+    return {"tri3": "shell3_1pt", "quad4": case.explicit.element} if case.procedure == "explicit" else IMPLICIT_ELEMENTS
 
 
 def _mesh_outline(case: StampingCase, blank: OutlinedBlank, symmetry: list[bool]) -> model.Mesh:
@@ -269,13 +269,13 @@ def _read_mesh(
     if is_dynain(path):
         return _mesh_formed(case, blank, section, material, symmetry)
     try:
-        kinds = set(read_raw(path).cells)
-        if kinds not in ({"quad4"}, {"tri3"}):
+        kinds = sorted(read_raw(path).cells)
+        if len(kinds) != 1 or kinds[0] not in IMPLICIT_ELEMENTS:
             raise MeshError(
-                f"the cells are neither quadrilaterals alone nor triangles alone: {', '.join(sorted(kinds))}",
+                f"the cells are neither quadrilaterals alone nor triangles alone: {', '.join(kinds)}",
                 "mesh with 4-node cells, or with 3-node cells",
             )
-        element = IMPLICIT_ELEMENTS[4 if kinds == {"quad4"} else 3]
+        element = IMPLICIT_ELEMENTS[kinds[0]]
         scale = unit_factor(blank.unit, LENGTH)
         mesh, notes = read_shell_mesh(
             path, element=element, section=section, scale=scale, material=material, in_parts=bool(case.self_contact)
@@ -318,9 +318,12 @@ def _mesh_formed(
     if (np.diff(is_triangle.astype(int)) < 0).any():
         fault = "a triangle stands before a quadrilateral"
         raise CaseError([Problem("blank.path", fault, "write quadrilaterals first", blank.path)], case.source)
-    kinds = [(n, sheet.cells[own][:, :n]) for n, own in ((4, ~is_triangle), (3, is_triangle)) if own.any()]
-    blocks = tuple(model.CellBlock(_elements(case)[n], cells, material, section) for n, cells in kinds)
-    boundary = find_boundary_edges([cells for _, cells in kinds])
+    kinds = [cells for cells in (sheet.cells[~is_triangle], sheet.cells[is_triangle, :3]) if len(cells)]
+    elements = _elements(case)
+    blocks = tuple(
+        model.CellBlock(elements[model.find_cell(2, cells).name], cells, material, section) for cells in kinds
+    )
+    boundary = find_boundary_edges(kinds)
     mesh = model.Mesh(sheet.points, blocks, {}, {}, boundary)
     return _name_nodes(case, blank, mesh, symmetry)
 

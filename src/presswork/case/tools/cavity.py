@@ -19,7 +19,7 @@ from presswork.case.errors import Problem
 from presswork.geometry.polygon import contains
 from presswork.geometry.pose import find_space_pose, start_profile
 from presswork.geometry.tool_surface import make_surface
-from presswork.mesh.faces import take_corners
+from presswork.mesh.faces import split_faces
 from presswork.model import BoolArray, FloatArray, Model, Profile, Stage, Tool, ToolMotion, Triangulation
 
 CELLS, CELLS_IN_SPACE = 160, 40
@@ -174,9 +174,8 @@ def _find_inside(model: Model, places: FloatArray) -> BoolArray:
     mesh = model.mesh
     if model.dimension == 2:
         return np.asarray(contains(mesh.points[mesh.boundary_edges[:, :2]], places), dtype=bool)
-    corners = take_corners(mesh.boundary_faces)
-    triangles = corners if corners.shape[1] == 3 else np.concatenate([corners[:, :3], corners[:, [0, 2, 3]]])
-    skin = make_surface(Triangulation(mesh.points, np.ascontiguousarray(triangles, dtype=np.int32), True))
+    triangles = np.ascontiguousarray(split_faces(mesh.boundary_faces), dtype=np.int32)
+    skin = make_surface(Triangulation(mesh.points, triangles, True))
     return np.asarray(skin.nearest(places)[0] < 0.0, dtype=bool)
 
 

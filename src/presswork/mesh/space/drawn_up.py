@@ -8,7 +8,7 @@ import numpy as np
 from presswork.mesh.box import finish_mesh
 from presswork.mesh.space.disc import mesh_annulus, mesh_disc, point_at
 from presswork.mesh.topology import find_boundary_edges
-from presswork.model import ELEMENTS, FloatArray, IntArray, Mesh, SpaceElement
+from presswork.model import FloatArray, IntArray, Mesh, SpaceElement, cell_of, find_cell
 
 
 def mesh_turned(
@@ -49,7 +49,7 @@ def mesh_turned(
         named |= {"first_plane": on_first, "last_plane": on_last}
     layers = [layer + origin[:2] for layer in layers]
     mesh = _draw_up(layers, quads, z_lines + origin[2], named, element, material)
-    if ELEMENTS[element].nodes == 10:
+    if cell_of(element).is_quadratic:
         _round_faces(mesh, np.array(origin))
     return mesh
 
@@ -57,8 +57,8 @@ def mesh_turned(
 def _round_faces(mesh: Mesh, origin: FloatArray) -> None:
     """Put the middles of the edges on rim and hole where the arcs are."""
     for faces in (mesh.face_sets[name] for name in ("rim", "hole") if name in mesh.face_sets):
-        for side, ends in enumerate(((0, 1), (1, 2), (2, 0))):
-            middle = faces[:, 3 + side]
+        for *ends, side in find_cell(2, faces).edges.tolist():
+            middle = faces[:, side]
             radii = np.linalg.norm((mesh.points[faces[:, ends]] - origin)[:, :, :2], axis=2).mean(axis=1)
             away = mesh.points[middle, :2] - origin[:2]
             mesh.points[middle, :2] = origin[:2] + away * (radii / np.linalg.norm(away, axis=1))[:, None]

@@ -11,7 +11,7 @@ from presswork import _core
 from presswork.geometry.cavity_wall import find_cavity_wall
 from presswork.geometry.polygon import measure_distance
 from presswork.geometry.pose import start_profile
-from presswork.model import FloatArray, Mesh, Model
+from presswork.model import FloatArray, Mesh, Model, find_cell
 from presswork.process.die_fill.dies import (
     Die,
     DieFill,
@@ -35,8 +35,9 @@ class DieFillInPlane(DieFill):
 
     def _find_gaps(self, mesh: Mesh, position: FloatArray, places: FloatArray) -> FloatArray:
         edges = mesh.boundary_edges
-        order = [[0, 1]] if edges.shape[1] == 2 else [[0, 2], [2, 1]]
-        gap: FloatArray = np.min([measure_distance(position[edges[:, pair]], places) for pair in order], axis=0)
+        gap: FloatArray = np.min(
+            [measure_distance(position[edges[:, ends]], places) for ends in find_cell(1, edges).pieces], axis=0
+        )
         return gap
 
     def _measure_distance(self, tool: str, places: FloatArray, displacement: FloatArray) -> FloatArray:

@@ -11,7 +11,8 @@ from presswork import _core
 from presswork.geometry.pose import find_space_pose
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.die_cavity import find_cavity
-from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Model, Triangulation
+from presswork.mesh.faces import split_faces
+from presswork.model import BoolArray, FloatArray, Mesh, Model, Triangulation
 from presswork.process.die_fill.dies import (
     Die,
     DieFill,
@@ -35,7 +36,7 @@ class DieFillInSpace(DieFill):
         self._surfaces = {tool.name: make_surface(tool.surface) for tool in model.space_tools} if self._dies else {}
 
     def _find_gaps(self, mesh: Mesh, position: FloatArray, places: FloatArray) -> FloatArray:
-        skin = _split(mesh.boundary_faces)
+        skin = split_faces(mesh.boundary_faces)
         used, number = np.unique(skin, return_inverse=True)
         surface = _core.ToolSurface.triangles(
             np.ascontiguousarray(position[used]), number.reshape(skin.shape).astype(np.int32)
@@ -83,8 +84,3 @@ def _in_sector(model: Model, places: FloatArray) -> BoolArray:
     x, y = model.mesh.points[model.mesh.node_sets[model.cyclic.first], :2].mean(axis=0)
     angle = np.arctan2(places[:, 1], places[:, 0]) - np.arctan2(y, x)
     return np.asarray(angle % (2.0 * np.pi) <= 2.0 * np.pi / model.cyclic.sectors)
-
-
-def _split(faces: IntArray) -> IntArray:
-    """Return triangles (n, 3) of faces of three or four corners."""
-    return faces if faces.shape[1] == 3 else np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]])

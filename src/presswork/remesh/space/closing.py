@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork import _core
-from presswork.model import FloatArray, IntArray
+from presswork.model import FloatArray, IntArray, find_cell
 from presswork.remesh.triggers import AHEAD, CLOSED, FACES
 
 SOUGHT = 1.5
@@ -26,8 +26,8 @@ def find_closing_faces(points: FloatArray, moves: FloatArray, faces: IntArray) -
     pairs = _core.find_face_pairs(faces, faces, np.ascontiguousarray(points), SOUGHT * float(side.mean()), True)
     if not len(pairs):
         return None
-    last = faces.shape[1] - 1
-    normal = np.cross(x[:, 2 if last == 3 else 1] - x[:, 0], x[:, last] - x[:, 1 if last == 3 else 0])
+    (a, b), (c, d) = find_cell(2, faces).spans
+    normal = np.cross(x[:, b] - x[:, a], x[:, d] - x[:, c])
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     middle, moved = x.mean(axis=1), moves[faces].mean(axis=1)
     own, other = np.concatenate([pairs, pairs[:, ::-1]]).T

@@ -7,16 +7,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.model import FloatArray, IndexArray
+from presswork.model import CELLS, FloatArray, IndexArray, find_cell
 
-FACES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
-"""Corners of the faces, counter-clockwise seen from outside."""
-EDGES = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+_FACES = CELLS["tet4"].faces
+_EDGES = np.sort(CELLS["tet4"].edges, axis=1)
+_EDGES = _EDGES[np.lexsort(_EDGES.T[::-1])]
+"""Ends of the edges in order."""
 
 
 def find_skin(cells: IndexArray) -> tuple[IndexArray, IndexArray]:
     """Return the faces (k, 3) that one of the cells (n, 4) only has, and that cell (k,)."""
-    faces = cells[:, FACES].reshape(-1, 3)
+    faces = cells[:, _FACES].reshape(-1, 3)
     low, middle, high = np.sort(faces, axis=1).T.astype(np.int64)
     first_two = low * (int(cells.max(initial=-1)) + 1) + middle
     order = np.lexsort((high, first_two))
@@ -26,7 +27,7 @@ def find_skin(cells: IndexArray) -> tuple[IndexArray, IndexArray]:
     shared[1:] |= same
     shared[:-1] |= same
     own = np.sort(order[~shared])
-    return faces[own], own // len(FACES)
+    return faces[own], own // len(_FACES)
 
 
 def measure_volumes(points: FloatArray, cells: IndexArray) -> FloatArray:
@@ -59,7 +60,7 @@ def nodal_areas(points: FloatArray, faces: IndexArray, which: IndexArray | None 
 
 def list_edges(simplices: IndexArray) -> IndexArray:
     """Return every edge of triangles or tetrahedra once (m, 2), the lower node first, in order."""
-    pairs = [(0, 1), (1, 2), (2, 0)] if simplices.shape[1] == 3 else EDGES
+    pairs = find_cell(simplices.shape[1] - 1, simplices).edges
     low, high = np.sort(simplices[:, pairs].reshape(-1, 2), axis=1).T.astype(np.int64)
     n_points = int(simplices.max(initial=0)) + 1
     return np.stack(np.divmod(np.unique(low * n_points + high), n_points), axis=1).astype(simplices.dtype)
@@ -77,8 +78,8 @@ def rate_tetrahedra(corners: FloatArray) -> FloatArray:
     """Return the same of tetrahedra with these corners (n, 4, 3) [mm]."""
     a, b, c = (corners[:, k] - corners[:, 0] for k in (1, 2, 3))
     volume = np.einsum("ni,ni->n", a, np.cross(b, c)) / 6.0
-    edges = np.empty((len(corners), len(EDGES), 3))
-    for k, (first, second) in enumerate(EDGES):
+    edges = np.empty((len(corners), len(_EDGES), 3))
+    for k, (first, second) in enumerate(_EDGES):
         np.subtract(corners[:, second], corners[:, first], out=edges[:, k])
     square = np.maximum(np.square(edges, out=edges).sum(axis=(1, 2)), 1e-300)
     return np.asarray(np.sign(volume) * 12.0 * np.cbrt(3.0 * np.abs(volume)) ** 2 / square)
