@@ -8,8 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from presswork.deck.notes import Place
 from presswork.deck.units import Units
+from presswork.keyword_file import Place
 from presswork.model import FloatArray, IndexArray
 
 

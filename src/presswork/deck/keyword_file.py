@@ -1,78 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A file of keywords that begin with a sign, taken apart: what decks of all programs have in common."""
+"""The keywords of a deck, whose errors are those of a case."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
+from contextlib import contextmanager
 
 from presswork.case.errors import CaseError, Problem
-from presswork.deck.notes import Place
-from presswork.text_file import UnreadableError, read_bytes
-
-_LARGEST = 4 << 30
-"""Bytes of a deck."""
-_DEEPEST = 20
-"""Files within files: beyond it they include each other."""
-_START = 1 << 16
-"""Bytes at the begin of a file that tell whether it is text."""
-_PIECE = 8 << 20
-"""Bytes of rows that are taken apart at once."""
+from presswork.keyword_file import KeywordFileError
 
 
-@dataclass(frozen=True)
-class KeywordLine:
-    """A line of a keyword, and where its data stand."""
-
-    text: str
-    """Without its first sign."""
-    place: Place
-    data: bytes
-    """The whole file."""
-    after: int
-    """Where in the file the line of the keyword ends."""
-    end: int
-    """Where the next keyword begins, or the file ends."""
-
-
-def read_keyword_lines(
-    path: Path, pattern: re.Pattern[bytes], program: str, depth: int, sign: str = "an asterisk"
-) -> Iterator[KeywordLine]:
-    """Yield the keywords of a file that lies `depth` includes below the deck; sign: what they begin with, in words.
-
-    Raises CaseError for a file that cannot be read, that holds no keyword, or that includes itself.
-    """
+@contextmanager
+def explain_unreadable() -> Iterator[None]:
+    """Raise CaseError where a file of keywords cannot be read."""
     try:
-        data = read_bytes(path, most=_LARGEST)
-    except FileNotFoundError as error:
-        raise CaseError([Problem("", "no such file", "check the path")], path) from error
-    except UnreadableError as error:
-        raise CaseError([Problem("", error.fault, error.remedy)], path) from error
-    if b"\0" in data[:_START]:
-        raise CaseError([Problem("", "a binary file", f"give the deck of {program} as text")], path)
-    if depth > _DEEPEST:
-        fault = "files that include each other, one within the other without end"
-        raise CaseError([Problem("include", fault, "take one of the includes out")], path)
-    found = list(pattern.finditer(data))
-    if not found:
-        remedy = f"give a deck whose lines of keywords begin with {sign}"
-        raise CaseError([Problem("", f"no keyword of {program} in it", remedy)], path)
-    line, counted = 1, 0
-    for number, match in enumerate(found):
-        line += data.count(b"\n", counted, match.start())
-        counted = match.start()
-        end = found[number + 1].start() if number + 1 < len(found) else len(data)
-        yield KeywordLine(match.group().decode("latin-1")[1:], Place(path.name, line), data, match.end(), end)
-
-
-def rows_in_pieces(data: bytes, begin: int, end: int, comments: tuple[bytes, ...]) -> Iterator[list[bytes]]:
-    """Yield the rows of a part of a file without comments and blanks, some megabytes at once."""
-    while begin < end:
-        stop = end
-        if end - begin > _PIECE:
-            stop = data.rfind(b"\n", begin, begin + _PIECE) + 1 or end
-        text = data[begin:stop].replace(b"\r", b"")
-        yield [row for row in text.split(b"\n") if row and not row.startswith(comments) and not row.isspace()]
-        begin = stop
+        yield
+    except KeywordFileError as error:
+        raise CaseError([Problem(error.key, error.fault, error.remedy)], error.path) from error

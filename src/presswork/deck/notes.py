@@ -8,23 +8,13 @@ from pathlib import Path
 from typing import Literal
 
 from presswork.case.errors import CaseError, Problem
+from presswork.keyword_file import Place
 
 Fate = Literal["kept", "changed", "dropped"]
 KEPT: Fate = "kept"
 DROPPED: Fate = "dropped"
 _RANK: tuple[Fate, ...] = ("dropped", "kept", "changed")
 """Of several notes on a line the last one of these is what became of it."""
-
-
-@dataclass(frozen=True, order=True)
-class Place:
-    """A line of a file of the deck, counted from 1."""
-
-    file: str
-    line: int
-
-    def __str__(self) -> str:
-        return f"{self.file}:{self.line}"
 
 
 @dataclass(frozen=True)

@@ -12,68 +12,56 @@ from pathlib import Path
 
 import numpy as np
 
+from presswork.keyword_file import KeywordFileError
+from presswork.mesh.abaqus_blocks import Block, DataError, read_blocks, read_labels
 from presswork.mesh.checks import MeshError
 from presswork.mesh.raw import RawMesh
 from presswork.model import CELLS, Cell, IntArray
 
 
 def read_abaqus(path: Path) -> RawMesh:
-    """Read the mesh of an input deck; raises MeshError or ValueError on a deck that cannot be understood."""
+    """Read the mesh of an input deck and of the files that it includes; raises MeshError or ValueError."""
     coordinates: dict[int, list[float]] = {}
-    elements: dict[int, tuple[str, list[int]]] = {}
+    elements: dict[int, tuple[Cell, list[int]]] = {}
     node_sets: dict[str, list[int]] = {}
     element_sets: dict[str, list[int]] = {}
     other: set[str] = set()
-    for keyword, parameters, rows in _split_blocks(path.read_text(encoding="utf-8", errors="replace")):
-        if keyword == "NODE":
-            for row in rows:
-                coordinates[int(row[0])] = [float(value) for value in [*row[1:4], "0", "0"][:3]]
-            _extend(node_sets, parameters.get("NSET"), [int(row[0]) for row in rows])
-        elif keyword == "ELEMENT":
-            labels = _read_elements(parameters.get("TYPE", "").upper(), rows, elements, other)
-            _extend(element_sets, parameters.get("ELSET"), labels)
-        elif keyword in ("NSET", "ELSET"):
-            sets = node_sets if keyword == "NSET" else element_sets
-            _extend(sets, parameters.get(keyword), _read_labels(rows, sets, "GENERATE" in parameters))
+    try:
+        for block in read_blocks(path):
+            if block.name == "NODE":
+                table = block.table(4)
+                labels = table[:, 0].astype(int).tolist()
+                coordinates |= dict(zip(labels, table[:, 1:].tolist(), strict=True))
+                _extend(node_sets, block.name_of("NSET"), labels)
+            elif block.name == "ELEMENT":
+                labels = _read_elements(block, elements, other)
+                _extend(element_sets, block.name_of("ELSET"), labels)
+            elif block.name in ("NSET", "ELSET"):
+                sets = node_sets if block.name == "NSET" else element_sets
+                _extend(sets, block.name_of(block.name), read_labels(block, sets)[0])
+    except KeywordFileError as error:
+        raise MeshError(f"{error.path.name}: {error.fault}", error.remedy) from error
+    except DataError as error:
+        raise MeshError(f"*{block.name} in {block.place}: {error}", "check the rows below it") from error
     return _to_raw(coordinates, elements, node_sets, element_sets, other)
 
 
-def _split_blocks(text: str) -> list[tuple[str, dict[str, str], list[list[str]]]]:
-    """Split a deck into keyword, parameters and the rows of data below it."""
-    blocks: list[tuple[str, dict[str, str], list[list[str]]]] = []
-    for line in text.splitlines():
-        line = line.strip()
-        if not line or line.startswith("**"):
-            continue
-        if line.startswith("*"):
-            words = [word.strip() for word in line[1:].split(",")]
-            pairs = [word.partition("=") for word in words[1:]]
-            blocks.append((words[0].upper(), {key.strip().upper(): value.strip() for key, _, value in pairs}, []))
-        elif blocks:
-            blocks[-1][2].append([word.strip() for word in line.split(",")])
-    return blocks
-
-
-def _read_elements(
-    element_type: str, rows: list[list[str]], elements: dict[int, tuple[str, list[int]]], other: set[str]
-) -> list[int]:
+def _read_elements(block: Block, elements: dict[int, tuple[Cell, list[int]]], other: set[str]) -> list[int]:
     """Read the elements of one block, whose data may run over several rows; return their labels."""
-    cell = _find_cell(element_type)
+    cell = _find_cell(block.name_of("TYPE"))
     if cell is None:
-        other.add(element_type)
+        other.add(block.name_of("TYPE"))
         return []
-    n_nodes = cell.nodes
-    values = [int(word) for row in rows for word in row if word]
-    if len(values) % (n_nodes + 1):
+    width = cell.nodes + 1
+    values = [int(word) for word in block.labels()]
+    if len(values) % width:
         raise MeshError(
-            f"the file is cut short: {element_type} elements need {n_nodes} nodes each, the last has fewer",
+            f"the file is cut short: {block.name_of('TYPE')} elements need {cell.nodes} nodes each, the last has fewer",
             "write it again from the mesher",
         )
-    labels = []
-    for start in range(0, len(values), n_nodes + 1):
-        labels.append(values[start])
-        elements[values[start]] = (cell.name, values[start + 1 : start + n_nodes + 1])
-    return labels
+    rows = [values[start : start + width] for start in range(0, len(values), width)]
+    elements |= {label: (cell, nodes) for label, *nodes in rows}
+    return [row[0] for row in rows]
 
 
 def _find_cell(element_type: str) -> Cell | None:
@@ -81,28 +69,14 @@ def _find_cell(element_type: str) -> Cell | None:
     return next((cell for cell in CELLS.values() if re.match(cell.files.abaqus, element_type)), None)
 
 
-def _read_labels(rows: list[list[str]], sets: dict[str, list[int]], generate: bool) -> list[int]:
-    """Read the labels of a set: numbers, names of sets already read, or first, last, step."""
-    labels: list[int] = []
-    for row in rows:
-        words = [word for word in row if word]
-        if generate:
-            first, last, *step = (int(word) for word in words)
-            labels.extend(range(first, last + 1, step[0] if step else 1))
-            continue
-        for word in words:
-            labels.extend([int(word)] if word.isdigit() else sets.get(word.upper(), []))
-    return labels
-
-
-def _extend(sets: dict[str, list[int]], name: str | None, labels: list[int]) -> None:
+def _extend(sets: dict[str, list[int]], name: str, labels: list[int]) -> None:
     if name:
-        sets.setdefault(name.upper(), []).extend(labels)
+        sets.setdefault(name, []).extend(labels)
 
 
 def _to_raw(
     coordinates: dict[int, list[float]],
-    elements: dict[int, tuple[str, list[int]]],
+    elements: dict[int, tuple[Cell, list[int]]],
     node_sets: dict[str, list[int]],
     element_sets: dict[str, list[int]],
     other: set[str],
@@ -112,7 +86,7 @@ def _to_raw(
     raw = RawMesh(np.array(list(coordinates.values())).reshape(-1, 3), other_kinds=other)
 
     def connect(labels: list[int], kind: str) -> IntArray:
-        rows = [elements[label][1] for label in labels if label in elements and elements[label][0] == kind]
+        rows = [elements[label][1] for label in labels if label in elements and elements[label][0].name == kind]
         try:
             return np.array([[index[node] for node in row] for row in rows], dtype=np.int32)
         except KeyError as error:
@@ -121,7 +95,7 @@ def _to_raw(
                 "the file is cut short; write it again",
             ) from None
 
-    kinds = {kind for kind, _ in elements.values()}
+    kinds = {cell.name for cell, _ in elements.values()}
     for kind in sorted(kinds):
         raw.add_cells(CELLS[kind], connect(list(elements), kind))
     for name, labels in element_sets.items():

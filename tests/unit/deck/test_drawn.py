@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from presswork import CaseError
-from presswork.deck.abaqus.blocks import Block
 from presswork.deck.abaqus.drawn import read_drawn
-from presswork.deck.notes import Place
+from presswork.keyword_file import Place
+from presswork.mesh.abaqus_blocks import Block
 from tests.problems.abaqus_deck import TAIL, write_deck
 from tests.problems.dyna_deck import DIE, NOSE, OPENING, PUNCH, SHOULDER, THICKNESS
 from tests.unit.deck.test_abaqus import import_it

@@ -125,6 +125,33 @@ def test_mesh_comes_back_from_its_file(tmp_path: Path, ending: str, element: Ele
         np.testing.assert_array_equal(read.edge_sets["axis"], mesh.edge_sets["left"])
 
 
+def test_an_abaqus_deck_goes_on_after_commas_and_in_included_files(tmp_path: Path) -> None:
+    (tmp_path / "nodes.inp").write_text("*NODE\n1, 0., 0.\n2, 1., 0.\n3, 2., 0.\n4, 2., 1.\n5, 0., 1.\n6, 1., 1.\n")
+    deck = [
+        "*INCLUDE, INPUT=nodes.inp", "*ELEMENT, TYPE=CPE4R,", "ELSET=Billet", "1, 1, 2, 6, 5", "2, 2, 3, 4, 6",
+        "*ELEMENT, TYPE=SAX1, ELSET=Öffnung", "11, 1, 2", "*NSET, NSET=top, GENERATE", "4, 6", "*NSET, NSET=both",
+        "top, 1",
+    ]  # fmt: skip
+    (tmp_path / "billet.inp").write_text("\n".join(deck), encoding="utf-8")
+    mesh, _ = read_mesh(tmp_path / "billet.inp", element="quad4")
+    assert len(mesh.blocks[0].connectivity) == 2
+    assert {name: len(nodes) for name, nodes in mesh.node_sets.items() if name in ("billet", "top", "both")} == {
+        "billet": 6, "top": 3, "both": 4,
+    }  # fmt: skip
+    assert mesh.points[mesh.edge_sets["öffnung"]].tolist() == [[[0.0, 0.0], [1.0, 0.0]]]
+
+
+@pytest.mark.parametrize(("kind", "ends"), [("SAX1", 2), ("SAX2", 3), ("RAX2", 2), ("B31", 2), ("B32", 3), ("T3D3", 3)])
+def test_lines_of_abaqus_have_their_number_of_nodes(tmp_path: Path, kind: str, ends: int) -> None:
+    mesh = small("quad8")
+    write_abaqus(tmp_path / "billet.inp", mesh)
+    edge = [str(10 * (node + 1)) for node in mesh.edge_sets["left"][0][[0, 2, 1] if ends == 3 else [0, 1]]]
+    with (tmp_path / "billet.inp").open("a") as file:
+        file.write(f"\n*ELEMENT, TYPE={kind}, ELSET=side\n900, {', '.join(edge)}\n")
+    read, _ = read_mesh(tmp_path / "billet.inp", element="quad8")
+    assert set(read.node_sets["side"]) == {int(label) // 10 - 1 for label in edge}
+
+
 @pytest.mark.parametrize("ending", FORMATS)
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.6, 0.9])
 def test_file_cut_short_is_refused(tmp_path: Path, ending: str, share: float) -> None:

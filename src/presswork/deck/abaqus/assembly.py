@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from presswork.deck.abaqus.blocks import Block, DataError
 from presswork.deck.abaqus.drawn import KINDS, DrawnSurface, read_drawn
+from presswork.mesh.abaqus_blocks import Block, DataError, read_labels
 from presswork.model import FloatArray, IndexArray
 
 Name = tuple[str, str]
@@ -50,9 +50,9 @@ class PartMesh:
             case "ELEMENT":
                 self._take_elements(block)
             case "NSET":
-                self._add(self.node_sets, block.name_of("NSET"), _read_labels(block, self.node_sets))
+                self._add(self.node_sets, block.name_of("NSET"), _read_set(block, self.node_sets))
             case "ELSET":
-                self._add(self.cell_sets, block.name_of("ELSET"), _read_labels(block, self.cell_sets))
+                self._add(self.cell_sets, block.name_of("ELSET"), _read_set(block, self.cell_sets))
             case "SURFACE" if block.name_of("TYPE") in KINDS:
                 self.drawn[block.name_of("NAME")] = read_drawn(block)
             case "SURFACE":
@@ -91,18 +91,10 @@ class PartMesh:
             sets.setdefault(name, []).extend(labels)
 
 
-def _read_labels(block: Block, sets: dict[str, list[int]]) -> list[int]:
-    if "GENERATE" in block.parameters:
-        table = block.table(3).astype(int)
-        return [label for first, last, step in table for label in range(first, last + 1, max(1, step))]
-    labels: list[int] = []
-    for word in block.labels():
-        if word.lstrip("-").isdigit():
-            labels.append(int(word))
-        elif word.upper() in sets:
-            labels += sets[word.upper()]
-        else:
-            raise DataError(f"there is no set {word}")
+def _read_set(block: Block, sets: dict[str, list[int]]) -> list[int]:
+    labels, unknown = read_labels(block, sets)
+    if unknown:
+        raise DataError(f"there is no set {unknown[0]}")
     return labels
 
 
@@ -168,7 +160,7 @@ class Assembly:
         is_nodes = block.name == "NSET"
         sets = instance.mesh.node_sets if is_nodes else instance.mesh.cell_sets
         first = instance.first_node if is_nodes else instance.first_cell
-        labels = [first + label for label in _read_labels(block, sets)]
+        labels = [first + label for label in _read_set(block, sets)]
         self._sets.setdefault((block.name, block.name_of(block.name)), []).extend(labels)
 
     def nodes_of(self, name: str) -> list[int]:

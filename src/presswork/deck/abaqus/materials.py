@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from presswork.deck.abaqus.blocks import Block, DataError
 from presswork.deck.contents import Hardening, MaterialCard
-from presswork.deck.notes import Notes, Place
+from presswork.deck.notes import Notes
+from presswork.keyword_file import Place
+from presswork.mesh.abaqus_blocks import Block, DataError
 from presswork.model import FloatArray
 
 _KEYWORDS = ("MATERIAL", "DENSITY", "ELASTIC", "PLASTIC", "POTENTIAL", "RATE DEPENDENT", "DAMPING")

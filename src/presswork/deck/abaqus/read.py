@@ -10,11 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from presswork.deck.abaqus.assembly import POINTS, Assembly, PartMesh
-from presswork.deck.abaqus.blocks import Block, DataError, read_blocks
 from presswork.deck.abaqus.materials import MaterialReader, read_orientation
 from presswork.deck.abaqus.steps import Steps
 from presswork.deck.contents import Contact, Deck, PartCard, SectionCard, Shells
-from presswork.deck.notes import DROPPED, KEPT, Fate, Notes, Place
+from presswork.deck.keyword_file import explain_unreadable
+from presswork.deck.notes import DROPPED, KEPT, Fate, Notes
+from presswork.keyword_file import Place
+from presswork.mesh.abaqus_blocks import Block, DataError, read_blocks
 from presswork.model import FloatArray
 
 _SILENT = (
@@ -84,11 +86,12 @@ class AbaqusDeck:
 
     def read(self) -> Deck:
         """Read it all. Raises CaseError."""
-        for block in read_blocks(self._path, self._path, self.notes):
-            try:
-                self._take(block)
-            except (DataError, IndexError, ValueError, KeyError) as error:
-                raise self._explain(block.place, block.name, error) from error
+        with explain_unreadable():
+            for block in read_blocks(self._path):
+                try:
+                    self._take(block)
+                except (DataError, IndexError, ValueError, KeyError) as error:
+                    raise self._explain(block.place, block.name, error) from error
         return self._finish()
 
     def _explain(self, place: Place, name: str, error: Exception) -> Exception:
@@ -135,6 +138,13 @@ class AbaqusDeck:
         return self._assembly.parts[self._part] if self._part else self._assembly.loose
 
     # --- keywords ----------------------------------------------------------------------------------------------------
+
+    def _include(self, block: Block) -> None:
+        self.notes.see(block.place, "*INCLUDE", "lines of the file are listed by its name")
+
+    def _parameter(self, block: Block) -> None:
+        fault = "*PARAMETER: parameters are expressions, which are not evaluated"
+        raise self.notes.fail(block.place, fault, "write their values into the deck")
 
     def _heading(self, block: Block) -> None:
         self._title = " ".join(word for row in block.rows() for word in row if word)
@@ -319,6 +329,8 @@ class AbaqusDeck:
 
 
 _HANDLERS: dict[str, Callable[[AbaqusDeck, Block], None]] = {
+    "INCLUDE": AbaqusDeck._include,
+    "PARAMETER": AbaqusDeck._parameter,
     "HEADING": AbaqusDeck._heading,
     "PART": AbaqusDeck._begin_part,
     "END PART": AbaqusDeck._end_part,

@@ -9,9 +9,10 @@ from typing import Literal
 import numpy as np
 
 from presswork.deck.abaqus.assembly import Assembly
-from presswork.deck.abaqus.blocks import Block, DataError
 from presswork.deck.contents import Deck, Held, Motion, Push
-from presswork.deck.notes import Notes, Place
+from presswork.deck.notes import Notes
+from presswork.keyword_file import Place
+from presswork.mesh.abaqus_blocks import Block, DataError
 from presswork.model import FloatArray, IndexArray
 
 _NAMED = {

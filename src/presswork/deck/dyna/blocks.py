@@ -10,8 +10,9 @@ from pathlib import Path
 
 from presswork.case.errors import CaseError, Problem
 from presswork.deck.fields import Parameters, read_fields, to_number
-from presswork.deck.keyword_file import KeywordLine, read_keyword_lines, rows_in_pieces
-from presswork.deck.notes import Notes, Place
+from presswork.deck.keyword_file import explain_unreadable
+from presswork.deck.notes import Notes
+from presswork.keyword_file import KeywordLine, Place, read_keyword_lines, rows_in_pieces
 
 _KEYWORD = re.compile(rb"^\*[^\r\n]*", re.MULTILINE)
 
@@ -58,7 +59,8 @@ class BlocksOfDeck:
 
     def read(self) -> Iterator[Block]:
         """Yield the blocks up to *END. Raises CaseError for files that cannot be read."""
-        yield from self._read(self._source, 0)
+        with explain_unreadable():
+            yield from self._read(self._source, 0)
 
     def _read(self, path: Path, depth: int) -> Iterator[Block]:
         is_over = False

@@ -16,8 +16,8 @@ import numpy as np
 
 from presswork.case.errors import CaseError, Problem
 from presswork.deck.fields import to_number
-from presswork.deck.keyword_file import KeywordLine, read_keyword_lines, rows_in_pieces
-from presswork.deck.notes import Notes, Place
+from presswork.deck.notes import Notes
+from presswork.keyword_file import KeywordLine, Place, read_keyword_lines, rows_in_pieces
 
 _KEYWORD = re.compile(rb"^(?:/|#include|#enddata)[^\r\n]*", re.MULTILINE | re.IGNORECASE)
 _COMMENTS = (b"#", b"$")

@@ -14,6 +14,7 @@ import numpy as np
 
 from presswork.deck.contents import Deck, MaterialCard, PartCard, Shells
 from presswork.deck.fields import FieldError, read_table
+from presswork.deck.keyword_file import explain_unreadable
 from presswork.deck.notes import Notes
 from presswork.deck.rad.blocks import Block, read_blocks, read_row
 from presswork.deck.rad.conditions import Conditions, RigidBody
@@ -60,12 +61,13 @@ class RadDeck:
 
     def read(self) -> Deck:
         """Read it all, with the engine's files beside it. Raises CaseError."""
-        for block in read_blocks(self._path, self._path, self.notes):
-            self._try(self._take, block)
-        if not self._version:
-            raise self.notes.fail(None, "no /BEGIN in it", "give the starter's file, NAME_0000.rad")
-        for block in read_engine(self._path, self.notes):
-            self._try(self._take_engine, block)
+        with explain_unreadable():
+            for block in read_blocks(self._path, self._path, self.notes):
+                self._try(self._take, block)
+            if not self._version:
+                raise self.notes.fail(None, "no /BEGIN in it", "give the starter's file, NAME_0000.rad")
+            for block in read_engine(self._path, self.notes):
+                self._try(self._take_engine, block)
         if not self._labels or not self._rows:
             raise self.notes.fail(None, "no /NODE or no /SHELL in it", "give the whole deck, with its files")
         self._finish()

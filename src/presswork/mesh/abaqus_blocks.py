@@ -1,22 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A deck of Abaqus as a row of blocks: a keyword with its parameters, and the rows of data below it."""
+"""A file of Abaqus or CalculiX as a row of blocks: a keyword with its parameters, and the rows of data below it."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from presswork.case.errors import CaseError, Problem
-from presswork.deck.keyword_file import read_keyword_lines
-from presswork.deck.notes import Notes, Place
+from presswork.keyword_file import Place, decode, read_keyword_lines
 from presswork.model import FloatArray
 
-_KEYWORD = re.compile(rb"^\*[^*\r\n][^\r\n]*(?:,\s*\r?\n[^*\r\n][^\r\n]*)*", re.MULTILINE)
-"""A keyword line, and lines that go on with it after a comma at its end."""
+_KEYWORD = re.compile(rb"^\*[^*\r\n](?:[^\r\n]*,[ \t]*\r?\n[ \t]*(?=[A-Za-z]))*[^\r\n]*", re.MULTILINE)
+"""A keyword line, and lines of further parameters after a comma at its end."""
 
 
 class DataError(ValueError):
@@ -36,7 +34,7 @@ class Block:
 
     def rows(self) -> list[list[str]]:
         """Return the fields of each row of data."""
-        lines = (line.strip() for line in self.data.decode("latin-1").splitlines())
+        lines = (line.strip() for line in decode(self.data).splitlines())
         return [[word.strip() for word in line.split(",")] for line in lines if line and not line.startswith("**")]
 
     def table(self, width: int) -> FloatArray:
@@ -60,18 +58,33 @@ class Block:
         return self.parameters.get(parameter, "").upper()
 
 
-def read_blocks(path: Path, source: Path, notes: Notes, depth: int = 0) -> Iterator[Block]:
-    """Yield the blocks of a deck and of the files that it includes. Raises CaseError for files that cannot be read."""
+def read_blocks(path: Path, depth: int = 0) -> Iterator[Block]:
+    """Yield the blocks of a file, those of a file that it includes after its *INCLUDE. Raises KeywordFileError."""
     for line in read_keyword_lines(path, _KEYWORD, "Abaqus", depth):
         words = [word.strip() for word in line.text.split(",")]
         pairs = [word.partition("=") for word in words[1:] if word]
         parameters = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
         block = Block(" ".join(words[0].upper().split()), parameters, line.place, line.data[line.after : line.end])
+        yield block
         if block.name == "INCLUDE":
-            notes.see(block.place, "*INCLUDE", "lines of the file are listed by its name")
-            yield from read_blocks(path.parent / parameters.get("INPUT", ""), source, notes, depth + 1)
-        elif block.name == "PARAMETER":
-            fault = "parameters are expressions, which are not evaluated"
-            raise CaseError([Problem(f"{block.place} *PARAMETER", fault, "write their values into the deck")], source)
+            yield from read_blocks(path.parent / parameters.get("INPUT", ""), depth + 1)
+
+
+def read_labels(block: Block, sets: Mapping[str, list[int]]) -> tuple[list[int], list[str]]:
+    """Return the labels of a set, and the names in it that are no sets. Raises DataError.
+
+    The data are labels and names of other sets, or with GENERATE rows of first, last and step.
+    """
+    if "GENERATE" in block.parameters:
+        table = block.table(3).astype(int)
+        return [label for first, last, step in table for label in range(first, last + 1, max(1, step))], []
+    labels: list[int] = []
+    unknown: list[str] = []
+    for word in block.labels():
+        if word.lstrip("-").isdigit():
+            labels.append(int(word))
+        elif word.upper() in sets:
+            labels += sets[word.upper()]
         else:
-            yield block
+            unknown.append(word)
+    return labels, unknown
