@@ -31,8 +31,11 @@ def find_boundary_faces(connectivities: Sequence[IntArray]) -> tuple[IntArray, I
     All blocks are of one kind of cell.
     """
     faces = np.concatenate([list_cell_faces(connectivity) for connectivity in connectivities])
-    _, index, count = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
-    own = np.sort(index[count == 1])
+    corners = np.sort(take_corners(faces), axis=1)
+    order = np.lexsort(corners.T)
+    differs = np.ones(len(order) + 1, dtype=bool)  # from the face before, in this order
+    differs[1:-1] = (corners[order[1:]] != corners[order[:-1]]).any(axis=1)
+    own = np.sort(order[differs[1:] & differs[:-1]])
     faces_of_cell = len(find_cell(3, connectivities[0]).faces)
     return np.ascontiguousarray(faces[own], dtype=np.int32), (own // faces_of_cell).astype(np.int32)
 

@@ -55,13 +55,19 @@ def find_surface(mesh: ResultMesh, *, has_inside: bool = False) -> Surface:
     triangles_a_face = [len(part) // max(count, 1) for part, count in zip(parts, counts, strict=True)]
     faces = np.repeat(np.arange(sum(counts)), np.repeat(triangles_a_face, counts))
     triangles = np.concatenate(parts)
-    nodes, numbers = np.unique(triangles, return_inverse=True)
+    is_seen = np.zeros(len(mesh.points), dtype=bool)
+    is_seen[triangles] = True
+    nodes = np.flatnonzero(is_seen)
     cells = np.arange(sum(counts)) if owner is None else owner.astype(np.int64)
     hexahedra, owners = np.zeros((0, 8), dtype=np.int64), np.zeros(0, dtype=np.int64)
     if has_inside and owner is not None:
         hexahedra = np.concatenate([_as_hexahedra(block.connectivity) for block in mesh.blocks]).astype(np.int64)
-        nodes = np.concatenate([nodes, np.setdiff1d(hexahedra, nodes)])
-        cells = np.concatenate([cells, np.setdiff1d(np.arange(len(hexahedra)), cells)])
+        is_inside = np.zeros(len(mesh.points), dtype=bool)
+        is_inside[hexahedra] = True
+        nodes = np.concatenate([nodes, np.flatnonzero(is_inside & ~is_seen)])
+        has_face = np.zeros(len(hexahedra), dtype=bool)
+        has_face[cells] = True
+        cells = np.concatenate([cells, np.flatnonzero(~has_face)])
         owners = np.zeros(len(hexahedra), dtype=np.int64)
         owners[cells[::-1]] = np.arange(len(cells))[::-1]
     renumbered = np.zeros(len(mesh.points), dtype=np.int64)
@@ -70,7 +76,7 @@ def find_surface(mesh: ResultMesh, *, has_inside: bool = False) -> Surface:
     return Surface(
         nodes=nodes,
         cells=cells,
-        triangles=numbers.reshape(-1, 3),
+        triangles=renumbered[triangles].reshape(-1, 3),
         faces=faces,
         lines=_find_lines([renumbered[block.connectivity] for block in skin.blocks], len(nodes)),
         boundary=renumbered[boundary].reshape(-1, 2),
