@@ -21,7 +21,7 @@ from typing import Any
 from presswork import build_model, read_case
 from presswork.examples import copy_example
 from presswork.model import Model
-from presswork.process import remeshing, remeshing_in_space
+from presswork.process import carrying, remeshing, remeshing_in_space
 from presswork.process.remeshing_in_space import RemeshedSpaceForming
 from presswork.remesh.space.mmg_process import MMG
 from validation.closed_dies_in_space import draw_die, make_case
@@ -29,7 +29,7 @@ from validation.closed_dies_in_space import draw_die, make_case
 PARTS = {
     "looking": (RemeshedSpaceForming, "_reason"),
     "skin and inside": (remeshing_in_space, "remesh_body"),
-    "transfer": (remeshing_in_space, "carry_state"),
+    "transfer": (carrying, "carry_state"),
     "peaks": (remeshing, "carry_peaks"),
     "balance": (remeshing, "balance_new_mesh"),
     "all of new meshes": (RemeshedSpaceForming, "_try_mesh"),

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
 
 #include "arrays.hpp"
 #include "element/evaluate_block.hpp"
+#include "element/point_history.hpp"
 
 namespace presswork::bindings {
 
@@ -23,6 +26,16 @@ SolidSection make_section(bool axisymmetric, double depth, double hourglass_frac
   SolidSection section{axisymmetric, depth, hourglass_fraction};
   if (pressure) std::tie(section.bulk_modulus, section.shear_modulus, section.pressure_scale) = *pressure;
   return section;
+}
+
+template <class Law>
+History list_parts(const Owned<Law>& law, int) {
+  return list_point_history(law.view);
+}
+History list_parts(const Umat& law, int components) {
+  return components == 3   ? list_point_history<3>(law)
+         : components == 4 ? list_point_history<4>(law)
+                           : list_point_history<6>(law);
 }
 
 }  // namespace
@@ -67,15 +80,21 @@ void bind_element(nb::module_& m) {
       nb::arg("element"), "Number of nodes and of integration points of a solid.");
   m.def("elements", &list_elements, "The table of elements, a row each.");
 
+  using AnyLaw = std::variant<const Owned<VonMises>*, const Owned<AdiabaticMises>*, const Owned<SheetLaw>*,
+                              const Owned<PlaneLaw>*, const Owned<SolidLaw>*, const Umat*>;
   m.def(
-      "kept_values",
-      [](std::variant<const Owned<PlaneLaw>*, const Owned<SolidLaw>*> law) {
-        return std::visit([](const auto* chosen) { return kept_values(chosen->view); }, law);
+      "list_history",
+      [](AnyLaw law, int components) {
+        require(components == 3 || components == 4 || components == 6, "a stress has 3, 4 or 6 components");
+        std::vector<std::tuple<std::string, int, bool>> parts;
+        for (const HistoryPart& part :
+             std::visit([=](const auto* chosen) { return list_parts(*chosen, components); }, law))
+          parts.emplace_back(part.name, part.size, part.is_axes);
+        return parts;
       },
-      nb::arg("law"),
-      "Values that a point of a solid keeps for a law besides stress and eqps; at the end the directions of its axes: "
-      "x "
-      "in the plane (2), x and y in space (6).");
+      nb::arg("law"), nb::arg("components"),
+      "What a point keeps for a law behind its stress of so many components: name, number of values, and whether these "
+      "are the directions of its axes (x in the plane, x and y in space), in their order.");
   m.def(
       "evaluate_block",
       [](const std::string& name, Ints connectivity, Doubles points, Doubles increment,

@@ -169,21 +169,18 @@ void bind_explicit_plane(nb::module_& m) {
           "add_solids",
           [](PlaneLoop& self, const std::string& element, Ints cells,
              std::variant<const Owned<AdiabaticMises>*, const Owned<PlaneLaw>*, const Umat*> law, double density,
-             double young, double poisson, std::array<double, 2> rolling) {
+             const std::vector<double>& kept, double young, double poisson) {
             std::vector<int> list(cells.data(), cells.data() + cells.size());
             for (int node : list) require(node >= 0 && node < self.nodes.n, "cells name a node that is not there");
             std::vector<double> points;
-            self.add_solids(element, std::move(list), points_of(self, points), choose_law(law, young, poisson),
-                            density);
-            if (!std::holds_alternative<const Owned<PlaneLaw>*>(law)) return;
-            auto& block = *self.blocks.back();  // of a cell the direction of the law's x comes last
-            for (int e = 0; e < block.n(); ++e)
-              for (int i : {0, 1}) block.set_value(e, block.n_rows() - 2 + i, rolling[i]);
+            self.add_solids(element, std::move(list), points_of(self, points), choose_law(law, young, poisson), density,
+                            kept);
           },
-          nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"), nb::kw_only(),
-          nb::arg("young") = 0.0, nb::arg("poisson") = 0.0, nb::arg("rolling") = std::array<double, 2>{1.0, 0.0},
-          "Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come. young, poisson: of a law from a "
-          "shared library; rolling: unit direction of the law's x.")
+          nb::arg("element"), nb::arg("cells"), nb::arg("law"), nb::arg("density"), nb::kw_only(), nb::arg("kept"),
+          nb::arg("young") = 0.0, nb::arg("poisson") = 0.0,
+          "Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come. kept: what the law keeps besides "
+          "plastic strain and rise of temperature, before the first cycle. young, poisson: of a law from a shared "
+          "library.")
       .def(
           "restore",
           [](PlaneLoop& self, const explicit_loop::State& given) {

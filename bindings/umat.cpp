@@ -32,17 +32,6 @@ void bind_umat(nb::module_& m) {
           },
           nb::kw_only(), nb::arg("stage") = 1, nb::arg("increment") = 1, nb::arg("stage_time") = 0.0,
           nb::arg("time") = 0.0, nb::arg("dt") = 1.0, "Counted from 1; times [s] are those of the increment's start.");
-  m.def(
-      "umat_history_size",
-      [](int components) {
-        require(components == 3 || components == 4 || components == 6, "a stress has 3, 4 or 6 components");
-        static_assert(UmatHistory<3>::size == UmatHistory<3>::work + 1 && UmatHistory<3>::F == 0);
-        return components == 3 ? UmatHistory<3>::size : components == 4 ? UmatHistory<4>::size : UmatHistory<6>::size;
-      },
-      nb::arg("components"),
-      "Values that a point keeps behind the state variables of a UMAT: whole deformation gradient (9) by columns, sum "
-      "of strain increments, energies (3), heat generated in and work of the last increment per volume.");
-
   nb::class_<Umat>(m, "Umat", "A material law from a shared library with Abaqus's UMAT interface.")
       .def(nb::init<const std::string&, const std::vector<double>&, int, UmatJacobian, bool, int>(), nb::arg("library"),
            nb::arg("properties"), nb::arg("n_state"), nb::kw_only(),

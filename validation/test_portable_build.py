@@ -78,7 +78,7 @@ def test_a_dump_of_one_variant_goes_on_in_another(package: Path, tmp_path: Path,
     for end in ends.values():
         assert end["run.clock"][0] == 400
         np.testing.assert_allclose(end["nodes.position"], expected["nodes.position"], atol=tolerance)
-        for name in ("block_0.layers", "block_0.shell", "block_1.layers", "block_1.shell"):
+        for name in ("shells.layers.0", "shells.shell.0", "shells.layers.1", "shells.shell.1"):
             largest = np.abs(expected[name]).reshape(-1, expected[name].shape[-1]).max(axis=0)
             scale = np.maximum(largest, 1e-3)  # what rounding took has no digit in common
             np.testing.assert_allclose(end[name] / scale, expected[name] / scale, atol=100 * tolerance)

@@ -133,18 +133,23 @@ class ElementBlock {
   }
   // The nodes of a pack's elements, [node][lane].
   const int* pack_nodes(int pack) const { return &packed_[std::size_t(pack) * nodes_each_ * lanes]; }
-  // Rows [first, first + width) of the state (n, width).
-  StateField rows_field(const std::string& owner, std::string name, int first, int width) {
+  // Rows [first, first + width) of the state (n, width), and then those from `behind` to the last.
+  StateField rows_field(const std::string& owner, std::string name, int first, int width, int behind = -1) {
+    const int end = first + width, more = behind < 0 ? n_rows_ : behind;
     return {owner,
             std::move(name),
-            {std::size_t(n_), std::size_t(width)},
+            {std::size_t(n_), std::size_t(width + n_rows_ - more)},
             [=, this](double* to) {
-              for (int e = 0; e < n_; ++e)
-                for (int r = first; r < first + width; ++r) *to++ = value(e, r);
+              for (int e = 0; e < n_; ++e) {
+                for (int r = first; r < end; ++r) *to++ = value(e, r);
+                for (int r = more; r < n_rows_; ++r) *to++ = value(e, r);
+              }
             },
             [=, this](const double* from) {
-              for (int e = 0; e < n_; ++e)
-                for (int r = first; r < first + width; ++r) set_value(e, r, *from++);
+              for (int e = 0; e < n_; ++e) {
+                for (int r = first; r < end; ++r) set_value(e, r, *from++);
+                for (int r = more; r < n_rows_; ++r) set_value(e, r, *from++);
+              }
             }};
   }
 

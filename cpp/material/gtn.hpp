@@ -25,6 +25,7 @@ namespace presswork {
 
 struct Gtn {
   static constexpr int own = 11, n_parameters = 6, n_properties = own + n_parameters + 3, n_state = 3;
+  static constexpr StatePart state_parts[] = {{"plastic_strain", 1}, {"porosity", 1}, {"grown", 1}};
   static constexpr double least = 1e-3;  // of the flow stress, that is left when the matrix melts
 
   double young, poisson, q1, q2, q3, fc, ff, eN, sN, fN;

@@ -70,6 +70,20 @@ Umat::Umat(const std::string& library, const std::vector<double>& properties, in
       throw std::runtime_error("it wants " + std::to_string(n_statev) + " state variables, not " +
                                std::to_string(n_state));
   }
+  state = n_state > 0 ? History{{"state_variables", n_state}} : History{};
+  using Declared = const StatePart* (*)(int*);
+  if (auto declare = reinterpret_cast<Declared>(dlsym(handle, "presswork_state"))) {
+    int count = 0, values = 0;
+    const StatePart* parts = declare(&count);
+    state.clear();
+    for (int i = 0; i < count; ++i) {
+      state.push_back({parts[i].name, parts[i].size, parts[i].is_axes});
+      values += parts[i].size;
+    }
+    if (values != n_state)
+      throw std::runtime_error("its parts of the state have " + std::to_string(values) + " values, not " +
+                               std::to_string(n_state));
+  }
   properties_.insert(properties_.end(), guard, none);
 }
 
@@ -78,13 +92,13 @@ namespace {
 void call_gtn(double* stress, double* statev, double* ddsdde, double*, double*, double*, double*, double*, double*,
               double*, const double*, const double* dstran, const double*, const double* dtime, const double* temp,
               const double* dtemp, const double*, const double*, const char*, const int*, const int*, const int* ntens,
-              const int*, const double* props, const int*, const double*, const double*, double* pnewdt, const double*,
-              const double*, const double*, const int*, const int*, const int*, const int*, const int*, const int*,
-              std::size_t) {
+              const int*, const double* props, const int*, const double*, const double* drot, double* pnewdt,
+              const double*, const double*, const double*, const int*, const int*, const int*, const int*, const int*,
+              const int*, std::size_t) {
   double given[Gtn::n_properties + 1];
   std::copy_n(props, Gtn::n_properties, given);
   given[Gtn::n_properties] = *temp + *dtemp;
-  user_law::call<Gtn>(*ntens, stress, statev, ddsdde, dstran, *dtime, given, pnewdt);
+  user_law::call<Gtn>(*ntens, stress, statev, ddsdde, dstran, *dtime, given, drot, pnewdt);
 }
 
 }  // namespace
@@ -93,6 +107,7 @@ Umat Umat::make_gtn(const std::vector<double>& properties) {
   if (properties.size() != Gtn::n_properties) throw std::runtime_error("a law of pores has 20 properties");
   Umat made;
   made.n_state = Gtn::n_state;
+  for (const StatePart& part : Gtn::state_parts) made.state.push_back({part.name, part.size, part.is_axes});
   made.function_ = &call_gtn;
   made.properties_ = properties;
   made.n_properties_ = Gtn::n_properties;

@@ -17,6 +17,8 @@
 #include <string>
 #include <vector>
 
+#include "material/history_part.hpp"
+
 namespace presswork {
 
 extern "C" using UmatFunction = void (*)(
@@ -87,6 +89,7 @@ class Umat {
   UmatJacobian jacobian = UmatJacobian::stress_increment;
   bool thread_safe = true;  // may be called from several threads at once
   int plastic_strain = 1;   // which state variable is the equivalent plastic strain, from 1; 0: none
+  History state;            // the n_state values by name, as the library declares them (user_law.hpp); else one part
 
  private:
   Umat() = default;

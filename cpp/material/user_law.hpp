@@ -4,6 +4,7 @@
 //
 // Contract of the struct:
 //   static constexpr int n_properties, n_state;        what the case must give, and what a point keeps
+//   static constexpr StatePart state_parts[];          if wanted: names of these values, in their order
 //   explicit Law(const double* properties);            called for each point: store numbers, compute no more
 //   template <int N, class T>
 //   bool update(const T* strain, double dt, T* stress, T* state) const;
@@ -11,7 +12,8 @@
 //     strain   in    increment (N), shears engineering, in axes that turn with the material
 //     dt       in    time of the increment [s]
 //     stress   both  Cauchy stress (N) [MPa]
-//     state    both  n_state values; they must not depend on the axes, as scalars do: nobody turns them
+//     state    both  n_state values; they must not depend on the axes, as scalars do, but for parts that are declared
+//                    as axes: unit vectors at right angles, x and y in space (6 values), which turn with the material
 //   false asks for a smaller increment.
 // A shell takes the law of the plane, at the strain across the sheet at which there is no stress across it: Newton's
 // method finds it, with the law's own derivatives.
@@ -25,7 +27,45 @@
 
 #include "tensor/dual.hpp"
 
+namespace presswork {
+
+// A part of the state variables, by name. A new mesh interpolates its values; axes it makes orthonormal again.
+struct StatePart {
+  const char* name;
+  int size;
+  bool is_axes = false;  // x and y of the law in space (6 values)
+};
+
+}  // namespace presswork
+
 namespace presswork::user_law {
+
+// The parts that a law declares, else all of its values under one name.
+template <class Law>
+const StatePart* list_state(int* count) {
+  if constexpr (requires { Law::state_parts; }) {
+    *count = static_cast<int>(sizeof Law::state_parts / sizeof(StatePart));
+    return Law::state_parts;
+  } else {
+    static constexpr StatePart whole[] = {{"state_variables", Law::n_state}};
+    *count = Law::n_state > 0;
+    return whole;
+  }
+}
+
+// Turn the axes among the state variables by an increment's rotation R, by columns.
+template <class Law>
+void turn_axes(const double R[9], double* state) {
+  if constexpr (requires { Law::state_parts; }) {
+    for (const StatePart& part : Law::state_parts) {
+      for (double* axis = state; part.is_axes && axis < state + part.size; axis += 3) {
+        const double before[3] = {axis[0], axis[1], axis[2]};
+        for (int i = 0; i < 3; ++i) axis[i] = R[i] * before[0] + R[i + 3] * before[1] + R[i + 6] * before[2];
+      }
+      state += part.size;
+    }
+  }
+}
 
 // Values and derivatives by the strain increment at the end of one.
 template <int N, int n_state>
@@ -93,8 +133,9 @@ bool call_sheet(const Law& law, double* stress, double* state, double* tangent, 
 
 template <class Law>
 void call(int components, double* stress, double* state, double* tangent, const double* strain, double dt,
-          const double* properties, double* step_factor) {
+          const double* properties, const double* rotation, double* step_factor) {
   const Law law(properties);
+  turn_axes<Law>(rotation, state);
   const auto run = components == 3 ? &call_sheet<Law> : components == 4 ? &call<4, Law> : &call<6, Law>;
   if (!run(law, stress, state, tangent, strain, dt)) *step_factor = 0.5;
 }
@@ -106,11 +147,14 @@ void call(int components, double* stress, double* state, double* tangent, const 
     *n_properties = Law::n_properties;                                                                               \
     *n_state = Law::n_state;                                                                                         \
   }                                                                                                                  \
+  extern "C" const presswork::StatePart* presswork_state(int* count) {                                               \
+    return presswork::user_law::list_state<Law>(count);                                                              \
+  }                                                                                                                  \
   extern "C" void umat_(double* stress, double* statev, double* ddsdde, double*, double*, double*, double*, double*, \
                         double*, double*, const double*, const double* dstran, const double*, const double* dtime,   \
                         const double*, const double*, const double*, const double*, const char*, const int*,         \
                         const int*, const int* ntens, const int*, const double* props, const int*, const double*,    \
-                        const double*, double* pnewdt, const double*, const double*, const double*, const int*,      \
+                        const double* drot, double* pnewdt, const double*, const double*, const double*, const int*, \
                         const int*, const int*, const int*, const int*, const int*, std::size_t) {                   \
-    presswork::user_law::call<Law>(*ntens, stress, statev, ddsdde, dstran, *dtime, props, pnewdt);                   \
+    presswork::user_law::call<Law>(*ntens, stress, statev, ddsdde, dstran, *dtime, props, drot, pnewdt);             \
   }

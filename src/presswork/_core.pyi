@@ -358,11 +358,6 @@ class UmatPlace:
     def __init__(self, *, stage: int = 1, increment: int = 1, stage_time: float = 0.0, time: float = 0.0, dt: float = 1.0) -> None:
         """Counted from 1; times [s] are those of the increment's start."""
 
-def umat_history_size(components: int) -> int:
-    """
-    Values that a point keeps behind the state variables of a UMAT: whole deformation gradient (9) by columns, sum of strain increments, energies (3), heat generated in and work of the last increment per volume.
-    """
-
 class Umat:
     """A material law from a shared library with Abaqus's UMAT interface."""
 
@@ -517,9 +512,9 @@ def element_sizes(element: str) -> tuple[int, int]:
 def elements() -> list[Element]:
     """The table of elements, a row each."""
 
-def kept_values(law: PlaneLaw | SolidLaw) -> int:
+def list_history(law: VonMises | AdiabaticMises | SheetLaw | PlaneLaw | SolidLaw | Umat, components: int) -> list[tuple[str, int, bool]]:
     """
-    Values that a point of a solid keeps for a law besides stress and eqps; at the end the directions of its axes: x in the plane (2), x and y in space (6).
+    What a point keeps for a law behind its stress of so many components: name, number of values, and whether these are the directions of its axes (x in the plane, x and y in space), in their order.
     """
 
 def evaluate_block(element: str, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], increment: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: VonMises | PlaneLaw | SolidLaw | Umat, settings: PointSettings, *, axisymmetric: bool, depth: float, hourglass_fraction: float, pressure: tuple[float, float, float] | None = None, stress_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], eqps_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], hourglass_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], stress: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], eqps: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], hourglass: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], volume: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], force: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], stiffness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None, symmetric: bool = False, history_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, history: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')] | None = None, dt: float = 0.0, first_cell: int = 0, temperature: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, temperature_n: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)] | None = None, when: UmatPlace | None = None, fault: LawFault | None = None) -> int:
@@ -1809,9 +1804,9 @@ class PlaneLoop:
 
     def __init__(self, points: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], contact: Annotated[NDArray[numpy.uint8], dict(order='C', device='cpu', writable=False)], *, axisymmetric: bool, depth: float = 1.0, hourglass_fraction: float = 0.05) -> None: ...
 
-    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: AdiabaticMises | PlaneLaw | Umat, density: float, *, young: float = 0.0, poisson: float = 0.0, rolling: Sequence[float] = [1.0, 0.0]) -> None:
+    def add_solids(self, element: str, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], law: AdiabaticMises | PlaneLaw | Umat, density: float, *, kept: Sequence[float], young: float = 0.0, poisson: float = 0.0) -> None:
         """
-        Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come. young, poisson: of a law from a shared library; rolling: unit direction of the law's x.
+        Add cells (n, nodes) of tri3 or quad4_1pt; they are numbered as they come. kept: what the law keeps besides plastic strain and rise of temperature, before the first cycle. young, poisson: of a law from a shared library.
         """
 
     def restore(self, state: Mapping[str, Mapping[str, Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]]]) -> None:

@@ -8,12 +8,13 @@ model has are `state.nodes` and `state.cells`. Units are mm, s, N, MPa.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import ClassVar, Literal, Self, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.law.history import History
 from presswork.model import FloatArray
 
 
@@ -22,19 +23,20 @@ class OnNewMesh:
     """What becomes of an array where the mesh changes.
 
     run: it fits any mesh and goes along. anew: the new mesh finds it for itself, as at rest. motion: moves of the
-    nodes, by the shape functions of the old cells. node: a field given at the nodes. point: a field given at the
-    integration points, one entry for each block. cell: values of cells; they begin anew with their cells, one entry for
-    each block. surface: values at nodes of the boundary, carried along its arc.
-    surface_force: the same of forces, carried per area.
+    nodes, by the shape functions of the old cells. node: a field given at the nodes. place: where nodes are; those of a
+    new mesh begin where it has them. point: a field given at the integration points, one entry for each block. cell:
+    values of cells; they begin anew with their cells, one entry for each block. share: what cells have a share of,
+    whose sum over each block stays. surface: values at nodes of the boundary, carried along its arc, in a list one
+    entry for each group of nodes. surface_force: the same of forces, carried per area.
     """
 
-    kind: Literal["run", "anew", "motion", "node", "point", "cell", "surface", "surface_force"]
+    kind: Literal["run", "anew", "motion", "node", "place", "point", "cell", "share", "surface", "surface_force"]
     axis: int = 0
     """Of the array, along which nodes are counted."""
 
 
 RUN, ANEW, MOTION, NODE = OnNewMesh("run"), OnNewMesh("anew"), OnNewMesh("motion"), OnNewMesh("node")
-POINT, CELL = OnNewMesh("point"), OnNewMesh("cell")
+PLACE, POINT, CELL, SHARE = OnNewMesh("place"), OnNewMesh("point"), OnNewMesh("cell"), OnNewMesh("share")
 SURFACE, SURFACE_FORCE = OnNewMesh("surface"), OnNewMesh("surface_force")
 
 
@@ -50,15 +52,20 @@ class Arrays:
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {}
     """What becomes of each array where the mesh changes; solids with an array that is not named are not remeshed."""
 
+    @classmethod
+    def names(cls) -> list[str]:
+        """Return the names of the arrays, without fields that say how to read one."""
+        return [f.name for f in fields(cls) if f.metadata.get("is_array", True)]
+
     def duplicate(self) -> Self:
         """Return a deep copy."""
-        return replace(self, **{f.name: _copy(getattr(self, f.name)) for f in fields(self)})
+        return replace(self, **{name: _copy(getattr(self, name)) for name in self.names()})
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return every array under a name of its own, numbers as arrays without dimension."""
         listed: dict[str, NDArray[np.generic]] = {}
-        for f in fields(self):
-            name, value = f"{self.owner}.{f.name}", getattr(self, f.name)
+        for own in self.names():
+            name, value = f"{self.owner}.{own}", getattr(self, own)
             if isinstance(value, dict):
                 listed.update({f"{name}.{key}.{i}": a for key, of in value.items() for i, a in enumerate(of)})
             elif isinstance(value, list):
@@ -73,17 +80,17 @@ class Arrays:
 
     def take_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
         """Take up what to_arrays() gave."""
-        for f in fields(self):
-            name, value = f"{self.owner}.{f.name}", getattr(self, f.name)
+        for own in self.names():
+            name, value = f"{self.owner}.{own}", getattr(self, own)
             if isinstance(value, dict):
                 found = {key: [arrays[f"{name}.{key}.{i}"] for i in range(len(of))] for key, of in value.items()}
-                setattr(self, f.name, found)
+                setattr(self, own, found)
             elif isinstance(value, list):
-                setattr(self, f.name, [arrays[f"{name}.{i}"] for i in range(len(value))])
+                setattr(self, own, [arrays[f"{name}.{i}"] for i in range(len(value))])
             elif isinstance(value, np.ndarray):
-                setattr(self, f.name, arrays[name])
+                setattr(self, own, arrays[name])
             else:
-                setattr(self, f.name, type(value)(arrays[name]))
+                setattr(self, own, type(value)(arrays[name]))
 
 
 Owned = TypeVar("Owned", bound=Arrays)
@@ -164,15 +171,19 @@ class CellArrays(Arrays):
     """Rate of the equivalent plastic strain in the increment (n_cells, p) [1/s]; no rows where the material does not
     depend on it."""
     history: list[FloatArray]
-    """History of the law. In solids besides eqps (n_cells, p, n_history): nothing for von Mises with
-    isotropic hardening; for other laws the rise of temperature where they heat, back stresses, and the directions of
-    the law's axes; for one from a shared library its state variables, then deformation gradient, strain, energies and
-    work. In shells with eqps first (n_cells, q, k, n_history)."""
+    """What the law keeps, as `kept` names it: in solids besides eqps (n_cells, p, n_history), in shells with eqps first
+    (n_cells, q, k, n_history)."""
     volume: list[FloatArray]
     """Volume of each point (n_cells, p) [mm3]."""
     hourglass: list[FloatArray]
     """Of solids (n_cells, 2): hourglass forces of quad4_1pt [N]; how fast flow relaxes the bubble of tet4_mini [1/s]
     and 0; else zero."""
+    kept: list[History] = field(default_factory=list, metadata={"is_array": False})
+    """The parts of `history` by name, as the law of each block declares them."""
+
+    def find_kept(self, block: int, name: str) -> FloatArray:
+        """Return a view of a part of a block's history (n_cells, p | q, k, size), of one value (n_cells, p | q, k)."""
+        return self.kept[block].of(name, self.history[block])
 
 
 class State:

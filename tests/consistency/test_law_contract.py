@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from presswork import _core
+from presswork.law.at_rest import history_at_rest
+from presswork.law.history import AXES, EQPS, list_history
 
 YOUNG, POISSON = 200e3, 0.3
 MISES = _core.YieldFunction.hill1948([0.5, 0.5, 0.5, 1.5, 1.5, 1.5])
@@ -100,17 +102,17 @@ def test_an_anisotropic_solid_turns_with_its_axes() -> None:
     law = _core.PlaneLaw(YOUNG, POISSON, HILL, *SWIFT, chaboche=_core.Chaboche([8000.0], [60.0]))
     points = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]) + 0.1 * np.random.default_rng(1).standard_normal((4, 2))
     increment = 0.05 * np.random.default_rng(2).standard_normal((4, 2))
-    history = np.zeros((1, 4, _core.kept_values(law)))
-    history[..., -2] = 1.0
+    history = history_at_rest(law, (1, 4), 4)
     force, after = evaluate(law, points, increment, history)
     c, s = np.cos(0.7), np.sin(0.7)
     turn = np.array([[c, -s], [s, c]])
     turned = history.copy()
-    turned[..., -2:] = (c, s)
+    axes = list_history(law, 4).without(EQPS)[AXES]
+    turned[..., axes] = (c, s)
     other, turned_after = evaluate(law, points @ turn.T, increment @ turn.T, turned)
     np.testing.assert_allclose(other, force @ turn.T, atol=1e-8 * np.abs(force).max())
-    np.testing.assert_allclose(turned_after[..., :-2], after[..., :-2], atol=1e-7)
-    np.testing.assert_allclose(turned_after[..., -2:], after[..., -2:] @ turn.T, atol=1e-12)
+    np.testing.assert_allclose(turned_after[..., : axes.start], after[..., : axes.start], atol=1e-7)
+    np.testing.assert_allclose(turned_after[..., axes], after[..., axes] @ turn.T, atol=1e-12)
     unturned, _ = evaluate(law, points @ turn.T, increment @ turn.T, history)
     assert np.abs(unturned - other).max() > 1e-4 * np.abs(force).max()
 
@@ -118,11 +120,11 @@ def test_an_anisotropic_solid_turns_with_its_axes() -> None:
 def test_a_turn_of_the_increment_turns_the_axes_along() -> None:
     law = _core.PlaneLaw(YOUNG, POISSON, HILL, *SWIFT)
     points = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
-    history = np.zeros((1, 4, _core.kept_values(law)))
-    history[..., -2] = 1.0
+    history = history_at_rest(law, (1, 4), 4)
     c, s = np.cos(0.5), np.sin(0.5)
     _, after = evaluate(law, points, points @ np.array([[c, s], [-s, c]]) - points, history)
-    np.testing.assert_allclose(after[..., -2:], np.broadcast_to((c, s), (1, 4, 2)), atol=1e-12)
+    axes = list_history(law, 4).without(EQPS)[AXES]
+    np.testing.assert_allclose(after[..., axes], np.broadcast_to((c, s), (1, 4, 2)), atol=1e-12)
 
 
 @pytest.mark.parametrize("law", [{"rate": "johnson_cook", "rate_parameters": {"C": 0.0089, "reference_rate": 1.0}}, {}])

@@ -5,7 +5,9 @@ import numpy as np
 import pytest
 
 from presswork import Case, build_model
+from presswork.explicit.arrays import SolidArrays
 from presswork.explicit.input_checks import ExplicitError
+from presswork.law.history import EQPS
 from presswork.process.begin import begin
 from presswork.process.impact import ExplicitImpact
 from presswork.process.remeshed_impact import RemeshedImpact
@@ -109,20 +111,23 @@ def test_a_new_mesh_keeps_the_peaks_of_plastic_strain_and_damage():
     reports = recording.advance()
     for _ in range(50):
         next(reports)
-    names = [f"block_0.{name}" for name in ("eqps", "damage_damage_cockcroft_latham")]
-    dump = recording.solids.dump()
-    for name in names:
-        dump[name][100] = 1.3 * dump[name].max()
-    recording.solids.restore(dump)
+    state = recording.solids.state()
+
+    def list_fields(state):
+        solids = state[SolidArrays]
+        return [solids.find_kept(0, EQPS)[:, 0], solids.damage["damage_cockcroft_latham"][0][:, 0]]
 
     def find_means():
         volume = recording._find_volumes()[0]
-        return [(recording.solids.dump()[name][:, 0] * volume).sum() / volume.sum() for name in names]
+        return [(values * volume).sum() / volume.sum() for values in list_fields(recording.solids.state())]
 
+    for values in list_fields(state):
+        values[100] = 1.3 * values.max()
+    recording.solids.take_state(state)
     means = find_means()
     assert recording._remesh("asked for")
-    for name in names:
-        assert recording.solids.dump()[name].max() == dump[name].max() > 0.0
+    for before, after in zip(list_fields(state), list_fields(recording.solids.state()), strict=True):
+        assert after.max() == before.max() > 0.0
     assert find_means() == pytest.approx(means, rel=0.02)
 
 

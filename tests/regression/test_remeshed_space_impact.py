@@ -11,6 +11,8 @@ import pytest
 
 from presswork import build_model
 from presswork.case.space.schema import SpaceCase
+from presswork.explicit.arrays import SolidArrays
+from presswork.law.history import AXES, STRESS
 from presswork.process.begin import begin
 from tests.regression.whole_runs import compare_with_restart
 from tests.verification.test_explicit_tools_in_space import BLOCK, Data, run
@@ -78,9 +80,9 @@ def test_linear_velocities_and_stresses_come_to_a_new_mesh() -> None:
         return taken.solids.position[taken.model.mesh.blocks[0].connectivity].mean(axis=1)
 
     taken.solids.velocity = fields(taken.solids.position)[:, :3]
-    dump = taken.solids.dump_as_given()
-    dump["block_0.points"][:, 0, :6] = fields(place_cells())
-    taken.solids.restore_as_given(dump)
+    state = taken.solids.state_as_given()
+    state[SolidArrays].find_kept(0, STRESS)[:, 0] = fields(place_cells())
+    taken.solids.take_state_as_given(state)
     np.testing.assert_allclose(taken.solids.stress, fields(place_cells()), rtol=1e-12)
     mean = np.average(taken.solids.velocity, axis=0, weights=taken.solids.mass)
     assert taken._remesh("asked for")
@@ -106,7 +108,7 @@ def test_a_hot_body_keeps_its_heat_on_new_meshes() -> None:
     case["explicit"] = {"target_step": "6 us"}
     taken, rows = run(case)
     assert rows[-1]["remeshes"] >= 1
-    axes = taken.solids.dump_as_given()["block_0.points"][:, 0, -6:].reshape(-1, 2, 3)  # of the law
+    axes = taken.solids.state()[SolidArrays].find_kept(0, AXES).reshape(-1, 2, 3)
     products = axes @ axes.transpose(0, 2, 1)
     np.testing.assert_allclose(products, np.broadcast_to(np.eye(2), products.shape), atol=1e-12)
     assert rows[-1]["heat_stored"] == pytest.approx(

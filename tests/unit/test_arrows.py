@@ -38,7 +38,7 @@ PYTHON_ROOMS = {
     "mesh": {"geometry", "keyword_file", "model", "own_process", "text_file"},
     "remesh": {"geometry", "mesh", "model"},
     "ranks": {"model"},
-    "state": {"model"},
+    "state": {"law", "model"},
     "memory": {"model"},
     "evolution": {"formability", "law", "model", "state"},
     "law": {"model"},
@@ -72,7 +72,7 @@ PYTHON_ROOMS = {
         "threads",
         "timing",
     },
-    "explicit": {"evolution", "law", "mesh", "model", "ranks", "stop"},
+    "explicit": {"evolution", "law", "mesh", "model", "ranks", "state", "stop"},
     "process": {
         "body",
         "evolution",

@@ -91,7 +91,7 @@ def advance(run, rows: int):
 def test_threads_and_a_dump_change_no_bit(tmp_path) -> None:
     model = build_model(read_case(write_case(tmp_path, FLYING, cells=10)))
     whole = advance(begin(model, threads=1), 3).solids.dump()
-    assert whole["bodies_0.impulse"].any()
+    assert whole["bodies.impulse.0"].any()
     resumed = begin(model, threads=1)
     resumed.load_arrays(advance(begin(model, threads=2), 2).to_arrays())
     found = advance(resumed, 1).solids.dump()

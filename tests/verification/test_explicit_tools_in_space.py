@@ -218,7 +218,7 @@ def test_any_number_of_threads_and_a_restart_give_the_same_bits(motion: str, thr
     case["explicit"] = {}
     case["output"] = {"steps": 1, "rows": 4}
     one = compare_with_restart(build_model(SpaceCase(**case)), 2, threads)
-    assert np.abs(one["wall_1.floating"]).max() > 0.0
+    assert np.abs(one["walls.floating.1"]).max() > 0.0
 
 
 def test_what_the_explicit_procedure_cannot_do_in_space_is_refused() -> None:

@@ -11,15 +11,20 @@ import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.case.errors import CaseError
+from presswork.explicit.arrays import SolidArrays
 from presswork.explicit.input_checks import ExplicitError
-from presswork.explicit.space_solids import EQPS
+from presswork.law.history import POROSITY
 from presswork.mesh.box import node_volumes
-from presswork.model import POROSITY
 from presswork.process.space_impact import ExplicitSpaceImpact
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 from tests.verification.test_gtn import NECK, notch, pull_notched, read
 
 DENSITY = 'density = "7800 kg/m^3"'
+
+
+def find_porosity(solids):
+    """Return the porosity of the cells of the first block (n_cells,)."""
+    return solids.kept[0].of(POROSITY, solids.points[0])[:, 0]
 
 
 def read_explicit(folder, *, duration: float = 3e-4, element: str = "quad4_1pt", rows: int = 50, **given):
@@ -182,12 +187,12 @@ def test_pores_in_space_are_averaged_over_their_length(tmp_path) -> None:
         path.write_text(path.read_text().replace("length = 3", f"length = {length}"))
         run = ExplicitSpaceImpact(build_model(read_case(path)))
         solids = run.solids
-        state = solids._loop.state()
+        state = solids.state_as_given()
         weak = solids.mesh.points[solids.mesh.blocks[0].connectivity].mean(axis=1)[:, 2] < 2.0
-        state["block_0"]["points"][solids._order(0).argsort()[weak], 0, EQPS + 1 + POROSITY] = 0.02
-        solids._loop.restore(state)
+        state[SolidArrays].find_kept(0, POROSITY)[weak] = 0.02
+        solids.take_state_as_given(state)
         run._compute_row(0, 30)
-        now = solids.state_variables[0][:, POROSITY]
+        now = find_porosity(solids)
         grown.append([now[weak].mean() - 0.02, now[~weak].mean() - 0.01])
     assert grown[0][0] > 1e-5
     assert grown[0][0] == pytest.approx(grown[0][1], rel=0.02)
@@ -229,7 +234,7 @@ def test_a_hot_matrix_is_softer_in_space_too(tmp_path) -> None:
         run = ExplicitSpaceImpact(build_model(read_case(path)))
         for row in range(20):
             run._compute_row(0, row)
-        found.append((run.solids.stress[:, 2], run.solids.state_variables[0][:, POROSITY]))
+        found.append((run.solids.stress[:, 2], find_porosity(run.solids)))
     assert found[0][0].min() > 100.0
     np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
 

@@ -13,6 +13,7 @@ from presswork import _core, build_model
 from presswork.case import read_case
 from presswork.examples import copy_example
 from presswork.implicit.stepping import GaveUpError
+from presswork.law.at_rest import history_at_rest
 from presswork.model import Material, PrescribedDisplacement, Stage, Support, Umat
 from presswork.recorder import run_model
 from tests.problems.plane_solids import block_mesh, drive_boundary, fixed_increments, make_model, run
@@ -150,7 +151,7 @@ def error_of_stiffness(library, properties, n_state, jacobian, element, *, axisy
     corners = np.array([[2.0, 0], [3, 0], [3, 1], [2, 1]])
     points = [*corners, *(0.5 * (corners + np.roll(corners, -1, axis=0))), corners.mean(axis=0)][:nodes]
     points = np.array(points) + 0.05 * rng.standard_normal((nodes, 2))
-    user = np.zeros((1, q, n_state + _core.umat_history_size(4)))
+    user = history_at_rest(law, (1, q), 4)
     gradient = np.array([1.0, 0, 0, 1, 1]) + 0.1 * rng.standard_normal((q, 5))
     user[..., n_state + np.array([0, 3, 1, 4, 8])] = gradient
     user[..., :n_state] = 20 * rng.random((1, q, n_state)) if n_state == 6 else 0.02

@@ -252,11 +252,13 @@ void BodyContact<Nodes>::close() {
 
 template <class Nodes>
 void BodyContact<Nodes>::list_state(std::vector<StateField>& fields) {
-  const auto add = [&](const char* what, std::vector<double>& values) {
+  const auto add = [&](const char* what, std::vector<double>& values, bool are_vectors = false) {
     fields.push_back(row_field(name, what, values.data(), values.size()));
+    if (are_vectors) fields.back().shape = {values.size() / 3, 3};
   };
   fields.push_back(row_field(name, "work", work_, 2));
-  add("pressure", pressure), add("shear", shear), add("push", push), add("rub", rub), add("impulse", impulse);
+  add("pressure", pressure), add("shear", shear, true), add("push", push, true), add("rub", rub, true);
+  add("impulse", impulse);
   add("slave_depth", slave_depth_), add("master_depth", master_depth_);
   fields.push_back(row_field(name, "since_cut", since_cut_, 2));
   add("cut_position", cut_position_);

@@ -15,8 +15,10 @@ class PlaneLoop final : public Loop<PlaneNodes> {
       : Loop(PlaneNodes(n_nodes, points, contact)), section(section) {}
 
   void add_solids(std::string_view element, std::vector<int> cells, const double* points, PlaneSolidLaw law,
-                  double density) {
-    add(make_plane_solids(element, std::move(cells), points, std::move(law), density, section));
+                  double density, const std::vector<double>& kept) {
+    auto block = make_plane_solids(element, std::move(cells), points, std::move(law), density, section);
+    block->start_law(kept);
+    add(std::move(block));
   }
   void add_wall(std::vector<double> segments, double mu) {
     walls.push_back(

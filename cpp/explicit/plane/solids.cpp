@@ -32,7 +32,6 @@ class Block final : public PlaneSolids {
       : PlaneSolids(count, std::move(cells), CycleRow::count + extra_rows(law.view)),
         law_(std::move(law)),
         section_(section) {
-    start_law();
     set_masses(points, density);
   }
 
@@ -96,16 +95,6 @@ class Block final : public PlaneSolids {
       }
   }
 
-  // What a law keeps before the first cycle: its x is the plane's, a deformation gradient is that of no deformation.
-  void start_law() {
-    std::vector<int> ones;
-    if constexpr (std::is_same_v<Law, Owned<PlaneLaw>>) ones = {n_rows_ - 2};
-    if constexpr (std::is_same_v<Law, Owned<CycleUmat<4>>>)
-      for (int i : {0, 4, 8}) ones.push_back(CycleRow::count + law_.view.umat->n_state + UmatHistory<4>::F + i);
-    for (int e = 0; e < n_; ++e)
-      for (int row : ones) set_value(e, row, 1.0);
-  }
-
   Law law_;
   SolidSection section_;
 };
@@ -114,12 +103,11 @@ class Block final : public PlaneSolids {
 
 void PlaneSolids::list_state(const std::string& owner, std::vector<StateField>& fields) {
   fields.push_back(row_field(owner, "mass_factor", mass_factor_.data(), mass_factor_.size()));
-  fields.push_back(rows_field(owner, "stress", CycleRow::stress, 4));
-  fields.push_back(rows_field(owner, "eqps", CycleRow::eqps, 1));
-  fields.push_back(rows_field(owner, "rise", CycleRow::rise, 1));
+  StateField points = rows_field(owner, "points", CycleRow::stress, CycleRow::hourglass, CycleRow::count);
+  points.shape = {std::size_t(n_), 1, points.shape[1]};
+  fields.push_back(std::move(points));
   fields.push_back(rows_field(owner, "hourglass", CycleRow::hourglass, 2));
   fields.push_back(rows_field(owner, "work", CycleRow::work, 2));
-  fields.push_back(rows_field(owner, "kept", CycleRow::count, n_rows_ - CycleRow::count));
 }
 
 std::unique_ptr<PlaneSolids> make_plane_solids(std::string_view element, std::vector<int> cells, const double* points,

@@ -4,7 +4,10 @@
 #pragma once
 
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "element/solid2d_one_point.hpp"
 #include "explicit/element_block.hpp"
@@ -29,6 +32,15 @@ class PlaneSolids : public ElementBlock<PlaneNodes> {
     return sum;
   }
   PointLayout layout() const override { return {CycleRow::stress, 0, 1, 4, CycleRow::eqps - CycleRow::stress}; }
+  // What the law keeps besides the rows of CycleRow, before the first cycle. Throws std::invalid_argument for another
+  // number of values.
+  void start_law(const std::vector<double>& kept) {
+    if (int(kept.size()) != n_rows_ - CycleRow::count)
+      throw std::invalid_argument("kept must have " + std::to_string(n_rows_ - CycleRow::count) +
+                                  " values for this law");
+    for (int e = 0; e < n_; ++e)
+      for (int i = 0; i < int(kept.size()); ++i) set_value(e, CycleRow::count + i, kept[i]);
+  }
   // Rows are those of CycleRow, then what the law keeps besides.
   void list_state(const std::string& owner, std::vector<StateField>& fields) override;
 

@@ -66,7 +66,7 @@ class SpaceWall final : public Interaction<SpaceNodes<double>>, public WallBody 
   void list_state(std::vector<StateField>& fields) override {
     motion.list_state(name, fields);
     fields.push_back(row_field(name, "impulse", impulse, 4));
-    fields.push_back(row_field(name, "force", force.data(), force.size()));
+    fields.push_back(column_field(name, "force", force.data(), force.size() / 3, 3, 3));
     fields.push_back(row_field(name, "travel", &travel, 2));
     fields.push_back(row_field(name, "wake", wake_.data(), wake_.size()));
   }

@@ -6,11 +6,12 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.body.solid_energy import elastic_density
+from presswork.law.history import ENERGY, HEAT, WORK
 from presswork.model import FloatArray, Material
 from presswork.state import State
 
-WORK, HEAT, CREEP, PLASTIC = -1, -2, -3, -4
-"""Places from the end of what a point keeps (cpp/element/umat_point.hpp)."""
+PLASTIC, CREEP = 1, 2
+"""Of the energies."""
 
 
 def find_heat(material: Material, state_n: State, trial: State, block: int, fraction: float) -> FloatArray:
@@ -20,13 +21,14 @@ def find_heat(material: Material, state_n: State, trial: State, block: int, frac
     routine that sets none of them: of the work of the stress less the change of the elastic energy, with the elastic
     constants of its first tangent.
     """
-    before, after = (state.cells.history[block] for state in (state_n, trial))
-    if after[..., HEAT].any():
-        return np.asarray(after[..., HEAT])
+    heat = trial.cells.find_kept(block, HEAT)
+    if heat.any():
+        return np.asarray(heat)
+    before, after = (state.cells.find_kept(block, ENERGY) for state in (state_n, trial))
     told = after[..., PLASTIC] + after[..., CREEP]
     if told.any():
         return np.asarray(fraction * (told - before[..., PLASTIC] - before[..., CREEP]))
     stored, stored_n = (
         elastic_density(state.cells.stress[block], material.young, material.poisson) for state in (trial, state_n)
     )
-    return np.asarray(fraction * (after[..., WORK] - stored + stored_n))
+    return np.asarray(fraction * (trial.cells.find_kept(block, WORK) - stored + stored_n))

@@ -13,6 +13,7 @@ from presswork import _core
 from presswork.body.shell_arrays import ShellArrays
 from presswork.body.thermoelastic import find_temperature
 from presswork.law.elastic_plastic import plastic_work_density, present_young
+from presswork.law.history import WORK
 from presswork.law.umat import SheetLaw, SheetUmat
 from presswork.model import FloatArray, Model
 from presswork.state import State
@@ -69,11 +70,12 @@ def plastic_work_at_layers(
         before = state_n.cells.history[i]
         n_history, law = after.shape[-1], laws[i]
         work = (
-            after[..., -1]
+            trial.cells.find_kept(i, WORK)
             if isinstance(law, SheetUmat)
             else plastic_work_density(
                 material,
                 law,
+                trial.cells.kept[i],
                 before.reshape(-1, n_history),
                 after.reshape(-1, n_history),
                 trial.cells.stress[i].reshape(-1, 3),

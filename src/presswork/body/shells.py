@@ -26,8 +26,10 @@ from presswork.fields.shell_fields import (
     sheet_effective_stress,
     shell_cell_fields,
 )
+from presswork.law.at_rest import fill_history
 from presswork.law.elastic_plastic import rate_at_rest, temperature, temperature_at_rest
-from presswork.law.umat import SheetUmat, open_sheet_law
+from presswork.law.history import EQPS
+from presswork.law.umat import SheetUmat, list_sheet_history, open_sheet_law
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.model import CellBlock, FloatArray, IntArray, MaskArray, Model
 from presswork.outcome import BadGuess, Step
@@ -127,10 +129,9 @@ class ShellMechanics:
             _, q, internal = _core.shell_sizes(self._model.mesh.blocks[i].element)
             k = section.points
             shells.thickness.append(np.full((cells, q), section.thickness))
-            if isinstance(law, SheetUmat):
-                cells_at_rest.history.append(law.history_at_rest((cells, q, k)))
-            else:
-                cells_at_rest.history.append(np.zeros((cells, q, k, law.history_size)))
+            kept = list_sheet_history(law)
+            cells_at_rest.kept.append(kept)
+            cells_at_rest.history.append(fill_history(kept, (cells, q, k)))
             shells.direction.append(np.repeat(self._first_directions(i)[:, :, None], k, axis=2))
             shells.shear.append(np.zeros((cells, q, 2)))
             shells.internal.append(np.zeros((cells, internal)))
@@ -237,7 +238,7 @@ class ShellMechanics:
 
     def _tell_plastic_strain(self, trial: State, i: int) -> None:
         """Let the state have the equivalent plastic strain, the first that laws keep, by itself."""
-        trial.cells.eqps[i][:] = trial.cells.history[i][..., 0].reshape(trial.cells.eqps[i].shape)
+        trial.cells.eqps[i][:] = trial.cells.find_kept(i, EQPS).reshape(trial.cells.eqps[i].shape)
 
     def look_near(self, looks: Sequence[Look], places: FloatArray) -> list[Near]:
         """Return what each look at tools finds of the nodes at places (n_points, 3) [mm]."""
@@ -301,8 +302,8 @@ class ShellMechanics:
         law = self._laws[block]
         if isinstance(law, SheetUmat):  # which does not tell it
             return sheet_effective_stress(state.cells.stress[block])
-        history = state.cells.history[block].reshape(-1, state.cells.history[block].shape[-1])
-        eqps, heat = np.ascontiguousarray(history[:, 0]), self.temperature_at_points(state, block)
+        eqps = np.ascontiguousarray(state.cells.find_kept(block, EQPS).ravel())
+        heat = self.temperature_at_points(state, block)
         rate = state.cells.rate[block].ravel() if state.cells.rate[block].size else None
         flow, _ = law.flow_stress(eqps, rate, heat)
         result: FloatArray = flow.reshape(state.cells.eqps[block].shape)
@@ -312,7 +313,7 @@ class ShellMechanics:
         """Return the temperature of a block's points (n,) [degrees C], the rise by the law's own heat included."""
         history = state.cells.history[block].reshape(-1, state.cells.history[block].shape[-1])
         material = self._model.materials[self._model.mesh.blocks[block].material]
-        return temperature(material, history, state.cells.temperature[block])
+        return temperature(material, state.cells.kept[block], history, state.cells.temperature[block])
 
     def cell_fields(self, state: State) -> dict[str, FloatArray]:
         """Return the quantities of the sheet's cells by name."""
@@ -336,7 +337,7 @@ class ShellMechanics:
         layers = [
             ShellLayers(
                 shells.thickness[i], shells.direction[i], cells.stress[i], cells.eqps[i], cells.history[i],
-                cells.temperature[i],
+                cells.temperature[i], cells.kept[i],
             )
             for i in range(len(mesh.blocks))
         ]  # fmt: skip

@@ -7,6 +7,7 @@ import numpy as np
 
 from presswork.body.thermoelastic import find_temperature
 from presswork.law.elastic_plastic import present_young
+from presswork.law.history import AXES
 from presswork.model import FloatArray, Model
 from presswork.state import State
 
@@ -35,15 +36,15 @@ def stress_in_axes(state: State, block: int) -> FloatArray:
     """Return the stress in the law's axes (n, 4): xx, yy, zz, xy, or in space (n, 6): and yz, zx."""
     components = state.cells.stress[block].shape[-1]
     stress = state.cells.stress[block].reshape(-1, components)
-    history = state.cells.history[block].reshape(len(stress), -1)
+    kept = state.cells.find_kept(block, AXES).reshape(len(stress), -1)
     if components == 6:
-        x, y = history[:, -6:-3], history[:, -3:]
+        x, y = kept[:, :3], kept[:, 3:]
         axes = np.stack([x, y, np.cross(x, y)], axis=1)
         tensor = stress[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
         turned = np.einsum("nai,nij,nbj->nab", axes, tensor, axes)
         return np.asarray(turned[:, [0, 1, 2, 0, 1, 2], [0, 1, 2, 1, 2, 0]])
     xx, yy, zz, xy = stress.T
-    c, s = history[:, -2:].T
+    c, s = kept.T
     turned_plane = (
         c * c * xx + s * s * yy + 2 * s * c * xy,
         s * s * xx + c * c * yy - 2 * s * c * xy,

@@ -31,6 +31,7 @@ from presswork.law.elastic_plastic import (
     temperature,
     temperature_at_rest,
 )
+from presswork.law.history import EQPS, WORK, list_history
 from presswork.model import FloatArray, IntArray, MaskArray, Material, Model
 from presswork.outcome import Step
 from presswork.ranks.assembler import DividedAssembler
@@ -146,6 +147,7 @@ class Mechanics:
             history=[self._keep_at_rest(i, size) for i, size in enumerate(sizes)],
             volume=[np.zeros(size) for size in sizes],
             hourglass=[np.zeros((size[0], 2)) for size in sizes],
+            kept=[list_history(law, components).without(EQPS) for law in self._laws],
         )
         nodes = NodeArrays.at_rest(len(self._model.mesh.points), self.freedoms)
         return State(nodes, cells, LawWindow.at_rest(self._model.materials))
@@ -305,7 +307,9 @@ class Mechanics:
     ) -> Instant:
         """Return what the fields are computed from. contact: forces of the tools; in space no tool touches a body."""
         model, cells = self._model, state.cells
-        points = SolidPoints(cells.stress, cells.eqps, cells.volume, cells.history, self._temperature(state))
+        points = SolidPoints(
+            cells.stress, cells.eqps, cells.volume, cells.history, cells.kept, self._temperature(state)
+        )
         found = Instant(model, state.nodes.moved, state, points=points, evolved=find_evolved(state))
         if contact is not None and model.analysis != "solid":
             found.find_contact = lambda: find_contact(
@@ -327,9 +331,9 @@ class Mechanics:
 
     def temperature_at_points(self, state: State, block: int) -> FloatArray:
         """Return the temperature of a block's points (n,) [degrees C], the rise by the law's own heat included."""
-        return temperature(
-            self._material(block), _law_history(state, block, whole=True), state.cells.temperature[block]
-        )
+        kept, eqps = state.cells.kept[block], state.cells.eqps[block]
+        history = state.cells.history[block].reshape(eqps.size, kept.size)
+        return temperature(self._material(block), kept, history, state.cells.temperature[block])
 
     def extremes(self, state: State) -> dict[str, FloatArray]:
         """Return the values whose extremes the summary tells."""
@@ -375,7 +379,7 @@ class Mechanics:
         """Yield the same of every point, block by block (n_cells, n_points) [N mm]."""
         for i, law in enumerate(self._laws):
             if isinstance(law, _core.Umat):
-                work = trial.cells.history[i][..., -1]
+                work = trial.cells.find_kept(i, WORK)
             elif isinstance(law, _core.VonMises):
                 mean_flow = 0.5 * (self.flow_stress(i, state_n) + self.flow_stress(i, trial))
                 work = mean_flow * (trial.cells.eqps[i] - state_n.cells.eqps[i])
@@ -385,7 +389,8 @@ class Mechanics:
                 before, after = (_law_history(state, i, whole=whole) for state in (state_n, trial))
                 stress = stress_in_axes(trial, i) if hardens else trial.cells.stress[i].reshape(len(after), -1)
                 given = (state_n.cells.temperature[i], trial.cells.temperature[i])
-                work = plastic_work_density(self._material(i), law, before, after, stress, dt, given)
+                kept = trial.cells.kept[i].behind(EQPS, 1)
+                work = plastic_work_density(self._material(i), law, kept, before, after, stress, dt, given)
                 work = work.reshape(trial.cells.eqps[i].shape)
             yield work * trial.cells.volume[i]
 

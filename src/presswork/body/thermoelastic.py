@@ -5,12 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from presswork.law.history import TEMPERATURE
 from presswork.law.thermoelastic import find_thermal_strain, find_young_factor
 from presswork.model import FloatArray, Material, Model
 from presswork.state import State
-
-AXES = {3: 0, 4: 2, 6: 6}
-"""Values of the directions of the law's axes, behind the temperature that a point keeps, by components of stress."""
 
 
 def keep_temperatures(model: Model, state: State) -> None:
@@ -18,7 +16,7 @@ def keep_temperatures(model: Model, state: State) -> None:
     for i, block in enumerate(model.mesh.blocks):
         material = model.materials[block.material]
         if material.thermoelastic is not None and material.heating is not None:
-            kept = _kept(state, i)
+            kept = state.cells.find_kept(i, TEMPERATURE)
             kept[...] = state.cells.temperature[i].reshape(kept.shape) - material.heating.start
 
 
@@ -26,13 +24,8 @@ def find_temperature(material: Material, state: State, block: int) -> FloatArray
     """Return the temperatures of the last stress (n_cells, n) [degrees C], if elasticity depends on them."""
     if material.thermoelastic is None or material.heating is None:
         return None
-    return _kept(state, block).reshape(state.cells.eqps[block].shape) + material.heating.start
-
-
-def _kept(state: State, block: int) -> FloatArray:
-    """Return a view of the temperatures of the last increment, less that of the start [degrees C]."""
-    view: FloatArray = state.cells.history[block][..., -1 - AXES[state.cells.stress[block].shape[-1]]]
-    return view
+    kept = state.cells.find_kept(block, TEMPERATURE)
+    return kept.reshape(state.cells.eqps[block].shape) + material.heating.start
 
 
 def find_thermal_work(model: Model, state_n: State, trial: State) -> float:

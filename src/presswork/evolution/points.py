@@ -13,7 +13,8 @@ from presswork.evolution.contract import EvolutionLaw, PointChange
 from presswork.evolution.in_parts import advance_in_parts
 from presswork.evolution.of_material import BY_NAME, make_laws
 from presswork.law.elastic_plastic import back_stress
-from presswork.model import POROSITY, FloatArray, Model
+from presswork.law.history import EQPS, POROSITY
+from presswork.model import FloatArray, Model
 from presswork.state import POINT, Arrays, OnNewMesh, State
 
 if TYPE_CHECKING:
@@ -85,13 +86,14 @@ class Evolution:
             if laws:
                 self._advance_block(block, laws, state_n, trial, dt, temperatures[block])
         if self._porosity is not None:
-            self._porosity.advance(trial.cells.history, trial.cells.volume)
+            self._porosity.advance(trial.cells.history, trial.cells.kept, trial.cells.volume)
 
     def clip(self, state: State) -> None:
         """Bring values that were fitted on another mesh back to what their quantities can have."""
-        for block, material in zip(state.cells.history, self._of_blocks, strict=True):
+        for block, material in enumerate(self._of_blocks):
             if material.gtn is not None:
-                block[..., POROSITY] = np.clip(block[..., POROSITY], 0.0, 1.0)
+                porosity = state.cells.find_kept(block, POROSITY)
+                np.clip(porosity, 0.0, 1.0, out=porosity)
         for name in self.names:
             bounds = BY_NAME[name].lowest, BY_NAME[name].highest
             state[EvolvedArrays].values[name] = [np.clip(of, *bounds) for of in state[EvolvedArrays].values[name]]
@@ -110,7 +112,7 @@ class Evolution:
         components, section = cells.stress[block].shape[-1], self._model.mesh.blocks[block].section
         back, material = None, self._of_blocks[block]
         if material.kinematic is not None and cells.history[block].ndim == 4:  # of shells
-            back = back_stress(material, cells.history[block], components).reshape(-1, components)
+            back = back_stress(cells.kept[block], cells.history[block], components).reshape(-1, components)
         change = PointChange(
             cells_n.stress[block].reshape(-1, components),
             cells.stress[block].reshape(-1, components),
@@ -129,5 +131,6 @@ class Evolution:
                 after[name][block] = value.reshape(cells.eqps[block].shape)
             if law.softens:
                 cells.eqps[block] = law.hardening_strain(found).reshape(cells.eqps[block].shape)
-                if cells.history[block].ndim == 4:  # of shells, whose laws have it first
-                    cells.history[block][..., 0] = cells.eqps[block].reshape(cells.history[block].shape[:3])
+                if EQPS in cells.kept[block]:  # of shells
+                    kept = cells.find_kept(block, EQPS)
+                    kept[...] = cells.eqps[block].reshape(kept.shape)

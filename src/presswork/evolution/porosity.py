@@ -15,7 +15,8 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from presswork.model import CELLS, ELEMENTS, GROWN, POROSITY, CellBlock, FloatArray, Model
+from presswork.law.history import GROWN, POROSITY, History
+from presswork.model import CELLS, ELEMENTS, CellBlock, FloatArray, Model
 
 MOST = 1.0
 """Porosity of nothing."""
@@ -34,21 +35,21 @@ class NonlocalPorosity:
                 places = np.concatenate([place_points(model.mesh.blocks[i], first) for i in blocks])
                 self._groups.append((blocks, find_weights(places, material.gtn.length)))
 
-    def advance(self, history: Sequence[FloatArray], volume: Sequence[FloatArray]) -> None:
+    def advance(self, history: Sequence[FloatArray], kept: Sequence[History], volume: Sequence[FloatArray]) -> None:
         """Add the mean growth since the last call to the porosity, and begin to count it anew.
 
-        history: of the points of each block (n_cells, p, n), changed in place; volume: what a point stands for
-        (n_cells, p).
+        history: of the points of each block (n_cells, p, n), changed in place, kept names its parts; volume: what a
+        point stands for (n_cells, p).
         """
         for blocks, weights in self._groups:
-            histories = [history[i] for i in blocks]
+            grown = [kept[i].of(GROWN, history[i]) for i in blocks]
             volumes = np.concatenate([volume[i].ravel() for i in blocks])
-            grown = np.concatenate([of[..., GROWN].ravel() for of in histories])
-            mean = (weights @ (volumes * grown)) / (weights @ volumes)
-            ends = np.cumsum([of[..., GROWN].size for of in histories])[:-1]
-            for of, own in zip(histories, np.split(mean, ends), strict=True):
-                of[..., POROSITY] = np.clip(of[..., POROSITY] + own.reshape(of.shape[:-1]), 0.0, MOST)
-                of[..., GROWN] = 0.0
+            mean = (weights @ (volumes * np.concatenate([of.ravel() for of in grown]))) / (weights @ volumes)
+            ends = np.cumsum([of.size for of in grown])[:-1]
+            for i, of, own in zip(blocks, grown, np.split(mean, ends), strict=True):
+                porosity = kept[i].of(POROSITY, history[i])
+                porosity[...] = np.clip(porosity + own.reshape(of.shape), 0.0, MOST)
+                of[...] = 0.0
 
 
 def place_points(block: CellBlock, points: FloatArray) -> FloatArray:

@@ -13,12 +13,14 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core, stop
+from presswork.explicit.arrays import LoopState, RunArrays, to_loop, to_state
 from presswork.explicit.divided import DividedLoop
 from presswork.explicit.energy import EnergyBalance, MassScaling, compute_balance, sum_energies
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.motion import Motion
 from presswork.explicit.nodal_motion import Array, NodalMotion, Numbers
 from presswork.law.umat import TOLD
+from presswork.state import State
 
 Loop = _core.PlaneLoop | _core.SpaceLoop | _core.SpaceLoopSingle | DividedLoop
 Failed = tuple[int, _core.LawStatus, int]
@@ -30,13 +32,6 @@ RENEWAL = 10
 CRUSHED = 1e-3
 """Of the first step: what a cell asks for that no result should be taken from, and that would take for ever."""
 PHASES = ("nodes", "elements", "contact", "waiting")
-RUN = "run"
-"""Owner, in a dump, of what the loop does not keep."""
-
-
-def name_arrays(state: Mapping[str, Mapping[str, Array]]) -> dict[str, Array]:
-    """Return arrays of owners as `owner.name`."""
-    return {f"{owner}.{name}": values for owner, of in state.items() for name, values in of.items()}
 
 
 class Dynamics(NodalMotion):
@@ -274,22 +269,34 @@ class Dynamics(NodalMotion):
             self._reference = reference
         return balance
 
-    def dump(self) -> dict[str, Array]:
-        """Give everything that the next cycle depends on, as `owner.name`.
+    def state(self) -> State:
+        """Give everything that the next cycle depends on; nodes and cells are in the order of the loop.
 
         Left out is what the constructor, fix, force, and those who add tools, beads and walls are given again.
         """
-        return name_arrays({**self._loop.state(), RUN: self._dump_run()})
+        return self._name_state({**self._loop.state(), RunArrays.owner: self._dump_run()})
 
-    def dump_as_given(self) -> dict[str, Array]:
-        """Give what dump does, with nodes and cells in the order given: what another mesh takes over."""
-        return self.dump()
+    def _name_state(self, arrays: LoopState) -> State:
+        """Return the State of a loop's arrays and those of its run."""
+        return to_state(arrays)
 
-    def restore_as_given(self, dump: Mapping[str, Array]) -> None:
-        """Take over what dump_as_given gave. Raises ExplicitError as restore does."""
-        self.restore(dump)
+    def take_state(self, state: State) -> None:
+        """Take over what state gave, and its arrays may have been changed since. Raises ExplicitError as restore."""
+        self.restore(state.to_arrays())
 
-    def keep(self) -> Callable[[], dict[str, Array]] | None:
+    def state_as_given(self) -> State:
+        """Give what state does, with nodes and cells in the order given: what another mesh takes over."""
+        return self.state()
+
+    def take_state_as_given(self, state: State) -> None:
+        """Take over what state_as_given gave. Raises ExplicitError as restore does."""
+        self.take_state(state)
+
+    def dump(self) -> dict[str, npt.NDArray[np.generic]]:
+        """Give the arrays of state as `owner.name`."""
+        return self.state().to_arrays()
+
+    def keep(self) -> Callable[[], dict[str, npt.NDArray[np.generic]]] | None:
         """Keep the present state where the cycles are computed, if not here; return what gives it, until kept anew.
 
         On a device, and on ranks, where a run is not restored otherwise until it has been given.
@@ -298,7 +305,7 @@ class Dynamics(NodalMotion):
         if not keeper:
             return None
         run, give = self._dump_run(), keeper.keep()
-        return lambda: name_arrays({**give(), RUN: run})
+        return lambda: self._name_state({**give(), RunArrays.owner: run}).to_arrays()
 
     def _dump_run(self) -> dict[str, Array]:
         """Return what the loop does not keep."""
@@ -308,20 +315,16 @@ class Dynamics(NodalMotion):
             "scales": np.array(self._scales),
         }
 
-    def restore(self, dump: Mapping[str, Array]) -> None:
+    def restore(self, dump: Mapping[str, npt.NDArray[Any]]) -> None:
         """Take over what dump gave: the run goes on with the same bits as one never stopped.
 
-        Names without an owner are not its own, and left alone. Raises ExplicitError where mesh, elements, laws, walls,
-        tools or beads are not those that it is of.
+        Names of other owners are left alone. Raises ExplicitError where mesh, elements, laws, walls, tools or beads are
+        not those that it is of.
         """
-        state: dict[str, dict[str, Array]] = {}
-        for key, values in dump.items():
-            owner, dot, name = key.partition(".")
-            if dot:
-                state.setdefault(owner, {})[name] = np.ascontiguousarray(values, dtype=float)
-        own = state.pop(RUN)
+        arrays = to_loop(dump)
+        own = arrays.pop(RunArrays.owner, {})
         try:
-            self._loop.restore(state)
+            self._loop.restore(arrays)
         except ValueError as error:
             remedy = "" if "mesh" in str(error) else ": add them in the same order before restore"
             raise ExplicitError(f"{error}{remedy}") from None

@@ -10,16 +10,22 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
+from presswork.explicit.arrays import LayerArrays
+from presswork.explicit.blocks import Shells, Solids
 from presswork.explicit.input_checks import ExplicitError
+from presswork.law.history import EQPS, STRESS, History
+from presswork.law.umat import list_sheet_history
+from presswork.state import State
 
 Array = npt.NDArray[np.float64]
-EQPS = 3
-"""Place of the equivalent plastic strain in what the loop keeps of a layer, behind sums of the stress."""
 
 
 class LayersOfRun:
     """What an explicit run knows of its shells through the thickness."""
 
+    blocks: list[Shells | Solids]
+    state: Callable[[], State]
+    take_state: Callable[[State], None]
     _loop: _core.SpaceLoop | _core.SpaceLoopSingle
     _shells: npt.NDArray[np.intp]
     """Number, as given, of each shell in the order of the loop (n,), which has them first."""
@@ -77,7 +83,13 @@ class LayersOfRun:
     @property
     def equivalent_plastic_strain(self) -> Array:
         """Equivalent plastic strain (n, n_points)."""
-        return np.asarray(self.history[:, :, 0])
+        return np.asarray(self.kept_in_layers.of(EQPS, self.history))
+
+    @property
+    def kept_in_layers(self) -> History:
+        """What the law keeps at each layer, by name."""
+        assert isinstance(self.blocks[0], Shells)
+        return list_sheet_history(self.blocks[0].law)
 
     @property
     def history(self) -> Array:
@@ -156,11 +168,11 @@ class LayersOfRun:
 
     def recover(self, hardens: Array) -> None:
         """Let only a part of the equivalent plastic strain so far harden from now on (n, q, n_points)."""
-        state = self._loop.state()
+        state, eqps = self.state(), self.kept_in_layers.behind(STRESS, 3)[EQPS]
         for block, part in enumerate(np.split(hardens[self._shells], np.cumsum(self._counts)[:-1])):
-            layers = state[f"block_{block}"]["layers"]
-            layers[..., EQPS] *= part.mean(axis=1, keepdims=True) if layers.shape[1] == 1 else part
-        self._loop.restore(state)
+            layers = state[LayerArrays].layers[block]
+            layers[..., eqps] *= (part.mean(axis=1, keepdims=True) if layers.shape[1] == 1 else part)[..., None]
+        self.take_state(state)
 
     def released(self) -> tuple[Array, Array]:
         """Return stress_at_points and thickness once tools no longer squeeze the sheet, held in its plane, elastically.

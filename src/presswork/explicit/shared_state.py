@@ -46,7 +46,7 @@ class SharedState:
         """Let the whole loop, of all ranks or of rank 0, have the present state; all of them call this."""
         self._to_all, reads = to_all, to_all or self._world.rank == 0
         own, whole = self.own.state(), self.whole.state()
-        nodes = [(_rows(n, whole[o][n]), _rows(n, own[o][n])) for o, n in _list_of_nodes(own)]
+        nodes = [(whole[o][n], own[o][n]) for o, n in _list_of_nodes(own)]
         self._gather([*nodes, *(sums := self._list_sums_of_nodes())], self._answers, self._part.owner)
         for block, elements in enumerate(self._part.elements):
             answers, names = self._part.element_owner[block], whole[f"block_{block}"]
@@ -93,7 +93,7 @@ class SharedState:
         """Let the rank's own loop have its part of the whole state."""
         own, whole, part = self.own.state(), self.whole.state(), self._part
         for o, n in _list_of_nodes(own):
-            _rows(n, own[o][n])[: len(part.nodes)] = _rows(n, whole[o][n])[part.nodes]
+            own[o][n][: len(part.nodes)] = whole[o][n][part.nodes]
         for number, block in enumerate(self.blocks):
             for n, values in whole[f"block_{block}"].items():
                 own[f"block_{number}"][n] = np.ascontiguousarray(values[part.elements[block]])
@@ -156,11 +156,6 @@ class SharedState:
         total = self._world.gather(flat, counts).reshape(self._world.size, -1).sum(axis=0)
         parts = np.split(total, np.cumsum([share.size for share in shares])[:-1])
         return [part.reshape(share.shape) for part, share in zip(parts, shares, strict=True)]
-
-
-def _rows(name: str, values: Array) -> Array:
-    """Return a view with a row for each node: walls in space keep the vectors of forces one after the other."""
-    return values.reshape(-1, 3) if name == "force" and values.ndim == 1 else values
 
 
 def _kind(owner: str) -> str:

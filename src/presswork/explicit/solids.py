@@ -21,23 +21,27 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.evolution.damage import make_damage
+from presswork.explicit.arrays import LoopState, SolidArrays
 from presswork.explicit.body_contacts import TouchingBodies, TouchingSurfaces, list_known
 from presswork.explicit.divided import DividedLoop
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.input_checks import ExplicitError, check_solids
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.walls import Wall as Wall
-from presswork.model import POROSITY, CellBlock, Mesh
+from presswork.law.at_rest import fill_history
+from presswork.law.history import EQPS, RISE, STRESS, History, list_history
+from presswork.model import CellBlock, Mesh
 from presswork.ranks.parts import make_part
 from presswork.ranks.world import World
+from presswork.state import State
 
 if TYPE_CHECKING:
     from presswork.evolution.porosity import NonlocalPorosity
 
 Array = npt.NDArray[np.float64]
 FREEDOMS = "uv"
-RISE = 5
-"""Row of a cell's rise of temperature behind the first of its stress (element/solid2d_cycle.hpp)."""
+COMPONENTS = 4
+"""Of the stress, which comes first in a point's values."""
 
 
 class ExplicitSolids(TouchingBodies, Dynamics):
@@ -80,30 +84,25 @@ class ExplicitSolids(TouchingBodies, Dynamics):
         self._laws = [
             make_damage(materials[b.material].damage, materials[b.material].umat, is_solid=True) for b in mesh.blocks
         ]
+        self.kept = [
+            _list_kept(materials[block.material]).behind(RISE, 1).behind(EQPS, 1).behind(STRESS, COMPONENTS)
+            for block in mesh.blocks
+        ]
+        """What the point of a cell holds in each block, by name: stress, then what its law keeps."""
         for number, laws in enumerate(self._laws):
+            rise = self.kept[number][RISE].start
             start = materials[mesh.blocks[number].material].start
             for law in laws:
-                loop.add_damage(number, law.name, law.kernel, temperature=start, rise=RISE)
+                loop.add_damage(number, law.name, law.kernel, temperature=start, rise=rise)
         self._given_temperature = np.concatenate(
             [np.full(len(b.connectivity), materials[b.material].start) for b in mesh.blocks]
         )
-        self._pores = [b for b, block in enumerate(mesh.blocks) if materials[block.material].gtn is not None]
         self._walls: list[Wall] = []
         fastest = max(materials[b.material].wave_speed for b in mesh.blocks)
         n_cells = len(self._given_temperature)
         super().__init__(loop, np.arange(n), np.arange(n_cells), mesh.node_sets, fastest)
-        if self._pores:
-            self._open_pores(materials)
-
-    def _open_pores(self, materials: Sequence[SolidMaterial]) -> None:
-        """Give metals with pores their porosity and temperature at the start."""
-        state = self._loop.state()
-        for number in self._pores:
-            material = materials[self.mesh.blocks[number].material]
-            assert material.gtn is not None
-            state[f"block_{number}"]["kept"][:, POROSITY] = material.gtn.initial
-        self._loop.restore(state)
-        self.given_temperature = self._given_temperature
+        if any(materials[block.material].gtn is not None for block in mesh.blocks):
+            self.given_temperature = self._given_temperature
 
     @property
     def mass(self) -> Array:
@@ -122,25 +121,23 @@ class ExplicitSolids(TouchingBodies, Dynamics):
 
     def recover(self, hardens: Array) -> None:
         """Let only a part of the equivalent plastic strain so far harden from now on (n_cells,)."""
-        state, first = self._loop.state(), 0
+        state, first = self.state(), 0
         for block in range(len(self.mesh.blocks)):
-            strain = state[f"block_{block}"]["eqps"]
-            strain *= hardens[first : first + len(strain)].reshape(strain.shape)
+            strain = state[SolidArrays].find_kept(block, EQPS)
+            strain *= hardens[first : first + len(strain), None]
             first += len(strain)
-        self._loop.restore(state)
+        self.take_state(state)
 
     def average_pores(self, pores: NonlocalPorosity, volumes: Sequence[Array]) -> None:
         """Let pores grow by what their neighbourhoods have since the last call; volumes (n_cells,) of each block."""
-        state = self._loop.state()
-        kept = [state[f"block_{block}"]["kept"][:, None] for block in range(len(self.mesh.blocks))]
-        pores.advance(kept, [volume[:, None] for volume in volumes])
-        self._loop.restore(state)
+        state = self.state()
+        pores.advance(state[SolidArrays].points, self.kept, [volume[:, None] for volume in volumes])
+        self.take_state(state)
 
     @property
-    def state_variables(self) -> list[Array]:
-        """What the laws of each block keep behind stress and plastic strain (n_cells, n)."""
-        state = self._loop.state()
-        return [state[f"block_{block}"]["kept"] for block in range(len(self.mesh.blocks))]
+    def points(self) -> list[Array]:
+        """What the point of each cell holds, as `kept` names it, of each block (n_cells, 1, n_values)."""
+        return self.state()[SolidArrays].points
 
     @property
     def damage(self) -> dict[str, list[Array]]:
@@ -230,16 +227,28 @@ class ExplicitSolids(TouchingBodies, Dynamics):
         super()._restore_run(own)
         self.given_temperature = own["temperature"]
 
+    def _name_state(self, arrays: LoopState) -> State:
+        state = super()._name_state(arrays)
+        state[SolidArrays].kept = self.kept
+        return state
+
+
+def _list_kept(material: SolidMaterial) -> History:
+    """Return what a law keeps beside stress, plastic strain and rise of temperature."""
+    return list_history(material.make_law(), 4).without(EQPS, RISE)
+
 
 def _add_block(loop: Any, block: CellBlock, materials: Sequence[SolidMaterial], cells: npt.NDArray[np.int32]) -> None:
     """Add cells (n, nodes), numbered as the loop numbers nodes, of a block of the mesh."""
     material = materials[block.material]
+    porosity = material.gtn.initial if material.gtn else 0.0
+    kept = fill_history(_list_kept(material), (), rolling=material.rolling_direction, porosity=porosity)
     loop.add_solids(
         block.element,
         np.ascontiguousarray(cells, dtype=np.int32),
         material.make_law(),
         material.density,
-        rolling=material.rolling_direction[:2],
+        kept=kept.tolist(),
         young=material.young,
         poisson=material.poisson,
     )

@@ -29,13 +29,12 @@ from presswork.explicit.layers import LayersOfRun
 from presswork.explicit.resident import ResidentLoop, Traffic
 from presswork.explicit.shell_contact import ShellContactOfRun
 from presswork.explicit.tools import ToolsOfRun
-from presswork.law.umat import TOLD, SheetUmat
+from presswork.law.history import RISE, STRESS
+from presswork.law.umat import TOLD, SheetUmat, list_sheet_history
 from presswork.ranks.parts import make_part
 from presswork.ranks.world import World
 
 Array = npt.NDArray[np.float64]
-RISE = 4
-"""Row of a layer's rise of temperature behind the first of its stress, where the law heats."""
 Precision = Literal["double", "single"]
 LOOPS: dict[str, type[_core.SpaceLoop] | type[_core.SpaceLoopSingle]] = {
     "double": _core.SpaceLoop,
@@ -256,7 +255,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
     def _restore_run(self, own: Mapping[str, Array]) -> None:
         super()._restore_run(own)
         self._contact_step, self._new_tools = float(own["contact_step"][0]), []
-        if own["temperature"].size:
+        if "temperature" in own:
             self.given_temperature = own["temperature"]
 
 
@@ -283,7 +282,8 @@ def _make_loop(
             raise ExplicitError(str(error)) from None
         if not isinstance(block, Shells):
             continue
-        rise = RISE if block.heating[1] else -1
+        kept = list_sheet_history(block.law).behind(STRESS, 3)
+        rise = kept[RISE].start if block.heating[1] else -1
         for law in block.damage:
             loop.add_damage(number, law.name, law.kernel, temperature=block.heating[0], rise=rise)
         loop.ironing = block.options.ironing

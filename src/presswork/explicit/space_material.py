@@ -26,5 +26,3 @@ class SpaceMaterial:
     """Criteria whose damage grows."""
     start: float = 20.0
     """Temperature at the start [degrees C]."""
-    heats: bool = False
-    """Whether the law heats."""

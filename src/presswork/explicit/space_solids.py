@@ -12,7 +12,7 @@ Units are mm, s, t, N, MPa. A node has three freedoms: u, v, w along x, y, z.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from presswork import _core
+from presswork.explicit.arrays import DAMAGE, LoopState, MotionArrays, SolidArrays
 from presswork.explicit.blocks import Solids
 from presswork.explicit.body_contacts import TouchingBodies, TouchingSurfaces, list_known
 from presswork.explicit.device import Device, refuse
@@ -27,15 +28,17 @@ from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space import SpaceDynamics
 from presswork.explicit.space_material import SpaceMaterial
 from presswork.explicit.space_walls import NOT_TURNED, SpaceWall, WallStart
+from presswork.law.history import EQPS, RISE, STRESS, list_history
 from presswork.model import Mesh
 from presswork.ranks.world import World
+from presswork.state import State
 
 if TYPE_CHECKING:
     from presswork.evolution.porosity import NonlocalPorosity
 
 Array = npt.NDArray[np.float64]
-EQPS, HEAT_RISE = 6, 7
-"""Places in a point's values behind its stress."""
+COMPONENTS = 6
+"""Of the stress, which comes first in a point's values."""
 DEEPEST_START = 1e-6
 """Of the size of the body: how deep a node may lie in a tool at the start."""
 SAME_DIRECTION = 1e-6
@@ -103,9 +106,11 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
             place = np.argsort(self._nodes).astype(np.int32)
             self._loop.tie(np.ascontiguousarray(place[tied.pairs]), tied.angle)
         self._node_sets = dict(mesh.node_sets)
+        self.kept = [list_history(material.law, COMPONENTS).behind(STRESS, COMPONENTS) for material in materials]
+        """What the points of each block hold, by name: stress, then what their law keeps."""
         for number, material in enumerate(materials):
             for of in material.damage:
-                rise = HEAT_RISE if material.heats else -1
+                rise = self.kept[number][RISE].start if RISE in self.kept[number] else -1
                 self._loop.add_damage(number, of.name, of.kernel, temperature=material.start, rise=rise)
         self._walls: list[SpaceWall] = []
         self._degrees: list[Array] | None = None
@@ -150,64 +155,52 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
             found.append(out)
         return found
 
-    def _mean(self, first: int, end: int) -> Array:
-        """Return means over the points of each cell (n_cells, end - first), through the blocks."""
-        return np.concatenate([points[..., first:end].mean(axis=1) for points in self._points()])
+    def _mean(self, values: slice) -> Array:
+        """Return means of values over the points of each cell (n_cells, n), through the blocks."""
+        return np.concatenate([points[..., values].mean(axis=1) for points in self._points()])
 
     @property
     def stress(self) -> Array:
         """Stress xx, yy, zz, xy, yz, zx (n_cells, 6) [MPa], mean of the cell's points, through the blocks."""
-        return self._mean(0, EQPS)
+        return self._mean(slice(COMPONENTS))
 
     @property
     def equivalent_plastic_strain(self) -> Array:
         """Equivalent plastic strain (n_cells), mean of the cell's points."""
-        return self._mean(EQPS, EQPS + 1)[:, 0]
+        return self._mean(slice(COMPONENTS, COMPONENTS + 1))[:, 0]
 
     def recover(self, hardens: Array) -> None:
         """Let only a part of the equivalent plastic strain so far harden from now on (n_cells,)."""
-        state, first = self._loop.state(), 0
+        state, first = self.state(), 0
         for block, of in enumerate(self.mesh.blocks):
             own = hardens[first : first + len(of.connectivity)]
-            state[f"block_{block}"]["points"][..., EQPS] *= own[self._order(block)][:, None]
+            strain = state[SolidArrays].find_kept(block, EQPS)
+            strain *= own[self._order(block)][:, None]
             first += len(own)
-        self._loop.restore(state)
+        self.take_state(state)
 
     def average_pores(self, pores: NonlocalPorosity, volumes: Sequence[Array]) -> None:
         """Let pores grow by what their neighbourhoods have since the last call; volumes (n_cells,) of each block.
 
         Points of a cell stand for equal parts of it.
         """
-        state = self._loop.state()
-        kept, shares = [], []
-        for block, volume in enumerate(volumes):
-            points = state[f"block_{block}"]["points"][..., EQPS + 1 :]
-            ordered = np.empty_like(points)
-            ordered[self._order(block)] = points
-            kept.append(ordered)
-            shares.append(np.repeat(volume[:, None], points.shape[1], axis=1))
-        pores.advance(kept, shares)
-        for block, values in enumerate(kept):
-            state[f"block_{block}"]["points"][..., EQPS + 1 :] = values[self._order(block)]
-        self._loop.restore(state)
+        state = self.state_as_given()
+        points = state[SolidArrays].points
+        shares = [np.repeat(of[:, None], own.shape[1], axis=1) for of, own in zip(volumes, points, strict=True)]
+        pores.advance(points, self.kept, shares)
+        self.take_state_as_given(state)
 
     @property
-    def state_variables(self) -> list[Array]:
-        """What the laws of each block keep behind stress and plastic strain (n_cells, n), mean of the cell's points."""
-        state, found = self._loop.state(), []
-        for block in range(len(self.mesh.blocks)):
-            points = state[f"block_{block}"]["points"][..., EQPS + 1 :]
-            ordered = np.empty((len(points), points.shape[2]))
-            ordered[self._order(block)] = points.mean(axis=1)
-            found.append(ordered)
-        return found
+    def points(self) -> list[Array]:
+        """What the points of each block hold, as `kept` names it, mean of the cell's points (n_cells, 1, n_values)."""
+        return [points.mean(axis=1, keepdims=True) for points in self.state_as_given()[SolidArrays].points]
 
     @property
     def rise_at_points(self) -> list[Array]:
         """Rise of temperature by plastic work since the start at the points of each block's cells (n_cells, p) [K]."""
         return [
-            points[..., HEAT_RISE] if material.heats else np.zeros(points.shape[:2])
-            for points, material in zip(self._points(), self._materials, strict=True)
+            kept.of(RISE, points) if RISE in kept else np.zeros(points.shape[:2])
+            for points, kept in zip(self._points(), self.kept, strict=True)
         ]
 
     @property
@@ -316,31 +309,43 @@ class ExplicitSpaceSolids(TouchingBodies, SpaceDynamics):
             np.array([row[2] for row in rows]),
         )
 
-    def dump_as_given(self) -> dict[str, Array]:
-        """Give what dump does, with nodes and cells in the order given: what another mesh takes over."""
-        found = self.dump()
-        for name, order in self._list_orders(found):
-            inside, found[name] = found[name], np.empty_like(found[name])
-            found[name][order] = inside
-        return found
+    def _name_state(self, arrays: LoopState) -> State:
+        state = super()._name_state(arrays)
+        state[SolidArrays].kept = self.kept
+        return state
 
-    def restore_as_given(self, dump: Mapping[str, Array]) -> None:
-        """Take over what dump_as_given gave. Raises ExplicitError as restore does."""
-        self.restore({**dump, **{name: np.asarray(dump[name])[order] for name, order in self._list_orders(dump)}})
+    def state_as_given(self) -> State:
+        """Give what state does, with nodes and cells in the order given: what another mesh takes over."""
 
-    def _list_orders(self, dump: Mapping[str, Array]) -> list[tuple[str, npt.NDArray[np.intp]]]:
-        """Return the names in a dump of arrays of nodes and of cells, each with the order of the loop."""
-        owners = {f"block_{number}": self._order(number) for number in range(len(self.mesh.blocks))}
-        owners["nodes"] = self._nodes
-        return [(name, owners[owner]) for name in dump if (owner := name.partition(".")[0]) in owners]
+        def order(values: Array, numbers: npt.NDArray[np.intp]) -> Array:
+            ordered = np.empty_like(values)
+            ordered[numbers] = values
+            return ordered
+
+        return self._order_state(self.state(), order)
+
+    def take_state_as_given(self, state: State) -> None:
+        """Take over what state_as_given gave. Raises ExplicitError as restore does."""
+        self.take_state(self._order_state(state.duplicate(), lambda values, numbers: values[numbers]))
+
+    def _order_state(self, state: State, order: Callable[[Array, npt.NDArray[np.intp]], Array]) -> State:
+        """Order the rows of nodes and of cells of a State by their numbers in the order of the loop, in place."""
+        nodes, solids = state[MotionArrays], state[SolidArrays]
+        for name in nodes.names():
+            setattr(nodes, name, order(getattr(nodes, name), self._nodes))
+        lists = [getattr(solids, name) for name in solids.names() if name != DAMAGE]
+        for values in (*lists, *solids.damage.values()):
+            values[:] = [order(of, self._order(block)) if len(of) else of for block, of in enumerate(values)]
+        return state
 
     def _dump_run(self) -> dict[str, Array]:
         flat = [values.ravel() for values in self._degrees or []]
         return {**super()._dump_run(), "temperature": np.concatenate([np.zeros(0), *flat])}
 
     def _restore_run(self, own: Mapping[str, Array]) -> None:
-        super()._restore_run({**own, "temperature": np.zeros(0)})
-        if (flat := np.asarray(own["temperature"]).ravel()).size:
+        super()._restore_run({name: values for name, values in own.items() if name != "temperature"})
+        if "temperature" in own:
+            flat = own["temperature"]
             shapes = [points.shape[:2] for points in self._points()]
             parts = np.split(flat, np.cumsum([n * p for n, p in shapes])[:-1])
             self.degrees = [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from presswork.formability import Formability
+from presswork.law.history import History
 from presswork.model import FloatArray
 
 
@@ -24,6 +25,8 @@ class SolidPoints:
     """Weights of the points in a cell's mean (c, q)."""
     user: Sequence[FloatArray] = ()
     """State variables of laws from libraries (c, q, n)."""
+    kept: Sequence[History] = ()
+    """Their names."""
     temperature: FloatArray | None = None
     """Temperature of the cells of all blocks (n_cells,) [degrees C]."""
 

@@ -17,7 +17,8 @@ from presswork.fields.field import LAMINA, PLACES, TENSOR, VECTOR, Field
 from presswork.fields.instant import Instant, NodalContact
 from presswork.fields.solid_fields import effective_stress
 from presswork.fields.surface_defects import SURFACE_FIELDS
-from presswork.model import GTN, POROSITY, FloatArray
+from presswork.law.history import DEFORMATION_GRADIENT, POROSITY
+from presswork.model import GTN, FloatArray
 
 
 def _to_space(vectors: FloatArray | None) -> FloatArray | None:
@@ -131,9 +132,10 @@ def _state_variables(now: Instant) -> Mapping[str, FloatArray] | None:
     umats = [now.model.materials[block.material].umat for block in now.model.mesh.blocks]
     numbers = [umat.n_state if umat and umat.library != GTN else 0 for umat in umats]
     parts = []
-    for n, history, weight in zip(numbers, now.points.user, _weights(now), strict=True):
+    for n, history, kept, weight in zip(numbers, now.points.user, now.points.kept, _weights(now), strict=True):
         mean = np.zeros((len(history), max(numbers)))
-        mean[:, :n] = np.einsum("cq,cqi->ci", weight, history[..., :n])
+        first = kept[DEFORMATION_GRADIENT].start - n if n else 0
+        mean[:, :n] = np.einsum("cq,cqi->ci", weight, history[..., first : first + n])
         parts.append(mean)
     return {str(i + 1): np.concatenate([part[:, i] for part in parts]) for i in range(max(numbers))} or None
 
@@ -173,8 +175,10 @@ def _porosity(now: Instant) -> FloatArray | None:
     pores = [now.model.materials[block.material].gtn is not None for block in now.model.mesh.blocks]
     if not any(pores):
         return None
-    each = zip(pores, now.points.user, _weights(now), strict=True)
-    parts = [(w * user[..., POROSITY]).sum(axis=1) if has else np.full(len(w), np.nan) for has, user, w in each]
+    each = zip(pores, now.points.user, now.points.kept, _weights(now), strict=True)
+    parts = [
+        (w * kept.of(POROSITY, user)).sum(axis=1) if has else np.full(len(w), np.nan) for has, user, kept, w in each
+    ]
     return np.concatenate(parts)
 
 

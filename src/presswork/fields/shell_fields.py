@@ -16,6 +16,7 @@ import numpy as np
 
 from presswork.fields.field import PLACES
 from presswork.law.elastic_plastic import back_stress, temperature
+from presswork.law.history import History
 from presswork.model import FloatArray, IntArray, Material
 
 
@@ -66,6 +67,8 @@ class ShellLayers:
     """What the law keeps (n_cells, q, k, n_history)."""
     temperature: FloatArray
     """Given from outside (n_cells, q k) [degrees C]; no rows where the material does not know of it."""
+    kept: History
+    """The parts of the history by name."""
 
 
 def shell_cell_fields(
@@ -77,8 +80,8 @@ def shell_cell_fields(
     """
     parts = [
         _block_fields(now, director, g, of_block)
-        | _back_stress_fields(of_block.history, g)
-        | temperature_field(g.material, of_block.history, of_block.temperature)
+        | _back_stress_fields(of_block, g)
+        | temperature_field(g.material, of_block.kept, of_block.history, of_block.temperature)
         | state_variable_field(g.material, of_block.history)
         for g, of_block in zip(geometry, layers, strict=True)
     ]
@@ -90,7 +93,7 @@ def shell_cell_fields(
 
 
 def temperature_field(
-    material: Material | None, history: FloatArray, given: FloatArray | None = None
+    material: Material | None, kept: History, history: FloatArray, given: FloatArray | None = None
 ) -> dict[str, FloatArray]:
     """Return the temperature of the hottest layer [degrees C], if any; history: of a law (n_cells, q, k, n).
 
@@ -98,7 +101,7 @@ def temperature_field(
     """
     if material is None or material.heating is None:
         return {}
-    return {"temperature": temperature(material, history, given).max(axis=2).mean(axis=1)}
+    return {"temperature": temperature(material, kept, history, given).max(axis=2).mean(axis=1)}
 
 
 def state_variable_field(material: Material | None, history: FloatArray) -> dict[str, FloatArray]:
@@ -180,11 +183,11 @@ def _points_at(place: str, k: int) -> list[int]:
     return {"bottom": [0], "middle": sorted({(k - 1) // 2, k // 2}), "top": [k - 1]}[place]
 
 
-def _back_stress_fields(history: FloatArray, g: ShellGeometry) -> dict[str, FloatArray]:
+def _back_stress_fields(of_block: ShellLayers, g: ShellGeometry) -> dict[str, FloatArray]:
     """Return the back stresses of a block, in the lamina frame, if its material has any."""
     if g.material is None or g.material.kinematic is None:
         return {}
-    back = back_stress(g.material, history, 3)
+    back = back_stress(of_block.kept, of_block.history, 3)
     return {f"back_stress_{p}": back[:, :, _points_at(p, len(g.layers))].mean(axis=(1, 2)) for p in PLACES}
 
 

@@ -24,6 +24,7 @@ from presswork.body.thermoelastic import find_temperature
 from presswork.fields.shell_fields import sheet_effective_stress
 from presswork.fields.solid_fields import effective_stress
 from presswork.law.elastic_plastic import depends_on_rate, present_young
+from presswork.law.history import EQPS
 from presswork.model import FloatArray, Model
 from presswork.state import State
 
@@ -96,8 +97,9 @@ class StressError:
         own[..., :3] -= part[..., None] * (own[..., :3] - _mean_stress(own))
         own[..., 3:] -= part[..., None] * own[..., 3:]
         cells.eqps[block] += excess / self._find_stiffness_of_flow(block, trial)
-        if cells.history[block].ndim == 4:  # of shells, whose laws have it first
-            cells.history[block][..., 0] = cells.eqps[block].reshape(cells.history[block].shape[:3])
+        if EQPS in cells.kept[block]:  # of shells
+            kept = cells.find_kept(block, EQPS)
+            kept[...] = cells.eqps[block].reshape(kept.shape)
         slower = np.divide(np.log1p(-part), power, out=np.zeros_like(part), where=power > 0.0)
         cells.rate[block] *= np.exp(np.maximum(slower, -50.0))
 

@@ -9,6 +9,7 @@ from typing import TypedDict
 import numpy as np
 
 from presswork import _core
+from presswork.law.history import BACK_STRESS, EQPS, RISE, History
 from presswork.law.thermoelastic import find_young_factor, make_curves
 from presswork.model import FloatArray, Hardening, Material, YieldFunction
 
@@ -112,17 +113,14 @@ def make_thermal(material: Material) -> _core.Thermal | None:
     return _core.Thermal(start=h.start, reference=h.reference, melting=melting, exponent=h.exponent, heating=heating)
 
 
-def back_stress(material: Material, history: FloatArray, components: int) -> FloatArray:
+def back_stress(kept: History, history: FloatArray, components: int) -> FloatArray:
     """Return the back stress (..., components) in what a law keeps (..., n) behind the stress [MPa].
 
-    It keeps the equivalent plastic strain, the rise of temperature where the law heats, then every a_i of Chaboche, or
-    theta and beta of Yoshida and Uemori.
+    It is the sum of every a_i of Chaboche, or of theta and beta of Yoshida and Uemori.
     """
-    if material.kinematic is None:
+    if BACK_STRESS not in kept:
         return np.zeros((*history.shape[:-1], components))
-    count = len(material.kinematic.parameters["C"]) if material.kinematic.law == "chaboche" else 2
-    first = 2 if heats(material) else 1
-    parts = history[..., first : first + components * count].reshape(*history.shape[:-1], count, components)
+    parts = history[..., kept[BACK_STRESS]].reshape(*history.shape[:-1], -1, components)
     return np.asarray(parts.sum(axis=-2))
 
 
@@ -138,7 +136,7 @@ def rate_at_rest(material: Material, shape: tuple[int, ...]) -> FloatArray:
     return np.zeros(shape if depends_on_rate(material) else (0, *shape[1:]))
 
 
-def temperature(material: Material, history: FloatArray, given: FloatArray | None = None) -> FloatArray:
+def temperature(material: Material, kept: History, history: FloatArray, given: FloatArray | None = None) -> FloatArray:
     """Return the temperature [degrees C] of points (...) from what their law keeps behind the stress (..., n).
 
     given: from outside (as many values) [degrees C]; None or no values: that of the start.
@@ -148,12 +146,13 @@ def temperature(material: Material, history: FloatArray, given: FloatArray | Non
         base = np.full(shape, material.heating.start if material.heating else 0.0)
     else:
         base = given.reshape(shape)
-    return np.asarray(base + history[..., 1]) if heats(material) else base
+    return np.asarray(base + kept.of(RISE, history)) if RISE in kept else base
 
 
 def plastic_work_density(
     material: Material,
     law: _core.SheetLaw | SolidLaw,
+    kept: History,
     history_n: FloatArray,
     history: FloatArray,
     stress: FloatArray,
@@ -164,18 +163,19 @@ def plastic_work_density(
 
     With dp the increment of equivalent plastic strain and g the gradient of the yield function at its end: the mean
     flow stress times dp, and the mean back stress times g dp. history (n, n_history): what the law keeps behind the
-    stress; stress (n, components): at the end, in the law's axes; given: temperatures (n,) before and after.
+    stress, as kept names it; stress (n, components): at the end, in the law's axes; given: temperatures (n,) before and
+    after.
     """
     components = stress.shape[-1]
-    dp = history[:, 0] - history_n[:, 0]
+    dp = kept.of(EQPS, history) - kept.of(EQPS, history_n)
     rate = dp / dt if dt > 0.0 else np.zeros_like(dp)
     ends = [
-        law.flow_stress(np.ascontiguousarray(h[:, 0]), rate, temperature(material, h, t))[0]
+        law.flow_stress(np.ascontiguousarray(kept.of(EQPS, h)), rate, temperature(material, kept, h, t))[0]
         for h, t in zip((history_n, history), given, strict=True)
     ]
     work = 0.5 * (ends[0] + ends[1]) * dp
     if material.kinematic is not None:
-        before, after = (back_stress(material, h, components) for h in (history_n, history))
+        before, after = (back_stress(kept, h, components) for h in (history_n, history))
         flows = dp > 0.0
         shifted = np.ascontiguousarray((stress - after)[flows])
         gradient = make_yield_function(material.yield_function).evaluate(shifted)[1]

@@ -18,6 +18,7 @@ import numpy as np
 from presswork import _core, model
 from presswork.law.allowed import allow_library
 from presswork.law.elastic_plastic import make_sheet_law
+from presswork.law.history import History, list_history
 from presswork.model import FloatArray
 
 _FORTRAN = ("gfortran", "-shared", "-fPIC", "-O2", "-I", str(Path(__file__).parent / "abaqus"))
@@ -83,23 +84,13 @@ class SheetUmat:
     yield_stress: float
     """As the case tells; 0 where it does not."""
 
-    @property
-    def history_size(self) -> int:
-        """Values that a layer keeps behind its stress: equivalent plastic strain, state variables, the call's own."""
-        return 1 + self.umat.n_state + _core.umat_history_size(3)
-
-    def history_at_rest(self, shape: tuple[int, ...]) -> FloatArray:
-        """Return what layers keep before the first increment (*shape, history_size)."""
-        history: FloatArray = np.zeros((*shape, self.history_size))
-        history[..., 1 + self.umat.n_state + UNDEFORMED] = 1.0
-        return history
-
-
-UNDEFORMED = np.array([0, 4, 8])
-"""Diagonal of the whole deformation gradient behind the state variables."""
-
 
 SheetLaw = _core.SheetLaw | SheetUmat
+
+
+def list_sheet_history(law: SheetLaw) -> History:
+    """Return what a layer of a shell keeps for its law behind its stress."""
+    return list_history(law.umat if isinstance(law, SheetUmat) else law, 3)
 
 
 def open_sheet_law(material: model.Material) -> SheetLaw:

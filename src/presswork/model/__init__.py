@@ -24,7 +24,7 @@ from presswork.model.elements import (
 from presswork.model.formed_sheet import FormedSheet
 from presswork.model.gradients import Gradients, Parameter
 from presswork.model.grain import DynamicRecrystallisation, Grain, GrainGrowth, PowerLaw, Recrystallisation
-from presswork.model.gtn import GROWN, GTN, POROSITY, Gtn
+from presswork.model.gtn import GTN, Gtn
 from presswork.model.heat import (
     COLDEST,
     HOTTEST,
@@ -117,12 +117,10 @@ __all__ = [
     "COLDEST",
     "ELEMENTS",
     "ELEMENTS_OF_STEEL",
-    "GROWN",
     "GTN",
     "HOTTEST",
     "LARGE",
     "PHASES",
-    "POROSITY",
     "STEFAN_BOLTZMANN",
     "ZERO_CELSIUS",
     "Analysis",

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 GTN = "presswork: gtn"
 """Library of the Umat that a material with pores has: the routine is presswork's own."""
-POROSITY, GROWN = 1, 2
-"""Places in the history of a point: porosity, and what the metal there has grown by since it was last averaged."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,16 +7,18 @@ that gives the pressure that was, and the joint goes on pressing as it did. The 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from presswork.explicit.arrays import BodyContactArrays
 from presswork.explicit.body_contacts import BodyContactOfRun
 from presswork.mesh.faces import face_areas
-from presswork.model import BoolArray, FloatArray, IntArray, Model
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
 from presswork.process.carrying import give_to_facing
 from presswork.remesh.carrier import Carrier
+from presswork.state import Arrays, State
 
 DEEPEST = 0.05
 """Of the mean edge: penetration with which a new mesh begins at most."""
@@ -79,31 +81,18 @@ def find_depths(
     return found
 
 
-def fill_contacts(
-    dump: Mapping[str, FloatArray], old: RunOnMesh, new: RunOnMesh, carrier: Carrier
-) -> dict[str, FloatArray]:
-    """Return what a dump has of the contacts on another mesh: work and impulse to the bit, forces per area.
+def find_rows(added: Sequence[BodyContactOfRun], arrays: Arrays, name: str) -> list[IndexArray] | None:
+    """Return the nodes that the rows of an array stand for, contact after contact; None: it is not of contacts."""
+    if not isinstance(arrays, BodyContactArrays):
+        return None
+    return [each.slots if name in ("pressure", "shear") else each.nodes for each in added]
 
-    dump: of the old mesh.
-    """
-    (before, added_n, position_n), (after, added, position) = old, new
-    if not added:
-        return {}
-    found = {}
-    tractions = carry_tractions(old, after, carrier)
-    areas_n, areas = (_measure_areas(model, at) for model, at in ((before, position_n), (after, position)))
-    for number, (each_n, each, traction) in enumerate(zip(added_n, added, tractions, strict=True)):
-        owner = f"bodies_{number}."
-        turned = before.contacts[number].slave != after.contacts[number].slave
-        found[f"{owner}work"] = dump[f"{owner}work"]
-        found[f"{owner}impulse"] = dump[f"{owner}impulse"] * (-1.0 if turned else 1.0)
-        found[f"{owner}pressure"] = traction.pressure[each.slots]
-        found[f"{owner}shear"] = traction.shear[each.slots].ravel()
-        for what, force in (("push", each_n.push), ("rub", each_n.rub)):
-            per_area = force / np.maximum(areas_n, 1e-300)[:, None]
-            carried = carrier.surface(per_area, np.zeros((len(areas), 3))) * areas[:, None]
-            found[f"{owner}{what}"] = carried[each.nodes].ravel()
-    return found
+
+def turn_impulses(state: State, before: Model, after: Model) -> None:
+    """Turn round what a slave has given to a master where each is the other now."""
+    for number, (contact_n, contact) in enumerate(zip(before.contacts, after.contacts, strict=True)):
+        if contact.slave != contact_n.slave:
+            state[BodyContactArrays].impulse[number] *= -1.0
 
 
 def find_pushed(model: Model, added: Sequence[BodyContactOfRun]) -> BoolArray:

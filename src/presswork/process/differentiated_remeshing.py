@@ -20,7 +20,7 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh.simplices import measure_shares
 from presswork.model import FloatArray, IndexArray, Mesh, Model
 from presswork.outcome import Failed, GaveUpError
-from presswork.process.carrying import carry_peaks, carry_to_mesh
+from presswork.process.carrying import OnMesh, carry_peaks, carry_to_mesh
 from presswork.process.derivatives import WithDerivatives
 from presswork.process.epochs import NamedArrays
 from presswork.process.implicit_recording import ImplicitRecording
@@ -126,7 +126,7 @@ class _Side(ImplicitRecording):
         before, position = self.procedure, find_position(self.procedure)
         carrier = new.carrier.beside(position, mesh.points)
         after = carry_to_mesh(before, mesh, carrier, like=new.carried)
-        carry_peaks(before, after, carrier)
+        carry_peaks(OnMesh.of(before), OnMesh.of(after), carrier)
         origin = carrier.material(self.mesh.points)
         keep_held(origin, after.model)
         places = self.marked.places(position)

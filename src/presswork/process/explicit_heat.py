@@ -15,7 +15,7 @@ from presswork import _core
 from presswork.body.sheet_heat import LayerMap
 from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.tools import RigidTool
-from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays, SheetInstant
+from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetInstant
 from presswork.law.elastic_plastic import plastic_work_density
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.model import Dwell, FloatArray, Model
@@ -80,6 +80,7 @@ class ExplicitHeat:
         density = plastic_work_density(
             self._model.sheet[1],
             law,
+            shells.kept_in_layers,
             self._history.reshape(-1, n),
             after.reshape(-1, n),
             shells.flow_stress_at_points.reshape(-1, 3),
@@ -103,8 +104,3 @@ class ExplicitHeat:
         taken.load_arrays(arrays)
         self.arrays = taken
         self._give()
-
-
-def names_of_heat(arrays: Mapping[str, NDArray[Any]]) -> set[str]:
-    """Return the names that `dump` gave."""
-    return {name for name in arrays if name.startswith(f"{SheetHeatArrays.owner}.")}

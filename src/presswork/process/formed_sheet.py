@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.law.umat import SheetUmat, open_sheet_law
+from presswork.law.at_rest import fill_history
+from presswork.law.history import EQPS
+from presswork.law.umat import list_sheet_history, open_sheet_law
 from presswork.mesh.dynain import CENTRE, first_sides
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.mesh.topology import with_four_nodes
@@ -80,8 +82,9 @@ def begin_formed(model: Model) -> SheetState | None:
         pairs = ((axis, axis), (across, across), (axis, across))
         stress = np.stack([np.einsum("ci,ckij,cj->ck", a, tensor, b) for a, b in pairs], axis=-1)
         shape = (len(axis), 1, len(heights))
-        history = law.history_at_rest(shape) if isinstance(law, SheetUmat) else np.zeros((*shape, law.history_size))
-        history[..., 0] = sheet.plastic_strain[own][:, None]
+        kept = list_sheet_history(law)
+        history = fill_history(kept, shape)
+        history[..., kept[EQPS]] = sheet.plastic_strain[own][:, None, :, None]
         thickness = sheet.thickness[own][:, None]
         blocks.append(SheetBlock(block.connectivity, axis[:, None], thickness, stress[:, None], history))
     return SheetState(sheet.points, tuple(blocks))

@@ -9,7 +9,6 @@ row, cycle by cycle, and what is given to the cells from outside is what heat ha
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from presswork import _core
 from presswork.explicit.input_checks import ExplicitError
 from presswork.geometry.pose import ToolPose, start_centre, start_profile
-from presswork.implicit.heat_of_forming import DIE_KINDS, KINDS, HeatArrays, HeatOfForming
+from presswork.implicit.heat_of_forming import DIE_KINDS, KINDS, HeatOfForming
 from presswork.interaction.forming_instant import FormingInstant, Poses
 from presswork.model import FloatArray, Heating, Material, Model
 from presswork.outcome import Failed, GaveUpError
@@ -153,18 +152,10 @@ class HeatOfRows:
             between=self._contacts.show_heat(points - self._points, self._heat.contacts),
         )
 
-    def carry(self, before: HeatOfRows, carrier: Carrier) -> None:
-        """Take up the heat of the same bodies on the mesh before; what they have stored stays the same."""
-        given, own = before.arrays, self.arrays
-        for name, becomes in HeatArrays.on_new_mesh.items():
-            values, rest = getattr(given, name), getattr(own, name)
-            if becomes.kind == "node":
-                values = carrier.nodes(values)
-            elif becomes.kind == "surface":
-                first = (np.moveaxis(a, becomes.axis, 0) for a in (values, rest))
-                values = np.ascontiguousarray(np.moveaxis(carrier.surface(*first), 0, becomes.axis))
-            setattr(own, name, copy(values))
-        self.forming.keep_stored(own, before.forming.stored_in_bodies(given), carrier.is_new())
+    def go_on(self, before: HeatOfRows, carrier: Carrier) -> None:
+        """Let bodies whose temperatures come from another mesh have stored what they had there."""
+        stored = before.forming.stored_in_bodies(before.arrays)
+        self.forming.keep_stored(self.arrays, stored, carrier.is_new())
         self._give()
 
     # --- what is recorded --------------------------------------------------------------------------------------------
@@ -196,8 +187,3 @@ class HeatOfRows:
         taken.load_arrays(arrays)
         self.arrays = taken
         self._give()
-
-
-def names_of_heat(arrays: Mapping[str, NDArray[Any]]) -> set[str]:
-    """Return the names of the arrays of heat in a checkpoint."""
-    return {name for name in arrays if name.startswith(f"{HeatArrays.owner}.")}

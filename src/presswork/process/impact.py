@@ -6,7 +6,7 @@ It knows nothing of files: recorder.py records what it yields.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -24,13 +24,13 @@ from presswork.model import Blow, Drive, ExplicitSolid, FloatArray, Model, Stage
 from presswork.process.contacts_of_rows import ContactsOfRows, find_touching
 from presswork.process.die_fill import make_die_fill
 from presswork.process.epochs import NamedArrays
-from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself, names_of_heat
-from presswork.process.impact_recording import ADDED_MASS, ImpactRecording
+from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself
+from presswork.process.impact_recording import ImpactRecording
 from presswork.process.loose_rows import LooseRows, find_held_by_wall
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.reactions import Reactions
 from presswork.process.row_history import RowHistory
-from presswork.process.rows import ROW, STAGE, STAGE_WAY
+from presswork.process.rows import RowProgress
 from presswork.process.shear_friction import find_coefficient
 from presswork.process.stage_motion import find_motion
 from presswork.ranks.world import World
@@ -42,13 +42,10 @@ STEPS_OF_A_ROW = 10  # in each of which the ram of a blow keeps its speed
 class ExplicitImpact(ImpactRecording):
     """A Model with `explicit` at work."""
 
-    own_arrays: Sequence[str] = ()
-    """Names in a checkpoint of what is neither of the loop nor of points and heat."""
-
     def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
         """world: ranks that share the cycles."""
         assert isinstance(model.explicit, ExplicitSolid)
-        super().__init__(model, threads, 4)
+        super().__init__(model, threads, RowProgress(model.output.rows))
         self.settings, self._world = model.explicit, world
         self._materials = [SolidMaterial.from_model(heat_by_itself(model, material)) for material in model.materials]
         self._make_run({})
@@ -60,7 +57,7 @@ class ExplicitImpact(ImpactRecording):
         self.reactions = Reactions(model, model.dimension, taken)
         self.marked, self.fill = MarkedPoints(model), make_die_fill(model)
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
-            self._progress[ADDED_MASS] = self.solids.scale_mass(self.settings.target_step).percent
+            self._progress.added_mass = self.solids.scale_mass(self.settings.target_step).percent
         check_damping(self.settings.damping, self.solids.dt)
         self.heat = self._make_heat(threads or available_threads()) if model.heat else None
         self.points = RowHistory(model.materials, [b.material for b in model.mesh.blocks], is_solid=True)
@@ -134,7 +131,7 @@ class ExplicitImpact(ImpactRecording):
             held = [find_held_by_wall(wall.nodal_force, find_coefficient(tool.friction)) for wall, tool in walls]
             self.loose.end_row(self.model, number, self.solids, self.solids.mass, held, self.contacts)
         energies = self.solids.energies()
-        self._progress[ADDED_MASS] = self.solids.added_mass().percent
+        self._progress.added_mass = self.solids.added_mass().percent
         cycles = self.solids.cycle - cycle
         return cycles, stage.duration / rows / cycles, energies
 
@@ -152,7 +149,7 @@ class ExplicitImpact(ImpactRecording):
         """Run to a time [s] with a ram whose speed follows in steps from the energy that is left."""
         for end in np.linspace(self.solids.time, to, STEPS_OF_A_ROW + 1)[1:]:
             dt, impulse = end - self.solids.time, [wall.impulse for wall in self.walls]
-            left = max(drive.travel - float(self._progress[STAGE_WAY]), 0.0)
+            left = max(drive.travel - self._progress.stage_way, 0.0)
             speed = min(self._find_ram_speed(drive, 0.0), left / dt)
             self._run_to(float(end), EvenMotion(speed * drive.duration / drive.travel))  # walls have the mean velocity
             forces = np.array([(wall.impulse - i) / dt for wall, i in zip(self.walls, impulse, strict=True)])
@@ -163,8 +160,8 @@ class ExplicitImpact(ImpactRecording):
 
     def _begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe: the mean velocity of each motion over the stage."""
-        number = int(self._progress[STAGE])
-        if self.heat is not None and self._progress[ROW] == 0:
+        number = self._progress.stage
+        if self.heat is not None and self._progress.row == 0:
             self.heat.begin_stage()
         if number == len(self.model.stages):
             self._prescribe(self.solids)
@@ -187,15 +184,14 @@ class ExplicitImpact(ImpactRecording):
     def _arrays_beside_run(self) -> NamedArrays:
         heat = self.heat.arrays.to_arrays() if self.heat else {}
         loose = self.loose.to_arrays() if self.loose else {}
-        return {"progress": self._progress.copy(), **self.points.to_arrays(), **heat, **loose}
+        return {**self._progress.to_arrays(), **self.points.to_arrays(), **heat, **loose}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
         self.points.load_arrays(arrays)
         if self.loose is not None:
             self.loose.load_arrays(arrays)
-        own = {*self.points.to_arrays(), *names_of_heat(arrays), *self.own_arrays}
-        self.solids.restore({name: np.asarray(values) for name, values in arrays.items() if name not in own})
+        self.solids.restore(arrays)
         if self.heat is not None:
             self.heat.restore(arrays)
         self._begin_stage()

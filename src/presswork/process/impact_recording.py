@@ -38,7 +38,6 @@ from presswork.process.tool_quantities import describe_plane, find_way, force_on
 if TYPE_CHECKING:
     from presswork.evolution.porosity import NonlocalPorosity
 
-ADDED_MASS = 2  # of the progress, after stage and row
 EXTENTS = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 """Of the workpiece [mm]; the last two in space."""
 ADVICE = {
@@ -86,11 +85,6 @@ class ImpactRecording(RowRecording):
     def time(self) -> float:
         """[s]"""
         return float(self.solids.time)
-
-    @property
-    def added_mass(self) -> float:
-        """Per cent of the true mass."""
-        return float(self._progress[ADDED_MASS])
 
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
@@ -226,7 +220,8 @@ class ImpactRecording(RowRecording):
                 stress=self._split(solids.stress[:, None]),
                 eqps=self._split(solids.equivalent_plastic_strain[:, None]),
                 volume=self._split(np.ones((len(solids.stress), 1))),
-                user=[kept[:, None] for kept in solids.state_variables] if self._pores is not None else (),
+                user=solids.points if self._pores is not None else (),
+                kept=solids.kept,
                 temperature=solids.temperature if heats else None,
             ),
             evolved={**solids.damage, **self.points.values},

@@ -10,27 +10,24 @@ stays. Internal forces begin at zero for one cycle: inside a body near equilibri
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
+from presswork.evolution.points import EvolvedArrays
+from presswork.explicit.arrays import MotionArrays
 from presswork.explicit.energy import EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
 from presswork.fields.instant import Instant
 from presswork.geometry.pose import ToolPose, place_segments, start_profile
 from presswork.mesh.checks import MeshError
-from presswork.model import BoolArray, ElementName, FloatArray, Model, Remeshing, list_bodies
-from presswork.process.carrying_rows import (
-    OF_A_WALL,
-    OF_THE_RUN,
-    MadeMesh,
-    carry_blocks,
-    carry_cells,
-)
-from presswork.process.contacts_on_new_mesh import fill_contacts
+from presswork.model import BoolArray, ElementName, FloatArray, Mesh, Model, Remeshing, list_bodies
+from presswork.process.carrying import OnMesh, carry_peaks, carry_state, carry_surface
+from presswork.process.contacts_on_new_mesh import find_rows, turn_impulses
 from presswork.process.epochs import NamedArrays
 from presswork.process.impact import ExplicitImpact
 from presswork.process.laps import find_laps, mark_laps, tell_laps
@@ -38,10 +35,9 @@ from presswork.process.mesh_reasons import DUE, FAILS, STEP, find_cause, find_re
 from presswork.process.new_epoch import keep_held, make_on_lead
 from presswork.process.recording import Row
 from presswork.process.remeshing import MOST_GIVEN_BACK
-from presswork.process.rows import STAGE, RowReport
+from presswork.process.rows import RowReport
 from presswork.process.seams import Seams
 from presswork.ranks.world import World
-from presswork.remesh.axes import straighten_axes
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.section import OldSection, remesh_section
 from presswork.remesh.size_field import measure_power
@@ -49,14 +45,36 @@ from presswork.threads import available_threads
 
 COLLAPSED = 0.3
 """Stable step over that with which the mesh began, below which it is made anew."""
-KEPT = "kept"
-"""Name in a dump of what the law of a block in the plane keeps."""
 ON_FIRST = "on_first"
 """Name in a checkpoint."""
 ELEMENT: ElementName = "quad4_1pt"
 """Of new meshes of triangles."""
 NEAR = 0.02
 """Gap of a node that counts as on a tool, over the smallest size of cells."""
+
+
+@dataclass(frozen=True)
+class MadeMesh:
+    """A mesh on which some bodies have new cells, and others those that they had."""
+
+    mesh: Mesh
+    """Its points where those of each body were when its mesh began: of a new one, where they are now."""
+    position: FloatArray
+    """Where its nodes are now (n_points, d) [mm]."""
+    parts: Sequence[Part]
+    """What becomes of each body."""
+    faults: Sequence[str] = ()
+    """Why bodies that were to get new cells have none."""
+
+    @property
+    def lines(self) -> list[FloatArray]:
+        """At which folds were left out."""
+        return [seam for part in self.parts for seam in part.seams]
+
+    @property
+    def is_new(self) -> list[bool]:
+        """Which bodies have new cells."""
+        return [part.surface is not None for part in self.parts]
 
 
 class RemeshedImpact(ExplicitImpact):
@@ -187,7 +205,7 @@ class RemeshedImpact(ExplicitImpact):
         """Mark the components that supports hold (n_points, d)."""
         d = self.model.dimension
         held = np.zeros((len(self.model.mesh.points), d), dtype=bool)
-        for support in self.model.supports_in(min(int(self._progress[STAGE]), len(self.model.stages) - 1)):
+        for support in self.model.supports_in(min(self._progress.stage, len(self.model.stages) - 1)):
             held[self.model.mesh.node_sets[support.node_set]] |= np.asarray(support.fix[:d])
         return held
 
@@ -205,10 +223,10 @@ class RemeshedImpact(ExplicitImpact):
             return False
         lying = replace(made.mesh, points=made.position)
         carrier = Carrier(old.mesh, position, lying, made.parts)
-        before, contacts, evolved, heat = self.solids, self.contacts, self.points.values, self.heat
+        before, heat = self.solids, self.heat
         blocks = zip(old.mesh.blocks, made.is_new, strict=True)
         before.drop_added_mass(np.concatenate([np.full(len(block.connectivity), is_new) for block, is_new in blocks]))
-        dump, volumes, masses = before.dump_as_given(), self._find_volumes(), self._measure_masses()
+        masses, on_old = self._measure_masses(), self._find_on_mesh(position)
         places, seams = self.marked.places(position), self._seams.places(position)
         origin = carrier.material(origin_n)
         increment = np.where(carrier.is_new()[:, None], 0.0, carrier.motion(self._increment))
@@ -220,13 +238,9 @@ class RemeshedImpact(ExplicitImpact):
         self._density = np.where(made.is_new, self._density * masses / self._measure_masses(), self._density)
         self._make_run(self._epoch_arrays())
         self._begin_stage()
-        found = self._carry(dump, carrier, volumes, means)
-        ends = (old, contacts.added, position), (self.model, self.contacts.added, made.position)
-        self.solids.restore_as_given(found | fill_contacts(dump, *ends, carrier))
+        self._carry(on_old, self._find_on_mesh(made.position), carrier, means)
         if heat is not None and self.heat is not None:
-            self.heat.carry(heat, carrier)
-        n_cells = [len(block.connectivity) for block in made.mesh.blocks]
-        self.points.carry(evolved, lambda block, values: carry_cells(carrier, block, values, n_cells[block]))
+            self.heat.go_on(heat, carrier)
         self.marked.go_on(lying, made.parts, places)
         self._seams.go_on(lying, seams, made.lines, before.time)
         self._on_first -= {number for number, is_new in enumerate(made.is_new) if is_new}
@@ -246,51 +260,33 @@ class RemeshedImpact(ExplicitImpact):
             f"{self.solids.stable_step():.3g} s, kinetic energy {gained:+.2%}, volume {volume:+.2e} of the first"
         )
 
-    def _carry(
-        self,
-        dump: Mapping[str, FloatArray],
-        carrier: Carrier,
-        volumes: Sequence[FloatArray],
-        means: Sequence[FloatArray],
-    ) -> dict[str, FloatArray]:
-        """Return the state of the present mesh out of that of the old one.
+    def _find_on_mesh(self, position: FloatArray) -> OnMesh:
+        """Return the state on the present mesh, whose nodes are at positions (n_points, d) [mm]."""
+        state, volumes = self.solids.state_as_given(), [volume[:, None] for volume in self._find_volumes()]
+        state.add(EvolvedArrays(self.points.values), *([self.heat.arrays] if self.heat else []))
+        return OnMesh(self.model, state, position, volumes, partial(find_rows, self.contacts.added))
 
-        volumes: of the old cells of each block (n_cells,) [mm3]; means: velocity of each body (d,) [mm/s].
-        """
-        found: dict[str, FloatArray] = self.solids.dump_as_given()
-        for name, given in dump.items():
-            owner, _, what = name.partition(".")
-            if name in OF_THE_RUN or (owner.startswith("wall_") and what in OF_A_WALL):
-                found[name] = given
-        carry_blocks(carrier, dump, found, volumes, self._find_volumes())
-        for block, part in enumerate(carrier.parts):
-            if part.surface is not None:
-                self._mend(carrier, block, dump, found)
-        position = found["nodes.position"]  # of bodies that keep their mesh not where that began
-        found["nodes.position"] = np.where(carrier.is_new()[:, None], position, carrier.motion(dump["nodes.position"]))
-        found["nodes.velocity"] = self._carry_velocity(carrier, dump["nodes.velocity"], means)
-        return found
+    def _carry(self, old: OnMesh, new: OnMesh, carrier: Carrier, means: Sequence[FloatArray]) -> None:
+        """Begin on the present mesh with the state of the old one; means: velocity of each body (d,) [mm/s]."""
+        new.state.take_over(old.state)
+        carry_state(old, new, carrier)
+        carry_surface(old, new, carrier)
+        carry_peaks(old, new, carrier)
+        turn_impulses(new.state, old.model, new.model)
+        self._keep_momentum(carrier, new.state[MotionArrays].velocity, means)
+        self.solids.take_state_as_given(new.state)
+        self.points.values = new.state[EvolvedArrays].values
 
-    def _mend(self, carrier: Carrier, block: int, dump: Mapping[str, FloatArray], found: dict[str, FloatArray]) -> None:
-        """Give carried values of a block's law (found) the form that laws need."""
-        material, kept = self.model.materials[self.model.mesh.blocks[block].material], found[f"block_{block}.{KEPT}"]
-        if kept.size and material.umat is None:  # the last two are the direction of the law's axes
-            kept[:, -2:] = straighten_axes(kept[:, -2:])
-
-    def _carry_velocity(self, carrier: Carrier, velocity: FloatArray, means: Sequence[FloatArray]) -> FloatArray:
-        """Return velocities of old nodes (n_points, ...) at the new ones, with the mean (d,) that each body had.
-
-        Bodies that keep their mesh keep their velocities.
-        """
-        carried, free = carrier.nodes(velocity), ~self._find_held()
+    def _keep_momentum(self, carrier: Carrier, velocity: FloatArray, means: Sequence[FloatArray]) -> None:
+        """Give carried velocities (n_points, ...) of bodies with a new mesh the means (d,) that they had, in place."""
+        free = ~self._find_held()
         for part, own, mean in zip(carrier.parts, self._list_nodes(), means, strict=True):
             if part.surface is None:
                 continue
-            mass, moved = self.solids.mass[own], carried[own, : len(mean)]  # a view
+            mass, moved = self.solids.mass[own], velocity[own, : len(mean)]  # a view
             lacking = mass.sum() * mean - mass @ moved
             lacking[0] *= self.model.analysis != "axisymmetric"  # across an axis there is none
             moved += free[own] * lacking / np.maximum(mass @ free[own], 1e-300)
-        return carried
 
     def _list_nodes(self) -> list[slice]:
         """Return the nodes of each body."""

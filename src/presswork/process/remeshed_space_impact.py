@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.explicit.dynamics import SAFETY
-from presswork.explicit.space_solids import EQPS
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray, Mesh, Model, Remeshing, change_mesh, list_bodies
 from presswork.outcome import StartError
@@ -24,13 +23,12 @@ from presswork.process.bodies_in_space import (
     remesh_beside,
     take_places,
 )
-from presswork.process.carrying_rows import MadeMesh, keep_peaks
 from presswork.process.contacts_of_rows import ContactsOfRows, find_touching
 from presswork.process.contacts_on_new_mesh import carry_tractions, find_depths, find_pushed
 from presswork.process.epochs import NamedArrays
 from presswork.process.joints import fit_joints
 from presswork.process.mesh_reasons import LAST_CUT
-from presswork.process.remeshed_impact import NEAR, RemeshedImpact
+from presswork.process.remeshed_impact import NEAR, MadeMesh, RemeshedImpact
 from presswork.process.remeshing_in_space import (
     LEFT,
     Left,
@@ -42,7 +40,6 @@ from presswork.process.remeshing_in_space import (
 )
 from presswork.process.space_impact import ExplicitSpaceImpact
 from presswork.ranks.world import World
-from presswork.remesh.axes import straighten_axes
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.space.body import NewBody, OldBody
 from presswork.remesh.space.fill import REMEDY
@@ -163,16 +160,6 @@ class RemeshedSpaceImpact(RemeshedImpact, ExplicitSpaceImpact):
             run.scale_mass(target)
             step = target
         return find_depths(after, contacts.added, tractions, step)
-
-    def _mend(self, carrier: Carrier, block: int, dump: Mapping[str, FloatArray], found: dict[str, FloatArray]) -> None:
-        name = f"block_{block}.points"  # stress, plastic strain and what the law keeps, of the one point of each cell
-        points, peaks = found[name], slice(EQPS, EQPS + 1)
-        flattened = np.ascontiguousarray(points[:, 0, peaks])
-        volumes = self._find_volumes()[block]
-        points[:, 0, peaks] = keep_peaks(carrier, block, "eqps", dump[name][:, 0, peaks], flattened, volumes)
-        material = self.model.materials[self.model.mesh.blocks[block].material]
-        if points.shape[2] > EQPS + 6 and material.umat is None:  # the law's axes, the last six
-            points[:, 0, -6:] = straighten_axes(points[:, 0, -6:])
 
     def _find_volumes(self) -> list[FloatArray]:
         position = self.solids.position

@@ -25,7 +25,7 @@ from presswork.mesh.checks import MeshError
 from presswork.mesh.joined import split_mesh
 from presswork.model import Body, FloatArray, Model, Remeshing, find_cell, take_corners
 from presswork.outcome import Failed, GaveUpError, StartError
-from presswork.process.carrying import carry_peaks, carry_to_mesh, find_undeclared
+from presswork.process.carrying import OnMesh, carry_peaks, carry_to_mesh, find_undeclared
 from presswork.process.epochs import NamedArrays
 from presswork.process.folding import FoldingRecording
 from presswork.process.increments import find_position
@@ -305,7 +305,7 @@ class RemeshedForming(FoldingRecording):
         """Return equilibrium on new meshes of bodies, of a part of the size. Raises MeshError or GaveUpError."""
         before = self.procedure
         after, carrier = self._make_epoch(old, own, part)
-        carry_peaks(before, after, carrier)
+        carry_peaks(OnMesh.of(before), OnMesh.of(after), carrier)
         carried = after.state
         outcome = balance_new_mesh(after, may_yield=may_yield)
         if isinstance(outcome, Failed):

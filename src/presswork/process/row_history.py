@@ -7,7 +7,7 @@ size. Damage grows in every cycle, inside the loop.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -115,15 +115,6 @@ class RowHistory:
         """Give the cells of each block the values of those that they come from (n_cells,)."""
         for of in self.values.values():
             of[:] = [values[parent] if len(values) else values for values, parent in zip(of, parents, strict=True)]
-
-    def carry(self, values: Mapping[str, Sequence[FloatArray]], carry: Callable[[int, FloatArray], FloatArray]) -> None:
-        """Take values of the cells of another mesh, by quantity and block; carry finds those of a block, by its number,
-        in the cells of this one.
-        """
-        self.values = {
-            name: [carry(block, each) if len(each) else each for block, each in enumerate(of)]
-            for name, of in values.items()
-        }
 
     def to_arrays(self) -> dict[str, NDArray[np.generic]]:
         """Return what the next row depends on."""

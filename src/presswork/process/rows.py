@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,15 +23,42 @@ from presswork.outcome import GaveUpError
 from presswork.process.epochs import EpochRecording, NamedArrays
 from presswork.process.press_quantities import RAM_COLUMNS, force_on_ram, has_ram, ram_at_rest
 from presswork.process.recording import Row
+from presswork.state import RUN, Arrays, OnNewMesh
 from presswork.threads import available_threads
 from presswork.timing import Timing
 
-STAGE, ROW, RAM_WORK, STAGE_WORK, STAGE_WAY = 0, 1, -4, -3, -2
-"""Of the progress; the work of the ram, since the start and in the present stage [N mm], its way in that [mm], and the
-rows of a stage come last."""
 DWELL_SHARE = 0.05
 """Of the time that forming takes to compute: what a dwell counts as in the progress display."""
 LAST_COLUMNS = ("time_step", "added_mass_percent", *(f"{e}_energy" for e in ENERGIES), "energy_error_percent")
+
+
+@dataclass
+class RowProgress(Arrays):
+    """How far a run is."""
+
+    owner = "progress"
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
+        "rows": RUN,
+        "stage": RUN,
+        "row": RUN,
+        "added_mass": RUN,
+        "ram_work": RUN,
+        "stage_work": RUN,
+        "stage_way": RUN,
+    }
+    rows: int
+    """Of each stage."""
+    stage: int = 0
+    row: int = 0
+    """Of the stage, that comes next."""
+    added_mass: float = 0.0
+    """Per cent of the true mass."""
+    ram_work: float = 0.0
+    """Of the ram since the start [N mm]."""
+    stage_work: float = 0.0
+    """Of the ram in the present stage [N mm]."""
+    stage_way: float = 0.0
+    """Way of the ram in the present stage [mm]."""
 
 
 @dataclass(frozen=True)
@@ -53,13 +80,11 @@ class RowReport:
 class RowRecording(EpochRecording, ABC):
     """An explicit procedure at work on a model."""
 
-    def __init__(self, model: Model, threads: int, n_progress: int, phases: Sequence[str] = ("cycles",)) -> None:
-        """n_progress: how many numbers the procedure keeps of how far it is, RAM_WORK, the last of them, included."""
+    def __init__(self, model: Model, threads: int, progress: RowProgress, phases: Sequence[str] = ("cycles",)) -> None:
         _core.set_threads(threads or available_threads())
         super().__init__(model)
         self.timing = Timing(*phases)
-        self._progress = np.zeros(n_progress + 3)
-        self._progress[-1] = model.output.rows
+        self._progress = progress
 
     @property
     @abstractmethod
@@ -67,9 +92,9 @@ class RowRecording(EpochRecording, ABC):
         """[s]"""
 
     @property
-    @abstractmethod
     def added_mass(self) -> float:
         """Per cent of the true mass."""
+        return self._progress.added_mass
 
     @abstractmethod
     def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
@@ -86,7 +111,7 @@ class RowRecording(EpochRecording, ABC):
     def _prescribe(self, run: Dynamics, over: float = 1.0) -> None:
         """Find what supports and the present stage prescribe on the present mesh, its values over a time [s]."""
         run.release()
-        sets, number = self.model.mesh.node_sets, int(self._progress[STAGE])
+        sets, number = self.model.mesh.node_sets, self._progress.stage
         for support in self.model.supports_in(min(number, len(self.model.stages) - 1)):
             self._hold(run, support)
         if number < len(self.model.stages):
@@ -100,7 +125,7 @@ class RowRecording(EpochRecording, ABC):
 
     def advance(self) -> Iterator[RowReport]:
         """Compute row after row. Raises GaveUpError, with the state of the last row, where the motion breaks down."""
-        while int(self._progress[STAGE]) < len(self.model.stages):
+        while self._progress.stage < len(self.model.stages):
             before = self._keep()
             try:
                 report = self._next_row()
@@ -130,17 +155,17 @@ class RowRecording(EpochRecording, ABC):
 
     def _next_row(self) -> RowReport:
         started = perf_counter()
-        number, row = (int(self._progress[i]) for i in (STAGE, ROW))
+        number, row = self._progress.stage, self._progress.row
         stage, rows, steps = self.model.stages[number], self.model.output.rows, self.model.output.steps
         if row == 0:
-            self._progress[[STAGE_WORK, STAGE_WAY]] = 0.0
+            self._progress.stage_work = self._progress.stage_way = 0.0
         cycles, step, energies = self._compute_row(number, row)
         if stage.drive is not None and not isinstance(stage.drive.motion, Blow):
             way = stage.drive.travel * np.diff(DrivenStroke(stage.drive).position(self._times(stage, row)))
             self._add_ram_work(number, self._tool_forces(), float(way[0]))
-        self._progress[ROW] = row + 1
+        self._progress.row = row + 1
         if row + 1 == rows:
-            self._progress[[STAGE, ROW]] = (number + 1, 0)
+            self._progress.stage, self._progress.row = number + 1, 0
             self._begin_stage()
         self._add_time(started)
         return RowReport(
@@ -160,16 +185,18 @@ class RowRecording(EpochRecording, ABC):
 
     def _add_ram_work(self, number: int, forces: FloatArray, way: float) -> None:
         """Count the work of the ram of a stage on a way [mm], by the mean forces on the tools (n_tools, 2 | 3) [N]."""
-        work = force_on_ram(self.model, number, forces) * way
-        self._progress[[RAM_WORK, STAGE_WORK, STAGE_WAY]] += (work, work, way)
+        work = float(force_on_ram(self.model, number, forces) * way)
+        self._progress.ram_work += work
+        self._progress.stage_work += work
+        self._progress.stage_way += way
 
     def _find_ram_speed(self, drive: Drive, fraction: float) -> float:
         """Return the speed of the ram [mm/s] at a fraction of its stage's time."""
         if not isinstance(drive.motion, Blow):
             return drive.speed_at(drive.part_at(fraction * drive.duration))
-        spent, way = self._progress[[STAGE_WORK, STAGE_WAY]]
+        spent, way = self._progress.stage_work, self._progress.stage_way
         is_over = drive.motion.energy - spent <= SPENT * drive.motion.energy or way >= drive.travel * (1 - 1e-12)
-        return 0.0 if is_over else drive.motion.speed_with(drive.motion.energy - float(spent))
+        return 0.0 if is_over else drive.motion.speed_with(drive.motion.energy - spent)
 
     def _times(self, stage: Stage, row: int) -> FloatArray:
         """Return when a row begins and ends, since the stage began (2,) [s]."""
@@ -179,7 +206,7 @@ class RowRecording(EpochRecording, ABC):
         """Return the RAM_COLUMNS of the history, with the speed at the end of the row and the mean force over it."""
         if not has_ram(self.model):
             return {}
-        number, work = self._stage_of_row(), float(self._progress[RAM_WORK])
+        number, work = self._stage_of_row(), self._progress.ram_work
         drive = self.model.stages[number].drive
         if drive is None:
             return ram_at_rest(work)
@@ -191,32 +218,31 @@ class RowRecording(EpochRecording, ABC):
 
     def _ram_at_rest(self) -> Row:
         """Return the RAM_COLUMNS once the part is released."""
-        return ram_at_rest(float(self._progress[RAM_WORK])) if has_ram(self.model) else {}
+        return ram_at_rest(self._progress.ram_work) if has_ram(self.model) else {}
 
     def _stage_of_row(self) -> int:
         """Return the stage that the last row belongs to."""
-        stage, row = (int(self._progress[i]) for i in (STAGE, ROW))
-        return max(stage - (row == 0), 0)
+        return max(self._progress.stage - (self._progress.row == 0), 0)
 
     def _take_up(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Take up the progress in these arrays. Raises ValueError if they belong to another model."""
         own = self._state_arrays()
         if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
             raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh")
-        found, wanted = arrays["progress"][-1], self.model.output.rows
+        found, wanted = arrays[f"{RowProgress.owner}.rows"], self.model.output.rows
         if found != wanted:
             raise ValueError(f"the checkpoint is of a run with output.rows = {found:g}, on which its steps depend")
-        self._progress = np.array(arrays["progress"], dtype=float)
+        self._progress.load_arrays(arrays)
 
     def remaining(self) -> float:
         """Return the part of the whole process still to be computed, counted in stage durations."""
-        stage, row = (int(self._progress[i]) for i in (STAGE, ROW))
-        return remaining_in_rows(weigh_stages(self.model.stages), stage, row, self.model.output.rows)
+        now = self._progress
+        return remaining_in_rows(weigh_stages(self.model.stages), now.stage, now.row, self.model.output.rows)
 
     @property
     def number(self) -> int:
         """Rows so far."""
-        return int(self._progress[STAGE]) * self.model.output.rows + int(self._progress[ROW])
+        return self._progress.stage * self.model.output.rows + self._progress.row
 
     def log_lines(self, report: RowReport) -> list[str]:
         """Say where the row ended."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from presswork.explicit.shells import ExplicitShells
 from presswork.law.elastic_plastic import back_stress, temperature
+from presswork.law.history import EQPS
 from presswork.model import FloatArray, Mesh, Model
 from presswork.process.row_history import BlockPoints, RowHistory
 from presswork.process.transfer import SheetBlock, at_points
@@ -31,11 +32,11 @@ class SheetHistory:
 
     def _look(self, shells: ExplicitShells) -> list[BlockPoints]:
         """Return stress, plastic strain and temperature at the layers (n_cells, q, k)."""
-        history = shells.history_at_points
-        degrees = temperature(self._material, history, shells.given_temperature) if self._knows else None
+        history, kept = shells.history_at_points, shells.kept_in_layers
+        degrees = temperature(self._material, kept, history, shells.given_temperature) if self._knows else None
         kinematic = self._material.kinematic is not None
-        back = back_stress(self._material, history, 3) if kinematic else None
-        return [BlockPoints(shells.flow_stress_at_points, history[..., 0], degrees, back)]
+        back = back_stress(kept, history, 3) if kinematic else None
+        return [BlockPoints(shells.flow_stress_at_points, kept.of(EQPS, history), degrees, back)]
 
     def take(self, blocks: Sequence[SheetBlock]) -> None:
         """Take the quantities of a sheet, a block of triangles after one of quadrilaterals, where it has them."""

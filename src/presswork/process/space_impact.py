@@ -26,7 +26,6 @@ from presswork.interaction.placing import share_modelled
 from presswork.interaction.space_tools import check_clear, find_way_to_touch
 from presswork.interaction.space_touch import PlacedSurface
 from presswork.interaction.tool_course import find_turning
-from presswork.law.elastic_plastic import heats
 from presswork.mesh.box import node_volumes
 from presswork.mesh.space.cyclic import pair_faces
 from presswork.model import FloatArray, Model, Stage, Support, Tool, ToolMotion, find_direction
@@ -44,7 +43,7 @@ from presswork.process.stage_motion import find_pushes
 from presswork.process.tool_quantities import find_way, force_on_whole
 from presswork.ranks.world import World
 
-PLACED, FORCE_START = "tools.placed", "tools.force_start"
+PLACED, FORCE_START = "placed_tools.displacement", "placed_tools.force_start"
 """Names in a checkpoint."""
 
 
@@ -53,7 +52,6 @@ class ExplicitSpaceImpact(ExplicitImpact):
 
     walls: list[SpaceWall]
     solids: ExplicitSpaceSolids
-    own_arrays = (PLACED, FORCE_START)
 
     def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
         tools = len(model.space_tools)
@@ -124,7 +122,6 @@ class ExplicitSpaceImpact(ExplicitImpact):
             porosity=material.gtn.initial if material.gtn else None,
             damage=make_damage(material.damage, material.umat, is_solid=True),
             start=material.heating.start if material.heating else 20.0,
-            heats=heats(material),
         )
 
     def _make_heat(self, threads: int) -> HeatOfRows:

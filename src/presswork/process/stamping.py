@@ -30,15 +30,14 @@ from presswork.mesh.split import SplitMesh
 from presswork.model import BoolArray, ExplicitSheet, FloatArray, Model, Refinement, Stage
 from presswork.process.draw_in import DrawIn
 from presswork.process.epochs import NamedArrays
-from presswork.process.explicit_heat import ExplicitHeat, names_of_heat
+from presswork.process.explicit_heat import ExplicitHeat
 from presswork.process.laying import find_sag
 from presswork.process.loose_rows import LooseRows
 from presswork.process.marked_points import MarkedPoints
 from presswork.process.reactions import Reactions
 from presswork.process.refinement import choose_shells, find_planes, place_nodes
-from presswork.process.rows import STAGE
 from presswork.process.sheet_history import SheetHistory
-from presswork.process.stamping_recording import ADDED_MASS, CYCLES, MESH_FACTOR, SHELL_CYCLES, StampingRecording
+from presswork.process.stamping_recording import SheetProgress, StampingRecording
 from presswork.process.stamping_tools import StampingTools, mean_speeds
 from presswork.process.transfer import SheetState, ShellStart, fill_layers, keep_heated, sheet_of_explicit
 from presswork.ranks.world import World
@@ -73,7 +72,7 @@ class ExplicitStamping(StampingRecording):
         """
         self._world = world
         assert isinstance(model.explicit, ExplicitSheet)
-        super().__init__(model, threads, 7, (*PHASES, "rest"))
+        super().__init__(model, threads, SheetProgress(model.output.rows), (*PHASES, "rest"))
         self._start = None if begin is None else ShellStart.of(begin)
         self.settings = model.explicit
         self._first_level = level
@@ -145,8 +144,8 @@ class ExplicitStamping(StampingRecording):
                 self._refine(self.model.refinement)
             if self.settings.step_bound == "mesh":
                 self._mesh_step = self._mesh_step or MeshStep(self.shells, self._precision)
-                last = float(self._progress[MESH_FACTOR])
-                self._progress[MESH_FACTOR] = self._mesh_step.find_factor(self.shells, last)
+                last = self._progress.mesh_factor
+                self._progress.mesh_factor = float(self._mesh_step.find_factor(self.shells, last))
         begin, end = (stage.duration * r / rows for r in (row, row + 1))
         if self.heat is not None:
             self.heat.begin_row()
@@ -175,9 +174,10 @@ class ExplicitStamping(StampingRecording):
             stop.look()
         self._reaction = self.shells.reaction_impulse / (end - begin)
         if not self.tools.hold_sheet:
-            self.loose.end_row(self.model, int(self._progress[STAGE]), self.shells, self.shells.mass[:, 0])
+            self.loose.end_row(self.model, self._progress.stage, self.shells, self.shells.mass[:, 0])
         energies = self._energies(stage, end)
-        self._progress[[CYCLES, SHELL_CYCLES]] += (n, n * n_shells)
+        self._progress.cycles += n
+        self._progress.shell_cycles += n * n_shells
         if self.heat is not None:
             self.heat.advance(stage.slower * (end - begin), None)
         return n, self.shells.dt, energies
@@ -213,7 +213,7 @@ class ExplicitStamping(StampingRecording):
     def _split(self, chosen: BoolArray) -> None:
         """Split the chosen shells (n,), and others as far as neighbours would be more than a level apart."""
         old, step = self.shells, self._sheet.split(chosen)
-        self._progress[MESH_FACTOR] = 0.0
+        self._progress.mesh_factor = 0.0
         planes, tools = find_planes(self.mesh), self.tools.placed()
         position = place_nodes(self._sheet, step, old.position, old.thickness, planes, tools)
         self._sheet = step.mesh
@@ -251,7 +251,7 @@ class ExplicitStamping(StampingRecording):
 
     def _longest_step(self) -> float:
         """Return the time step allowed now; add mass where the target asks for it."""
-        settings, bound = self.settings, self.shells.stable_step() * max(1.0, float(self._progress[MESH_FACTOR]))
+        settings, bound = self.settings, self.shells.stable_step() * max(1.0, self._progress.mesh_factor)
         if settings.target_step is None:
             return settings.safety * bound
         if settings.safety * bound < settings.target_step * (1 - 1e-9):
@@ -261,7 +261,7 @@ class ExplicitStamping(StampingRecording):
     def _scale_mass(self, target: float) -> MassScaling:
         """Add mass so that the target is `safety` times the stable step."""
         scaling = self.shells.scale_mass(target * SAFETY / self.settings.safety)
-        self._progress[ADDED_MASS] = scaling.percent
+        self._progress.added_mass = scaling.percent
         return scaling
 
     def _tool_forces(self) -> FloatArray:
@@ -269,7 +269,7 @@ class ExplicitStamping(StampingRecording):
 
     def _begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe."""
-        number = int(self._progress[STAGE])
+        number = self._progress.stage
         self._prescribe(self.shells)
         self.tools.begin_stage(number)
         if number < len(self.model.stages):
@@ -311,14 +311,13 @@ class ExplicitStamping(StampingRecording):
 
     def _arrays_beside_run(self) -> NamedArrays:
         heat = self.heat.dump() if self.heat else {}
-        return {"progress": self._progress.copy(), **self.layers.dump(), **heat, **self.loose.to_arrays()}
+        return {**self._progress.to_arrays(), **self.layers.dump(), **heat, **self.loose.to_arrays()}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)
-        heated = names_of_heat(arrays) | set(self.layers.dump())
         self.layers.restore(arrays)
         self.loose.load_arrays(arrays)
-        self.shells.restore({name: np.asarray(values) for name, values in arrays.items() if name not in heated})
+        self.shells.restore(arrays)
         if self.heat is not None:
             self.heat.restore(arrays)
         self._begin_stage()

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,7 @@ from presswork.fields.instant import Instant
 from presswork.fields.shell_fields import state_variable_field, temperature_field
 from presswork.fields.table import compute_fields
 from presswork.formability import Formability
+from presswork.law.history import EQPS
 from presswork.model import ExplicitSheet, FloatArray, IntArray, Model
 from presswork.process.draw_in import DrawIn
 from presswork.process.explicit_heat import ExplicitHeat
@@ -40,14 +42,30 @@ from presswork.process.peaks import Peak, find_peaks, peak_columns, peak_row
 from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
 from presswork.process.reactions import Reactions
 from presswork.process.recording import Row, Snapshot
-from presswork.process.rows import LAST_COLUMNS, RowRecording, RowReport, last_energies, process_time
+from presswork.process.rows import LAST_COLUMNS, RowProgress, RowRecording, RowReport, last_energies, process_time
 from presswork.process.sheet_history import SheetHistory
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.stamping_tools import StampingTools, describe_stamping
 from presswork.process.transfer import ShellStart, law_axes
+from presswork.state import ANEW, RUN, OnNewMesh
 
-CYCLES, ADDED_MASS, SHELL_CYCLES, MESH_FACTOR = range(2, 6)
-"""Of the progress, after stage and row; the last: stable step of the mesh over that of its shells, 0 until found."""
+
+@dataclass
+class SheetProgress(RowProgress):
+    """The same of a stamping."""
+
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
+        **RowProgress.on_new_mesh,
+        "cycles": RUN,
+        "shell_cycles": RUN,
+        "mesh_factor": ANEW,
+    }
+    cycles: int = 0
+    """So far."""
+    shell_cycles: int = 0
+    """Sum over them of the number of shells."""
+    mesh_factor: float = 0.0
+    """Stable step of the mesh over that of its shells; 0 until found."""
 
 
 class StampingRecording(RowRecording):
@@ -67,6 +85,7 @@ class StampingRecording(RowRecording):
     _cells: IntArray
     _fields: OnePointFields
     _judged: Formability
+    _progress: SheetProgress
     _damage_laws: tuple[DamageLaw, ...]
     _reaction: FloatArray
     _mass: float
@@ -100,7 +119,7 @@ class StampingRecording(RowRecording):
 
     def progress_text(self, report: RowReport) -> str:
         """Name stage, tools and cycle: what a narrow terminal cuts off comes last."""
-        return "  ".join(t for t in (f"{report.stage}:", self.tools.text(), f"cycle {self._progress[CYCLES]:.0f}") if t)
+        return "  ".join(t for t in (f"{report.stage}:", self.tools.text(), f"cycle {self._progress.cycles}") if t)
 
     def row(self, report: RowReport) -> Row:
         """Return the row of the history."""
@@ -108,7 +127,7 @@ class StampingRecording(RowRecording):
             "time": report.time,
             "stage": report.stage,
             "increment": report.number,
-            "cycles": int(self._progress[CYCLES]),
+            "cycles": self._progress.cycles,
             **self.tools.row(),
             **self._ram_row(report),
             **self._measure_reactions(),
@@ -165,16 +184,17 @@ class StampingRecording(RowRecording):
 
     def _cell_fields(self) -> dict[str, FloatArray]:
         shells, history = self.shells, self.shells.history_at_points
+        kept = shells.kept_in_layers
         fields = self._fields.cell_fields(
             shells.position,
             shells.thickness,
             shells.flow_stress_at_points,
             shells.pressure_at_points,
-            history[..., 0],
+            kept.of(EQPS, history),
             axis=None if self._start is None else law_axes(shells),
         )
         material = self.model.sheet[1]
-        degrees = temperature_field(material, history, self.shells.given_temperature)
+        degrees = temperature_field(material, kept, history, self.shells.given_temperature)
         of_layers = find_path_margins(self.model.mesh.blocks, self._evolved())
         return fields | degrees | state_variable_field(material, history) | of_layers
 
@@ -213,11 +233,6 @@ class StampingRecording(RowRecording):
         """[s]"""
         return self.shells.time
 
-    @property
-    def added_mass(self) -> float:
-        """Per cent of the true mass."""
-        return float(self._progress[ADDED_MASS])
-
     def row_at_rest(self) -> Row:
         """Return the row of the history once the part is released: strokes, and what the energies have come to."""
         energies = self.shells.energies(damping=self.settings.damping, velocity_scale=0.0)
@@ -247,11 +262,11 @@ class StampingRecording(RowRecording):
         fields = now.sheet
         verdict = self._judge({**fields, **now.surface})
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
-        cycles = int(self._progress[CYCLES])
+        cycles = self._progress.cycles
         return {
             "increments": self.number,
             "cycles": cycles,
-            "work": f"{cycles} cycles of {self._progress[SHELL_CYCLES] / max(cycles, 1):.0f} shells",
+            "work": f"{cycles} cycles of {self._progress.shell_cycles / max(cycles, 1):.0f} shells",
             "freedoms": 6 * len(self.model.mesh.points),
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "mass": {"blank_t": self._mass, "added_percent": self.added_mass},

@@ -31,6 +31,7 @@ from presswork.implicit.energy import Work
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.loads import LoadArrays
+from presswork.law.history import EQPS
 from presswork.law.umat import open_sheet_law
 from presswork.mesh.directors import cell_normals
 from presswork.mesh.thickness_rule import thickness_rule
@@ -173,7 +174,7 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
         )
         state.cells.history[i][:] = at_points(block.history, q)
         state.cells.stress[i].reshape(cells, q, k, 3)[:] = at_points(block.stress, q)
-        state.cells.eqps[i].reshape(cells, q, k)[:] = state.cells.history[i][..., 0]
+        state.cells.eqps[i].reshape(cells, q, k)[:] = state.cells.find_kept(i, EQPS)
         for name, values in block.evolved.items():
             state[EvolvedArrays].values[name][i][:] = at_points(values, q).reshape(cells, q * k)
         if state.cells.temperature[i].size and block.temperature is not None:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from presswork import __version__
 from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
-FORMAT_VERSION = 5
+FORMAT_VERSION = 6
 _OVERHEAD_BYTES = 16384
 
 Meta = dict[str, int | float | str]

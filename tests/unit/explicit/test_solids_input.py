@@ -146,4 +146,4 @@ def test_a_dump_of_another_set_of_walls() -> None:
 def test_cells_of_another_element_are_refused() -> None:
     law = SolidMaterial(**STEEL).make_law()
     with pytest.raises(ValueError, match=r"shape \(n > 0, nodes of the element\)"):
-        start()._loop.add_solids("tri3", np.array([[0, 1, 4, 3]], dtype=np.int32), law, STEEL["density"])
+        start()._loop.add_solids("tri3", np.array([[0, 1, 4, 3]], dtype=np.int32), law, STEEL["density"], kept=[])

@@ -67,13 +67,13 @@ def test_missing_checkpoint_is_an_error(tmp_path: Path) -> None:
         load_checkpoint(tmp_path / "c.h5")
 
 
-@pytest.mark.parametrize("version", [3, 99])
+@pytest.mark.parametrize("version", [5, 99])
 def test_format_of_another_version_is_named(tmp_path: Path, version: int) -> None:
     save_checkpoint(tmp_path / "c.h5", ARRAYS, META)
     with h5py.File(tmp_path / "c.h5", "r+") as file:
         file.attrs["format_version"] = version
     with pytest.raises(
-        OutputError, match=rf"written by presswork \S+ in format {version}; .*reads format 5.*--overwrite"
+        OutputError, match=rf"written by presswork \S+ in format {version}; .*reads format 6.*--overwrite"
     ):
         load_checkpoint(tmp_path / "c.h5")
 
