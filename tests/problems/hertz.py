@@ -30,8 +30,9 @@ from presswork.model import (
     Support,
     Tool,
     ToolMotion,
+    find_cell,
 )
-from tests.problems.plane_solids import N_CORNERS, elastic, fixed_increments, run
+from tests.problems.plane_solids import elastic, fixed_increments, run
 
 RADIUS, YOUNG, POISSON = 10.0, 200e3, 0.3
 MODULUS = YOUNG / (1 - POISSON**2)
@@ -104,7 +105,7 @@ def mesh_quarter_disc(element: ElementName, half_width: float, edges: int) -> Me
 def _centre_inner_nodes(points: FloatArray, mesh: Mesh) -> None:
     """Put the centres of crossed triangles between their corners and inner mid-sides between their ends, in place."""
     cells = mesh.blocks[0].connectivity
-    n = N_CORNERS[cells.shape[1]]
+    n = find_cell(2, cells).corners
     if n == 3:
         total, count = np.zeros_like(points), np.zeros(len(points))
         np.add.at(total, cells[:, 2], points[cells[:, 0]])

@@ -26,6 +26,7 @@ from presswork.model import (
     SolverSettings,
     Stage,
     Support,
+    find_cell,
 )
 
 DATA = Path(__file__).parents[1] / "data"
@@ -33,7 +34,6 @@ DATA = Path(__file__).parents[1] / "data"
 ELEMENTS: tuple[ElementName, ...] = (
     "tri3", "tri6_6pt", "tri6_7pt", "quad4", "quad4_fbar", "quad4_1pt", "quad8", "quad8_2x2", "quad9", "quad9_2x2",
 )  # fmt: skip
-N_CORNERS = {3: 3, 6: 3, 4: 4, 8: 4, 9: 4}
 
 
 def linear_hardening(yield_stress: float, modulus: float = 0.0) -> Hardening:
@@ -102,12 +102,12 @@ def distort(mesh: Mesh, amplitude: float, seed: int = 7) -> Mesh:
     points[inner] += shift[inner]
     for block in mesh.blocks:
         cells = block.connectivity
-        n = N_CORNERS[cells.shape[1]]
-        corners = points[cells[:, :n]]
-        if cells.shape[1] > n:
-            points[cells[:, n : 2 * n]] = 0.5 * (corners + np.roll(corners, -1, axis=1))
-        if cells.shape[1] == 9:
-            points[cells[:, 8]] = corners.mean(axis=1)
+        cell = find_cell(2, cells)
+        corners = points[cells[:, : cell.corners]]
+        if cell.is_quadratic:
+            points[cells[:, cell.edges[:, 2]]] = 0.5 * (corners + np.roll(corners, -1, axis=1))
+        for inner in cell.inner:
+            points[cells[:, inner]] = corners.mean(axis=1)
     return replace(mesh, points=points)
 
 

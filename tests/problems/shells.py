@@ -29,6 +29,7 @@ from presswork.model import (
     SolverSettings,
     Stage,
     Support,
+    find_cell,
 )
 
 X, Y, Z, RX, RY, RZ = range(6)
@@ -127,7 +128,7 @@ def straighten(mesh: Mesh) -> Mesh:
     """Return the mesh with mid-sides and centres in the middle of their corners."""
     points = mesh.points.copy()
     connectivity = mesh.blocks[0].connectivity
-    _straighten(points, connectivity, 3 if connectivity.shape[1] in (3, 6) else 4)
+    _straighten(points, connectivity, find_cell(2, connectivity).corners)
     return replace(mesh, points=points)
 
 

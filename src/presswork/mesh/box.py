@@ -139,7 +139,7 @@ def split_hexahedra(cells: IntArray) -> IntArray:
     first = cells.min(axis=1)
     lowest = np.argmin(faces, axis=2)
     turned = np.take_along_axis(faces, (lowest[:, :, None] + np.arange(4)) % 4, axis=2)
-    triangles = turned[:, :, [[0, 1, 2], [0, 2, 3]]].reshape(len(cells), 12, 3)
+    triangles = turned[:, :, CELLS["quad4"].simplices].reshape(len(cells), 12, 3)
     far = np.repeat((faces != first[:, None, None]).all(axis=2), 2, axis=1)
     own = np.repeat(first, 6)[:, None]
     return np.concatenate([own, triangles[far]], axis=1).astype(np.int32)

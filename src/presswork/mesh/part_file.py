@@ -141,7 +141,7 @@ def _merge(points: FloatArray, cells: Cells, tolerance: float) -> tuple[FloatArr
 
 def _as_triangles(cells: Cells) -> IntArray:
     """Return the triangles, then the two halves of each quadrilateral, one after the other."""
-    halves = cells[1][:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+    halves = cells[1][:, CELLS["quad4"].simplices].reshape(-1, 3)
     return np.concatenate([cells[0], halves])
 
 

@@ -13,7 +13,7 @@ from presswork import _core
 from presswork.mesh.addendum import ON_PLANE
 from presswork.mesh.checks import MeshError
 from presswork.mesh.triangles import find_rims
-from presswork.model import FloatArray, IntArray, OneStepModel
+from presswork.model import CELLS, FloatArray, IntArray, OneStepModel
 from presswork.onestep.fields import cell_means, triangle_fields
 from presswork.onestep.flatten import flatten
 from presswork.onestep.loads import punch_force
@@ -100,7 +100,7 @@ def _lay_under(model: OneStepModel) -> FloatArray:
 
 def _first_guess(model: OneStepModel) -> FloatArray:
     """Lay the whole part flat, its mirror images with it, and over the part; return the places of the nodes."""
-    halves = model.quadrilaterals[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+    halves = model.quadrilaterals[:, CELLS["quad4"].simplices].reshape(-1, 3)
     points, triangles = model.points, np.concatenate([model.triangles, halves])
     if not any(model.symmetry):
         return flatten(points, triangles, model.rims[0])

@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from presswork.model import FloatArray, IntArray
+from presswork.model import CELLS, FloatArray, IntArray
 from presswork.onestep.fields import form_layers
 from presswork.onestep.part import OneStepError, PartSurface, prepare_part
 from presswork.onestep.process import Found, Process
@@ -69,7 +69,7 @@ class Stages:
         """Take a process, its part, and what lays points of its mesh flat and over them. Raises OneStepError."""
         model = process.model
         self._process, self._part, self._lay_flat = process, part, lay_flat
-        halves = model.quadrilaterals[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3)
+        halves = model.quadrilaterals[:, CELLS["quad4"].simplices].reshape(-1, 3)
         self._triangles: IntArray = np.concatenate([model.triangles, halves])
         self._depth = _find_depth(part)
         self._share, highest = _raise_bottom(process, part)

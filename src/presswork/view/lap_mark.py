@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from presswork.model import CELLS
 from presswork.results import Result
 from presswork.view.cells import triangulate
 
@@ -28,7 +29,7 @@ def mark_laps(ax: Axes, result: Result, step: int) -> str:
     from matplotlib.collections import LineCollection
 
     points, triangles = result.points(step)[:, :2], triangulate(result.mesh_at(step))
-    sides = np.concatenate([triangles[:, [i, j]] for i, j in ((0, 1), (1, 2), (2, 0))])
+    sides = np.concatenate([triangles[:, [i, j]] for i, j in CELLS["tri3"].edges])
     ax.add_collection(LineCollection(list(points[sides[marked[sides].all(axis=1)]]), colors=RED, zorder=6))
     x, y = points[marked].T
     ax.scatter(x, y, s=14, marker="o", c=RED, edgecolors="white", linewidths=0.5, zorder=7, clip_on=False)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.model import BoolArray, FloatArray, IndexArray
+from presswork.model import CELLS, BoolArray, FloatArray, IndexArray
 from presswork.remesh.space.body import FLAT, OldBody
 from presswork.remesh.space.fill import FilledBody
 from presswork.remesh.space.tetrahedra import area_vectors, measure_volumes
@@ -60,7 +60,7 @@ class Filling:
 
 def find_notches(points: FloatArray, faces: IndexArray, widest: float) -> Notches:
     """Return the edges of a closed skin (k, 3) whose void has less than an angle [degrees, below 90]."""
-    ends = faces[:, [(0, 1), (1, 2), (2, 0)]].reshape(-1, 2)
+    ends = faces[:, CELLS["tri3"].edges].reshape(-1, 2)
     n = int(faces.max(initial=0)) + 1
     key, reverse = ends[:, 0] * n + ends[:, 1], ends[:, 1] * n + ends[:, 0]
     order = np.argsort(key)
