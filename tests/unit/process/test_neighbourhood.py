@@ -101,6 +101,14 @@ def test_a_ripple_of_the_mesh_is_no_crack_and_its_mean_beyond_the_limit_is(analy
         assert peak.mean.length == (RADIUS if length else pytest.approx(2.0 * 0.5))
 
 
+@pytest.mark.parametrize(("own", "radius"), [(None, 1.5), (1.0, 1.0)])
+def test_the_length_of_the_material_goes_before_that_of_the_body(own, radius):
+    mesh = mesh_plane((8.0, 8.0))
+    model, evolved = make_model(mesh, length=own), {"damage_cockcroft_latham": [np.ones((24 * 24, 4))]}
+    (peak,) = find_peaks(model, mesh, mesh.points, evolved, {"damage_cockcroft_latham": [0.9]}, [1.5])
+    assert peak.mean.length == radius
+
+
 def test_neighbours_are_those_of_the_undeformed_material():
     """Drawn out to four times its length a bar has the means of the material that it had."""
     mesh = mesh_plane((8.0, 8.0))
