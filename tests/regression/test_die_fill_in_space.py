@@ -7,9 +7,9 @@ import pytest
 from presswork import build_model, read_case, run_model
 from presswork.case.space.schema import SpaceCase
 from presswork.examples import copy_example
+from presswork.observe.die_fill.space import DieFillInSpace
 from presswork.outcome import GaveUpError
 from presswork.process.begin import begin
-from presswork.process.die_fill.space import DieFillInSpace
 from tests.unit.mesh.test_die_cavity import make_die
 
 HARDENING = {"law": "swift", "K": 500, "e0": 0.01, "n": 0.2}

@@ -74,7 +74,7 @@ def test_a_loop_that_a_new_mesh_leaves_out_is_marked_along_its_whole_length(tmp_
     next(reports)
     assert recording._remesh("asked for again")
     assert tell()[1] == pytest.approx(2.0, rel=0.05)
-    marked = recording._show().laps > 0.5
+    marked = recording.show().laps > 0.5
     points = find_position(recording.procedure)
     for place in recording._seams.places(points):
         assert np.linalg.norm(points[marked] - place, axis=1).min() < 1.0 / np.sqrt(2)  # half the diagonal of a cell

@@ -73,6 +73,7 @@ PYTHON_ROOMS = {
         "timing",
     },
     "explicit": {"evolution", "law", "mesh", "model", "ranks", "state", "stop"},
+    "observe": {"evolution", "fields", "geometry", "implicit", "mesh", "model", "remesh"},
     "process": {
         "body",
         "evolution",
@@ -86,6 +87,7 @@ PYTHON_ROOMS = {
         "memory",
         "mesh",
         "model",
+        "observe",
         "outcome",
         "ranks",
         "remesh",

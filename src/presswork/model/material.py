@@ -133,7 +133,7 @@ class Damage:
     critical: float | None = None
     """Damage at which a crack begins; None: it is not known."""
     length: float | None = None
-    """Radius of the neighbourhood of the material whose mean decides [mm]; None: that of process/damage_length.py."""
+    """Radius of the neighbourhood of the material whose mean decides [mm]; None: that of observe/damage_length.py."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ from presswork.interaction.body_surfaces import MARGIN, REACH, STEEPEST, CellsOf
 from presswork.interaction.forming_instant import BetweenBodies
 from presswork.interaction.space_interface import SpaceInterface
 from presswork.model import FloatArray, HeatContact, IntArray, Mesh, Model
-from presswork.process.recording import Row
+from presswork.observe.contract import Row
 
 
 class ContactsOfRows:

@@ -15,8 +15,9 @@ from presswork.implicit.neighbours import Neighbour, Neighbours
 from presswork.implicit.sensitivities import Sensitivities
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Model
+from presswork.observe.contract import Row
 from presswork.outcome import StartError
-from presswork.process.recording import ModelRecording, Row
+from presswork.process.recording import ModelRecording
 from presswork.results.history import name_derivative
 
 NO_MEASURES = ("time", "stage", "increment", "iterations", "cells", "remeshes", "remesh_cause")

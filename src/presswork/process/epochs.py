@@ -7,7 +7,6 @@ it beside the state. What names a place names a set of the mesh, and finds it an
 
 from __future__ import annotations
 
-import functools
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
@@ -18,8 +17,6 @@ from numpy.typing import NDArray
 
 from presswork.mesh.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, Mesh, Model, change_mesh
-from presswork.process.damage_length import find_lengths
-from presswork.process.peaks import LatestPeaks
 from presswork.process.recording import ModelRecording
 
 NamedArrays = dict[str, NDArray[np.generic]]
@@ -36,12 +33,6 @@ class EpochRecording(ModelRecording, ABC):
         """How many meshes there were before the present one."""
         self._first_mesh = model.mesh
         self._origin: FloatArray | None = None
-        self._latest_peaks = LatestPeaks()
-
-    @functools.cached_property
-    def damage_lengths(self) -> list[float | None]:
-        """In each block: the radius over which the mean of the damage decides, where the material gives none [mm]."""
-        return find_lengths(replace(self.model, mesh=self._first_mesh))
 
     @property
     def mesh(self) -> Mesh:

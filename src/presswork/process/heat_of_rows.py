@@ -21,10 +21,10 @@ from presswork.geometry.pose import ToolPose, start_centre, start_profile
 from presswork.implicit.heat_of_forming import DIE_KINDS, KINDS, HeatOfForming
 from presswork.interaction.forming_instant import FormingInstant, Poses
 from presswork.model import FloatArray, Heating, Material, Model
+from presswork.observe.contract import Row
 from presswork.outcome import Failed, GaveUpError
 from presswork.process.contacts_of_rows import ContactsOfRows
 from presswork.process.heat_quantities import heat_columns, measure_heat, summarise_heat
-from presswork.process.recording import Row
 from presswork.remesh.carrier import Carrier
 from presswork.timing import Timing
 

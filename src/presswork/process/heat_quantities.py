@@ -14,7 +14,7 @@ from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.interaction.heat_of_sheet import KINDS as SHEET_KINDS
 from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.model import FloatArray, IntArray, Model
-from presswork.process.recording import Row
+from presswork.observe.contract import Row
 
 JOULE = 1e-3
 """Of 1 N mm."""

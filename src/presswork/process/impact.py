@@ -22,13 +22,10 @@ from presswork.fields.solid_fields import effective_stress
 from presswork.geometry.pose import start_profile
 from presswork.model import Blow, Drive, ExplicitSolid, FloatArray, Model, Stage, ToolMotion
 from presswork.process.contacts_of_rows import ContactsOfRows, find_touching
-from presswork.process.die_fill import make_die_fill
 from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself
 from presswork.process.impact_recording import ImpactRecording
 from presswork.process.loose_rows import LooseRows, find_held_by_wall
-from presswork.process.marked_points import MarkedPoints
-from presswork.process.reactions import Reactions
 from presswork.process.row_history import RowHistory
 from presswork.process.rows import RowProgress
 from presswork.process.shear_friction import find_coefficient
@@ -53,9 +50,6 @@ class ExplicitImpact(ImpactRecording):
         for body, velocity in zip(model.bodies[1:], self.settings.velocity_of_others, strict=False):
             self.solids.set_velocity(np.asarray(body.points), velocity)
         self._force = np.zeros((len(self.walls), model.dimension))
-        taken = [t.name for t in model.tools] + [c.name for c in model.contacts]
-        self.reactions = Reactions(model, model.dimension, taken)
-        self.marked, self.fill = MarkedPoints(model), make_die_fill(model)
         if self.settings.target_step is not None and self.solids.dt < self.settings.target_step:
             self._progress.added_mass = self.solids.scale_mass(self.settings.target_step).percent
         check_damping(self.settings.damping, self.solids.dt)

@@ -18,22 +18,20 @@ from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import add_bodies, effective_stress
 from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
-from presswork.model import ELEMENTS, ExplicitSolid, FloatArray, Mesh, Model, Tool
+from presswork.model import ELEMENTS, ExplicitSolid, FloatArray, Model, Tool
+from presswork.observe.contract import Evolved, Row
+from presswork.observe.reactions import Reactions
+from presswork.observe.working_direction import find_working_direction
 from presswork.process.contacts_of_rows import ContactsOfRows
-from presswork.process.die_fill.dies import DieFill
 from presswork.process.heat_of_rows import HeatOfRows
 from presswork.process.heat_quantities import show_dies, warn_of_tables
 from presswork.process.limits import Measure, Watched, measure_hydrostatic_stress, measure_mean_pressure
 from presswork.process.loose_rows import LooseRows
-from presswork.process.marked_points import MarkedPoints
-from presswork.process.peaks import Peak, find_peaks, peak_columns, peak_row
 from presswork.process.penetration import Penetration
-from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram, warn_of_ram
-from presswork.process.reactions import Reactions
-from presswork.process.recording import Row, Snapshot
+from presswork.process.recording import Snapshot
 from presswork.process.row_history import BlockPoints, RowHistory
 from presswork.process.rows import LAST_COLUMNS, RowRecording, RowReport, last_energies
-from presswork.process.tool_quantities import describe_plane, find_way, force_on_whole, size_of_force, tool_columns
+from presswork.process.tool_quantities import describe_plane, force_on_whole, size_of_force, tool_columns
 
 if TYPE_CHECKING:
     from presswork.evolution.porosity import NonlocalPorosity
@@ -57,9 +55,6 @@ class ImpactRecording(RowRecording):
     contacts: ContactsOfRows
     heat: HeatOfRows | None
     points: RowHistory
-    reactions: Reactions
-    marked: MarkedPoints
-    fill: DieFill
     loose: LooseRows | None
     """None where bodies are meant to fly."""
     settings: ExplicitSolid
@@ -74,12 +69,9 @@ class ImpactRecording(RowRecording):
     def columns(self) -> list[str]:
         """Of history.csv."""
         first = ["time", "stage", "increment", "cycles", *tool_columns(self.model)]
-        ram = RAM_COLUMNS if has_ram(self.model) else ()
-        peaks = peak_columns(self.solids.damage)
         first += self.heat.columns if self.heat else []
-        points = [*self.fill.columns, *self.marked.columns(self.show())]
         first += self.contacts.columns
-        return [*first, *peaks, *ram, *self.reactions.columns, *points, *self._extents, *LAST_COLUMNS]
+        return [*first, *self.observers.columns(self), *self._extents, *LAST_COLUMNS]
 
     @property
     def time(self) -> float:
@@ -107,12 +99,7 @@ class ImpactRecording(RowRecording):
             row |= self._measure(tool, wall, mean)
         row |= self.contacts.row()
         row |= self.heat.row() if self.heat else {}
-        row |= self._ram_row(report)
-        row |= peak_row(self._find_peaks(), self.solids.damage)
-        displacement = self.moved(self.solids.position - self.model.mesh.points)
-        row |= self.reactions.measure(self.mesh, self._stage_of_row(), self._reaction, displacement)
-        row |= self.fill.measure(*self._find_dies())
-        row |= self.marked.measure(self.show()) if self.model.points else {}
+        row |= self.observers.row(self)
         low, high = self.solids.position.min(axis=0), self.solids.position.max(axis=0)
         extent = (float(v) for v in np.column_stack([low, high]).ravel())
         return {**row, **dict(zip(self._extents, extent, strict=True)), **self._end_row(report)}
@@ -124,7 +111,7 @@ class ImpactRecording(RowRecording):
     def _measure(self, tool: Tool, wall: Any, mean: FloatArray) -> Row:
         """Return stroke and force of the workpiece on the whole tool, as tool_quantities does."""
         force = force_on_whole(tool, mean)
-        way = find_way(self.model, tool)
+        way = find_working_direction(self.model, tool)
         stroke, against = (
             (0.0, size_of_force(self.model, force)) if way is None else (wall.displacement @ way, -force @ way)
         )
@@ -132,9 +119,25 @@ class ImpactRecording(RowRecording):
         values = {"stroke": stroke, "force": against, "force_x": x, "force_y": y, "force_z": z}
         return {f"{tool.name}.{name}": float(value) for name, value in values.items()}
 
-    def _find_dies(self) -> tuple[Mesh, FloatArray, dict[str, FloatArray]]:
-        """Return the mesh, where its nodes are, and how far the tools have moved (2,) [mm]."""
-        return self.model.mesh, self.solids.position, {wall.name: wall.displacement for wall in self.walls}
+    def tool_displacements(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the run began (2 | 3,) [mm]."""
+        return {wall.name: wall.displacement for wall in self.walls}
+
+    def positions(self) -> FloatArray:
+        """Return where the nodes are (n_points, 2 | 3) [mm]."""
+        return np.asarray(self.solids.position)
+
+    def displacements(self) -> FloatArray:
+        """Return displacements since the run began (n_points, 2 | 3) [mm]."""
+        return self.moved(self.solids.position - self.model.mesh.points)
+
+    def reactions(self) -> FloatArray:
+        """Return the mean forces of what holds nodes over the last row (n_points, 2 | 3) [N]."""
+        return self._reaction
+
+    def evolved(self) -> Evolved:
+        """Return the damage of the cells."""
+        return Evolved(self.solids.damage, self.solids.critical_damage())
 
     def watch(self) -> Watched:
         """Return how far the present state is towards its limits."""
@@ -150,17 +153,7 @@ class ImpactRecording(RowRecording):
         hydrostatic = measure_hydrostatic_stress(mean, flow, centres)
         return Watched(
             (hydrostatic, *self._measure_pressure(mean, flow), *([deepest] if deepest else [])),
-            damage=self._find_peaks(),
-        )
-
-    def _find_peaks(self) -> tuple[Peak, ...]:
-        """Return the largest damage by each criterion."""
-        return self._latest_peaks.find((self.epoch, self.solids.cycle), self._look_for_peaks)
-
-    def _look_for_peaks(self) -> tuple[Peak, ...]:
-        solids = self.solids
-        return find_peaks(
-            self.model, self.mesh, solids.position, solids.damage, solids.critical_damage(), self.damage_lengths
+            damage=self.find_peaks(),
         )
 
     def _measure_pressure(self, stress: FloatArray, flow_stress: FloatArray) -> list[Measure]:
@@ -254,7 +247,7 @@ class ImpactRecording(RowRecording):
             tool_centre={t.name: start_centre(t) for t in model.plane_tools},
             tool_displacement={wall.name: wall.displacement for wall in self.walls},
             tool_angle={t.name: 0.0 for t in model.plane_tools},
-            info={**describe_plane(model), **self.reactions.gauges(model)},
+            info={**describe_plane(model), **self.observers.find(Reactions).gauges(model)},
         )
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
@@ -279,14 +272,13 @@ class ImpactRecording(RowRecording):
             "energy": last_energies(history),
             "time_simulated": self.solids.time,
             **(self.heat.summarise() if self.heat else {}),
-            **self.fill.summarise(*self._find_dies()),
-            **summarise_ram(self.model, history),
+            **self.observers.summary(self, history),
             **self.points.window.summarise(self.model.materials),
             "warnings": [
                 *(self.loose.warn(self.model) if self.loose else ()),
                 *self.points.window.warnings(self.model.materials),
                 *warn_of_energies(history, advice),
                 *(warn_of_tables(self.model, self.heat.arrays.reached) if self.heat else ()),
-                *(warn_of_ram(self.model, history, np.ones(len(self.model.stages))) if has_ram(self.model) else ()),
+                *self.observers.warnings(self, history),
             ],
         }

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from presswork.body.law_window import LawWindow
 from presswork.body.solids import Mechanics
-from presswork.evolution.points import find_evolved
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.solid_fields import add_bodies
@@ -32,17 +31,17 @@ from presswork.implicit.epochs import AskForMesh
 from presswork.implicit.heat_of_forming import DIE_KINDS, HeatArrays
 from presswork.implicit.heat_of_forming import KINDS as HEAT_KINDS
 from presswork.implicit.progress import Progress
-from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.loose_bodies import warn_of_loose
 from presswork.interaction.solid_contact import SolidContact
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.interaction.tool_course import find_turning
-from presswork.model import FloatArray, IntArray, Mesh, Model
-from presswork.process.die_fill import make_die_fill
+from presswork.model import FloatArray, IntArray, Model
+from presswork.observe.contract import Row
+from presswork.observe.reactions import Reactions
 from presswork.process.heat_quantities import heat_columns, measure_heat, show_dies, summarise_heat, warn_of_tables
 from presswork.process.held_surface import measure_held_part
-from presswork.process.increments import IncrementRecording, find_position
+from presswork.process.increments import IncrementRecording
 from presswork.process.limits import (
     Watched,
     measure_hydrostatic_stress,
@@ -50,11 +49,8 @@ from presswork.process.limits import (
     tell_full_dies,
     watch_sheet,
 )
-from presswork.process.peaks import peak_columns, peak_row
 from presswork.process.penetration import Penetration, measure_bodies
-from presswork.process.press_quantities import RAM_COLUMNS, has_ram, measure_ram, summarise_ram, warn_of_ram
-from presswork.process.reactions import Reactions
-from presswork.process.recording import Meta, Row, Snapshot
+from presswork.process.recording import Meta, Snapshot
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.tool_ends import explain_passed_ends
 from presswork.process.tool_quantities import ToolQuantities, describe_plane, measure_tools
@@ -87,9 +83,6 @@ class ImplicitRecording(IncrementRecording):
         super().__init__(model, procedure, ask_for_mesh)
         self.turning = find_turning(model.tools, model.stages)
         self.penetration = Penetration()
-        taken = [t.name for t in model.tools] + [c.name for c in model.contacts]
-        self.reactions = Reactions(model, 6 if model.analysis == "shell" else model.dimension, taken)
-        self.fill = make_die_fill(model)
         self._tools: dict[str, ToolQuantities] = {}
 
     @property
@@ -104,10 +97,8 @@ class ImplicitRecording(IncrementRecording):
                 for name in self.procedure.heat.forming.hottest(self.procedure.state[HeatArrays])
             ]
             heat += ["dies_heat_stored"] if self.procedure.heat.forming.dies.dies else []
-        peaks = peak_columns(find_evolved(self.procedure.state))
-        ram = RAM_COLUMNS if has_ram(self.model) else ()
-        first = [*history_columns(tools, self.turning, contacts, "xyz"[: self.model.dimension]), *ram, *heat, *peaks]
-        return [*first, *self.reactions.columns, *self.fill.columns, *self.marked.columns(self._show())]
+        first = history_columns(tools, self.turning, contacts, "xyz"[: self.model.dimension])
+        return [*first, *heat, *self.observers.columns(self)]
 
     def begin_log(self) -> str:
         """Name the linear solver."""
@@ -129,7 +120,7 @@ class ImplicitRecording(IncrementRecording):
 
     def row(self, report: IncrementReport) -> Row:
         """Return the row of the history."""
-        self._tools = measure_tools(self.procedure, self._stage())
+        self._tools = measure_tools(self.procedure, self.current_stage())
         row = self._begin_row(report)
         for name, tool in self._tools.items():
             row[f"{name}.stroke"], row[f"{name}.force"] = tool.stroke, tool.force
@@ -140,18 +131,12 @@ class ImplicitRecording(IncrementRecording):
         for name in (c.name for c in self.model.contacts if not c.by_itself):
             row |= {f"{name}.force_{axis}": float(f) for axis, f in zip("xyz", forces[name], strict=False)}
         state = self.procedure.state
-        if RamArrays in state:
-            row |= measure_ram(self.model, state, self._stage())
         if (heat := self.procedure.heat) is not None:
             own, bodies = state[HeatArrays], heat.forming
             row |= measure_heat(bodies.conduction, own.temperature, bodies.stored(own), HEAT_KINDS, own.heat)
             row |= {f"{name}.temperature_max": value for name, value in bodies.hottest(own).items()}
             row |= {"dies_heat_stored": bodies.stored_in_dies(own)} if bodies.dies.dies else {}
-        row |= peak_row(self.find_peaks(), find_evolved(state))
-        moved = self.moved(state.nodes.displacement)
-        row |= self.fill.measure(*self._find_dies())
-        row |= self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, moved)
-        return row | (self.marked.measure(self._show()) if self.model.points else {})
+        return row | self.observers.row(self)
 
     def watch(self) -> Watched:
         """Return how far the converged state is towards its limits."""
@@ -191,7 +176,7 @@ class ImplicitRecording(IncrementRecording):
                 of_body = mean.ravel(), flow.ravel(), state.cells.volume[number].ravel()
                 metal.setdefault(body, []).append(of_body)
         if model.plane_tools or model.space_tools:
-            touched = measure_held_part(procedure, self._stage(), points)
+            touched = measure_held_part(procedure, self.current_stage(), points)
             for body, blocks in metal.items():
                 mean, flow, volume = (np.concatenate(of) for of in zip(*blocks, strict=True))
                 found.append(measure_mean_pressure(body, mean, flow, volume, touched))
@@ -205,14 +190,16 @@ class ImplicitRecording(IncrementRecording):
         tools = state[ToolArrays]
         return [(moved, float(angle)) for moved, angle in zip(tools.displacement, tools.angle, strict=True)]
 
-    def _find_dies(self) -> tuple[Mesh, FloatArray, dict[str, FloatArray]]:
-        """Return the mesh, where its nodes are, and how far the tools have moved (2 | 3,) [mm]."""
-        model, state = self.model, self.procedure.state
-        if model.space_tools:
-            return model.mesh, model.mesh.points + state.nodes.moved, self._surface_places()[0]
+    def tool_displacements(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the run began (2 | 3,) [mm]."""
+        if self.model.space_tools:
+            return self._surface_places()[0]
         moved = [displacement for displacement, _ in self._tool_places()]
-        names = [tool.name for tool in model.plane_tools]
-        return model.mesh, find_position(self.procedure), dict(zip(names, moved, strict=False))
+        return dict(zip((tool.name for tool in self.model.plane_tools), moved, strict=False))
+
+    def overlap(self) -> float:
+        """Return nothing: no sheet of loads touches itself."""
+        return 0.0
 
     def _surface_places(self) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
         """Return how far each tool in space has moved (3,) [mm] and turned (3,) [rad] since the start, by its name."""
@@ -232,7 +219,7 @@ class ImplicitRecording(IncrementRecording):
 
     def _find_hints(self) -> list[str]:
         """Name tools whose profiles end on the metal and dies that are full, and say where new meshes would help."""
-        full = tell_full_dies(self.fill.measure(*self._find_dies()))
+        full = tell_full_dies(self.observers.row(self))
         return [*self._find_passed_ends(), *full, *([NEW_MESHES] if self._keeps_its_mesh() else [])]
 
     def _keeps_its_mesh(self) -> bool:
@@ -247,20 +234,15 @@ class ImplicitRecording(IncrementRecording):
         mesh, state = self.model.mesh, self.procedure.state
         if not self.model.plane_tools:
             return []
-        held = np.asarray(self.procedure.interactions.supports.fixed(self._stage()))[:, :2].any(axis=1)
+        held = np.asarray(self.procedure.interactions.supports.fixed(self.current_stage()))[:, :2].any(axis=1)
         points = mesh.points + state.nodes.moved
         return explain_passed_ends(self._placed_profiles(), points, mesh.boundary_edges, np.asarray(held))
 
-    def _stage(self) -> int:
-        """The stage that the converged state belongs to."""
-        progress = self.procedure.state[Progress]
-        return progress.stage - 1 if progress.fraction == 0.0 and progress.stage > 0 else progress.stage
-
-    def _show(self) -> Instant:
+    def show(self) -> Instant:
         """Return what the fields of the converged state are computed from."""
         procedure = self.procedure
         state, interactions = procedure.state, procedure.interactions
-        forces = interactions.tools.contact.forces(state, interactions.supports.fixed(self._stage()))
+        forces = interactions.tools.contact.forces(state, interactions.supports.fixed(self.current_stage()))
         between = interactions.bodies.traction(state)
         now = procedure.mechanics.show(state, forces, between)
         if procedure.heat is not None:
@@ -271,13 +253,14 @@ class ImplicitRecording(IncrementRecording):
         if self.model.dimension == 3 and between is not None and has_fields:  # fields do not come in the run
             now.find_contact = functools.partial(add_bodies, now.find_contact, between)
         if self.model.analysis != "shell":
-            now.reaction = state.nodes.reaction[:, :3] * self.reactions.mask(self.mesh, self._stage())
+            held = self.observers.find(Reactions).mask(self.mesh, self.current_stage())
+            now.reaction = state.nodes.reaction[:, :3] * held
         return now
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the converged state."""
         model, state = self.model, self.procedure.state
-        points, cells = compute_fields(self._show())
+        points, cells = compute_fields(self.show())
         points = {**points, "displacement": self.moved(points["displacement"])}
         places, (moved, rotation) = self._tool_places(), self._surface_places()
         return Snapshot(
@@ -294,7 +277,7 @@ class ImplicitRecording(IncrementRecording):
             tool_rotation=rotation,
             info={
                 **describe_plane(model),
-                **self.reactions.gauges(model),
+                **self.observers.find(Reactions).gauges(model),
                 **(self._judged().to_info() if model.analysis == "shell" else {}),
             },
         )
@@ -359,16 +342,15 @@ class ImplicitRecording(IncrementRecording):
             },
             "contact": contact,
             "energy": procedure.energy_balance(),
-            **self.fill.summarise(*self._find_dies()),
             **self._summarise_heat(),
-            **summarise_ram(model, history),
+            **self.observers.summary(self, history),
             **state[LawWindow].summarise(model.materials),
             "linear_solver": procedure.equilibrium.solver.name,
             **({"formability": verdict.to_summary()} if verdict else {}),
             "warnings": [
                 *warn_of_loose(model, state),
                 *_warn(contact),
-                *(warn_of_ram(model, history, state[RamArrays].plastic_share) if RamArrays in state else ()),
+                *self.observers.warnings(self, history),
                 *state[LawWindow].warnings(model.materials),
                 *(warn_of_tables(model, state[HeatArrays].reached) if procedure.heat else ()),
                 *(verdict.warnings() if verdict else ()),

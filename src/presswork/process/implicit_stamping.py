@@ -17,21 +17,19 @@ from numpy.typing import NDArray
 
 from presswork.body.law_window import LawWindow
 from presswork.body.shell_arrays import ShellArrays
-from presswork.evolution.points import find_evolved
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.formability import find_thinning
 from presswork.implicit.held import check_held
 from presswork.implicit.progress import Progress
-from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.heat_of_sheet import SheetHeatArrays
 from presswork.interaction.loose_bodies import warn_of_loose
 from presswork.interaction.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
-from presswork.process.draw_in import DrawIn
+from presswork.observe.contract import Row
 from presswork.process.heat_quantities import (
     columns_of_sheet,
     measure_sheet_heat,
@@ -42,18 +40,7 @@ from presswork.process.heat_quantities import (
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
-from presswork.process.overlap import OVERLAP, summarise_overlap, warn_of_overlap
-from presswork.process.peaks import peak_columns, peak_row
-from presswork.process.press_quantities import (
-    RAM_COLUMNS,
-    has_ram,
-    measure_ram,
-    ram_at_rest,
-    summarise_ram,
-    warn_of_ram,
-)
-from presswork.process.reactions import Reactions
-from presswork.process.recording import Row, Snapshot
+from presswork.process.recording import Snapshot
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.stamping_tools import (
     bead_columns,
@@ -157,20 +144,14 @@ class ImplicitStamping(IncrementRecording):
             begin_with(begin, self.procedure)
             check_held(self.procedure.model, self.procedure.interactions, self.procedure.state)
         self._judged = model.sheet[1].formability
-        self.reactions = Reactions(model, 6, [t.name for t in model.tools])
-        self.edge = DrawIn(model)
 
     @property
     def columns(self) -> list[str]:
         """Of history.csv."""
         first = ["time", "stage", "increment", "iterations", *self._tool_columns(), *self._bead_columns()]
-        first += peak_columns(find_evolved(self.procedure.state))
         if (heat := self.procedure.sheet_heat) is not None:
             first += columns_of_sheet(heat.sheet, self.procedure.state[SheetHeatArrays])
-        first += [OVERLAP] if self.model.self_contact else []
-        ram = RAM_COLUMNS if has_ram(self.model) else ()
-        places = [*self.marked.columns(self.show()), *self.edge.columns]
-        return [*first, *ram, *self.reactions.columns, *places, THINNING, *ENERGIES, "energy_error_percent"]
+        return [*first, *self.observers.columns(self), THINNING, *ENERGIES, "energy_error_percent"]
 
     def begin_log(self) -> str:
         """Name the procedure and the linear solver."""
@@ -181,7 +162,7 @@ class ImplicitStamping(IncrementRecording):
         tools = tool_text(self.model, self._tool_columns())
         return f"{report.stage}: increment {report.number}, {len(report.log)} iterations  {tools}"
 
-    def _displacement(self) -> dict[str, FloatArray]:
+    def tool_displacements(self) -> dict[str, FloatArray]:
         """Return how far each tool has moved since the start (3,) [mm]."""
         state = self.procedure.state
         if SpaceToolArrays not in state:
@@ -200,7 +181,7 @@ class ImplicitStamping(IncrementRecording):
     def _tool_columns(self) -> Row:
         sheet = self._sheet()
         forces = sheet.tool_forces(self.procedure.state) if sheet else np.zeros((0, 3))
-        return tool_columns(self.model, self._displacement(), make_whole(self.model, forces))
+        return tool_columns(self.model, self.tool_displacements(), make_whole(self.model, forces))
 
     def _bead_columns(self) -> Row:
         sheet = self._sheet()
@@ -209,28 +190,16 @@ class ImplicitStamping(IncrementRecording):
 
     def row(self, report: IncrementReport) -> Row:
         """Return the row of the history."""
-        balance, state = self.procedure.energy_balance(), self.procedure.state
+        balance = self.procedure.energy_balance()
         return {
             **self._begin_row(report),
             **self._tool_columns(),
             **self._bead_columns(),
-            **(measure_ram(self.model, state, self._stage()) if RamArrays in state else {}),
-            **peak_row(self.find_peaks(), find_evolved(state)),
-            **self._overlap_row(),
             **self._measure_heat(),
-            **self.reactions.measure(self.mesh, self._stage(), state.nodes.reaction, state.nodes.displacement),
-            **self._measure_places(),
+            **self.observers.row(self),
             THINNING: self._measure_thinning(),
             **{name: balance[name] for name in ENERGIES},
             "energy_error_percent": balance["error_percent"],
-        }
-
-    def _measure_places(self) -> Row:
-        """Return what marked points have seen, and how far the edge has come in."""
-        position = self.mesh.points + self.procedure.state.nodes.displacement[:, :3]
-        return {
-            **(self.marked.measure(self.show()) if self.model.points else {}),
-            **self.edge.measure(self.model, position),
         }
 
     def _measure_thinning(self) -> float:
@@ -239,18 +208,14 @@ class ImplicitStamping(IncrementRecording):
         blocks = self.procedure.state[ShellArrays].thickness
         return max(float(find_thinning(np.log(block / first).mean(axis=1)).max()) for block in blocks)
 
-    def _overlap_row(self) -> Row:
+    def overlap(self) -> float:
+        """Return by how much the sheet overlaps itself [mm]."""
         contact = self.procedure.interactions.self_contact
-        return {OVERLAP: contact.find_overlap(self.procedure.state)} if contact else {}
+        return contact.find_overlap(self.procedure.state) if contact else 0.0
 
     def _measure_heat(self) -> Row:
         heat = self.procedure.sheet_heat
         return measure_sheet_heat(heat.sheet, self.procedure.state[SheetHeatArrays]) if heat else {}
-
-    def _stage(self) -> int:
-        """Return the stage that the converged state belongs to."""
-        progress = self.procedure.state[Progress]
-        return max(progress.stage - int(progress.fraction == 0.0), 0)
 
     def show(self) -> Instant:
         """Return what the fields of the converged state are computed from."""
@@ -274,7 +239,7 @@ class ImplicitStamping(IncrementRecording):
             cell_data=cells,
             info=describe_stamping(model),
             surfaces=cut_tools(model),
-            tool_displacement=self._displacement(),
+            tool_displacement=self.tool_displacements(),
         )
 
     def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
@@ -293,7 +258,7 @@ class ImplicitStamping(IncrementRecording):
         depths = contact.depths(procedure.state) if contact else np.zeros(0)
         each = zip(self.model.tools, depths, strict=True)
         deep = [measure_sheet_penetration(tool.name, float(depth), thickness) for tool, depth in each]
-        deep += [measure_overlap(float(depth), thickness) for depth in self._overlap_row().values()]
+        deep += [measure_overlap(self.overlap(), thickness)] if self.model.self_contact else []
         return Watched((*strained.measures, *deep), strained.margin, self.find_peaks())
 
     def judge(self) -> FormingVerdict:
@@ -312,28 +277,20 @@ class ImplicitStamping(IncrementRecording):
 
     def row_at_rest(self) -> Row:
         """Return the row of the history once the part is released: strokes, and what the energies have come to."""
-        balance, state = self.procedure.energy_balance(), self.procedure.state
-        tools = tool_columns(self.model, self._displacement(), np.zeros((len(self.model.tools), 3)))
+        balance = self.procedure.energy_balance()
+        tools = tool_columns(self.model, self.tool_displacements(), np.zeros((len(self.model.tools), 3)))
         energies = {name: balance[name] for name in ENERGIES}
         return {
             "time": self.time,
             "iterations": 0,
             **tools,
             **bead_columns(self.model, [0.0] * len(self.model.beads)),
-            **(ram_at_rest(state[RamArrays].work) if RamArrays in state else {}),
-            **peak_row(self.find_peaks(), find_evolved(self.procedure.state)),
-            **self._overlap_row(),
             **self._measure_heat(),
-            **self.reactions.nothing(),
-            **self._measure_places(),
+            **self.observers.row(self, is_released=True),
             THINNING: self._measure_thinning(),
             **energies,
             "energy_error_percent": balance["error_percent"],
         }
-
-    def _warn_of_ram(self, history: Mapping[str, NDArray[Any]]) -> list[str]:
-        state = self.procedure.state
-        return warn_of_ram(self.model, history, state[RamArrays].plastic_share) if RamArrays in state else []
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are beyond their limits."""
@@ -364,18 +321,16 @@ class ImplicitStamping(IncrementRecording):
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "energy": energy,
             "time_simulated": state[Progress].time,
-            **summarise_ram(self.model, history),
             **({"heat": summarise_sheet_heat(heat.sheet, state[SheetHeatArrays])} if heat else {}),
             **state[LawWindow].summarise(self.model.materials),
             "formability": verdict.to_summary(),
-            **summarise_overlap(self.model, history),
+            **self.observers.summary(self, history),
             **held,
             "linear_solver": self.procedure.equilibrium.solver.name,
             "warnings": [
                 *warn_of_loose(self.procedure.model, self.procedure.state),
                 *warnings,
-                *self._warn_of_ram(history),
-                *warn_of_overlap(self.model, history),
+                *self.observers.warnings(self, history),
                 *verdict.warnings(),
             ],
         }

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -10,15 +11,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.evolution.points import find_evolved
+from presswork.fields.instant import Instant
 from presswork.implicit.epochs import AskForMesh, Epoch, MeshChange, new_epoch
 from presswork.implicit.progress import Progress
+from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
-from presswork.model import FloatArray, Model, change_mesh
+from presswork.model import Blow, FloatArray, Model, change_mesh
+from presswork.observe.contract import Evolved, Ram, Row
+from presswork.observe.damage import DamagePeaks, Peak
+from presswork.observe.marked_points import MarkedPoints
+from presswork.observe.of_model import list_observers
 from presswork.outcome import GaveUpError
 from presswork.process.epochs import EpochRecording, NamedArrays
-from presswork.process.marked_points import MarkedPoints
-from presswork.process.peaks import Peak, find_peaks
-from presswork.process.recording import Row
 
 MADE = "made"
 """Name in a checkpoint."""
@@ -32,11 +36,16 @@ class IncrementRecording(EpochRecording):
         super().__init__(model)
         self.procedure = procedure
         self.timing = procedure.timing
-        self.marked = MarkedPoints(model)
+        self.observers = list_observers(model)
         self._ask_for_mesh = ask_for_mesh
         self._made_at, self._failed_at = 0, -1
         """Increments when the mesh was made, or could not be, and when one last failed."""
         self._notes: list[str] = []
+
+    @property
+    def marked(self) -> MarkedPoints:
+        """The marked points."""
+        return self.observers.find(MarkedPoints)
 
     @property
     def number(self) -> int:
@@ -90,14 +99,53 @@ class IncrementRecording(EpochRecording):
 
     def find_peaks(self) -> tuple[Peak, ...]:
         """Return the largest damage of the converged state by each criterion."""
-        return self._latest_peaks.find((self.epoch, self.number), self._look_for_peaks)
+        return self.observers.find(DamagePeaks).find(self)
 
-    def _look_for_peaks(self) -> tuple[Peak, ...]:
-        procedure, mesh = self.procedure, self.model.mesh
-        evolution = procedure.evolution
-        position = mesh.points + procedure.state.nodes.displacement[:, : mesh.points.shape[1]]
+    def current_stage(self) -> int:
+        """Return the stage that the converged state belongs to."""
+        progress = self.procedure.state[Progress]
+        return progress.stage - 1 if progress.fraction == 0.0 and progress.stage > 0 else progress.stage
+
+    def positions(self) -> FloatArray:
+        """Return where the nodes are (n_points, 2 | 3) [mm]."""
+        points = self.model.mesh.points
+        return np.asarray(points + self.procedure.state.nodes.displacement[:, : points.shape[1]])
+
+    def displacements(self) -> FloatArray:
+        """Return displacements since the run began (n_points, freedoms) [mm, rad]."""
+        return self.moved(self.procedure.state.nodes.displacement)
+
+    @abstractmethod
+    def tool_displacements(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the run began (2 | 3,) [mm]."""
+
+    @abstractmethod
+    def overlap(self) -> float:
+        """Return by how much a sheet overlaps itself [mm]; 0 of a solid."""
+
+    @abstractmethod
+    def show(self) -> Instant:
+        """Return what fields are computed from."""
+
+    def reactions(self) -> FloatArray:
+        """Return the forces of what holds nodes (n_points, freedoms) [N, N mm]."""
+        return self.procedure.state.nodes.reaction
+
+    def evolved(self) -> Evolved:
+        """Return what evolution laws keep at the points of the material."""
+        evolution = self.procedure.evolution
         critical = {name: evolution.critical(name) for name in evolution.names}
-        return find_peaks(self.model, self.mesh, position, find_evolved(procedure.state), critical, self.damage_lengths)
+        return Evolved(find_evolved(self.procedure.state), critical)
+
+    def ram(self) -> Ram:
+        """Return the ram of a model that has one."""
+        now, drive = self.procedure.state[RamArrays], self.model.stages[self.current_stage()].drive
+        blow = drive.motion.number if drive is not None and isinstance(drive.motion, Blow) else 0
+        return Ram(now.speed, now.force, now.work, blow)
+
+    def plastic_shares(self) -> FloatArray:
+        """Return the plastic work over the work of the ram in each stage (n_stages,)."""
+        return self.procedure.state[RamArrays].plastic_share
 
     def remaining(self) -> float:
         """Return the part of the whole process that is still to be computed, counted in stage durations."""
@@ -117,11 +165,11 @@ class IncrementRecording(EpochRecording):
         ]
 
     def _epoch_arrays(self) -> NamedArrays:
-        return {MADE: np.array([self._made_at, self._failed_at]), **self.marked.to_arrays()}
+        return {MADE: np.array([self._made_at, self._failed_at]), **self.observers.arrays()}
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         self._made_at, self._failed_at = (int(number) for number in epoch[MADE])
-        self.marked.load_arrays(epoch)
+        self.observers.load_arrays(epoch)
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         self.procedure = ImplicitProcedure(change_mesh(self.procedure.model, self.model.mesh), before=self.procedure)

@@ -14,7 +14,7 @@ import numpy as np
 
 from presswork.fields.formability_fields import Extreme, FormingVerdict
 from presswork.model import FloatArray, Limits
-from presswork.process.peaks import Peak
+from presswork.observe.damage import Peak
 
 LimitName = Literal["penetration", "thinning", "hydrostatic_stress", "mean_pressure"]
 

@@ -20,14 +20,15 @@ from numpy.typing import NDArray
 from presswork.explicit.input_checks import ExplicitError
 from presswork.mesh.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, IntArray, Mesh, Model
+from presswork.observe.contract import Row
+from presswork.observe.ram import RAM_COLUMNS, has_ram
+from presswork.observe.reactions import Reactions
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.epochs import NamedArrays
 from presswork.process.laying import LayingError, close_tools, find_plans, find_turn, lay_part, lay_tools, tip_onto
 from presswork.process.limits import Watched
 from presswork.process.part_fit import check_reach, explain_misfit
-from presswork.process.press_quantities import RAM_COLUMNS, has_ram
-from presswork.process.reactions import Reactions
-from presswork.process.recording import Meta, ModelRecording, Report, Row, Snapshot
+from presswork.process.recording import Meta, ModelRecording, Report, Snapshot
 from presswork.process.sheet_dump import dump_sheet, load_sheet
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.springback import LaidPart, ReleasedStamping, SpringbackReport, TrimReport
@@ -172,7 +173,7 @@ class PressLine(ModelRecording):
         still = {t.name: np.zeros(3) for t in own.tools}
         tools = tool_columns(own, still, np.zeros((len(own.tools), 3)))
         ram = RAM_COLUMNS if has_ram(own) else ()
-        reactions = Reactions(own, 6, [t.name for t in own.tools]).columns
+        reactions = Reactions(own).names
         return [*tools, *bead_columns(own, [0.0] * len(own.beads)), *ram, *reactions]
 
     def begin_log(self) -> str:

@@ -26,6 +26,7 @@ from presswork.fields.instant import Instant
 from presswork.geometry.pose import ToolPose, place_segments, start_profile
 from presswork.mesh.checks import MeshError
 from presswork.model import BoolArray, ElementName, FloatArray, Mesh, Model, Remeshing, list_bodies
+from presswork.observe.contract import Row
 from presswork.process.carrying import OnMesh, carry_peaks, carry_state, carry_surface
 from presswork.process.contacts_on_new_mesh import find_rows, turn_impulses
 from presswork.process.epochs import NamedArrays
@@ -33,7 +34,6 @@ from presswork.process.impact import ExplicitImpact
 from presswork.process.laps import find_laps, mark_laps, tell_laps
 from presswork.process.mesh_reasons import DUE, FAILS, STEP, find_cause, find_reason, find_reason_to_leave_first
 from presswork.process.new_epoch import keep_held, make_on_lead
-from presswork.process.recording import Row
 from presswork.process.remeshing import MOST_GIVEN_BACK
 from presswork.process.rows import RowReport
 from presswork.process.seams import Seams
@@ -299,12 +299,12 @@ class RemeshedImpact(ExplicitImpact):
     def _epoch_arrays(self) -> NamedArrays:
         on_first = np.isin(np.arange(self._n_bodies), list(self._on_first))
         kept = {"density": self._density, "increment": self._increment, ON_FIRST: on_first}
-        return kept | self.marked.to_arrays() | self._seams.to_arrays()
+        return super()._epoch_arrays() | kept | self._seams.to_arrays()
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         self._increment = np.array(epoch["increment"], dtype=float)
         self._on_first = set(np.flatnonzero(epoch[ON_FIRST]).tolist())
-        self.marked.load_arrays(epoch)
+        super()._load_epoch(epoch)
         self._seams.load_arrays(epoch)
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:

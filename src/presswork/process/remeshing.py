@@ -24,6 +24,7 @@ from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.mesh.joined import split_mesh
 from presswork.model import Body, FloatArray, Model, Remeshing, find_cell, take_corners
+from presswork.observe.contract import Row
 from presswork.outcome import Failed, GaveUpError, StartError
 from presswork.process.carrying import OnMesh, carry_peaks, carry_to_mesh, find_undeclared
 from presswork.process.epochs import NamedArrays
@@ -43,7 +44,6 @@ from presswork.process.mesh_reasons import (
 )
 from presswork.process.new_balance import balance_new_mesh, measure_jump
 from presswork.process.new_epoch import NewEpoch, join_sections, keep_held, make_on_lead
-from presswork.process.recording import Row
 from presswork.process.seams import Seams
 from presswork.ranks.world import World
 from presswork.remesh.carrier import Carrier
@@ -348,9 +348,9 @@ class RemeshedForming(FoldingRecording):
         self._made_at, self._stayed = self.number, True
         return False
 
-    def _show(self) -> Instant:
+    def show(self) -> Instant:
         """Return what the fields are computed from."""
-        now = super()._show()
+        now = super().show()
         now.laps = mark_laps(self.procedure.state[LapArrays].mark, self._seams)
         now.initial_position = self.mesh.points
         return now

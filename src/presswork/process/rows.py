@@ -17,12 +17,16 @@ from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.energy import ENERGIES, EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.motion import DrivenStroke
+from presswork.fields.instant import Instant
 from presswork.implicit.ram import SPENT
 from presswork.model import Blow, Drive, FloatArray, Model, Stage, Support
+from presswork.observe.contract import Evolved, Ram, Row
+from presswork.observe.damage import DamagePeaks, Peak
+from presswork.observe.marked_points import MarkedPoints
+from presswork.observe.of_model import list_observers
+from presswork.observe.ram import force_on_ram
 from presswork.outcome import GaveUpError
 from presswork.process.epochs import EpochRecording, NamedArrays
-from presswork.process.press_quantities import RAM_COLUMNS, force_on_ram, has_ram, ram_at_rest
-from presswork.process.recording import Row
 from presswork.state import RUN, Arrays, OnNewMesh
 from presswork.threads import available_threads
 from presswork.timing import Timing
@@ -83,6 +87,7 @@ class RowRecording(EpochRecording, ABC):
     def __init__(self, model: Model, threads: int, progress: RowProgress, phases: Sequence[str] = ("cycles",)) -> None:
         _core.set_threads(threads or available_threads())
         super().__init__(model)
+        self.observers = list_observers(model)
         self.timing = Timing(*phases)
         self._progress = progress
 
@@ -95,6 +100,30 @@ class RowRecording(EpochRecording, ABC):
     def added_mass(self) -> float:
         """Per cent of the true mass."""
         return self._progress.added_mass
+
+    @abstractmethod
+    def positions(self) -> FloatArray:
+        """Return where the nodes are (n_points, 2 | 3) [mm]."""
+
+    @abstractmethod
+    def displacements(self) -> FloatArray:
+        """Return displacements since the run began (n_points, freedoms) [mm, rad]."""
+
+    @abstractmethod
+    def reactions(self) -> FloatArray:
+        """Return the mean forces of what holds nodes over the last row (n_points, freedoms) [N, N mm]."""
+
+    @abstractmethod
+    def tool_displacements(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the run began (2 | 3,) [mm]."""
+
+    @abstractmethod
+    def evolved(self) -> Evolved:
+        """Return what evolution laws keep at the points of the material."""
+
+    @abstractmethod
+    def show(self) -> Instant:
+        """Return what fields are computed from."""
 
     @abstractmethod
     def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
@@ -202,25 +231,35 @@ class RowRecording(EpochRecording, ABC):
         """Return when a row begins and ends, since the stage began (2,) [s]."""
         return stage.duration * np.array([row, row + 1]) / self.model.output.rows
 
-    def _ram_row(self, report: RowReport) -> Row:
-        """Return the RAM_COLUMNS of the history, with the speed at the end of the row and the mean force over it."""
-        if not has_ram(self.model):
-            return {}
-        number, work = self._stage_of_row(), self._progress.ram_work
+    def ram(self) -> Ram:
+        """Return the ram: its speed at the end of the last row, and the mean force over that."""
+        number, work = self.current_stage(), self._progress.ram_work
         drive = self.model.stages[number].drive
         if drive is None:
-            return ram_at_rest(work)
-        speed = self._find_ram_speed(drive, report.fraction)
+            return Ram(0.0, 0.0, work, 0)
+        row, rows = self._progress.row, self.model.output.rows
+        speed = self._find_ram_speed(drive, row / rows if row else 1.0)
         blow = drive.motion.number if isinstance(drive.motion, Blow) else 0
-        return dict(
-            zip(RAM_COLUMNS, (speed, force_on_ram(self.model, number, self._tool_forces()), work, blow), strict=True)
-        )
+        return Ram(speed, force_on_ram(self.model, number, self._tool_forces()), work, blow)
 
-    def _ram_at_rest(self) -> Row:
-        """Return the RAM_COLUMNS once the part is released."""
-        return ram_at_rest(self._progress.ram_work) if has_ram(self.model) else {}
+    def plastic_shares(self) -> FloatArray:
+        """Return ones: all work of the ram counts as plastic."""
+        return np.ones(len(self.model.stages))
 
-    def _stage_of_row(self) -> int:
+    def overlap(self) -> float:
+        """Return nothing: solids do not overlap themselves."""
+        return 0.0
+
+    @property
+    def marked(self) -> MarkedPoints:
+        """The marked points."""
+        return self.observers.find(MarkedPoints)
+
+    def find_peaks(self) -> tuple[Peak, ...]:
+        """Return the largest damage by each criterion."""
+        return self.observers.find(DamagePeaks).find(self)
+
+    def current_stage(self) -> int:
         """Return the stage that the last row belongs to."""
         return max(self._progress.stage - (self._progress.row == 0), 0)
 
@@ -233,6 +272,12 @@ class RowRecording(EpochRecording, ABC):
         if found != wanted:
             raise ValueError(f"the checkpoint is of a run with output.rows = {found:g}, on which its steps depend")
         self._progress.load_arrays(arrays)
+
+    def _epoch_arrays(self) -> NamedArrays:
+        return self.observers.arrays()
+
+    def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        self.observers.load_arrays(epoch)
 
     def remaining(self) -> float:
         """Return the part of the whole process still to be computed, counted in stage durations."""

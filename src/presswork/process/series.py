@@ -14,9 +14,10 @@ from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import IncrementReport
 from presswork.model import Mesh, Model
+from presswork.observe.contract import Row
 from presswork.process.implicit_recording import ImplicitRecording
 from presswork.process.limits import Watched
-from presswork.process.recording import Meta, ModelRecording, Row, Snapshot
+from presswork.process.recording import Meta, ModelRecording, Snapshot
 from presswork.process.remeshing import RemeshedForming
 
 PLACE = "series.place"

@@ -29,6 +29,8 @@ from presswork.interaction.tool_course import find_turning
 from presswork.mesh.box import node_volumes
 from presswork.mesh.space.cyclic import pair_faces
 from presswork.model import FloatArray, Model, Stage, Support, Tool, ToolMotion, find_direction
+from presswork.observe.contract import Row
+from presswork.observe.working_direction import find_working_direction
 from presswork.process.contacts_of_rows import ContactsOfRows, find_touching
 from presswork.process.epochs import NamedArrays
 from presswork.process.heat_of_rows import HeatOfRows, heat_by_itself
@@ -36,11 +38,11 @@ from presswork.process.heat_of_space_rows import HeatOfSpaceRows
 from presswork.process.impact import ExplicitImpact
 from presswork.process.limits import Watched, measure_hydrostatic_stress
 from presswork.process.penetration import Penetration
-from presswork.process.recording import Row, Snapshot
+from presswork.process.recording import Snapshot
 from presswork.process.shear_friction import ShearFriction, find_coefficient
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.stage_motion import find_pushes
-from presswork.process.tool_quantities import find_way, force_on_whole
+from presswork.process.tool_quantities import force_on_whole
 from presswork.ranks.world import World
 
 PLACED, FORCE_START = "placed_tools.displacement", "placed_tools.force_start"
@@ -216,10 +218,10 @@ class ExplicitSpaceImpact(ExplicitImpact):
         if tool.spring is not None:
             row[f"{tool.name}.stroke"] = wall.travel
             row[f"{tool.name}.force"] = float(force_on_whole(tool, mean) @ np.asarray(tool.spring.direction))
-        elif (way := find_way(self.model, tool)) is not None:
+        elif (way := find_working_direction(self.model, tool)) is not None:
             row[f"{tool.name}.stroke"] = float((wall.displacement - self._placed[t]) @ way)
         if tool.name in find_turning([tool], self.model.stages):
-            motion = self.model.stages[self._stage_of_row()].tool_motion.get(tool.name, ToolMotion())
+            motion = self.model.stages[self.current_stage()].tool_motion.get(tool.name, ToolMotion())
             row[f"{tool.name}.angle"] = float(np.degrees(wall.angle))
             against = 1.0 if motion.turn < 0 else -1.0
             row[f"{tool.name}.torque"] = against * float(self._moment[t]) / float(self._share[t])
@@ -236,7 +238,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
         hydrostatic = measure_hydrostatic_stress(mean, flow, centres)
         return Watched(
             (hydrostatic, *self._measure_pressure(mean, flow), *([deepest] if deepest else [])),
-            damage=self._find_peaks(),
+            damage=self.find_peaks(),
         )
 
     def _measure_volumes(self) -> list[FloatArray]:

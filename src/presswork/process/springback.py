@@ -26,6 +26,7 @@ from presswork.mesh.checks import MeshError
 from presswork.mesh.dynain import write_dynain
 from presswork.mesh.topology import find_parts
 from presswork.model import FloatArray, Mesh, Model
+from presswork.observe.contract import Row
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.epochs import EpochRecording, NamedArrays
 from presswork.process.formed_sheet import make_formed
@@ -33,7 +34,7 @@ from presswork.process.hem import HemShape, find_hemmed, measure_hem, tell_hem
 from presswork.process.implicit_stamping import ImplicitStamping
 from presswork.process.laying import find_half_thickness
 from presswork.process.limits import Watched
-from presswork.process.recording import Meta, Report, Row, Snapshot
+from presswork.process.recording import Meta, Report, Snapshot
 from presswork.process.released_model import ELEMENTS, NAME, make_springback_model
 from presswork.process.released_part import TRIM, Released
 from presswork.process.stamping import ExplicitStamping

@@ -28,13 +28,11 @@ from presswork.law.elastic_plastic import first_flow_stress, heats
 from presswork.law.umat import open_sheet_law
 from presswork.mesh.split import SplitMesh
 from presswork.model import BoolArray, ExplicitSheet, FloatArray, Model, Refinement, Stage
-from presswork.process.draw_in import DrawIn
+from presswork.observe.of_model import list_observers
 from presswork.process.epochs import NamedArrays
 from presswork.process.explicit_heat import ExplicitHeat
 from presswork.process.laying import find_sag
 from presswork.process.loose_rows import LooseRows
-from presswork.process.marked_points import MarkedPoints
-from presswork.process.reactions import Reactions
 from presswork.process.refinement import choose_shells, find_planes, place_nodes
 from presswork.process.sheet_history import SheetHistory
 from presswork.process.stamping_recording import SheetProgress, StampingRecording
@@ -84,7 +82,6 @@ class ExplicitStamping(StampingRecording):
         if begin is not None:
             fill_layers(self.shells, begin)
         self._mass = float(self.shells.mass[:, 0].sum())
-        self.reactions = Reactions(model, 6, [t.name for t in model.tools])
         self._reaction = np.zeros((len(model.mesh.points), 6))
         material = model.sheet[1]
         yield_stress = first_flow_stress(material)
@@ -100,7 +97,7 @@ class ExplicitStamping(StampingRecording):
         self.layers = SheetHistory(model, self.shells)
         if begin is not None:
             self.layers.take(begin.blocks)
-        self.marked, self.edge, self.loose = MarkedPoints(model), DrawIn(model), LooseRows(model)
+        self.loose = LooseRows(model)
         self._begin_stage()
         self.shells.find_contact()
 
@@ -247,7 +244,7 @@ class ExplicitStamping(StampingRecording):
         self.shells, self._mesh_step = self._make_shells(), None
         self._reaction = np.zeros((len(self.mesh.points), 6))
         self.tools = StampingTools(self.model, self.shells, self.tools)
-        self.marked, self.edge = MarkedPoints(self.model), DrawIn(self.model)
+        self.observers = list_observers(self.model)
 
     def _longest_step(self) -> float:
         """Return the time step allowed now; add mass where the target asks for it."""
@@ -288,9 +285,9 @@ class ExplicitStamping(StampingRecording):
     def _epoch_arrays(self) -> NamedArrays:
         sheet, start = self._sheet, self._start
         if not self.epoch:
-            return {}
+            return super()._epoch_arrays()
         begun = {} if start is None else {f"{START}{name}": values for name, values in vars(start).items()}
-        return {"level": sheet.level, "side": sheet.side, "middle": sheet.middle, **begun}
+        return {"level": sheet.level, "side": sheet.side, "middle": sheet.middle, **begun, **super()._epoch_arrays()}
 
     def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         sheet = self._begin_split()

@@ -24,7 +24,7 @@ from presswork.fields.table import compute_fields
 from presswork.formability import Formability
 from presswork.law.history import EQPS
 from presswork.model import ExplicitSheet, FloatArray, IntArray, Model
-from presswork.process.draw_in import DrawIn
+from presswork.observe.contract import Evolved, Row
 from presswork.process.explicit_heat import ExplicitHeat
 from presswork.process.heat_quantities import (
     columns_of_sheet,
@@ -36,12 +36,7 @@ from presswork.process.heat_quantities import (
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
 from presswork.process.loose_rows import LooseRows
-from presswork.process.marked_points import MarkedPoints
-from presswork.process.overlap import OVERLAP, summarise_overlap, warn_of_overlap
-from presswork.process.peaks import Peak, find_peaks, peak_columns, peak_row
-from presswork.process.press_quantities import RAM_COLUMNS, has_ram, summarise_ram
-from presswork.process.reactions import Reactions
-from presswork.process.recording import Row, Snapshot
+from presswork.process.recording import Snapshot
 from presswork.process.rows import LAST_COLUMNS, RowProgress, RowRecording, RowReport, last_energies, process_time
 from presswork.process.sheet_history import SheetHistory
 from presswork.process.space_surfaces import cut_tools
@@ -76,9 +71,6 @@ class StampingRecording(RowRecording):
     tools: StampingTools
     heat: ExplicitHeat | None
     layers: SheetHistory
-    marked: MarkedPoints
-    edge: DrawIn
-    reactions: Reactions
     loose: LooseRows
     settings: ExplicitSheet
     _precision: Precision
@@ -97,13 +89,10 @@ class StampingRecording(RowRecording):
     def columns(self) -> list[str]:
         """Of history.csv."""
         first = ["time", "stage", "increment", "cycles", *self.tools.row()]
-        first += [*(RAM_COLUMNS if has_ram(self.model) else ()), *self.reactions.columns]
-        first += peak_columns({law.name: law for law in self._damage_laws})
         first += ["shells"] if self.model.refinement else []
-        first += [OVERLAP] if self.model.self_contact else []
         if self.heat is not None:
             first += ["process_time", *columns_of_sheet(self.heat.sheet, self.heat.arrays)]
-        return [*first, *self.marked.columns(self.show()), *self.edge.columns, *LAST_COLUMNS]
+        return [*first, *self.observers.columns(self), *LAST_COLUMNS]
 
     def begin_log(self) -> str:
         """Name the procedure and what it starts with."""
@@ -129,14 +118,9 @@ class StampingRecording(RowRecording):
             "increment": report.number,
             "cycles": self._progress.cycles,
             **self.tools.row(),
-            **self._ram_row(report),
-            **self._measure_reactions(),
-            **peak_row(self._find_peaks(), self._evolved()),
             **({"shells": len(self._cells)} if self.model.refinement else {}),
-            **({OVERLAP: self.shells.find_overlap()[0]} if self.model.self_contact else {}),
             **(self._measure_heat() if self.heat else {}),
-            **(self.marked.measure(self.show()) if self.model.points else {}),
-            **self.edge.measure(self.model, self.shells.position),
+            **self.observers.row(self),
             **self._end_row(report),
         }
 
@@ -145,12 +129,32 @@ class StampingRecording(RowRecording):
         past = process_time(self.model.stages, self.shells.time)
         return {"process_time": past, **measure_sheet_heat(self.heat.sheet, self.heat.arrays)}
 
-    def _measure_reactions(self) -> Row:
-        """Return the means over the last row."""
-        mesh = self.model.mesh
-        moved = np.zeros((len(mesh.points), 6))
-        moved[:, :3] = self.shells.position - mesh.points
-        return self.reactions.measure(mesh, self._stage_of_row(), self._reaction, moved)
+    def positions(self) -> FloatArray:
+        """Return where the nodes are (n_points, 3) [mm]."""
+        return self.shells.position
+
+    def displacements(self) -> FloatArray:
+        """Return displacements since the run began; rotations are not kept (n_points, 6) [mm]."""
+        moved = np.zeros((len(self.model.mesh.points), 6))
+        moved[:, :3] = self.shells.position - self.model.mesh.points
+        return moved
+
+    def reactions(self) -> FloatArray:
+        """Return the mean forces of what holds nodes over the last row (n_points, 6) [N, N mm]."""
+        return self._reaction
+
+    def tool_displacements(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the run began (3,) [mm]."""
+        return self.tools.displacement()
+
+    def overlap(self) -> float:
+        """Return by how much the sheet overlaps itself [mm]."""
+        return float(self.shells.find_overlap()[0])
+
+    def evolved(self) -> Evolved:
+        """Return what evolution laws keep at the layers."""
+        n = len(self.model.mesh.blocks)
+        return Evolved(self._evolved(), {law.name: [law.critical.get(law.name)] * n for law in self._damage_laws})
 
     def show(self) -> Instant:
         """Return what the fields of the present state are computed from."""
@@ -214,19 +218,9 @@ class StampingRecording(RowRecording):
         thickness = self.model.sheet[0].thickness
         depths = [measure_sheet_penetration(t.name, t.penetration, thickness) for t in self.shells.tools.values()]
         if self.model.self_contact:
-            depths.append(measure_overlap(self.shells.find_overlap()[0], thickness))
+            depths.append(measure_overlap(self.overlap(), thickness))
         strained = watch_sheet(self._judge(self._fields.middle_strains(self.shells.position, self.shells.thickness)))
-        return Watched((*strained.measures, *depths), strained.margin, self._find_peaks())
-
-    def _find_peaks(self) -> tuple[Peak, ...]:
-        """Return the largest damage by each criterion."""
-        return self._latest_peaks.find((self.epoch, self.shells.cycle), self._look_for_peaks)
-
-    def _look_for_peaks(self) -> tuple[Peak, ...]:
-        critical: dict[str, list[float | None]] = {
-            law.name: [law.critical.get(law.name)] * len(self.model.mesh.blocks) for law in self._damage_laws
-        }
-        return find_peaks(self.model, self.mesh, self.shells.position, self._evolved(), critical, self.damage_lengths)
+        return Watched((*strained.measures, *depths), strained.margin, self.find_peaks())
 
     @property
     def time(self) -> float:
@@ -240,7 +234,7 @@ class StampingRecording(RowRecording):
         gone = {
             f"{t.name}.{force}": 0.0 for t in self.model.tools for force in ("force", "force_x", "force_y", "force_z")
         }
-        return self.row(report) | gone | self.reactions.nothing() | self._ram_at_rest() | {"kinetic_energy": 0.0}
+        return self.row(report) | gone | self.observers.row(self, is_released=True) | {"kinetic_energy": 0.0}
 
     def _warn_of_holders(self, history: Mapping[str, NDArray[Any]], thickest: float) -> list[str]:
         """Return warnings of holders on a flat blank."""
@@ -272,15 +266,14 @@ class StampingRecording(RowRecording):
             "mass": {"blank_t": self._mass, "added_percent": self.added_mass},
             "energy": last_energies(history),
             "time_simulated": shells.time,
-            **summarise_ram(self.model, history),
+            **self.observers.summary(self, history),
             **({"heat": summarise_sheet_heat(self.heat.sheet, self.heat.arrays)} if self.heat else {}),
             **self.layers.summarise(),
             "formability": verdict.to_summary(),
-            **summarise_overlap(self.model, history),
             **self._summarise_holders(history, float(fields["thickness"].max())),
             "warnings": [
                 *self.loose.warn(self.model),
-                *warn_of_overlap(self.model, history),
+                *self.observers.warnings(self, history),
                 *self._warn_of_holders(history, float(fields["thickness"].max())),
                 *warn_of_energies(history),
                 *verdict.warnings(),

@@ -25,7 +25,7 @@ from presswork.model import (
     Tool,
     ToolMotion,
 )
-from presswork.process.recording import Row
+from presswork.observe.contract import Row
 from presswork.process.refinement import PlacedTool
 from presswork.process.space_surfaces import SHEET_CHORD
 

@@ -11,7 +11,8 @@ from presswork.formability import Info
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.interaction.tool_course import find_turning
-from presswork.model import FloatArray, Model, Profile, Tool, ToolMotion
+from presswork.model import FloatArray, Model, Tool, ToolMotion
+from presswork.observe.working_direction import find_working_direction
 
 OF_A_TOOL, OF_TURNING = ("stroke", "force", "force_x", "force_y", "force_z"), ("angle", "torque")
 
@@ -46,7 +47,7 @@ def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQua
         if tool.spring is not None:
             direction = np.asarray(tool.spring.direction)
             stroke, force = float(state[ToolArrays].travel[t] @ direction), float(vector @ direction)
-        elif (way := find_way(procedure.model, tool)) is not None:
+        elif (way := find_working_direction(procedure.model, tool)) is not None:
             moved = state[ToolArrays].displacement[t] - state[ToolArrays].placed[t]
             stroke, force = float(moved @ way), -float(vector @ way)
         else:
@@ -69,7 +70,7 @@ def _measure_space_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, 
     placed = state[SpaceToolArrays]
     for t, tool in enumerate(procedure.model.space_tools):
         force = force_on_whole(tool, forces[t])
-        way = find_way(procedure.model, tool)
+        way = find_working_direction(procedure.model, tool)
         if tool.spring is not None:
             direction = np.asarray(tool.spring.direction)
             stroke, along = float(placed.travel[t] @ direction), float(force @ direction)
@@ -125,23 +126,3 @@ def describe_plane(model: Model) -> Info:
         "mirrored_y": "\n".join(t.name for t in model.plane_tools if t.mirrored_across[1]),
         **({"placing": "\n".join(placing)} if placing else {}),
     }
-
-
-def find_way(model: Model, tool: Tool) -> FloatArray | None:
-    """Return the unit vector along which a tool works (2,) in the plane, (3,) in space; None if it has none.
-
-    Its own, or that of its first motion or push.
-    """
-    if tool.way is not None:
-        return np.asarray(tool.way)
-    size = 2 if isinstance(tool.shape, Profile) else 3
-    for stage in model.stages:
-        motion = stage.tool_motion.get(tool.name)
-        if motion is None:
-            continue
-        if motion.push is not None:
-            return np.asarray(motion.push.direction, dtype=np.float64)
-        move = np.asarray(motion.move[:size], dtype=np.float64)
-        if move.any():
-            return np.asarray(move / np.linalg.norm(move), dtype=np.float64)
-    return None

@@ -9,7 +9,7 @@ import pytest
 
 from presswork.case import build_model
 from presswork.model import Model
-from presswork.process.damage_length import find_lengths
+from presswork.observe.damage_length import find_lengths
 from tests.unit.case.test_resistance import (
     AXIS,
     DOWN,

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork import Case, build_model
-from presswork.process.die_fill import make_die_fill
+from presswork.observe.die_fill import make_die_fill
 
 RADIUS, DEPTH, HEIGHT = 10.0, 5.0, 12.0
 HARDENING = {"law": "swift", "K": 500, "e0": 0.01, "n": 0.2}

@@ -10,7 +10,7 @@ from presswork.mesh.blanks import mesh_rectangular_blank
 from presswork.mesh.box import mesh_box
 from presswork.mesh.simplices import find_simplices
 from presswork.mesh.structured import mesh_rectangle
-from presswork.process.marked_points import take_within, weigh_cells
+from presswork.observe.marked_points import take_within, weigh_cells
 
 EDGES = np.linspace(0.0, 1.0, 6)
 MESHES = {

@@ -15,8 +15,9 @@ from presswork.mesh.blanks import assign_section, mesh_rectangular_blank
 from presswork.mesh.box import mesh_box
 from presswork.mesh.structured import mesh_rectangle
 from presswork.model import Damage, Section, Support
-from presswork.process.neighbourhood import FormedBlock
-from presswork.process.peaks import LatestPeaks, find_peaks
+from presswork.observe.contract import Evolved
+from presswork.observe.damage import DamagePeaks, find_peaks
+from presswork.observe.neighbourhood import FormedBlock
 
 RADIUS, FALL = 2.0, 0.02
 """Of the neighbourhood, and of the damage by the square of the distance from where it is largest."""
@@ -123,10 +124,21 @@ def test_neighbours_are_those_of_the_undeformed_material():
 
 
 def test_peaks_of_an_instant_are_found_once():
-    latest, calls = LatestPeaks(), []
-    for instant in ((0, 1), (0, 1), (0, 2), (1, 2)):
-        latest.find(instant, lambda instant=instant: (calls.append(instant), ())[1])
-    assert calls == [(0, 1), (0, 2), (1, 2)]
+    mesh = mesh_plane((4.0, 4.0))
+    model, calls = make_model(mesh), []
+
+    def evolved():
+        calls.append(1)
+        return Evolved({"damage_oyane": [np.ones((len(mesh.blocks[0].connectivity), 4))]}, {"damage_oyane": [None]})
+
+    peaks = DamagePeaks(model)
+    vars(peaks)["_lengths"] = [None]
+    for number, epoch in ((0, 1), (0, 1), (0, 2), (1, 2)):
+        run = SimpleNamespace(
+            number=number, epoch=epoch, model=model, mesh=mesh, evolved=evolved, positions=lambda: mesh.points
+        )
+        peaks.find(run)
+    assert len(calls) == 3
 
 
 def test_another_body_does_not_count():

@@ -8,14 +8,13 @@ entries hold counts in both.
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
 
 from presswork.mesh.faces import select_faces
 from presswork.model import Body, BoolArray, FloatArray, IntArray, Mesh, Model, take_corners
-from presswork.process.recording import Row
+from presswork.observe.contract import Observed, Observer, Row
 
 AXES = "xyz"
 
@@ -32,14 +31,16 @@ class Holder:
     """Freedoms that some stage moves (freedoms,)."""
 
 
-class Reactions:
+class Reactions(Observer):
     """The holders of one model, in the order of the case.
 
-    An entry has its own name, a prescribed displacement that of its set. taken: names of tools and contacts.
+    An entry has its own name, a prescribed displacement that of its set; where a tool or contact has that name, too,
+    with boundary_ or displacement_ before it.
     """
 
-    def __init__(self, model: Model, freedoms: int, taken: Collection[str] = ()) -> None:
-        self._freedoms = freedoms
+    def __init__(self, model: Model) -> None:
+        self._freedoms = freedoms = 6 if model.analysis in ("shell", "stamping") else model.dimension
+        taken = [tool.name for tool in model.tools] + [contact.name for contact in model.contacts]
         found: dict[str, Holder] = {}
         prescribed = [stage.prescribed for stage in model.stages]
         n_stages = len(prescribed)
@@ -66,9 +67,19 @@ class Reactions:
         self.holders = tuple(found.values())
 
     @property
-    def columns(self) -> list[str]:
-        """Of history.csv."""
+    def names(self) -> list[str]:
+        """Of its columns."""
         return [f"{holder.name}.{quantity}" for holder in self.holders for quantity in _quantities(holder)]
+
+    def columns(self, run: Observed) -> list[str]:
+        """Return the reactions of every holder, and the mean displacements of what is moved."""
+        return self.names
+
+    def row(self, run: Observed, *, is_released: bool = False) -> Row:
+        """Return reactions and displacements; nothing is held once the part is released."""
+        if is_released:
+            return dict.fromkeys(self.names, 0.0)
+        return self.measure(run.mesh, run.current_stage(), run.reactions(), run.displacements())
 
     def mask(self, mesh: Mesh, stage: int) -> BoolArray:
         """Mark the freedoms that anything holds in a stage (n_points, freedoms)."""
@@ -100,10 +111,6 @@ class Reactions:
             }
             row |= {f"{holder.name}.{quantity}": values[quantity] for quantity in _quantities(holder)}
         return row
-
-    def nothing(self) -> Row:
-        """Return the columns where nothing is held any more."""
-        return dict.fromkeys(self.columns, 0.0)
 
     def gauges(self, model: Model) -> dict[str, FloatArray]:
         """Return what nominal stress and strain are reckoned with, of every set that moves along one axis.

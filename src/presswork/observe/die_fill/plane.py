@@ -12,7 +12,7 @@ from presswork.geometry.cavity_wall import find_cavity_wall
 from presswork.geometry.polygon import measure_distance
 from presswork.geometry.pose import start_profile
 from presswork.model import FloatArray, Mesh, Model, find_cell
-from presswork.process.die_fill.dies import (
+from presswork.observe.die_fill.dies import (
     Die,
     DieFill,
     faces_others,

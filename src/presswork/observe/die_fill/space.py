@@ -13,7 +13,7 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.die_cavity import find_cavity
 from presswork.mesh.faces import split_faces
 from presswork.model import BoolArray, FloatArray, Mesh, Model, Triangulation
-from presswork.process.die_fill.dies import (
+from presswork.observe.die_fill.dies import (
     Die,
     DieFill,
     faces_others,

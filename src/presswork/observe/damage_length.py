@@ -3,7 +3,7 @@
 
 The thickness is the diameter of the largest ball that fits into the body before forming. Beyond the axis, symmetry
 planes and the faces of a sector the body goes on. It belongs to the part and not to its mesh. A sheet is thinner than
-its shells are long, so there the radius is two sizes of a shell (process/neighbourhood.py).
+its shells are long, so there the radius is two sizes of a shell (observe/neighbourhood.py).
 """
 
 from __future__ import annotations

@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+import functools
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from presswork.model import FloatArray, Mesh, Model
-from presswork.process.neighbourhood import FormedBlock
+from presswork.observe.contract import Observed, Observer, Row
+from presswork.observe.damage_length import find_lengths
+from presswork.observe.neighbourhood import FormedBlock
 
 DAMAGE = "damage_"
 """Beginning of the names of quantities that the history and the summary tell."""
@@ -17,7 +20,7 @@ DAMAGE = "damage_"
 
 @dataclass(frozen=True)
 class Mean:
-    """The largest mean over a neighbourhood of the material (process/neighbourhood.py)."""
+    """The largest mean over a neighbourhood of the material (observe/neighbourhood.py)."""
 
     value: float
     critical: float | None
@@ -51,32 +54,42 @@ class Peak:
     """Of all means the largest, or the one nearest to its critical value."""
 
 
-class LatestPeaks:
-    """The peaks of the latest instant, for which the row of the history and the limits both ask."""
+class DamagePeaks(Observer):
+    """The largest damage in the body by each criterion, at a point and as a mean over a neighbourhood."""
 
-    def __init__(self) -> None:
-        self._instant: Hashable = None
-        self._peaks: tuple[Peak, ...] = ()
+    def __init__(self, model: Model) -> None:
+        """model: with the mesh that it has before forming."""
+        self._model = model
+        self._found: tuple[tuple[int, int], tuple[Peak, ...]] | None = None
 
-    def find(self, instant: Hashable, find: Callable[[], tuple[Peak, ...]]) -> tuple[Peak, ...]:
-        """Return the peaks of an instant, found once."""
-        if instant != self._instant:
-            self._instant, self._peaks = instant, find()
-        return self._peaks
+    def columns(self, run: Observed) -> list[str]:
+        """Return two for each criterion."""
+        names = [name for name in run.evolved().critical if name.startswith(DAMAGE)]
+        return [f"{name}{end}" for name in names for end in ("_max", "_mean_max")]
 
+    def row(self, run: Observed, *, is_released: bool = False) -> Row:
+        """Return the largest values, wherever they are."""
+        row: Row = {}
+        peaks = self.find(run)
+        evolved = run.evolved().values if peaks else {}
+        for peak in peaks:
+            row[f"{peak.name}_max"] = max(float(of.max()) for of in evolved[peak.name] if of.size)
+            row[f"{peak.name}_mean_max"] = peak.mean.value
+        return row
 
-def peak_columns(evolved: Mapping[str, object]) -> list[str]:
-    """Return the columns of history.csv that tell the largest damage in the body, at a point and as a mean."""
-    return [f"{name}{end}" for name in evolved if name.startswith(DAMAGE) for end in ("_max", "_mean_max")]
+    @functools.cached_property
+    def _lengths(self) -> list[float | None]:
+        """In each block: the radius over which the mean decides, where the material gives none [mm]."""
+        return find_lengths(self._model)
 
-
-def peak_row(peaks: Sequence[Peak], evolved: Mapping[str, Sequence[FloatArray]]) -> dict[str, float]:
-    """Return what these columns hold; evolved: as find_peaks takes it."""
-    row = {}
-    for peak in peaks:
-        row[f"{peak.name}_max"] = max(float(of.max()) for of in evolved[peak.name] if of.size)
-        row[f"{peak.name}_mean_max"] = peak.mean.value
-    return row
+    def find(self, run: Observed) -> tuple[Peak, ...]:
+        """Return the peak of every damage; they are looked for once in an instant."""
+        instant = run.number, run.epoch
+        if self._found is None or self._found[0] != instant:
+            evolved = run.evolved()
+            found = find_peaks(run.model, run.mesh, run.positions(), evolved.values, evolved.critical, self._lengths)
+            self._found = instant, found
+        return self._found[1]
 
 
 def find_peaks(
@@ -92,7 +105,7 @@ def find_peaks(
     mesh: its points where their material was when the run began; position: of the nodes now (n_points, 2 | 3) [mm];
     evolved: values at the points by quantity and block (n_cells, p), of shells the layers of a point one after the
     other; critical: the critical value in each block, by quantity; lengths: in each block, where the material gives
-    none (process/damage_length.py).
+    none (observe/damage_length.py).
     """
     peaks = []
     for name in (name for name in evolved if name.startswith(DAMAGE)):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the history and the summary tell of the ram of a press."""
+"""The ram of a press: its speed, force and energy."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.implicit.ram import SPENT, RamArrays
+from presswork.implicit.ram import SPENT
 from presswork.model import Blow, Drive, FloatArray, Model
-from presswork.process.recording import Row
-from presswork.state import State
+from presswork.observe.contract import History, Observed, Observer, Row
 
 RAM_COLUMNS = ("ram_speed", "ram_force", "energy_spent", "blow")
 """Speed of the ram [mm/s], force against it [N], what it has spent on the workpiece since the start [N mm], and the
@@ -21,6 +20,30 @@ KILO = 1e-3
 KILO_JOULE = 1e-6
 IDLE = 0.01
 """Plastic work over the energy of a blow, below which the blow moves no metal."""
+
+
+class RamObserver(Observer):
+    """The ram of a model that a press drives in some stage."""
+
+    def columns(self, run: Observed) -> list[str]:
+        """Return RAM_COLUMNS where there is a ram."""
+        return list(RAM_COLUMNS) if has_ram(run.model) else []
+
+    def row(self, run: Observed, *, is_released: bool = False) -> Row:
+        """Return what the ram does; it stands still once the part is released."""
+        if not has_ram(run.model):
+            return {}
+        ram = run.ram()
+        now = (0.0, 0.0, ram.work, 0) if is_released else (ram.speed, ram.force, ram.work, ram.blow)
+        return dict(zip(RAM_COLUMNS, now, strict=True))
+
+    def summary(self, run: Observed, history: History) -> dict[str, Any]:
+        """Return what the ram has done, stage by stage."""
+        return summarise_ram(run.model, history)
+
+    def warnings(self, run: Observed, history: History) -> list[str]:
+        """Return what a user should know of the ram."""
+        return warn_of_ram(run.model, history, run.plastic_shares()) if has_ram(run.model) else []
 
 
 def has_ram(model: Model) -> bool:
@@ -37,18 +60,6 @@ def force_on_ram(model: Model, stage: int, forces: FloatArray) -> float:
         if tool.name in motions:
             work -= float(force @ np.array(motions[tool.name].move[: len(force)]))
     return drive.whole * work / drive.travel
-
-
-def ram_at_rest(work: float) -> Row:
-    """Return the RAM_COLUMNS of a ram that stands still, after so much work [N mm]."""
-    return dict(zip(RAM_COLUMNS, (0.0, 0.0, work, 0), strict=True))
-
-
-def measure_ram(model: Model, state: State, stage: int) -> Row:
-    """Return the RAM_COLUMNS of a converged state, which belongs to a stage."""
-    ram, drive = state[RamArrays], model.stages[stage].drive
-    blow = drive.motion.number if drive is not None and isinstance(drive.motion, Blow) else 0
-    return dict(zip(RAM_COLUMNS, (ram.speed, ram.force, ram.work, blow), strict=True))
 
 
 def summarise_ram(model: Model, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:

@@ -10,11 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.mesh.outer_edge import find_outer_edge
-from presswork.model import FloatArray, Model
-from presswork.process.recording import Row
+from presswork.model import Model
+from presswork.observe.contract import Observed, Observer, Row
 
 
-class DrawIn:
+class DrawIn(Observer):
     """The directions of a model, on its present mesh."""
 
     def __init__(self, model: Model) -> None:
@@ -25,12 +25,13 @@ class DrawIn:
             out = np.array([np.cos(direction.angle), np.sin(direction.angle)])
             self._edges.append((f"{direction.name}.draw_in", *found, out))
 
-    @property
-    def columns(self) -> list[str]:
-        """Of history.csv [mm]."""
+    def columns(self, run: Observed) -> list[str]:
+        """Return one for each direction [mm]."""
         return [name for name, *_ in self._edges]
 
-    def measure(self, model: Model, position: FloatArray) -> Row:
-        """Return the columns, by the positions of the nodes (n_points, 3) [mm]."""
-        moved = position[:, :2] - model.mesh.points[:, :2]
+    def row(self, run: Observed, *, is_released: bool = False) -> Row:
+        """Return how far the edge has come inwards."""
+        if not self._edges:
+            return {}
+        moved = run.positions()[:, :2] - run.model.mesh.points[:, :2]
         return {name: -float(share @ moved[nodes] @ out) for name, nodes, share, out in self._edges}

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from presswork.model import BoolArray, FloatArray, Mesh, Model, Tool, find_held_side
-from presswork.process.recording import Row
-from presswork.process.tool_quantities import find_way
+from presswork.observe.contract import History, Observed, Observer, Row
+from presswork.observe.working_direction import find_working_direction
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Side:
         return np.asarray(self.sign * (places[:, self.axis] - self.level) >= 0.0)
 
 
-class DieFill(ABC):
+class DieFill(Observer, ABC):
     """Measures the dies of one model."""
 
     def __init__(self, model: Model, dies: Iterable[Die]) -> None:
@@ -55,10 +55,17 @@ class DieFill(ABC):
         self._dies = list(dies)
         self._sides = find_sides(model) if self._dies else []
 
-    @property
-    def columns(self) -> list[str]:
-        """Of history.csv."""
+    def columns(self, run: Observed) -> list[str]:
+        """Return the part of each die's wall that is filled, and the thickness of its flash."""
         return [f"{die.name}.{what}" for die in self._dies for what in ("fill", "flash_thickness")]
+
+    def row(self, run: Observed, *, is_released: bool = False) -> Row:
+        """Return fill and flash thickness of each die."""
+        return self.measure(*_see(run)) if self._dies else {}
+
+    def summary(self, run: Observed, history: History) -> dict[str, Any]:
+        """Return fill, largest gap and open volume of each die on the metal."""
+        return self.summarise(*_see(run)) if self._dies else {}
 
     def measure(self, mesh: Mesh, position: FloatArray, displacement: Mapping[str, FloatArray]) -> Row:
         """Return the columns. position: of the nodes (n_points, dimension) [mm]; displacement: of the tools [mm]."""
@@ -121,6 +128,11 @@ class DieFill(ABC):
         """Return how far places (n, dimension) are from a tool (n,) [mm]."""
 
 
+def _see(run: Observed) -> tuple[Mesh, FloatArray, dict[str, FloatArray]]:
+    """Return the mesh, where its nodes are, and how far the tools have moved."""
+    return run.model.mesh, run.positions(), run.tool_displacements()
+
+
 def find_sides(model: Model) -> list[Side]:
     """Return the axis of rotation and the symmetry planes of a model."""
     points, ring = model.mesh.points, model.analysis == "axisymmetric"
@@ -155,7 +167,7 @@ def find_way_of_die(model: Model, tool: Tool) -> FloatArray | None:
 
     A die that stands closes against the first tool that moves.
     """
-    ways = [(other, find_way(model, other)) for other in model.tools if not _turns(model, other)]
+    ways = [(other, find_working_direction(model, other)) for other in model.tools if not _turns(model, other)]
     own = next((way for other, way in ways if other is tool), None)
     if own is not None or _turns(model, tool):
         return own
@@ -168,7 +180,7 @@ def faces_others(model: Model, tool: Tool, land: FloatArray, way: FloatArray, ri
     land: places (m, dimension) [mm]; rims: points of the other tools where they begin, by name (n, dimension) [mm]; of
     a tool that is not there nothing is known. A die that moves does so by its own stroke.
     """
-    if find_way(model, tool) is not None:
+    if find_working_direction(model, tool) is not None:
         return True
     across = np.abs(way) < np.abs(way).max()
     for other in model.tools:

@@ -2,9 +2,9 @@
 """How far dies with a flash land are filled, and how thick the flash is."""
 
 from presswork.model import Model
-from presswork.process.die_fill.dies import DieFill
-from presswork.process.die_fill.plane import DieFillInPlane
-from presswork.process.die_fill.space import DieFillInSpace
+from presswork.observe.die_fill.dies import DieFill
+from presswork.observe.die_fill.plane import DieFillInPlane
+from presswork.observe.die_fill.space import DieFillInSpace
 
 
 def make_die_fill(model: Model) -> DieFill:

@@ -21,7 +21,7 @@ from presswork.fields.instant import Instant
 from presswork.fields.table import compute_field
 from presswork.mesh.simplices import find_simplices
 from presswork.model import FloatArray, IndexArray, Mesh, Model
-from presswork.process.recording import Row
+from presswork.observe.contract import Observed, Observer, Row
 from presswork.remesh.carrier import Part
 
 FOLLOWED = (
@@ -35,7 +35,7 @@ FOLLOWED = (
 """Fields of cells that the history has of each point, as far as the procedure has them."""
 
 
-class MarkedPoints:
+class MarkedPoints(Observer):
     """The marked points of one model on its present mesh."""
 
     def __init__(self, model: Model) -> None:
@@ -68,13 +68,18 @@ class MarkedPoints:
         """Return where the points are (n, d) [mm], by the positions of the nodes (n_points, d) [mm]."""
         return np.asarray(np.einsum("pk,pkd->pd", self.share, position[self.nodes]))
 
-    def columns(self, now: Instant) -> list[str]:
-        """Return the columns of the history, which are the same at every instant."""
+    def columns(self, run: Observed) -> list[str]:
+        """Return the place of each point and the fields that it has seen."""
         if not self._points:
             return []
+        now = run.show()
         axes = "xyz"[: now.model.mesh.points.shape[1]]
         followed = [name for name in FOLLOWED if compute_field(name, now) is not None]
         return [f"{point.name}.{quantity}" for point in self._points for quantity in (*axes, *followed)]
+
+    def row(self, run: Observed, *, is_released: bool = False) -> Row:
+        """Return where the points are, and what they see."""
+        return self.measure(run.show()) if self._points else {}
 
     def measure(self, now: Instant) -> Row:
         """Return the columns at an instant."""
@@ -94,12 +99,14 @@ class MarkedPoints:
                 row[f"{point.name}.temperature"] = take_within(now.temperature[nodes], share)
         return row
 
-    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
-        """Return what holds the points, for a checkpoint; nothing where there is none."""
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return what holds the points; nothing where there is none."""
         return {"points.nodes": self.nodes, "points.share": self.share} if self._points else {}
 
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Take up what to_arrays gave."""
+        """Take up what `arrays` gave."""
+        if self._points and "points.nodes" not in arrays:
+            raise ValueError("the checkpoint holds no marked points: an older program wrote it; start with --overwrite")
         if self._points:
             self.nodes, self.share = arrays["points.nodes"].copy(), arrays["points.share"].copy()
 

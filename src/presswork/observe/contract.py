@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an observer is asked for, and what it sees of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeVar
+
+from numpy.typing import NDArray
+
+from presswork.fields.instant import Instant
+from presswork.model import FloatArray, Mesh, Model
+
+Row = dict[str, float | int | str]
+History = Mapping[str, NDArray[Any]]
+Kind = TypeVar("Kind", bound="Observer")
+
+
+@dataclass(frozen=True)
+class Ram:
+    """The ram of a press at an instant."""
+
+    speed: float
+    """[mm/s]"""
+    force: float
+    """Against it [N]."""
+    work: float
+    """Spent on the workpiece since the start [N mm]."""
+    blow: int
+    """Number of the blow; 0 where there is none."""
+
+
+@dataclass(frozen=True)
+class Evolved:
+    """What evolution laws keep at the points of the material."""
+
+    values: Mapping[str, Sequence[FloatArray]]
+    """By quantity and block (n_cells, p), of shells the layers of a point one after the other."""
+    critical: Mapping[str, Sequence[float | None]]
+    """The critical value in each block, by quantity."""
+
+
+class Observed(Protocol):
+    """A run as its observers see it, after an increment or an output interval."""
+
+    model: Model
+
+    @property
+    def mesh(self) -> Mesh:
+        """The present mesh, its points where their material was when the run began."""
+
+    @property
+    def number(self) -> int:
+        """Increments or intervals so far."""
+
+    @property
+    def epoch(self) -> int:
+        """How many meshes there were before the present one."""
+
+    def current_stage(self) -> int:
+        """Return the stage that the present state belongs to."""
+
+    def positions(self) -> FloatArray:
+        """Return where the nodes are (n_points, 2 | 3) [mm]."""
+
+    def displacements(self) -> FloatArray:
+        """Return displacements, of shells rotations, too, since the run began (n_points, freedoms) [mm, rad]."""
+
+    def reactions(self) -> FloatArray:
+        """Return the forces of what holds nodes, of an interval their mean (n_points, freedoms) [N, N mm]."""
+
+    def tool_displacements(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the run began (2 | 3,) [mm]."""
+
+    def show(self) -> Instant:
+        """Return what fields are computed from."""
+
+    def evolved(self) -> Evolved:
+        """Return what evolution laws keep."""
+
+    def overlap(self) -> float:
+        """Return by how much a sheet overlaps itself [mm]."""
+
+    def ram(self) -> Ram:
+        """Return the ram; it stands still where no press drives the stage."""
+
+    def plastic_shares(self) -> FloatArray:
+        """Return the plastic work over the work of the ram in each stage (n_stages,)."""
+
+
+class Observer:
+    """Measures or follows something in a run. A subclass overrides what it has."""
+
+    def columns(self, run: Observed) -> list[str]:
+        """Return its columns of history.csv, the same in the whole run."""
+        return []
+
+    def row(self, run: Observed, *, is_released: bool = False) -> Row:
+        """Return the values of its columns. is_released: the part lies free of tools and supports."""
+        return {}
+
+    def summary(self, run: Observed, history: History) -> dict[str, Any]:
+        """Return its entries of summary.json."""
+        return {}
+
+    def warnings(self, run: Observed, history: History) -> list[str]:
+        """Return what a user should know."""
+        return []
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return what it keeps from one instant to the next, for a checkpoint."""
+        return {}
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Take up what `arrays` gave; there may be others among them."""
+
+
+class Observers:
+    """The observers of a run, in the order of their columns."""
+
+    def __init__(self, observers: Sequence[Observer]) -> None:
+        self._observers = list(observers)
+
+    def __iter__(self) -> Iterator[Observer]:
+        return iter(self._observers)
+
+    def add(self, observer: Observer) -> None:
+        """Add an observer behind the others."""
+        self._observers.append(observer)
+
+    def find(self, kind: type[Kind]) -> Kind:
+        """Return the observer of a kind."""
+        return next(observer for observer in self._observers if isinstance(observer, kind))
+
+    def columns(self, run: Observed) -> list[str]:
+        """Return the columns of all."""
+        return [name for observer in self._observers for name in observer.columns(run)]
+
+    def row(self, run: Observed, *, is_released: bool = False) -> Row:
+        """Return the values of all columns."""
+        row: Row = {}
+        for observer in self._observers:
+            row |= observer.row(run, is_released=is_released)
+        return row
+
+    def summary(self, run: Observed, history: History) -> dict[str, Any]:
+        """Return the entries of all."""
+        found: dict[str, Any] = {}
+        for observer in self._observers:
+            found |= observer.summary(run, history)
+        return found
+
+    def warnings(self, run: Observed, history: History) -> list[str]:
+        """Return the warnings of all."""
+        return [text for observer in self._observers for text in observer.warnings(run, history)]
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return what all of them keep."""
+        return {name: values for observer in self._observers for name, values in observer.arrays().items()}
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Take up what `arrays` gave."""
+        for observer in self._observers:
+            observer.load_arrays(arrays)

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The observers of a model."""
+
+from __future__ import annotations
+
+from presswork.model import Model
+from presswork.observe.contract import Observers
+from presswork.observe.damage import DamagePeaks
+from presswork.observe.die_fill import make_die_fill
+from presswork.observe.draw_in import DrawIn
+from presswork.observe.marked_points import MarkedPoints
+from presswork.observe.overlap import Overlap
+from presswork.observe.ram import RamObserver
+from presswork.observe.reactions import Reactions
+
+
+def list_observers(model: Model) -> Observers:
+    """Return what measures a run of a model; a new observer is a line here, and its columns follow in this order."""
+    return Observers(
+        [
+            RamObserver(),
+            DamagePeaks(model),
+            Overlap(),
+            Reactions(model),
+            make_die_fill(model),
+            MarkedPoints(model),
+            DrawIn(model),
+        ]
+    )
