@@ -73,7 +73,7 @@ PYTHON_ROOMS = {
         "timing",
     },
     "explicit": {"evolution", "law", "mesh", "model", "ranks", "state", "stop"},
-    "observe": {"evolution", "fields", "geometry", "implicit", "mesh", "model", "remesh"},
+    "observe": {"body", "evolution", "fields", "geometry", "implicit", "interaction", "mesh", "model", "remesh"},
     "process": {
         "body",
         "evolution",

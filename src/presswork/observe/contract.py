@@ -10,6 +10,8 @@ from typing import Any, Protocol, TypeVar
 from numpy.typing import NDArray
 
 from presswork.fields.instant import Instant
+from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
+from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.model import FloatArray, Mesh, Model
 
 Row = dict[str, float | int | str]
@@ -81,6 +83,12 @@ class Observed(Protocol):
 
     def overlap(self) -> float:
         """Return by how much a sheet overlaps itself [mm]."""
+
+    def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
+        """Return the heat of solids, if they have any."""
+
+    def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
+        """Return the heat of a sheet, if it has any."""
 
     def ram(self) -> Ram:
         """Return the ram; it stands still where no press drives the stage."""

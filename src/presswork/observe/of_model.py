@@ -8,6 +8,7 @@ from presswork.observe.contract import Observers
 from presswork.observe.damage import DamagePeaks
 from presswork.observe.die_fill import make_die_fill
 from presswork.observe.draw_in import DrawIn
+from presswork.observe.heat import HeatOfBodies, HeatOfSheets
 from presswork.observe.marked_points import MarkedPoints
 from presswork.observe.overlap import Overlap
 from presswork.observe.ram import RamObserver
@@ -18,6 +19,8 @@ def list_observers(model: Model) -> Observers:
     """Return what measures a run of a model; a new observer is a line here, and its columns follow in this order."""
     return Observers(
         [
+            HeatOfBodies(),
+            HeatOfSheets(),
             RamObserver(),
             DamagePeaks(model),
             Overlap(),

@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 from presswork import _core
 from presswork.explicit.input_checks import ExplicitError
 from presswork.geometry.pose import ToolPose, start_centre, start_profile
-from presswork.implicit.heat_of_forming import DIE_KINDS, KINDS, HeatOfForming
+from presswork.implicit.heat_of_forming import HeatOfForming
 from presswork.interaction.forming_instant import FormingInstant, Poses
 from presswork.model import FloatArray, Heating, Material, Model
-from presswork.observe.contract import Row
 from presswork.outcome import Failed, GaveUpError
 from presswork.process.contacts_of_rows import ContactsOfRows
-from presswork.process.heat_quantities import heat_columns, measure_heat, summarise_heat
 from presswork.remesh.carrier import Carrier
 from presswork.timing import Timing
 
@@ -157,29 +155,6 @@ class HeatOfRows:
         stored = before.forming.stored_in_bodies(before.arrays)
         self.forming.keep_stored(self.arrays, stored, carrier.is_new())
         self._give()
-
-    # --- what is recorded --------------------------------------------------------------------------------------------
-
-    @property
-    def columns(self) -> list[str]:
-        """Of history.csv."""
-        hottest = [f"{name}.temperature_max" for name in self.forming.hottest(self.arrays)]
-        return [*heat_columns(KINDS), *hottest, *(["dies_heat_stored"] if self.forming.dies.dies else [])]
-
-    def row(self) -> Row:
-        """Return what `columns` names."""
-        forming, own = self.forming, self.arrays
-        row = measure_heat(forming.conduction, own.temperature, forming.stored(own), KINDS, own.heat)
-        row |= {f"{name}.temperature_max": value for name, value in forming.hottest(own).items()}
-        return row | ({"dies_heat_stored": forming.stored_in_dies(own)} if forming.dies.dies else {})
-
-    def summarise(self) -> dict[str, Any]:
-        """Return the balance of heat."""
-        forming, own = self.forming, self.arrays
-        found: dict[str, Any] = summarise_heat(forming.stored(own), KINDS, own.heat)
-        if forming.dies.dies:
-            found["dies"] = summarise_heat(forming.stored_in_dies(own), DIE_KINDS, own.die_heat)
-        return {"heat": found}
 
     def restore(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Take up what the arrays gave that a checkpoint has."""

@@ -18,13 +18,14 @@ from presswork.fields.instant import Instant, SolidPoints
 from presswork.fields.solid_fields import add_bodies, effective_stress
 from presswork.fields.table import compute_fields
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
+from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.model import ELEMENTS, ExplicitSolid, FloatArray, Model, Tool
 from presswork.observe.contract import Evolved, Row
+from presswork.observe.heat import show_dies
 from presswork.observe.reactions import Reactions
 from presswork.observe.working_direction import find_working_direction
 from presswork.process.contacts_of_rows import ContactsOfRows
 from presswork.process.heat_of_rows import HeatOfRows
-from presswork.process.heat_quantities import show_dies, warn_of_tables
 from presswork.process.limits import Measure, Watched, measure_hydrostatic_stress, measure_mean_pressure
 from presswork.process.loose_rows import LooseRows
 from presswork.process.penetration import Penetration
@@ -69,7 +70,6 @@ class ImpactRecording(RowRecording):
     def columns(self) -> list[str]:
         """Of history.csv."""
         first = ["time", "stage", "increment", "cycles", *tool_columns(self.model)]
-        first += self.heat.columns if self.heat else []
         first += self.contacts.columns
         return [*first, *self.observers.columns(self), *self._extents, *LAST_COLUMNS]
 
@@ -98,7 +98,6 @@ class ImpactRecording(RowRecording):
         for tool, wall, mean in zip(self.model.tools, self.walls, self._force, strict=True):
             row |= self._measure(tool, wall, mean)
         row |= self.contacts.row()
-        row |= self.heat.row() if self.heat else {}
         row |= self.observers.row(self)
         low, high = self.solids.position.min(axis=0), self.solids.position.max(axis=0)
         extent = (float(v) for v in np.column_stack([low, high]).ravel())
@@ -134,6 +133,10 @@ class ImpactRecording(RowRecording):
     def reactions(self) -> FloatArray:
         """Return the mean forces of what holds nodes over the last row (n_points, 2 | 3) [N]."""
         return self._reaction
+
+    def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
+        """Return the heat of the workpiece, if it has any."""
+        return None if self.heat is None else (self.heat.forming, self.heat.arrays)
 
     def evolved(self) -> Evolved:
         """Return the damage of the cells."""
@@ -271,14 +274,12 @@ class ImpactRecording(RowRecording):
             "mass": {"workpiece_t": mass.mass, "added_percent": mass.percent},
             "energy": last_energies(history),
             "time_simulated": self.solids.time,
-            **(self.heat.summarise() if self.heat else {}),
             **self.observers.summary(self, history),
             **self.points.window.summarise(self.model.materials),
             "warnings": [
                 *(self.loose.warn(self.model) if self.loose else ()),
                 *self.points.window.warnings(self.model.materials),
                 *warn_of_energies(history, advice),
-                *(warn_of_tables(self.model, self.heat.arrays.reached) if self.heat else ()),
                 *self.observers.warnings(self, history),
             ],
         }

@@ -28,8 +28,7 @@ from presswork.geometry.pose import (
 )
 from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.implicit.epochs import AskForMesh
-from presswork.implicit.heat_of_forming import DIE_KINDS, HeatArrays
-from presswork.implicit.heat_of_forming import KINDS as HEAT_KINDS
+from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.loose_bodies import warn_of_loose
@@ -38,8 +37,8 @@ from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.interaction.tool_course import find_turning
 from presswork.model import FloatArray, IntArray, Model
 from presswork.observe.contract import Row
+from presswork.observe.heat import show_dies
 from presswork.observe.reactions import Reactions
-from presswork.process.heat_quantities import heat_columns, measure_heat, show_dies, summarise_heat, warn_of_tables
 from presswork.process.held_surface import measure_held_part
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import (
@@ -90,15 +89,8 @@ class ImplicitRecording(IncrementRecording):
         """Of history.csv."""
         tools = [t.name for t in self.model.tools]
         contacts = [c.name for c in self.model.contacts if not c.by_itself]
-        heat = heat_columns(HEAT_KINDS) if self.procedure.heat else []
-        if self.procedure.heat:
-            heat += [
-                f"{name}.temperature_max"
-                for name in self.procedure.heat.forming.hottest(self.procedure.state[HeatArrays])
-            ]
-            heat += ["dies_heat_stored"] if self.procedure.heat.forming.dies.dies else []
         first = history_columns(tools, self.turning, contacts, "xyz"[: self.model.dimension])
-        return [*first, *heat, *self.observers.columns(self)]
+        return [*first, *self.observers.columns(self)]
 
     def begin_log(self) -> str:
         """Name the linear solver."""
@@ -130,12 +122,6 @@ class ImplicitRecording(IncrementRecording):
         forces = self.procedure.contact_forces()
         for name in (c.name for c in self.model.contacts if not c.by_itself):
             row |= {f"{name}.force_{axis}": float(f) for axis, f in zip("xyz", forces[name], strict=False)}
-        state = self.procedure.state
-        if (heat := self.procedure.heat) is not None:
-            own, bodies = state[HeatArrays], heat.forming
-            row |= measure_heat(bodies.conduction, own.temperature, bodies.stored(own), HEAT_KINDS, own.heat)
-            row |= {f"{name}.temperature_max": value for name, value in bodies.hottest(own).items()}
-            row |= {"dies_heat_stored": bodies.stored_in_dies(own)} if bodies.dies.dies else {}
         return row | self.observers.row(self)
 
     def watch(self) -> Watched:
@@ -197,9 +183,10 @@ class ImplicitRecording(IncrementRecording):
         moved = [displacement for displacement, _ in self._tool_places()]
         return dict(zip((tool.name for tool in self.model.plane_tools), moved, strict=False))
 
-    def overlap(self) -> float:
-        """Return nothing: no sheet of loads touches itself."""
-        return 0.0
+    def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
+        """Return the heat of solids, if they have any."""
+        heat = self.procedure.heat
+        return None if heat is None else (heat.forming, self.procedure.state[HeatArrays])
 
     def _surface_places(self) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
         """Return how far each tool in space has moved (3,) [mm] and turned (3,) [rad] since the start, by its name."""
@@ -342,7 +329,6 @@ class ImplicitRecording(IncrementRecording):
             },
             "contact": contact,
             "energy": procedure.energy_balance(),
-            **self._summarise_heat(),
             **self.observers.summary(self, history),
             **state[LawWindow].summarise(model.materials),
             "linear_solver": procedure.equilibrium.solver.name,
@@ -352,21 +338,9 @@ class ImplicitRecording(IncrementRecording):
                 *_warn(contact),
                 *self.observers.warnings(self, history),
                 *state[LawWindow].warnings(model.materials),
-                *(warn_of_tables(model, state[HeatArrays].reached) if procedure.heat else ()),
                 *(verdict.warnings() if verdict else ()),
             ],
         }
-
-    def _summarise_heat(self) -> dict[str, Any]:
-        """Return the balance of heat, if there is any."""
-        heat = self.procedure.heat
-        if heat is None:
-            return {}
-        bodies, own = heat.forming, self.procedure.state[HeatArrays]
-        found: dict[str, Any] = summarise_heat(bodies.stored(own), HEAT_KINDS, own.heat)
-        if bodies.dies.dies:
-            found["dies"] = summarise_heat(bodies.stored_in_dies(own), DIE_KINDS, own.die_heat)
-        return {"heat": found}
 
 
 def _warn(contact: Mapping[str, Any]) -> list[str]:

@@ -24,19 +24,12 @@ from presswork.formability import find_thinning
 from presswork.implicit.held import check_held
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
-from presswork.interaction.heat_of_sheet import SheetHeatArrays
+from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.interaction.loose_bodies import warn_of_loose
 from presswork.interaction.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
 from presswork.observe.contract import Row
-from presswork.process.heat_quantities import (
-    columns_of_sheet,
-    measure_sheet_heat,
-    ranges_of_sheet,
-    summarise_sheet_heat,
-    warn_of_tables,
-)
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.increments import IncrementRecording
 from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
@@ -149,8 +142,6 @@ class ImplicitStamping(IncrementRecording):
     def columns(self) -> list[str]:
         """Of history.csv."""
         first = ["time", "stage", "increment", "iterations", *self._tool_columns(), *self._bead_columns()]
-        if (heat := self.procedure.sheet_heat) is not None:
-            first += columns_of_sheet(heat.sheet, self.procedure.state[SheetHeatArrays])
         return [*first, *self.observers.columns(self), THINNING, *ENERGIES, "energy_error_percent"]
 
     def begin_log(self) -> str:
@@ -195,7 +186,6 @@ class ImplicitStamping(IncrementRecording):
             **self._begin_row(report),
             **self._tool_columns(),
             **self._bead_columns(),
-            **self._measure_heat(),
             **self.observers.row(self),
             THINNING: self._measure_thinning(),
             **{name: balance[name] for name in ENERGIES},
@@ -213,9 +203,10 @@ class ImplicitStamping(IncrementRecording):
         contact = self.procedure.interactions.self_contact
         return contact.find_overlap(self.procedure.state) if contact else 0.0
 
-    def _measure_heat(self) -> Row:
+    def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
+        """Return the heat of the sheet, if it has any."""
         heat = self.procedure.sheet_heat
-        return measure_sheet_heat(heat.sheet, self.procedure.state[SheetHeatArrays]) if heat else {}
+        return None if heat is None else (heat.sheet, self.procedure.state[SheetHeatArrays])
 
     def show(self) -> Instant:
         """Return what the fields of the converged state are computed from."""
@@ -285,7 +276,6 @@ class ImplicitStamping(IncrementRecording):
             "iterations": 0,
             **tools,
             **bead_columns(self.model, [0.0] * len(self.model.beads)),
-            **self._measure_heat(),
             **self.observers.row(self, is_released=True),
             THINNING: self._measure_thinning(),
             **energies,
@@ -313,15 +303,12 @@ class ImplicitStamping(IncrementRecording):
         if abs(energy["inertia_work"]) > 1e-2 * WORTH_A_WARNING * internal:
             part = f"inertia took {100.0 * abs(energy['inertia_work']) / internal:.3g} % of the internal energy"
             warnings.append(f"{part}: set implicit.inertia lower, or the stages' velocity")
-        heat = self.procedure.sheet_heat
-        warnings += warn_of_tables(self.model, ranges_of_sheet(self.model, history)) if heat else []
         warnings += state[LawWindow].warnings(self.model.materials)
         return {
             **self._count_work(),
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "energy": energy,
             "time_simulated": state[Progress].time,
-            **({"heat": summarise_sheet_heat(heat.sheet, state[SheetHeatArrays])} if heat else {}),
             **state[LawWindow].summarise(self.model.materials),
             "formability": verdict.to_summary(),
             **self.observers.summary(self, history),

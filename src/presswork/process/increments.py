@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from presswork.evolution.points import find_evolved
 from presswork.fields.instant import Instant
 from presswork.implicit.epochs import AskForMesh, Epoch, MeshChange, new_epoch
+from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.model import Blow, FloatArray, Model, change_mesh
 from presswork.observe.contract import Evolved, Ram, Row
 from presswork.observe.damage import DamagePeaks, Peak
@@ -119,9 +121,17 @@ class IncrementRecording(EpochRecording):
     def tool_displacements(self) -> dict[str, FloatArray]:
         """Return how far each tool has moved since the run began (2 | 3,) [mm]."""
 
-    @abstractmethod
+    def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
+        """Return nothing, unless solids have heat."""
+        return None
+
+    def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
+        """Return nothing, unless a sheet has heat."""
+        return None
+
     def overlap(self) -> float:
         """Return by how much a sheet overlaps itself [mm]; 0 of a solid."""
+        return 0.0
 
     @abstractmethod
     def show(self) -> Instant:

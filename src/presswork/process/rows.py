@@ -18,7 +18,9 @@ from presswork.explicit.energy import ENERGIES, EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.motion import DrivenStroke
 from presswork.fields.instant import Instant
+from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.implicit.ram import SPENT
+from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.model import Blow, Drive, FloatArray, Model, Stage, Support
 from presswork.observe.contract import Evolved, Ram, Row
 from presswork.observe.damage import DamagePeaks, Peak
@@ -245,6 +247,14 @@ class RowRecording(EpochRecording, ABC):
     def plastic_shares(self) -> FloatArray:
         """Return ones: all work of the ram counts as plastic."""
         return np.ones(len(self.model.stages))
+
+    def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
+        """Return nothing, unless a solid has heat."""
+        return None
+
+    def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
+        """Return nothing, unless a sheet has heat."""
+        return None
 
     def overlap(self) -> float:
         """Return nothing: solids do not overlap themselves."""

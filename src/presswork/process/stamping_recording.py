@@ -22,17 +22,11 @@ from presswork.fields.instant import Instant
 from presswork.fields.shell_fields import state_variable_field, temperature_field
 from presswork.fields.table import compute_fields
 from presswork.formability import Formability
+from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.law.history import EQPS
 from presswork.model import ExplicitSheet, FloatArray, IntArray, Model
 from presswork.observe.contract import Evolved, Row
 from presswork.process.explicit_heat import ExplicitHeat
-from presswork.process.heat_quantities import (
-    columns_of_sheet,
-    measure_sheet_heat,
-    ranges_of_sheet,
-    summarise_sheet_heat,
-    warn_of_tables,
-)
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
 from presswork.process.loose_rows import LooseRows
@@ -91,7 +85,7 @@ class StampingRecording(RowRecording):
         first = ["time", "stage", "increment", "cycles", *self.tools.row()]
         first += ["shells"] if self.model.refinement else []
         if self.heat is not None:
-            first += ["process_time", *columns_of_sheet(self.heat.sheet, self.heat.arrays)]
+            first += ["process_time"]
         return [*first, *self.observers.columns(self), *LAST_COLUMNS]
 
     def begin_log(self) -> str:
@@ -119,15 +113,14 @@ class StampingRecording(RowRecording):
             "cycles": self._progress.cycles,
             **self.tools.row(),
             **({"shells": len(self._cells)} if self.model.refinement else {}),
-            **(self._measure_heat() if self.heat else {}),
+            **({"process_time": process_time(self.model.stages, self.shells.time)} if self.heat else {}),
             **self.observers.row(self),
             **self._end_row(report),
         }
 
-    def _measure_heat(self) -> Row:
-        assert self.heat is not None
-        past = process_time(self.model.stages, self.shells.time)
-        return {"process_time": past, **measure_sheet_heat(self.heat.sheet, self.heat.arrays)}
+    def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
+        """Return the heat of the sheet, if it has any."""
+        return None if self.heat is None else (self.heat.sheet, self.heat.arrays)
 
     def positions(self) -> FloatArray:
         """Return where the nodes are (n_points, 3) [mm]."""
@@ -267,7 +260,6 @@ class StampingRecording(RowRecording):
             "energy": last_energies(history),
             "time_simulated": shells.time,
             **self.observers.summary(self, history),
-            **({"heat": summarise_sheet_heat(self.heat.sheet, self.heat.arrays)} if self.heat else {}),
             **self.layers.summarise(),
             "formability": verdict.to_summary(),
             **self._summarise_holders(history, float(fields["thickness"].max())),
@@ -277,7 +269,6 @@ class StampingRecording(RowRecording):
                 *self._warn_of_holders(history, float(fields["thickness"].max())),
                 *warn_of_energies(history),
                 *verdict.warnings(),
-                *(warn_of_tables(self.model, ranges_of_sheet(self.model, history)) if self.heat else ()),
                 *self.layers.warnings(),
             ],
         }
