@@ -7,6 +7,7 @@ import pytest
 from presswork import build_model, read_case, run_model
 from presswork.case.space.schema import SpaceCase
 from presswork.examples import copy_example
+from presswork.observe.die_fill.dies import DieFill
 from presswork.observe.die_fill.space import DieFillInSpace
 from presswork.outcome import GaveUpError
 from presswork.process.begin import begin
@@ -91,6 +92,8 @@ def test_a_run_that_gives_up_on_a_full_die_says_so(monkeypatch, tmp_path):
 
     monkeypatch.setattr(recording.procedure, "advance", give_up)
     monkeypatch.setattr(recording, "_may_change_mesh", lambda failure="": False)
-    monkeypatch.setattr(recording.fill, "measure", lambda *_: {"upper.fill": 0.99, "upper.flash_thickness": 1.0})
+    monkeypatch.setattr(
+        recording.observers.find(DieFill), "measure", lambda *_: {"upper.fill": 0.99, "upper.flash_thickness": 1.0}
+    )
     with pytest.raises(GaveUpError, match=r"no equilibrium; upper is full \(99 % of its wall\)"):
         next(recording.advance())
