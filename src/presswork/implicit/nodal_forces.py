@@ -106,6 +106,7 @@ class NodalForces:
             credible = float(np.abs(lacking / length).max())
             changes = tuned = sum(i.tune(trial, point, pull=pull, credible=credible) for i in self._interactions)
             if tuned:
+                constraints = self._constrain(state_n, trial, point)
                 resistances, drag, lacking = self._resist(state_n, trial, point, constraints)
         borders = []
         for k, interaction in enumerate(self._interactions):

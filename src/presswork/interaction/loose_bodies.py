@@ -41,7 +41,7 @@ from presswork.interaction.rigid_motions import (
     spread,
 )
 from presswork.interaction.supports import Supports
-from presswork.model import FloatArray, IntArray, Model, list_bodies
+from presswork.model import FloatArray, Model, list_bodies
 from presswork.outcome import Step
 from presswork.state import RUN, Arrays, OnNewMesh, State
 
@@ -176,7 +176,7 @@ def warn_of_loose(model: Model, state: State) -> list[str]:
     return [f"{text}: {rests}" for _, text in list_loose(model, state[LooseArrays].stage)]
 
 
-def list_loose(model: Model, first_stage: IntArray) -> Iterator[tuple[int, str]]:
+def list_loose(model: Model, first_stage: NDArray[np.int64]) -> Iterator[tuple[int, str]]:
     """Yield the number of each body that nothing has held, and a text that names it, its motions and the stage.
 
     first_stage: as in LooseArrays (n_bodies, n_motions).

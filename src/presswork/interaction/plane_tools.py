@@ -189,9 +189,12 @@ class PlaneTools(TravellingTools):
         return resistance.find_area_blocks() if resistance else super().find_area_blocks(point, own, resistance)
 
     def tune(self, trial: State, point: Point, *, pull: float, credible: float) -> int:
-        """Find better parts of constant shear where nodes neither push nor lift off."""
+        """Find better parts of constant shear where nodes neither push nor lift off; in equilibrium release idle ones."""
         fixed, drag = self._supports.fixed(point.guess.step.stage), self.friction.drag
-        return self.contact.graze(trial, point.reaction, drag, fixed, tolerance=pull, credible=credible)
+        grazing = self.contact.graze(trial, point.reaction, drag, fixed, tolerance=pull, credible=credible)
+        if grazing or credible > pull:
+            return grazing
+        return self.contact.release_idle(trial, point.reaction, fixed, pull)
 
     def border(
         self, trial: State, point: Point, own: Forces | None, resistance: Any, *, near: bool

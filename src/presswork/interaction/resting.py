@@ -18,16 +18,17 @@ NEAR = 0.02
 """Gap, over the root of a node's share of the surface, within which it lies on a tool."""
 SLOWER = 0.5
 """Of the speed of the tool that leaves fastest."""
-AXES = ("x", "y", "z")
+AXES = {"plane_strain": "xy", "axisymmetric": "y", "solid": "xyz"}
+"""Along which a body may move as a whole."""
 
 
 def find_loose(model: Model) -> list[str]:
-    """Return the axes along which nothing but tools holds a solid in space."""
-    if model.analysis != "solid" or not model.space_tools or any(s.normal is not None for s in model.supports):
+    """Return the axes along which nothing but tools holds a solid."""
+    if not (model.plane_tools or model.space_tools) or any(s.normal is not None for s in model.supports):
         return []
-    held = {axis for support in model.lasting_supports for axis, fixed in enumerate(support.fix) if fixed}
-    held |= {moved.component for stage in model.stages for moved in stage.prescribed}
-    return [name for axis, name in enumerate(AXES) if axis not in held]
+    held = {"xyz"[axis] for support in model.lasting_supports for axis, fixed in enumerate(support.fix[:3]) if fixed}
+    held |= {"xyzuvw"[moved.component] for stage in model.stages for moved in stage.prescribed}
+    return [axis for axis in AXES.get(model.analysis, "") if axis not in held]
 
 
 class RestingBody:

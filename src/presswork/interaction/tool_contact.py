@@ -63,6 +63,7 @@ class Contact:
         self.segment = np.full(self.gap.shape, -1, dtype=np.int32)  # of the tool's profile; -1 where there is no gap
         self._searched: tuple[FloatArray, FloatArray, FloatArray] | None = None  # nodes and tools of the last search
         self._changes = np.zeros(len(self.nodes), dtype=np.int64)
+        self._was_idle = np.zeros(len(self.nodes), dtype=bool)
         self._start = np.zeros((len(model.plane_tools), 2))  # displacement of the tools when the increment began
         self._by_shear = np.array(
             [t.friction.law in ("shear", "coulomb_capped") for t in model.plane_tools], dtype=bool
@@ -152,7 +153,7 @@ class Contact:
 
     def begin_increment(self, state_n: State) -> None:
         """Forget the changes of the increment before."""
-        self._changes[:] = 0
+        self._changes[:], self._was_idle[:] = 0, False
         self._start = state_n[ToolArrays].displacement
         self._grazing.begin_increment()
 
@@ -199,15 +200,13 @@ class Contact:
         touch.status[(self.gap < limit) & (touch.status == 0) & self._free(fixed)] = SLIDING
         self._limit_faces(touch.status, before)
         if near:
-            self._let_go(trial, before, self.normal_forces(trial, reaction, fixed), drag, fixed, tolerance)
+            self._let_go(trial, before, self.normal_forces(trial, reaction, fixed), drag, tolerance)
         changed = (before != touch.status).any(axis=0)
         self._changes[changed] += 1
         return int(changed.sum())
 
-    def _let_go(
-        self, trial: State, before: StatusArray, push: FloatArray, drag: Drag, fixed: BoolArray, tolerance: float
-    ) -> None:
-        """Release nodes that pull, except those that their shear may drag off the tool, and those that only touch."""
+    def _let_go(self, trial: State, before: StatusArray, push: FloatArray, drag: Drag, tolerance: float) -> None:
+        """Release nodes that pull, except those that their shear may drag off the tool."""
         touch = trial[ContactArrays]
         held = (before > 0) & (touch.status > 0)
         judged = np.where(held, self._judge(push), 0.0)
@@ -215,20 +214,30 @@ class Contact:
         by_shear = (self._changes >= 2) | (-judged.min(axis=0, initial=0.0) < drag.force)
         self._grazes = self._on_shear(trial) & (pulls.any(axis=0) & by_shear | (touch.shear_part < 1.0))
         pulls &= ~(self._grazes & (touch.shear_part > 0.0))
-        speed = self._find_speed(trial)
-        pulls &= _leave_first(speed, pulls)
-        idle = self._find_idle(held, np.abs(judged), speed, fixed, tolerance)
-        touch.status[(pulls | idle) & (self._changes < MAX_CHANGES)] = 0
+        pulls &= _leave_first(self._find_speed(trial), pulls)
+        touch.status[pulls & (self._changes < MAX_CHANGES)] = 0
         self.n_unsettled = int((pulls & (self._changes >= MAX_CHANGES)).any(axis=0).sum())
 
-    def _find_idle(
-        self, held: BoolArray, force: FloatArray, speed: FloatArray, fixed: BoolArray, tolerance: float
-    ) -> BoolArray:
-        """Mark faces that hold their nodes with no more force than may be out of balance, where a body would follow.
+    def release_idle(self, trial: State, reaction: FloatArray, fixed: BoolArray, tolerance: float) -> int:
+        """Release nodes in equilibrium that tools hold with no more force than may be out of balance; return how many.
 
-        It would follow a tool that leaves it; and where tools bear no part of it at all, it would go along a surface
-        across its free motion to stay in touch, as a strip that shrinks between rolls.
+        Each once in an increment.
+        A body would follow a tool that leaves it by such a force. Where tools bear no part of it at all, it would go
+        along a surface across its free motion to stay in touch, as a strip that shrinks between rolls.
         """
+        status = trial[ContactArrays].status
+        held = (status > 0) & ~self._was_idle
+        if not held.any():
+            return 0
+        force = np.abs(np.where(status > 0, self._judge(self.normal_forces(trial, reaction, fixed)), 0.0))
+        idle = held & (force <= tolerance) & self._may_follow(force, self._find_speed(trial), fixed, tolerance)
+        status[idle] = 0
+        changed = idle.any(axis=0)
+        self._was_idle |= changed
+        return int(changed.sum())
+
+    def _may_follow(self, force: FloatArray, speed: FloatArray, fixed: BoolArray, tolerance: float) -> BoolArray:
+        """Mark faces that a body would follow if they held it by next to no force (n_faces, n_candidates)."""
         fastest = float(speed[np.arange(len(speed)), self.gap.argmin(axis=1)].max())
         leaves = (speed > 0.0) & (speed >= SLOWER * fastest)
         borne, free = np.zeros(len(self._bodies)), np.zeros((len(self._bodies), 2))
@@ -238,7 +247,7 @@ class Contact:
         free[:, 0] *= self._model.analysis != "axisymmetric"
         along = np.linalg.norm(self.normal * free[self._body], axis=2)
         across = (borne[self._body] <= tolerance) & (along < ALONG)
-        return np.asarray(held & (force <= tolerance) & (leaves | across))
+        return np.asarray(leaves | across)
 
     def _find_speed(self, trial: State) -> FloatArray:
         """Return how far faces have left the candidates since the increment began (n_faces, n_candidates) [mm]."""
