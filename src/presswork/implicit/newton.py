@@ -39,6 +39,8 @@ PUSHED = 1e-4
 """Part of the force that pushes a tool, or of the largest nodal force if that is more, which the tool may lack."""
 STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
+CLOSE = 1e-6
+"""Of the model's size: as near constrained nodes must then be to their places."""
 LOST = 0.6
 """Correction over the increment above which an attempt that began from a good guess is given up."""
 MOST_AUGMENTATIONS = 10
@@ -74,6 +76,7 @@ class Equilibrium:
         self.forces = NodalForces(mechanics, interactions, timing)
         self.system = LinearSystem(model, mechanics, interactions, timing, threads)
         self._noise = mechanics.force_of_round_off()
+        self._close = CLOSE * float(np.ptp(model.mesh.points, axis=0).max())
         self._softness = 1.0
         self.augmented_at: list[Augmentation] = []
         """Where multipliers were taken over in the last solution."""
@@ -257,7 +260,9 @@ class Equilibrium:
         if log.contact_changes[-1] > 0 or not balance.bears(PUSHED, min(PUSHED, settings.force_tolerance) * scale):
             return False
         residual, correction = log.residual[-1], log.correction[-1]
-        small = correction <= settings.displacement_tolerance or residual <= STAGNANT * settings.force_tolerance
+        is_held = self._largest(balance.constraints.value) <= self._close
+        stagnant = is_held and residual <= STAGNANT * settings.force_tolerance
+        small = correction <= settings.displacement_tolerance or stagnant
         return residual <= settings.force_tolerance and small
 
     def _is_hopeless(self, log: IterationLog) -> bool:

@@ -189,7 +189,10 @@ class PlaneTools(TravellingTools):
         return resistance.find_area_blocks() if resistance else super().find_area_blocks(point, own, resistance)
 
     def tune(self, trial: State, point: Point, *, pull: float, credible: float) -> int:
-        """Find better parts of constant shear where nodes neither push nor lift off; in equilibrium release idle ones."""
+        """Find better parts of constant shear where nodes neither push nor lift off.
+
+        In equilibrium release those that a body would follow a tool by.
+        """
         fixed, drag = self._supports.fixed(point.guess.step.stage), self.friction.drag
         grazing = self.contact.graze(trial, point.reaction, drag, fixed, tolerance=pull, credible=credible)
         if grazing or credible > pull:
