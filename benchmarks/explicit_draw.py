@@ -21,7 +21,7 @@ import numpy as np
 
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
 
 DEPTHS, WINDOW, STROKE = (1.0, 6.0, 12.0, 18.0, 24.0), 0.25, 24.53
 SLOW, FAST, ROWS = 2000.0, 10_000.0, 10

@@ -19,7 +19,7 @@ import numpy as np
 
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
 from presswork.step_writer import append_snapshot
 
 

@@ -20,7 +20,7 @@ import numpy as np
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
 from presswork.model import FloatArray
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
 
 REFINED = {"square_cup": 4, "hemispherical_punch": 6}
 RATES = (2, 3)

@@ -15,7 +15,7 @@ import numpy as np
 from presswork import _core
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids
-from presswork.mesh.structured import mesh_rectangle
+from presswork.mesh.make.structured import mesh_rectangle
 from presswork.model import Hardening, Heating, Rate
 
 SWIFT = SolidMaterial(

@@ -16,7 +16,7 @@ from presswork.body.laws_of_solids import make_law
 from presswork.explicit.device import Device
 from presswork.explicit.space_material import SpaceMaterial
 from presswork.explicit.space_solids import ExplicitSpaceSolids
-from presswork.mesh.box import mesh_box
+from presswork.mesh.make.box import mesh_box
 from presswork.model import Hardening, Material, SolverSettings
 
 LAWS = {

@@ -26,7 +26,7 @@ from presswork.case import build_model, read_case
 from presswork.explicit.shells import ExplicitShells
 from presswork.law.umat import open_sheet_law
 from presswork.model import FloatArray
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
 
 MOVE = 1e-7
 """Of a node, by which stiffness is found [mm, rad]."""

@@ -13,7 +13,7 @@ from time import perf_counter
 from benchmarks.report_page import write_run
 from presswork.results import Result
 from presswork.view import faces
-from presswork.view.shell_plot import plot_shell
+from presswork.view.plots.shell_plot import plot_shell
 from presswork.view.style import bare_figure, save_picture
 
 ROUNDS = 3

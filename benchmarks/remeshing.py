@@ -20,7 +20,7 @@ from time import process_time
 from presswork import Case, build_model, read_case
 from presswork.examples import copy_example
 from presswork.model import Model
-from presswork.process.remeshing import RemeshedForming
+from presswork.process.implicit.remeshing import RemeshedForming
 
 CELLS = (16, 32, 64, 100)
 FORGINGS = ("forging_hub", "forging_h_section", "can_extrusion")

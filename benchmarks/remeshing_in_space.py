@@ -21,8 +21,9 @@ from typing import Any
 from presswork import build_model, read_case
 from presswork.examples import copy_example
 from presswork.model import Model
-from presswork.process import carrying, remeshing, remeshing_in_space
-from presswork.process.remeshing_in_space import RemeshedSpaceForming
+from presswork.process.implicit import remeshing, remeshing_in_space
+from presswork.process.implicit.remeshing_in_space import RemeshedSpaceForming
+from presswork.process.mesh_change import carrying
 from presswork.remesh.space.mmg_process import MMG
 from validation.closed_dies_in_space import draw_die, make_case
 

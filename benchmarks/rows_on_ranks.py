@@ -12,7 +12,7 @@ import argparse
 from collections.abc import Callable
 from time import process_time
 
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
 from presswork.ranks.world import World, find_world
 from tests.problems.divided_loops import read
 from tests.problems.square_cup import describe_cup

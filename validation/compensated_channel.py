@@ -17,7 +17,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from presswork.mesh.stl_file import pack_stl
+from presswork.mesh.files.stl_file import pack_stl
 from presswork.study import Compensation, compensate_springback
 from tests.problems.compensation import channel_face, write_channel
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
-from presswork.mesh.stl_file import pack_stl
+from presswork.mesh.files.stl_file import pack_stl
 from presswork.model import FloatArray, Triangulation
 from presswork.study import Compensation, compensate_springback
 from tests.problems.compensation import channel_face

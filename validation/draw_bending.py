@@ -23,9 +23,9 @@ from scipy.optimize import brentq
 from presswork.case import StampingCase, build_model
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Model, PrescribedDisplacement
-from presswork.process.released_model import make_springback_model
-from presswork.process.stamping import ExplicitStamping
-from presswork.process.transfer import begin_with, carry_to_explicit
+from presswork.process.explicit.stamping import ExplicitStamping
+from presswork.process.line.released_model import make_springback_model
+from presswork.process.mesh_change.transfer import begin_with, carry_to_explicit
 from presswork.recorder import run_model
 
 LENGTH, THICKNESS, EDGE, STROKE, MU, HOLDER = 350.0, 0.78, 5.0, 70.0, 0.144, 70.0

@@ -15,7 +15,7 @@ import numpy as np
 
 from presswork.case import StampingCase, build_model
 from presswork.geometry.tool_surface import make_surface
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import sys
 import numpy as np
 
 from presswork.case import StampingCase, build_model
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
 from tests.problems.punch_stretching import EXAMPLE, Profile, stretch, stretch_solids
 
 FINE = ("implicit.contact_stiffness=0.1", "implicit.max_increment=0.005")

@@ -21,7 +21,7 @@ from presswork import Result
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
 from presswork.post.section import cut_sheet, measure_draw_in
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
 from presswork.recorder import run_model
 from presswork.results import load_checkpoint
 
@@ -116,7 +116,7 @@ def measure(result: Result) -> dict[str, float]:
 
 def draw(results: dict[str, Result], path: str) -> None:
     """Draw the refined and the fine cup, coloured by thickness strain."""
-    from presswork.view.shell_plot import plot_shell
+    from presswork.view.plots.shell_plot import plot_shell
     from presswork.view.style import new_figure
 
     figure = new_figure(11.0, 4.6)

@@ -15,7 +15,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from presswork.view.shell_plot import plot_shell
+from presswork.view.plots.shell_plot import plot_shell
 from validation.cup_influence import round_punch
 from validation.square_cup import draw_cup
 

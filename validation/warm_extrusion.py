@@ -17,7 +17,7 @@ from presswork.case.solid.schema import Case
 from presswork.examples import copy_example
 from presswork.results import Result
 from presswork.study import run_sweep
-from presswork.view.mesh_plot import plot_mesh
+from presswork.view.plots.mesh_plot import plot_mesh
 from tests.problems.warm_extrusion import find_enthalpy, find_exit_temperatures, find_pressure
 
 SPEEDS = (5, 20, 50, 200, 500)

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from presswork import __version__, stop
 from presswork.fingerprint import fingerprint
 from presswork.model import Model
+from presswork.observe.verdict import judge_run
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
 from presswork.process.recording import Meta, Recording, Report
-from presswork.process.verdict import judge_run
 from presswork.process.watch import Watch
 from presswork.ranks.world import LeadFailed, World
 from presswork.results import (

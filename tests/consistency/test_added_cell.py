@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from presswork.mesh import mesh_rectangle, read_mesh
-from presswork.mesh.box import mesh_box, read_solid_mesh
 from presswork.mesh.faces import face_areas, nodal_normals
+from presswork.mesh.make.box import mesh_box, read_solid_mesh
 from presswork.mesh.simplices import list_simplices
 from presswork.mesh.triangles import double_areas
 from presswork.model import CELLS, ELEMENTS, Mesh, NamesInFiles

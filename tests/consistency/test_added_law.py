@@ -16,8 +16,8 @@ from presswork.explicit.arrays import SolidArrays
 from presswork.law.history import History, list_history
 from presswork.law.umat import compile_law, open_umat
 from presswork.model import FloatArray, Material, Umat
-from presswork.process import carrying
 from presswork.process.begin import begin
+from presswork.process.mesh_change import carrying
 from presswork.remesh.carrier import place_points
 from tests.problems.plane_solids import block_mesh, drive_boundary, fixed_increments, run
 from tests.regression.test_remeshed_impact import upsetting

@@ -17,7 +17,7 @@ from presswork.case import Case
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.model import Model
-from presswork.process.limits import Watched
+from presswork.observe.limits import Watched
 from presswork.process.recording import ModelRecording, Snapshot
 from presswork.recorder import Progress
 from presswork.timing import Timing

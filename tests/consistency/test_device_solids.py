@@ -26,7 +26,7 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.model import Damage, Plane, SolverSettings
 from presswork.outcome import StartError
 from presswork.process.begin import begin
-from presswork.process.space_impact import ExplicitSpaceImpact
+from presswork.process.explicit.space_impact import ExplicitSpaceImpact
 from presswork.recorder import run_model
 from tests.consistency.test_device_laws import law_of as sheet_law
 from tests.consistency.test_device_resident import HANDFUL, LITTLE

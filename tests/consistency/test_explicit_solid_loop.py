@@ -9,7 +9,7 @@ import pytest
 from presswork import _core
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids
-from presswork.mesh.structured import mesh_rectangle
+from presswork.mesh.make.structured import mesh_rectangle
 from presswork.model import CellBlock, Hardening, Heating, Mesh, Rate
 
 STEEL = SolidMaterial(

@@ -26,7 +26,7 @@ from presswork.law.elastic_plastic import make_plane_law, make_sheet_law, make_s
 from presswork.law.umat import SheetUmat, open_sheet_law
 from presswork.onestep.law import find_metric
 from presswork.onestep.law import make_law as make_deformation_law
-from presswork.process.space_impact import ExplicitSpaceImpact
+from presswork.process.explicit.space_impact import ExplicitSpaceImpact
 
 TABLE = Path(__file__).parents[1] / "data" / "hot_curves.csv"
 DOCS = Path(__file__).parents[2] / "docs" / "theory" / "material.md"

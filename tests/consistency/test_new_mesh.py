@@ -19,16 +19,17 @@ from presswork.interaction.tool_arrays import ContactArrays
 from presswork.law.history import AXES
 from presswork.model import FloatArray, Model
 from presswork.outcome import StartError
-from presswork.process import carrying, remeshing
 from presswork.process.begin import begin
-from presswork.process.carrying import find_undeclared
+from presswork.process.implicit import remeshing
+from presswork.process.mesh_change import carrying
+from presswork.process.mesh_change.carrying import find_undeclared
 from presswork.state import ANEW, RUN, Arrays
 
 REFUSED = {
     "beads": "of explicit sheets, which are refined, not remeshed",
     "drawbeads": "sheets are refined, not remeshed",
     "former": "of shells",
-    "sensitivities": "found anew on each mesh (process/differentiated_remeshing.py)",
+    "sensitivities": "found anew on each mesh (process/derivatives/differentiated_remeshing.py)",
     "shells": "of shells",
     "sheet_contact": "of explicit sheets",
     "sheet_tools": "of explicit sheets",

@@ -16,11 +16,11 @@ from presswork.case import build_model as build_any_model
 from presswork.geometry.tool_surface import make_surface
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.body_contact import RELEASE as RELEASE_OF_SLOTS
-from presswork.interaction.body_surfaces import InterfaceArrays
+from presswork.interaction.bodies.body_contact import RELEASE as RELEASE_OF_SLOTS
+from presswork.interaction.bodies.body_surfaces import InterfaceArrays
 from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays
 from presswork.model import FloatArray
-from presswork.process.implicit_stamping import make_shell_model
+from presswork.process.implicit.implicit_stamping import make_shell_model
 from tests.regression.test_implicit_stamping import CUP
 
 STEEL = {"young": 2e5, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 300, "modulus": 200}}

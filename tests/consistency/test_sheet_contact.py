@@ -7,8 +7,14 @@ import pytest
 from presswork.geometry.pose import SpacePose, turn_about
 from presswork.geometry.swept_tool import draw_die, draw_hemispherical_punch, draw_punch
 from presswork.geometry.tool_surface import make_surface
-from presswork.interaction.sheet_contact import ROUNDING, sheet_nodes
-from presswork.interaction.space_touch import NodesOnTool, PlacedSurface, TouchingNodes, choose_touched, touch_tool
+from presswork.interaction.space.sheet_contact import ROUNDING, sheet_nodes
+from presswork.interaction.space.space_touch import (
+    NodesOnTool,
+    PlacedSurface,
+    TouchingNodes,
+    choose_touched,
+    touch_tool,
+)
 from presswork.model import Friction
 
 THICKNESS = 0.8

@@ -19,7 +19,7 @@ from presswork.case.material.forming_limit.build import build_formability
 from presswork.case.material.library import read_sheet
 from presswork.cli import app
 from presswork.examples import copy_example
-from presswork.mesh.structured import mesh_rectangle
+from presswork.mesh.make.structured import mesh_rectangle
 from presswork.model import Model
 from presswork.onestep.part import OneStepError
 from presswork.outcome import StartError

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from presswork.mesh.stl_file import pack_stl
+from presswork.mesh.files.stl_file import pack_stl
 from presswork.model import FloatArray, Triangulation
 from presswork.post.released_part import ReleasedPart
 

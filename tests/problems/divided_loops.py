@@ -22,8 +22,8 @@ from presswork.explicit.input_checks import ExplicitError
 from presswork.law.umat import compile_law
 from presswork.model import Model
 from presswork.process.begin import choose
-from presswork.process.springback import ReleasedStamping
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
+from presswork.process.line.springback import ReleasedStamping
 from presswork.ranks.world import World, find_world
 from tests.problems.square_cup import describe_cup
 from tests.problems.stacked_plates import stack_explicit

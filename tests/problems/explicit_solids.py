@@ -5,7 +5,7 @@ import numpy as np
 
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids
-from presswork.mesh.structured import mesh_rectangle
+from presswork.mesh.make.structured import mesh_rectangle
 from presswork.model import Hardening, Heating, Mesh, Rate
 
 YOUNG, POISSON, DENSITY = 210e3, 0.3, 7.85e-9

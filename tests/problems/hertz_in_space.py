@@ -15,11 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.body_surfaces import InterfaceArrays
+from presswork.interaction.bodies.body_surfaces import InterfaceArrays
 from presswork.mesh import grade_line
-from presswork.mesh.box import finish_mesh, mesh_box
 from presswork.mesh.faces import face_areas
 from presswork.mesh.joined import join_meshes
+from presswork.mesh.make.box import finish_mesh, mesh_box
 from presswork.model import (
     BodyContact,
     FloatArray,

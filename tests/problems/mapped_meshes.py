@@ -14,14 +14,14 @@ from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Mesh, Model
-from presswork.process.carrying import carry_to_mesh
-from presswork.process.differentiated_remeshing import DifferentiatedRemeshing, DifferentiatedSpaceRemeshing
-from presswork.process.increments import find_position
-from presswork.process.mesh_reasons import DUE
-from presswork.process.new_epoch import NewEpoch
+from presswork.process.derivatives.differentiated_remeshing import DifferentiatedRemeshing, DifferentiatedSpaceRemeshing
+from presswork.process.implicit.increments import find_position
+from presswork.process.implicit.remeshing import RemeshedForming
+from presswork.process.implicit.remeshing_in_space import RemeshedSpaceForming
+from presswork.process.mesh_change.carrying import carry_to_mesh
+from presswork.process.mesh_change.mesh_reasons import DUE
+from presswork.process.mesh_change.new_epoch import NewEpoch
 from presswork.process.recording import Row
-from presswork.process.remeshing import RemeshedForming
-from presswork.process.remeshing_in_space import RemeshedSpaceForming
 from presswork.remesh.carrier import Carrier
 from presswork.results.history import name_derivative
 from tests.problems.differentiated import APART, EXACT, set_value, upset_block, upset_cylinder

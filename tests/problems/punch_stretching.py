@@ -31,8 +31,8 @@ from presswork.model import (
     Tool,
     ToolMotion,
 )
-from presswork.process.implicit_stamping import ImplicitStamping
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
+from presswork.process.implicit.implicit_stamping import ImplicitStamping
 
 Array = npt.NDArray[np.float64]
 EXAMPLE = files("presswork.examples") / "hemispherical_punch.toml"

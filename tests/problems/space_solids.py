@@ -4,8 +4,8 @@
 import numpy as np
 
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.mesh.box import finish_mesh, mesh_box
 from presswork.mesh.faces import face_areas
+from presswork.mesh.make.box import finish_mesh, mesh_box
 from presswork.model import (
     CELLS,
     FaceForce,

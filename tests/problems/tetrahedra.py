@@ -6,7 +6,7 @@ import scipy
 
 from presswork.body.solids import Mechanics
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.mesh.box import add_middles, finish_mesh, mesh_box, node_volumes, split_hexahedra
+from presswork.mesh.make.box import add_middles, finish_mesh, mesh_box, node_volumes, split_hexahedra
 from presswork.model import (
     CELLS,
     ELEMENTS,

@@ -6,8 +6,8 @@ import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.model import CellBlock, Mesh
-from presswork.process.laps import find_laps
-from presswork.process.seams import Seams
+from presswork.process.mesh_change.laps import find_laps
+from presswork.process.mesh_change.seams import Seams
 from presswork.remesh.space.closing import find_closing_faces
 from presswork.remesh.space.tetrahedra import find_skin
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, stop_at_fold

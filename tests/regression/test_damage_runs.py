@@ -9,10 +9,10 @@ from presswork.case.errors import CaseError
 from presswork.evolution.points import find_evolved
 from presswork.examples import copy_example
 from presswork.process.begin import begin
-from presswork.process.remeshing import RemeshedForming
+from presswork.process.implicit.remeshing import RemeshedForming
 from presswork.study.calibrate_damage import calibrate_damage
 from presswork.view.all_plots import plot_all
-from presswork.view.mesh_plot import plot_mesh
+from presswork.view.plots.mesh_plot import plot_mesh
 
 CASE = """
 title = "a billet is upset"

@@ -13,7 +13,7 @@ from presswork.case import StampingCase, build_model
 from presswork.explicit.shells import ExplicitShells
 from presswork.law.elastic_plastic import make_sheet_law
 from presswork.post.section import measure_draw_in
-from presswork.view.outline_plot import plot_outline
+from presswork.view.plots.outline_plot import plot_outline
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_stamping
 
 TOOL = {"shape": "rectangular", "mu": 0.1}

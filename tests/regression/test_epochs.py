@@ -17,7 +17,7 @@ from presswork.implicit.epochs import Epoch, MeshChange
 from presswork.implicit.progress import Progress
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import Model
-from presswork.process.implicit_recording import ImplicitRecording
+from presswork.process.implicit.implicit_recording import ImplicitRecording
 from presswork.recorder import Outcome, run_model
 from presswork.results.history import read_history
 from tests.problems.renumbered import renumber, touching

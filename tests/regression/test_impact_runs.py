@@ -77,7 +77,7 @@ def test_impulse_of_the_anvil_is_the_change_of_momentum(bounced: Result) -> None
 
 def test_the_case_gives_the_bits_of_the_arrays(taylor_bar: dict[str, Any], bounced: Result) -> None:
     """A run from Python to the same times ends with the same positions."""
-    from presswork.process.impact import ExplicitImpact
+    from presswork.process.explicit.impact import ExplicitImpact
 
     model = build(taylor_bar)
     start = ExplicitImpact(model, threads=1).solids

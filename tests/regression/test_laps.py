@@ -13,11 +13,11 @@ from presswork.examples import copy_example
 from presswork.mesh.topology import find_boundary_edges
 from presswork.model import Mesh
 from presswork.process.begin import begin
-from presswork.process.increments import find_position
+from presswork.process.implicit.increments import find_position
 from presswork.recorder import run_model
 from presswork.remesh import section
 from presswork.results import Result
-from presswork.view.mesh_plot import plot_contours
+from presswork.view.plots.mesh_plot import plot_contours
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, stop_at_fold
 
 mpl.use("Agg")

@@ -16,7 +16,7 @@ from presswork.case.errors import CaseError
 from presswork.post import cut_sheet, measure_draw_in
 from presswork.recorder import run_model
 from presswork.view import plot_history
-from presswork.view.section_plot import plot_draw_in, plot_section
+from presswork.view.plots.section_plot import plot_draw_in, plot_section
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_stamping, run_to_end
 
 FLAT = {"mu": 0.1, "shape": "ring", "outer_diameter": 24}

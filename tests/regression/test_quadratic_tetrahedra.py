@@ -7,8 +7,8 @@ import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.case.errors import CaseError
-from presswork.mesh.box import add_middles, corner_volumes, node_volumes
 from presswork.mesh.faces import face_areas, find_boundary_faces, press_faces
+from presswork.mesh.make.box import add_middles, corner_volumes, node_volumes
 from presswork.model import CELLS
 from presswork.report.surface import find_surface
 from presswork.view.all_plots import plot_all

@@ -15,9 +15,9 @@ from presswork.case import CaseError, StampingCase, build_model
 from presswork.case.description.stamping import describe_stamping
 from presswork.geometry.swept_tool import draw_die, draw_punch, triangulate
 from presswork.post.section import cut_sheet, measure_draw_in
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
 from presswork.recorder import run_model
-from presswork.view.shell_plot import plot_shell
+from presswork.view.plots.shell_plot import plot_shell
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 from tests.unit.case.round_cup import CUP, changed
 

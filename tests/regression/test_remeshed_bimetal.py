@@ -14,7 +14,7 @@ from presswork import Case, build_model
 from presswork.examples import copy_example
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.process.begin import begin
-from presswork.process.remeshing import RemeshedForming
+from presswork.process.implicit.remeshing import RemeshedForming
 from presswork.recorder import run_model
 from tests.regression.whole_runs import run_in_two_parts
 

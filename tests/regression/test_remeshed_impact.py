@@ -9,8 +9,8 @@ from presswork.explicit.arrays import SolidArrays
 from presswork.explicit.input_checks import ExplicitError
 from presswork.law.history import EQPS
 from presswork.process.begin import begin
-from presswork.process.impact import ExplicitImpact
-from presswork.process.remeshed_impact import RemeshedImpact
+from presswork.process.explicit.impact import ExplicitImpact
+from presswork.process.explicit.remeshed_impact import RemeshedImpact
 from presswork.recorder import run_model
 from presswork.results import Result, read_history
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts

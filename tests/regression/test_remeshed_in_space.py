@@ -9,7 +9,7 @@ from presswork.case.errors import CaseError
 from presswork.case.space.schema import SpaceCase
 from presswork.examples import copy_example
 from presswork.mesh.checks import MeshError
-from presswork.process.remeshing_in_space import RemeshedSpaceForming
+from presswork.process.implicit.remeshing_in_space import RemeshedSpaceForming
 from presswork.report.write import write_report
 from presswork.view.all_plots import plot_all
 from tests.problems.upset_block import describe_block

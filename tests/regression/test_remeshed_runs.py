@@ -13,9 +13,9 @@ from presswork.mesh.checks import MeshError
 from presswork.mesh.topology import find_boundary_edges
 from presswork.outcome import GaveUpError, StartError
 from presswork.post import measure_die_fill
-from presswork.process import remeshing
 from presswork.process.begin import begin
-from presswork.process.remeshing import RemeshedForming
+from presswork.process.implicit import remeshing
+from presswork.process.implicit.remeshing import RemeshedForming
 from presswork.recorder import run_model
 from presswork.results import Result, read_history
 

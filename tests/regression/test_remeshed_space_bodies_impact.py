@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from presswork import build_model, read_case, run_model
-from presswork.interaction.space_interface import SpaceInterface
+from presswork.interaction.bodies.space_interface import SpaceInterface
 from presswork.process.begin import begin
-from presswork.process.remeshed_space_impact import RemeshedSpaceImpact
+from presswork.process.explicit.remeshed_space_impact import RemeshedSpaceImpact
 from tests.problems.touching_bodies import FLYING, HEAT_OF_STACK, STACK, write_case
 from tests.regression.whole_runs import compare_with_restart
 

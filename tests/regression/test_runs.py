@@ -17,7 +17,7 @@ import pytest
 from presswork import Case, OutputError, Result, run
 from presswork.examples import copy_example
 from presswork.implicit.stepping import IncrementReport
-from presswork.process.implicit_recording import ImplicitRecording
+from presswork.process.implicit.implicit_recording import ImplicitRecording
 from presswork.process.recording import Row
 from presswork.results import load_checkpoint
 from tests.regression.whole_runs import assert_same_bits, stop_after

@@ -9,7 +9,7 @@ from presswork.case import CaseError
 from presswork.examples import copy_example
 from presswork.results import Result
 from presswork.view.all_plots import plot_all
-from presswork.view.interface_plot import plot_interface
+from presswork.view.plots.interface_plot import plot_interface
 
 QUICK = [
     "workpiece.mesh.cells=[4,4]",

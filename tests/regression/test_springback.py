@@ -15,7 +15,7 @@ from presswork.case import StampingCase, build_model
 from presswork.case.errors import CaseError
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Model, PrescribedDisplacement
-from presswork.process.released_model import hold_rigidly, make_springback_model
+from presswork.process.line.released_model import hold_rigidly, make_springback_model
 from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
 from presswork.view.style import is_released

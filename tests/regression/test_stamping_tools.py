@@ -17,7 +17,7 @@ from presswork.post.section import cut_sheet, cut_tool, measure_draw_in
 from presswork.process.begin import check_start
 from presswork.recorder import run_model
 from presswork.view.all_plots import plot_all
-from presswork.view.shell_plot import plot_shell
+from presswork.view.plots.shell_plot import plot_shell
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end, stop_after
 
 STROKE = 8.0

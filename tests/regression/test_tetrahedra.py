@@ -7,7 +7,7 @@ import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.case.errors import CaseError
-from presswork.mesh.box import mesh_box
+from presswork.mesh.make.box import mesh_box
 from presswork.model import CellBlock
 from presswork.report.surface import find_surface
 from presswork.view.all_plots import plot_all

@@ -15,7 +15,7 @@ from presswork.case.space.schema import SpaceCase
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.view.all_plots import plot_all
-from presswork.view.operation_plot import list_operations, plot_operation
+from presswork.view.plots.operation_plot import list_operations, plot_operation
 from presswork.view.style import describe_step
 from tests.regression.whole_runs import run_in_two_parts
 

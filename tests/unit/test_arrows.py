@@ -73,7 +73,7 @@ PYTHON_ROOMS = {
         "timing",
     },
     "explicit": {"evolution", "law", "mesh", "model", "ranks", "state", "stop"},
-    "observe": {"body", "evolution", "fields", "geometry", "implicit", "interaction", "mesh", "model", "remesh"},
+    "observe": {"body", "evolution", "fields", "geometry", "implicit", "interaction", "law", "mesh", "model", "remesh"},
     "process": {
         "body",
         "evolution",
@@ -102,7 +102,7 @@ PYTHON_ROOMS = {
     "report": {"case", "fields", "formability", "model", "post", "results", "view"},
     "step_writer": {"model", "process", "results"},
     "fingerprint": {"model"},
-    "recorder": {"fingerprint", "model", "outcome", "process", "ranks", "results", "step_writer", "stop"},
+    "recorder": {"fingerprint", "model", "observe", "outcome", "process", "ranks", "results", "step_writer", "stop"},
     "study": {
         "api",
         "bead_forces",

@@ -15,7 +15,7 @@ from presswork.case.stamping.schema import StampingCase
 from presswork.examples import copy_example
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids
-from presswork.mesh.structured import mesh_rectangle
+from presswork.mesh.make.structured import mesh_rectangle
 from presswork.model import (
     ELEMENTS,
     ElementName,

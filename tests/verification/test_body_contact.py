@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.body_surfaces import InterfaceArrays
+from presswork.interaction.bodies.body_surfaces import InterfaceArrays
 from presswork.mesh import grade_line, mesh_rectangle
 from presswork.mesh.joined import join_meshes
 from presswork.mesh.topology import drop_unused_points, find_boundary_edges

@@ -12,7 +12,7 @@ import pytest
 
 from presswork.case import CaseError
 from presswork.geometry.foot_on_triangles import split_long
-from presswork.mesh.stl_file import pack_stl
+from presswork.mesh.files.stl_file import pack_stl
 from presswork.post.released_part import ReleasedPart
 from presswork.results import OutputError
 from presswork.study import compensate_springback

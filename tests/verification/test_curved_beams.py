@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.body_surfaces import InterfaceArrays
+from presswork.interaction.bodies.body_surfaces import InterfaceArrays
 from presswork.model import SolverSettings
 from tests.problems.sliding_arches import beams, slide
 

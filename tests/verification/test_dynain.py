@@ -14,7 +14,7 @@ import pytest
 from presswork import Result
 from presswork.case import CaseError, StampingCase, build_model
 from presswork.mesh.checks import MeshError
-from presswork.mesh.dynain import first_sides, read_dynain
+from presswork.mesh.files.dynain import first_sides, read_dynain
 from tests.regression.whole_runs import run_stamping
 from tests.verification.test_press_line import DRAW, REDRAW, STEEL, distance, line, thinner
 

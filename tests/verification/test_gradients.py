@@ -17,8 +17,8 @@ from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.implicit import ram
 from presswork.interaction.contract import Interaction
-from presswork.interaction.plane_tools import PlaneTools
-from presswork.interaction.space_tools import SpaceTools
+from presswork.interaction.plane.plane_tools import PlaneTools
+from presswork.interaction.space.space_tools import SpaceTools
 from presswork.process.begin import begin
 from presswork.results.history import name_derivative
 from tests.problems.differentiated import (

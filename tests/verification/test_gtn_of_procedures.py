@@ -14,8 +14,8 @@ from presswork.case.errors import CaseError
 from presswork.explicit.arrays import SolidArrays
 from presswork.explicit.input_checks import ExplicitError
 from presswork.law.history import POROSITY
-from presswork.mesh.box import node_volumes
-from presswork.process.space_impact import ExplicitSpaceImpact
+from presswork.mesh.make.box import node_volumes
+from presswork.process.explicit.space_impact import ExplicitSpaceImpact
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 from tests.verification.test_gtn import NECK, notch, pull_notched, read
 

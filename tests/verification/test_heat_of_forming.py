@@ -13,7 +13,7 @@ from presswork.evolution.points import EvolvedArrays
 from presswork.implicit.energy import Work
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.chilled_tool import Column
+from presswork.interaction.heat.chilled_tool import Column
 
 ENTHALPY = 7833e-12 * 586e6
 """Of a unit of volume [N/(mm2 K)]."""

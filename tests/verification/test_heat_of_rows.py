@@ -11,8 +11,8 @@ import pytest
 from presswork.case import build_model
 from presswork.case.solid.schema import Case
 from presswork.implicit.heat_of_forming import HeatArrays
-from presswork.process.impact import ExplicitImpact
-from presswork.process.implicit_recording import ImplicitRecording
+from presswork.process.explicit.impact import ExplicitImpact
+from presswork.process.implicit.implicit_recording import ImplicitRecording
 from tests.verification.test_heat_of_forming import ENTHALPY
 
 STEEL = {"conductivity": 30, "specific_heat": "650 J/(kg*K)"}

@@ -5,8 +5,8 @@ import meshio
 import numpy as np
 import pytest
 
-from presswork.mesh.part_file import read_part, refine_edges
-from presswork.mesh.remesh import POOR
+from presswork.mesh.files.part_file import read_part, refine_edges
+from presswork.mesh.make.remesh import POOR
 from presswork.mesh.triangles import triangle_quality
 from presswork.onestep import solve_one_step
 from presswork.onestep.part import OneStepError

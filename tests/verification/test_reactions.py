@@ -8,10 +8,10 @@ import pytest
 
 from presswork import Case, ShellCase, build_model, run
 from presswork.explicit.shells import ExplicitShells
-from presswork.process.impact import ExplicitImpact
-from presswork.process.implicit_recording import ImplicitRecording
+from presswork.process.explicit.impact import ExplicitImpact
+from presswork.process.implicit.implicit_recording import ImplicitRecording
 from presswork.results import Result
-from presswork.view.history_plot import stress_strain
+from presswork.view.plots.history_plot import stress_strain
 
 SWIFT = {"law": "swift", "K": 565.0, "e0": 0.007, "n": 0.26}
 STEEL = {"young": 2e5, "poisson": 0.3, "hardening": SWIFT}

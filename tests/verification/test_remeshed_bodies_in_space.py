@@ -6,7 +6,7 @@ import pytest
 
 from presswork import CaseError, build_model
 from presswork.case.space.schema import SpaceCase
-from presswork.interaction.body_surfaces import InterfaceArrays
+from presswork.interaction.bodies.body_surfaces import InterfaceArrays
 from presswork.process.begin import begin
 
 

@@ -7,8 +7,8 @@ import pytest
 from presswork import Case, CaseError, build_model
 from presswork.examples import copy_example
 from presswork.model import BodyContact, EdgeForce
-from presswork.process import new_balance
 from presswork.process.begin import begin
+from presswork.process.mesh_change import new_balance
 from presswork.recorder import run_model
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 

@@ -6,8 +6,8 @@ import pytest
 
 from presswork import Case, build_model
 from presswork.fields.solid_fields import effective_stress
-from presswork.process import new_balance
 from presswork.process.begin import begin
+from presswork.process.mesh_change import new_balance
 
 
 def run(case):

@@ -6,7 +6,7 @@ import pytest
 
 from presswork.body.sheet_heat import SheetConduction
 from presswork.evolution.kinetics import Kinetics
-from presswork.interaction.heat_films import Film, RadiationFilm, ToolFilm
+from presswork.interaction.heat.heat_films import Film, RadiationFilm, ToolFilm
 from presswork.model import FloatArray, Radiation, Thermal, Transformation
 from tests.problems.heat import fit_order, radiate
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.interaction.sheet_on_itself import SelfContactArrays
+from presswork.interaction.bodies.sheet_on_itself import SelfContactArrays
 from presswork.model import (
     PrescribedDisplacement,
     ShellPressure,

@@ -10,7 +10,7 @@ import pytest
 from presswork import model
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.inertia import InertiaArrays
-from presswork.mesh.structured import mesh_rectangle
+from presswork.mesh.make.structured import mesh_rectangle
 from presswork.model import (
     EdgeForce,
     FaceForce,

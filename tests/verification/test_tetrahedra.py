@@ -9,7 +9,7 @@ import scipy
 
 from presswork import build_model, read_case, run_model
 from presswork.body.solids import Mechanics
-from presswork.mesh.box import finish_mesh
+from presswork.mesh.make.box import finish_mesh
 from presswork.model import Material, Stage, Umat
 from presswork.timing import Timing
 from tests.consistency.test_solid_in_space import OneCell

@@ -15,7 +15,7 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.law.elastic_plastic import make_sheet_law
 from presswork.mesh.shells import mesh_shell_rectangle
 from presswork.model import Hardening, Kinematic, Material, Mesh, Model, Section, Stage, YieldFunction
-from presswork.process.transfer import TransferError, carry_to_explicit, carry_to_implicit
+from presswork.process.mesh_change.transfer import TransferError, carry_to_explicit, carry_to_implicit
 from tests.problems.bent_strip import FIRST_YIELD, INERTIA, LENGTH, YOUNG, moment_of, steel, strip
 from tests.problems.shells import CLAMPED, RY, RZ, X, Y, Z, fixing, shell_model
 

@@ -10,8 +10,8 @@ import pytest
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Material, Mesh, Stage, TrimLine
-from presswork.process.released_model import ELEMENTS, hold_rigidly
-from presswork.process.transfer import (
+from presswork.process.line.released_model import ELEMENTS, hold_rigidly
+from presswork.process.mesh_change.transfer import (
     SheetBlock,
     SheetState,
     begin_with,
@@ -19,7 +19,7 @@ from presswork.process.transfer import (
     sheet_of_explicit,
     sheet_of_implicit,
 )
-from presswork.process.trim import TrimmedSheet, trim_sheet
+from presswork.process.mesh_change.trim import TrimmedSheet, trim_sheet
 from tests.problems.bent_strip import INERTIA, YOUNG, bend, moment_of, steel, strip
 from tests.problems.plane_solids import linear_hardening
 from tests.problems.shells import patch, shell_model

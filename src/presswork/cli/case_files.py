@@ -25,12 +25,12 @@ def _draw_undercut(error: CaseError, folder: Path | None) -> str:
     cause = error.__cause__
     if folder is None or cause is None:
         return ""
-    from presswork.mesh.part_file import UndercutError
+    from presswork.mesh.files.part_file import UndercutError
 
     if not isinstance(cause, UndercutError):
         return ""
     from presswork.results import OutputError
-    from presswork.view.part_plot import draw_undercut
+    from presswork.view.plots.part_plot import draw_undercut
 
     path = folder / "undercut.png"
     try:

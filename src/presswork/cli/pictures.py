@@ -52,7 +52,7 @@ def write_page(result: Result, *, quiet: bool = False) -> None:
 
 def overlay(results: list[Result], out: Path) -> None:
     """Draw several results over each other."""
-    from presswork.view.overlay_plot import plot_overlays
+    from presswork.view.plots.overlay_plot import plot_overlays
 
     try:
         paths = plot_overlays(results, out)

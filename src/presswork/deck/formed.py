@@ -11,7 +11,7 @@ from presswork.deck.contents import Deck, PartCard, SectionCard
 from presswork.deck.notes import Notes
 from presswork.deck.place import Seat
 from presswork.deck.units import Units
-from presswork.mesh.dynain import first_sides
+from presswork.mesh.files.dynain import first_sides
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.model import FloatArray, FormedSheet, IndexArray, Section
 

@@ -13,8 +13,8 @@ import tomli_w
 from presswork.deck.blank_and_tools import Surface
 from presswork.deck.notes import Notes
 from presswork.deck.stamping import ImportedStamping
-from presswork.mesh.dynain import write_dynain
-from presswork.mesh.stl_file import pack_stl
+from presswork.mesh.files.dynain import write_dynain
+from presswork.mesh.files.stl_file import pack_stl
 from presswork.mesh.triangles import double_areas
 from presswork.model import IndexArray, Triangulation
 from presswork.results.whole_file import write_whole

@@ -19,7 +19,7 @@ BY_NAME = {quantity.name: quantity for quantity in QUANTITIES}
 
 def make_laws(material: Material, *, is_solid: bool) -> tuple[EvolutionLaw, ...]:
     """Return the evolution laws of a material in solids or in a sheet; a sheet's phases are where its temperatures are
-    (interaction/heat_of_sheet.py).
+    (interaction/heat/heat_of_sheet.py).
     """
     of_damage = damage.make_damage(material.damage, material.umat, is_solid=is_solid)
     return (*of_damage, *make_other_laws(material, is_solid=is_solid))

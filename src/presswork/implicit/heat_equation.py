@@ -11,7 +11,7 @@ import numpy as np
 from presswork.body.heat import Conduction
 from presswork.implicit.linear.choose import make_solver
 from presswork.implicit.linear.contract import LinearSolver, SolverError
-from presswork.interaction.heat_films import Film
+from presswork.interaction.heat.heat_films import Film
 from presswork.model import FloatArray, IntArray, MaskArray, Model
 from presswork.outcome import Failed, IterationLog
 from presswork.timing import Timing

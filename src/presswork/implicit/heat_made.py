@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.body.heat import PointShapes, sum_at_nodes
-from presswork.interaction.forming_instant import FormingInstant
-from presswork.interaction.heat_surface import SurfaceNow
+from presswork.interaction.heat.forming_instant import FormingInstant
+from presswork.interaction.heat.heat_surface import SurfaceNow
 from presswork.model import FloatArray, Heat, Model
 
 

@@ -3,7 +3,8 @@
 
 With the heat of plastic work and friction, and what tools, other bodies and surroundings take. Within an increment time
 steps of heat follow their own error, as in heat alone (docs/theory/heat.md). Implicit increments
-(heat_of_increments.py) and rows of explicit cycles (process/heat_of_rows.py) describe themselves as a FormingInstant.
+(heat_of_increments.py) and rows of explicit cycles (process/explicit/heat_of_rows.py) describe themselves as a
+FormingInstant.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ from presswork.implicit.heat_equation import PRESCRIBED, HeatEquation, HeatProbl
 from presswork.implicit.heat_made import HeatSources
 from presswork.implicit.heat_of_phases import KIND as LATENT
 from presswork.implicit.heat_of_phases import PhasesAtNodes
-from presswork.interaction.chilled_tool import CELLS, Column, ColumnFilm
-from presswork.interaction.forming_instant import FormingInstant, Poses
-from presswork.interaction.heat_films import Film, ToolFilm
-from presswork.interaction.heat_surface import HeatSurface, Touch
-from presswork.interaction.meshed_dies import MeshedDies, pass_on
+from presswork.interaction.heat.chilled_tool import CELLS, Column, ColumnFilm
+from presswork.interaction.heat.forming_instant import FormingInstant, Poses
+from presswork.interaction.heat.heat_films import Film, ToolFilm
+from presswork.interaction.heat.heat_surface import HeatSurface, Touch
+from presswork.interaction.heat.meshed_dies import MeshedDies, pass_on
 from presswork.model import BoolArray, FloatArray, Heat, IntArray, Model
 from presswork.outcome import Failed, GaveUpError, IterationLog
 from presswork.state import NODE, RUN, Arrays, OnNewMesh

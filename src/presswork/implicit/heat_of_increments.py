@@ -15,8 +15,8 @@ import numpy as np
 from presswork.body.solids import Mechanics
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.implicit.newton import Augmentation
-from presswork.interaction.body_surfaces import InterfaceArrays
-from presswork.interaction.forming_instant import BetweenBodies, FormingInstant, Poses, find_poses
+from presswork.interaction.bodies.body_surfaces import InterfaceArrays
+from presswork.interaction.heat.forming_instant import BetweenBodies, FormingInstant, Poses, find_poses
 from presswork.interaction.of_model import Interactions
 from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays, ToolArrays
 from presswork.model import BodyContact, FloatArray, Model, find_cell

@@ -13,7 +13,7 @@ import numpy as np
 
 from presswork import _core
 from presswork.evolution.kinetics import Kinetics
-from presswork.interaction.heat_films import Film
+from presswork.interaction.heat.heat_films import Film
 from presswork.model import FloatArray, Model
 
 KIND = "latent"

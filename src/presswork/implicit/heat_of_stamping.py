@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Heat of a sheet between tools in implicit increments: after each converged one heat flows over its time
-(interaction/heat_of_sheet.py), and the layers take the temperatures that it leads to.
+(interaction/heat/heat_of_sheet.py), and the layers take the temperatures that it leads to.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from presswork.body.sheet_heat import LayerMap
 from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shells import ShellMechanics
 from presswork.implicit.temperature_change import judge_change
-from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays, SheetInstant
+from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays, SheetInstant
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import FloatArray, Model
 from presswork.outcome import Converged, Failed, IterationLog, Step

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from presswork.interaction.resting import find_loose
+from presswork.interaction.space.resting import find_loose
 from presswork.model import Model
 
 MESH = "Try a finer mesh where cells are most distorted, or look at the last saved step for folded cells"

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from presswork.interaction.contract import Forces, Guess, Interaction
-from presswork.interaction.sheet_contact import share_surface
-from presswork.mesh.box import node_volumes
+from presswork.interaction.space.sheet_contact import share_surface
+from presswork.mesh.make.box import node_volumes
 from presswork.model import CellBlock, FloatArray, Model, find_cell, take_corners
 from presswork.state import Arrays, State
 

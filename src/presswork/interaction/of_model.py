@@ -7,17 +7,17 @@ from collections.abc import Sequence
 
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
-from presswork.interaction.body_contact import BodyContacts
+from presswork.interaction.bodies.body_contact import BodyContacts
+from presswork.interaction.bodies.laps import LapMarks
+from presswork.interaction.bodies.sheet_on_itself import SheetOnItself
 from presswork.interaction.contract import Interaction
 from presswork.interaction.cyclic import CyclicTies
 from presswork.interaction.inertia import Inertia
-from presswork.interaction.laps import LapMarks
 from presswork.interaction.loads import Loads
 from presswork.interaction.loose_bodies import LooseBodies
-from presswork.interaction.plane_tools import PlaneTools
-from presswork.interaction.sheet_on_itself import SheetOnItself
+from presswork.interaction.plane.plane_tools import PlaneTools
 from presswork.interaction.shell_loads import ShellLoads
-from presswork.interaction.space_tools import SpaceTools
+from presswork.interaction.space.space_tools import SpaceTools
 from presswork.interaction.supports import Supports
 from presswork.model import Model
 

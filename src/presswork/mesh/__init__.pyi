@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 from .checks import MeshError
-from .readers import read_mesh
-from .structured import fitting_patterns, grade_line, mesh_rectangle
+from .files.readers import read_mesh
+from .make.structured import fitting_patterns, grade_line, mesh_rectangle
 
 __all__ = ["MeshError", "fitting_patterns", "grade_line", "mesh_rectangle", "read_mesh"]

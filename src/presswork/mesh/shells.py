@@ -11,8 +11,8 @@ import numpy as np
 from presswork import _core
 from presswork.mesh.checks import MeshError, check_connected, check_coordinates
 from presswork.mesh.directors import find_directors
-from presswork.mesh.readers import build_sets, read_raw, take_cells
-from presswork.mesh.structured import Pattern, mesh_rectangle
+from presswork.mesh.files.readers import build_sets, read_raw, take_cells
+from presswork.mesh.make.structured import Pattern, mesh_rectangle
 from presswork.mesh.topology import drop_unused_points, find_boundary_edges
 from presswork.model import CellBlock, ElementName, FloatArray, Mesh, Section
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from presswork.fields.instant import Instant
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
-from presswork.interaction.heat_of_sheet import HeatOfSheet, SheetHeatArrays
+from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.model import FloatArray, Mesh, Model
 
 Row = dict[str, float | int | str]

@@ -11,7 +11,7 @@ import numpy as np
 from presswork.body.heat import Conduction
 from presswork.body.sheet_heat import SheetConduction
 from presswork.implicit.heat_of_forming import DIE_KINDS, KINDS, HeatArrays, HeatOfForming
-from presswork.interaction.heat_of_sheet import KINDS as SHEET_KINDS
+from presswork.interaction.heat.heat_of_sheet import KINDS as SHEET_KINDS
 from presswork.model import FloatArray, IntArray, Model
 from presswork.observe.contract import History, Observed, Observer, Row
 

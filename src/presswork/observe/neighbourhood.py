@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
-from presswork.mesh.box import node_volumes
 from presswork.mesh.faces import face_areas
+from presswork.mesh.make.box import node_volumes
 from presswork.model import ELEMENTS, FloatArray, IndexArray, Mesh, Model, find_held_side, take_corners
 
 CELLS = 2.0

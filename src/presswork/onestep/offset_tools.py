@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from presswork.mesh.surface_offset import find_offsets, unit_normals
+from presswork.mesh.make.surface_offset import find_offsets, unit_normals
 from presswork.mesh.triangles import double_areas, find_rims, find_triangle_parts, pair_triangles, split_quads
 from presswork.model import BoolArray, FloatArray, IntArray, OneStepModel, ToolKind, Triangulation
 from presswork.onestep.loads import FLAT

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from presswork.mesh.addendum import ON_PLANE
+from presswork.mesh.make.addendum import ON_PLANE
 from presswork.model import BoolArray, FloatArray, IntArray, OneStepModel
 from presswork.onestep.fields import nodal_thickness
 from presswork.onestep.law import find_metric, make_law

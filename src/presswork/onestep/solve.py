@@ -10,8 +10,8 @@ from time import perf_counter
 import numpy as np
 
 from presswork import _core
-from presswork.mesh.addendum import ON_PLANE
 from presswork.mesh.checks import MeshError
+from presswork.mesh.make.addendum import ON_PLANE
 from presswork.mesh.triangles import find_rims
 from presswork.model import CELLS, FloatArray, IntArray, OneStepModel
 from presswork.onestep.fields import cell_means, triangle_fields

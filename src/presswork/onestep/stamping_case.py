@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from presswork.mesh.stl_file import pack_stl
+from presswork.mesh.files.stl_file import pack_stl
 from presswork.model import OneStepModel
 from presswork.onestep.offset_tools import CLEARANCE, offset_tools
 from presswork.onestep.outline import BlankOutline

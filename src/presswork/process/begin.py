@@ -32,9 +32,9 @@ def begin(model: Model, threads: int) -> Recording:
 
 def begin_formed_part(model: Model, threads: int, world: World | None = None) -> Recording:
     """Return what goes on with a part that is formed already. world: ranks that share it. Raises StartError."""
-    from presswork.process.formed_sheet import begin_formed
-    from presswork.process.springback import LaidPart, ReleasedStamping
-    from presswork.process.transfer import TransferError
+    from presswork.process.line.formed_sheet import begin_formed
+    from presswork.process.line.springback import LaidPart, ReleasedStamping
+    from presswork.process.mesh_change.transfer import TransferError
 
     try:
         state = begin_formed(model)
@@ -47,25 +47,25 @@ def begin_formed_part(model: Model, threads: int, world: World | None = None) ->
 def choose(model: Model, threads: int, world: World | None = None) -> Recording:
     """Return the procedure that a model asks for. world: ranks that share it. Raises StartError, ExplicitError."""
     if model.gradients is not None:
-        from presswork.process.differentiated import begin_differentiated
+        from presswork.process.derivatives.differentiated import begin_differentiated
 
         return begin_differentiated(model, threads)
     if model.formed is not None:
         return begin_formed_part(model, threads, world)
     if model.following:
-        from presswork.process.press_line import PressLine
+        from presswork.process.line.press_line import PressLine
 
         return PressLine(model, threads=threads, world=world)
     if model.trim or model.springback is not None or model.output.dynain:
-        from presswork.process.springback import ReleasedStamping
+        from presswork.process.line.springback import ReleasedStamping
 
         return ReleasedStamping(model, threads=threads, world=world)
     if model.analysis == "stamping" and model.explicit is None:
-        from presswork.process.implicit_stamping import ImplicitStamping
+        from presswork.process.implicit.implicit_stamping import ImplicitStamping
 
         return ImplicitStamping(model, threads=threads, world=world)
     if model.analysis == "stamping":
-        from presswork.process.stamping import ExplicitStamping
+        from presswork.process.explicit.stamping import ExplicitStamping
 
         return ExplicitStamping(model, threads=threads, world=world)
     if model.heat is not None and model.heat.alone:
@@ -75,7 +75,7 @@ def choose(model: Model, threads: int, world: World | None = None) -> Recording:
     if model.explicit is not None:
         return begin_impact(model, threads, world)
     if model.series is not None:
-        from presswork.process.series import SeriesForming
+        from presswork.process.line.series import SeriesForming
 
         return SeriesForming(model, threads=threads)
     return begin_forming(model, threads, world)
@@ -85,18 +85,18 @@ def begin_impact(model: Model, threads: int, world: World | None = None) -> Reco
     """Return the explicit procedure of solids. world: ranks that share it."""
     may_remesh = model.remeshing is not None and not model.remeshing.obstacle
     if model.dimension == 3 and may_remesh:
-        from presswork.process.remeshed_space_impact import RemeshedSpaceImpact
+        from presswork.process.explicit.remeshed_space_impact import RemeshedSpaceImpact
 
         return RemeshedSpaceImpact(model, threads=threads, world=world)
     if model.dimension == 3:
-        from presswork.process.space_impact import ExplicitSpaceImpact
+        from presswork.process.explicit.space_impact import ExplicitSpaceImpact
 
         return ExplicitSpaceImpact(model, threads=threads, world=world)
     if may_remesh and len(model.bodies) < 2 and not model.contacts:
-        from presswork.process.remeshed_impact import RemeshedImpact
+        from presswork.process.explicit.remeshed_impact import RemeshedImpact
 
         return RemeshedImpact(model, threads=threads, world=world)
-    from presswork.process.impact import ExplicitImpact
+    from presswork.process.explicit.impact import ExplicitImpact
 
     return ExplicitImpact(model, threads=threads, world=world)
 
@@ -104,18 +104,18 @@ def begin_impact(model: Model, threads: int, world: World | None = None) -> Reco
 def begin_forming(model: Model, threads: int, world: World | None = None) -> Recording:
     """Return the implicit procedure of bodies that tools or loads form. world: ranks that share it."""
     if model.remeshing is not None and model.analysis == "solid":
-        from presswork.process.remeshing_in_space import RemeshedSpaceForming
+        from presswork.process.implicit.remeshing_in_space import RemeshedSpaceForming
 
         return RemeshedSpaceForming(model, threads=threads, world=world)
     if model.remeshing is not None:
-        from presswork.process.remeshing import RemeshedForming
+        from presswork.process.implicit.remeshing import RemeshedForming
 
         return RemeshedForming(model, threads=threads, world=world)
     if model.analysis == "solid" and model.solver.displacements == "large":
-        from presswork.process.folding import FoldingRecording
+        from presswork.process.implicit.folding import FoldingRecording
 
         return FoldingRecording(model, threads=threads, world=world)
-    from presswork.process.implicit_recording import ImplicitRecording
+    from presswork.process.implicit.implicit_recording import ImplicitRecording
 
     return ImplicitRecording(model, threads=threads, world=world)
 

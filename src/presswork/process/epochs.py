@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.mesh.dump import dump_mesh, load_mesh
+from presswork.mesh.files.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, Mesh, Model, change_mesh
 from presswork.process.recording import ModelRecording
 

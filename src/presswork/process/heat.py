@@ -24,7 +24,7 @@ from presswork import _core
 from presswork.body.heat import measure_ranges, widen
 from presswork.implicit.heat_equation import PRESCRIBED, HeatEquation, HeatProblem
 from presswork.implicit.stepping import IncrementReport
-from presswork.interaction.heat_films import Film, make_contacts, make_films, read_at
+from presswork.interaction.heat.heat_films import Film, make_contacts, make_films, read_at
 from presswork.model import COLDEST, HOTTEST, FloatArray, HeatStage, MaskArray, Model
 from presswork.outcome import Failed, GaveUpError, IterationLog
 from presswork.threads import available_threads

@@ -15,8 +15,8 @@ from presswork.implicit.stepping import IncrementReport
 from presswork.model import Model
 from presswork.observe.contract import Row
 from presswork.observe.heat import heat_columns, measure_heat, summarise_heat, warn_of_tables
+from presswork.observe.limits import Watched
 from presswork.process.heat import CUTBACKS, ITERATIONS, KINDS, STEPS, TIME, HeatProcedure
-from presswork.process.limits import Watched
 from presswork.process.recording import ModelRecording, Snapshot
 from presswork.process.tool_quantities import describe_plane
 

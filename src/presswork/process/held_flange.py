@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from presswork.geometry.tool_surface import make_surface
 from presswork.law.elastic_plastic import first_flow_stress
-from presswork.mesh.flange import find_held_area
+from presswork.mesh.make.flange import find_held_area
 from presswork.model import FloatArray, Model, Tool
 from presswork.process.stamping_tools import is_pushed_in
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from presswork.formability import Info
 from presswork.model import FloatArray, IntArray, Mesh, Model
 from presswork.observe.contract import Row
-from presswork.process.limits import Watched
+from presswork.observe.limits import Watched
 from presswork.timing import Timing
 
 Meta = dict[str, float | int | str]

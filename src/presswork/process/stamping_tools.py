@@ -26,7 +26,7 @@ from presswork.model import (
     ToolMotion,
 )
 from presswork.observe.contract import Row
-from presswork.process.refinement import PlacedTool
+from presswork.process.mesh_change.refinement import PlacedTool
 from presswork.process.space_surfaces import SHEET_CHORD
 
 FORCE_TIMES = 100

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from presswork.fields.table import describe_field, split_components, to_scalar
 from presswork.model import FloatArray, Limits, Mesh
 from presswork.observe.damage import Peak
-from presswork.process.limits import NEVER_PASSED, Watched, explain_breach, find_breach
+from presswork.observe.limits import NEVER_PASSED, Watched, explain_breach, find_breach
 from presswork.process.recording import Snapshot
 
 STROKE, FORCE = ".stroke", ".force"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from presswork.model import FloatArray
 from presswork.report.pack import Blocks
 from presswork.results import OutputError, Result
-from presswork.view.history_plot import (
+from presswork.view.plots.history_plot import (
     find_energies,
     find_moved_sets,
     find_moving_tools,

@@ -18,8 +18,8 @@ from presswork.report.choose import Shown
 from presswork.report.surface import Surface
 from presswork.results import Result
 from presswork.results.folder import CASE
-from presswork.view.flow_lines_plot import space_lines
-from presswork.view.shell_plot import DIVERGING, ZONE_FIELD
+from presswork.view.plots.flow_lines_plot import space_lines
+from presswork.view.plots.shell_plot import DIVERGING, ZONE_FIELD
 from presswork.view.style import ZONE_COLOURS, describe_step
 
 _UNITS = {"1": "–", "degrees C": "°C"}

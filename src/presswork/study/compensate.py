@@ -23,7 +23,7 @@ from presswork.case.case_file import write_as_run
 from presswork.case.errors import Problem
 from presswork.case.reader import read_tables
 from presswork.case.stamping.target_part import read_target_part
-from presswork.mesh.stl_file import pack_stl
+from presswork.mesh.files.stl_file import pack_stl
 from presswork.model import FloatArray, IntArray
 from presswork.post.released_part import Misfit, ReleasedPart, read_released
 from presswork.post.springback import find_formed_step

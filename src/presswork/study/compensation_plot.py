@@ -12,7 +12,7 @@ import numpy as np
 from presswork.model import FloatArray
 from presswork.study.compensation_goal import Goal
 from presswork.view.faces import draw_faces
-from presswork.view.shell_plot import find_normals, frame_axes, scale_colours, shade
+from presswork.view.plots.shell_plot import find_normals, frame_axes, scale_colours, shade
 from presswork.view.style import clean_axes, save_picture
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy as np
 
 from presswork.results import OutputError
 from presswork.view import plot_history
-from presswork.view.history_plot import find_moving_tools
+from presswork.view.plots.history_plot import find_moving_tools
 from presswork.view.style import COLOURS, save_picture
 
 if TYPE_CHECKING:

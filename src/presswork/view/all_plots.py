@@ -17,13 +17,14 @@ from presswork.post.section import write_section
 from presswork.post.springback import find_formed_step
 from presswork.results import Result, ResultError
 from presswork.results.folder import PLOTS, refuse_link
-from presswork.view.blank_plot import plot_blank
 from presswork.view.crack_mark import find_judged_damage
-from presswork.view.die_plot import plot_dies, plot_parts
-from presswork.view.die_stress_plot import plot_die_stress
-from presswork.view.flow_lines_plot import flow_panel_size, has_remeshed, is_section, plot_flow_lines
-from presswork.view.forming_limit_plot import plot_forming_limit
-from presswork.view.history_plot import (
+from presswork.view.mirror import Mirror
+from presswork.view.plots.blank_plot import plot_blank
+from presswork.view.plots.die_plot import plot_dies, plot_parts
+from presswork.view.plots.die_stress_plot import plot_die_stress
+from presswork.view.plots.flow_lines_plot import flow_panel_size, has_remeshed, is_section, plot_flow_lines
+from presswork.view.plots.forming_limit_plot import plot_forming_limit
+from presswork.view.plots.history_plot import (
     find_dies,
     find_energies,
     find_moved_sets,
@@ -34,18 +35,17 @@ from presswork.view.history_plot import (
     plot_stress_strain,
     stress_strain,
 )
-from presswork.view.interface_plot import plot_interface
-from presswork.view.marked_points_plot import find_points, plot_points
-from presswork.view.mesh_plot import panel_size, plot_mesh, plot_mesh_and_contours
-from presswork.view.mirror import Mirror
-from presswork.view.operation_plot import list_operations, plot_operation
-from presswork.view.outline_plot import plot_outline
-from presswork.view.press_plot import has_ram, plot_ram
-from presswork.view.section_plot import is_drawn_in, plot_draw_in, plot_section
-from presswork.view.shell_plot import plot_shell
-from presswork.view.springback_plot import plot_springback
+from presswork.view.plots.interface_plot import plot_interface
+from presswork.view.plots.marked_points_plot import find_points, plot_points
+from presswork.view.plots.mesh_plot import panel_size, plot_mesh, plot_mesh_and_contours
+from presswork.view.plots.operation_plot import list_operations, plot_operation
+from presswork.view.plots.outline_plot import plot_outline
+from presswork.view.plots.press_plot import has_ram, plot_ram
+from presswork.view.plots.section_plot import is_drawn_in, plot_draw_in, plot_section
+from presswork.view.plots.shell_plot import plot_shell
+from presswork.view.plots.springback_plot import plot_springback
+from presswork.view.plots.temperature_plot import find_widest_step, has_temperatures, plot_temperatures
 from presswork.view.style import bare_figure, create_folder, is_released, require_matplotlib, save_picture
-from presswork.view.temperature_plot import find_widest_step, has_temperatures, plot_temperatures
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,9 +16,9 @@ from presswork.model import FloatArray
 from presswork.results import OutputError, Result
 from presswork.results.whole_file import copy_content, replace_whole
 from presswork.view.all_plots import default_fields
-from presswork.view.mesh_plot import plot_mesh
 from presswork.view.mirror import IMAGES, Mirror
-from presswork.view.shell_plot import plot_shell
+from presswork.view.plots.mesh_plot import plot_mesh
+from presswork.view.plots.shell_plot import plot_shell
 from presswork.view.style import bare_figure, draw_pixels, require_matplotlib
 
 KINDS = (".gif", ".mp4")

@@ -20,10 +20,10 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Model
 from presswork.outcome import StartError
-from presswork.process import folding
 from presswork.process.begin import begin
-from presswork.process.differentiated_release import ReleasedSide
-from presswork.process.self_contact import touches_itself
+from presswork.process.derivatives.differentiated_release import ReleasedSide
+from presswork.process.implicit import folding
+from presswork.process.implicit.self_contact import touches_itself
 from presswork.recorder import run_model
 from tests.problems.differentiated import (
     bend_over_die,

@@ -15,7 +15,7 @@ from presswork.case import Case, CaseError, build_model
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.geometry.swept_tool import draw_block, triangulate
-from presswork.mesh.stl_file import pack_stl
+from presswork.mesh.files.stl_file import pack_stl
 from presswork.model import Triangulation
 from tests.unit.case.test_resistance import AXIS, BOX, DOWN_IN_SPACE, QUARTER, STEEL, flat, line, plane_case, space_case
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.mesh.blanks import mesh_circular_blank
+from presswork.mesh.make.blanks import mesh_circular_blank
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ import pytest
 from presswork import CaseError
 from presswork.deck.abaqus.drawn import read_drawn
 from presswork.keyword_file import Place
-from presswork.mesh.abaqus_blocks import Block
+from presswork.mesh.files.abaqus_blocks import Block
 from tests.problems.abaqus_deck import TAIL, write_deck
 from tests.problems.dyna_deck import DIE, NOSE, OPENING, PUNCH, SHOULDER, THICKNESS
 from tests.unit.deck.test_abaqus import import_it

@@ -16,7 +16,7 @@ from presswork.deck.notes import Notes
 from presswork.deck.stamping import ImportedStamping, make_stamping
 from presswork.deck.units import SYSTEMS
 from presswork.mesh.checks import MeshError
-from presswork.mesh.dynain import first_sides, read_dynain
+from presswork.mesh.files.dynain import first_sides, read_dynain
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.model import FloatArray, Section
 from tests.problems.dyna_deck import write_deck

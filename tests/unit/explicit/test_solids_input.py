@@ -9,7 +9,7 @@ import pytest
 from presswork.explicit.shells import ExplicitError
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids
-from presswork.mesh.structured import mesh_rectangle
+from presswork.mesh.make.structured import mesh_rectangle
 from presswork.model import CellBlock, Heating, Mesh
 
 STEEL = {"young": 210e3, "poisson": 0.3, "density": 7.85e-9}

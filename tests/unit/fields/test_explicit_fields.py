@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork.case import StampingCase, build_model
-from presswork.process.stamping import ExplicitStamping
+from presswork.process.explicit.stamping import ExplicitStamping
 from tests.unit.case.round_cup import CUP, changed
 
 NAMES = ("major_strain_middle", "minor_strain_middle", "thickness_strain")

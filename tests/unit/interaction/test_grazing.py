@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from presswork.interaction.grazing import Drag, Grazing
+from presswork.interaction.plane.grazing import Drag, Grazing
 
 TOLERANCE, LARGEST = 0.1, 1000.0
 

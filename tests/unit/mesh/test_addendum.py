@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork.mesh import MeshError
-from presswork.mesh.addendum import widen
+from presswork.mesh.make.addendum import widen
 
 
 def area(points: np.ndarray, quads: np.ndarray) -> float:

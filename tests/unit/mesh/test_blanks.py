@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from presswork.mesh.blanks import mesh_circular_blank, mesh_rectangular_blank
+from presswork.mesh.make.blanks import mesh_circular_blank, mesh_rectangular_blank
 from presswork.model import Mesh
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from presswork.mesh import MeshError
-from presswork.mesh.box import corner_volumes, mesh_box, node_volumes, read_solid_mesh
 from presswork.mesh.faces import nodal_normals, press_faces
+from presswork.mesh.make.box import corner_volumes, mesh_box, node_volumes, read_solid_mesh
 from presswork.mesh.space.drawn_up import mesh_turned
 
 

@@ -17,9 +17,9 @@ from presswork.case import CaseError
 from presswork.case.tools.step_section import read_section
 from presswork.examples import copy_example
 from presswork.geometry.chain import ProfileFileError
-from presswork.mesh.cad import read_cad
 from presswork.mesh.checks import MeshError
-from presswork.mesh.tool_file import read_tool
+from presswork.mesh.files.cad import read_cad
+from presswork.mesh.files.tool_file import read_tool
 from presswork.mesh.triangles import double_areas, enclosed_volumes
 from tests.problems.iges_file import write_iges
 

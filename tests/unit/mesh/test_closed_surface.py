@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from presswork.mesh.box import corner_volumes
 from presswork.mesh.checks import MeshError
+from presswork.mesh.make.box import corner_volumes
 from presswork.mesh.space.closed_surface import mesh_closed_surface
 
 QUADS = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))

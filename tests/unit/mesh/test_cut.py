@@ -8,8 +8,8 @@ import pytest
 
 from presswork.geometry.polygon import list_sides, measure_distance, polygon_area
 from presswork.mesh import MeshError
-from presswork.mesh.blanks import mesh_circular_blank, mesh_rectangular_blank
 from presswork.mesh.cut import CutMesh, cut_mesh
+from presswork.mesh.make.blanks import mesh_circular_blank, mesh_rectangular_blank
 from presswork.model import FloatArray, Mesh
 
 SIZE = (40.0, 30.0)

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from presswork.mesh.die_cavity import find_cavity
+from presswork.mesh.make.die_cavity import find_cavity
 
 DOWN = np.array([0.0, 0.0, -1.0])
 

@@ -6,7 +6,7 @@ import pytest
 
 from presswork.geometry.polygon import polygon_area
 from presswork.mesh.checks import MeshError, corner_jacobians
-from presswork.mesh.outlined_blank import mesh_outlined_blank
+from presswork.mesh.make.outlined_blank import mesh_outlined_blank
 
 ANGLE = np.linspace(0.0, 2.0 * np.pi, 360, endpoint=False)
 COS, SIN = np.cos(ANGLE), np.sin(ANGLE)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from presswork.mesh import MeshError
-from presswork.mesh.part_file import MOST_TRIANGLES, count_refined, read_part, refine_edges
+from presswork.mesh.files.part_file import MOST_TRIANGLES, count_refined, read_part, refine_edges
 
 
 def hat(walls: float = 0.0) -> tuple[np.ndarray, np.ndarray]:

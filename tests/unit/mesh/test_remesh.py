@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from presswork.mesh.remesh import POOR, RIM, SURFACE, mend_slivers
+from presswork.mesh.make.remesh import POOR, RIM, SURFACE, mend_slivers
 from presswork.mesh.triangles import (
     distance_to_segments,
     distance_to_triangles,

@@ -10,7 +10,7 @@ import pytest
 
 from presswork import CaseError, build_model
 from presswork.case.space.schema import SpaceCase
-from presswork.mesh.box import corner_volumes, node_volumes, read_solid_mesh
+from presswork.mesh.make.box import corner_volumes, node_volumes, read_solid_mesh
 from presswork.mesh.space.drawn_up import mesh_turned
 from presswork.model import Mesh
 from tests.unit.mesh.test_box import two_cells

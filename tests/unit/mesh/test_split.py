@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from presswork.mesh.blanks import mesh_circular_blank, mesh_rectangular_blank
+from presswork.mesh.make.blanks import mesh_circular_blank, mesh_rectangular_blank
 from presswork.mesh.split import SplitMesh
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from presswork.mesh import fitting_patterns, grade_line, mesh_rectangle
 from presswork.mesh.checks import corner_jacobians
-from presswork.mesh.structured import Pattern
+from presswork.mesh.make.structured import Pattern
 from presswork.model import ElementName, FloatArray, Mesh, SpaceElement, cell_of, take_corners
 
 FLAT = [element for element in get_args(ElementName) if element not in get_args(SpaceElement)]

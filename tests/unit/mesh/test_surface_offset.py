@@ -7,7 +7,7 @@ import pytest
 from presswork.geometry.polygon import polygon_area
 from presswork.geometry.swept_tool import draw_hemispherical_punch, triangulate
 from presswork.mesh.checks import MeshError
-from presswork.mesh.surface_offset import cut_surface, move_surface
+from presswork.mesh.make.surface_offset import cut_surface, move_surface
 from presswork.mesh.triangles import double_areas, find_rims
 from presswork.model import FloatArray, Triangulation
 

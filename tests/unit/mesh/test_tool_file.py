@@ -10,8 +10,8 @@ import pytest
 from presswork.geometry.swept_tool import draw_die, draw_punch, triangulate
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.checks import MeshError
-from presswork.mesh.stl_file import pack_stl
-from presswork.mesh.tool_file import read_tool
+from presswork.mesh.files.stl_file import pack_stl
+from presswork.mesh.files.tool_file import read_tool
 from presswork.model import Triangulation
 from tests.unit.contact.shapes import box_distance, box_triangles
 

@@ -8,8 +8,8 @@ import pytest
 
 from presswork.geometry.foot_on_triangles import split_long
 from presswork.geometry.tool_surface import make_surface
-from presswork.mesh.stl_file import pack_stl
-from presswork.mesh.tool_file import read_tool
+from presswork.mesh.files.stl_file import pack_stl
+from presswork.mesh.files.tool_file import read_tool
 from presswork.model import FloatArray, OneStepModel, Triangulation
 from presswork.onestep.offset_tools import CLEARANCE, OffsetTools, _smallest_radius, offset_tools
 from tests.problems.one_step import NO_TRIANGLES, cup_profile, fan, make_model, revolve

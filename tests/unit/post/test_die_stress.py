@@ -11,7 +11,7 @@ from presswork.case.space.schema import SpaceCase
 from presswork.post.die_stress import find_die_stress
 from presswork.recorder import run_model
 from presswork.results import Result, ResultError
-from presswork.view.die_stress_plot import plot_die_stress
+from presswork.view.plots.die_stress_plot import plot_die_stress
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswork.mesh.blanks import assign_section, mesh_rectangular_blank
+from presswork.mesh.make.blanks import assign_section, mesh_rectangular_blank
 from presswork.model import Section
 from presswork.post import (
     cut_sheet,
@@ -22,7 +22,7 @@ from presswork.post import (
 )
 from presswork.results import OutputError, Result, ResultError, append_step, write_outline
 from presswork.view import plot_all, plot_outline
-from presswork.view.section_plot import plot_section
+from presswork.view.plots.section_plot import plot_section
 
 DRAWN = np.array([-0.1, -0.2, 0.0])
 """Displacement gradient along x and y; z is 0.5 x."""

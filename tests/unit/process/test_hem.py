@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork.model import Hem
-from presswork.process.hem import find_hemmed, measure_hem, tell_hem
+from presswork.process.line.hem import find_hemmed, measure_hem, tell_hem
 
 HALF, RADIUS, FOLD = 0.4, 0.8, 25.0
 

@@ -10,8 +10,8 @@ from presswork.geometry.swept_tool import draw_ring
 from presswork.geometry.tool_surface import make_surface
 from presswork.model import Operation, Tool
 from presswork.process.begin import begin
-from presswork.process.laying import lay_tools, sample_part
-from presswork.process.transfer import SheetBlock, SheetState
+from presswork.process.line.laying import lay_tools, sample_part
+from presswork.process.mesh_change.transfer import SheetBlock, SheetState
 from tests.problems.divided_loops import describe_line, read
 
 RADIUS, THICKNESS, SIDE = 6.0, 0.8, 2.0

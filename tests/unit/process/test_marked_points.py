@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from presswork.mesh.blanks import mesh_rectangular_blank
-from presswork.mesh.box import mesh_box
+from presswork.mesh.make.blanks import mesh_rectangular_blank
+from presswork.mesh.make.box import mesh_box
+from presswork.mesh.make.structured import mesh_rectangle
 from presswork.mesh.simplices import find_simplices
-from presswork.mesh.structured import mesh_rectangle
 from presswork.observe.marked_points import take_within, weigh_cells
 
 EDGES = np.linspace(0.0, 1.0, 6)

@@ -11,9 +11,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from presswork.mesh.blanks import assign_section, mesh_rectangular_blank
-from presswork.mesh.box import mesh_box
-from presswork.mesh.structured import mesh_rectangle
+from presswork.mesh.make.blanks import assign_section, mesh_rectangular_blank
+from presswork.mesh.make.box import mesh_box
+from presswork.mesh.make.structured import mesh_rectangle
 from presswork.model import Damage, Section, Support
 from presswork.observe.contract import Evolved
 from presswork.observe.damage import DamagePeaks, find_peaks

@@ -9,7 +9,7 @@ import pytest
 from presswork import Case, run
 from presswork.examples import copy_example
 from presswork.model import Mesh
-from presswork.process.penetration import measure_bodies
+from presswork.observe.penetration import measure_bodies
 from presswork.recorder import Outcome
 
 

@@ -10,7 +10,7 @@ from presswork.geometry.swept_tool import draw_hemispherical_punch
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.split import SplitMesh
 from presswork.model import FloatArray, Refinement
-from presswork.process.refinement import PlacedTool, bend_angles, choose_shells, place_nodes, tool_angles
+from presswork.process.mesh_change.refinement import PlacedTool, bend_angles, choose_shells, place_nodes, tool_angles
 
 NOWHERE = PlacedTool(make_surface(draw_hemispherical_punch(20.0, 30.0)), np.array([0.0, 0.0, 1e3]))
 

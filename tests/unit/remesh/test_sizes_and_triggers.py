@@ -6,10 +6,10 @@ import pytest
 
 from presswork.geometry.polygon import list_sides
 from presswork.mesh.checks import MeshError
-from presswork.mesh.structured import mesh_rectangle
+from presswork.mesh.make.structured import mesh_rectangle
 from presswork.mesh.topology import chain_edges
 from presswork.model import Remeshing
-from presswork.process.mesh_reasons import find_cause
+from presswork.process.mesh_change.mesh_reasons import find_cause
 from presswork.remesh.section import OldSection, measure_sizes, remesh_section
 from presswork.remesh.size_field import GRADATION, GradedSize, SizeSources, grade, metal_thickness, tool_curvature
 from presswork.remesh.triggers import (

@@ -12,7 +12,7 @@ from presswork import Case, read_case, run
 from presswork.examples import copy_example
 from presswork.results import OutputError, Result, ResultError
 from presswork.view import animate
-from presswork.view.shell_plot import plot_shell
+from presswork.view.plots.shell_plot import plot_shell
 
 Image = pytest.importorskip("PIL.Image")
 

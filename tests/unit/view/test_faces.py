@@ -15,7 +15,7 @@ import pytest
 from presswork.model import CellBlock, Mesh
 from presswork.results import Result, append_step
 from presswork.view import faces, off_screen
-from presswork.view.shell_plot import plot_shell
+from presswork.view.plots.shell_plot import plot_shell
 from presswork.view.style import bare_figure, draw_pixels
 
 pytest.importorskip("matplotlib")
@@ -88,7 +88,7 @@ def test_many_faces_are_drawn_without_a_display_in_a_process_of_its_own(result: 
         logging.basicConfig(level="WARNING", stream=sys.stdout)
         from presswork.results import Result
         from presswork.view import faces, off_screen
-        from presswork.view.shell_plot import plot_shell
+        from presswork.view.plots.shell_plot import plot_shell
         from presswork.view.style import bare_figure, save_picture
         faces.MANY = 1
         result = Result(Path(sys.argv[1]))

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from matplotlib.tri import LinearTriInterpolator, Triangulation
 
-from presswork.view.flow_lines_plot import _refine
+from presswork.view.plots.flow_lines_plot import _refine
 
 
 def net(sign):

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from presswork.view.shell_plot import frame_axes
+from presswork.view.plots.shell_plot import frame_axes
 
 
 @pytest.mark.parametrize("size", [(60.0, 12.0, 7.0), (80.0, 80.0, 25.0), (10.0, 10.0, 40.0)])

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from presswork.view.operation_plot import list_operations
+from presswork.view.plots.operation_plot import list_operations
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 
 from presswork.cli import app
 from presswork.results import Result
-from presswork.view import overlay_plot
-from presswork.view.shell_plot import DIVERGING_COLOURS, scale_colours
+from presswork.view.plots import overlay_plot
+from presswork.view.plots.shell_plot import DIVERGING_COLOURS, scale_colours
 from presswork.view.style import _describe_load, bare_figure, begin_at_zero, describe_step
 from presswork.view.tool_course import find_course
 from tests.unit.results.upset_output import write_upset_output

@@ -10,7 +10,7 @@ import pytest
 from presswork import Result
 from presswork.report.history import pack_history
 from presswork.report.pack import Blocks
-from presswork.view.history_plot import plot_energies, plot_history
+from presswork.view.plots.history_plot import plot_energies, plot_history
 from presswork.view.style import name_part
 from tests.regression.test_sweep_kinds import STRIP
 from tests.regression.whole_runs import run_stamping

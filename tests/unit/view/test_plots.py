@@ -31,7 +31,7 @@ from presswork.view import (
     plot_mesh_and_contours,
 )
 from presswork.view.extremes import describe_extremes
-from presswork.view.flow_lines_plot import space_lines
+from presswork.view.plots.flow_lines_plot import space_lines
 from presswork.view.style import new_figure
 from tests.unit.results.upset_output import DIE, make_fields, make_mesh, write_upset_output
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.view.tool_plot import offset_to_right
+from presswork.view.plots.tool_plot import offset_to_right
 
 
 def test_line_moves_to_its_right() -> None:

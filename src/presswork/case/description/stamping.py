@@ -16,7 +16,7 @@ from presswork.case.description.supports import name_stages
 from presswork.case.stamping.clashes import find_closing_stroke
 from presswork.geometry.tool_radius import find_least_radius
 from presswork.geometry.tool_surface import make_surface
-from presswork.mesh.flange import find_held_area
+from presswork.mesh.make.flange import find_held_area
 from presswork.model import (
     Closing,
     Dwell,

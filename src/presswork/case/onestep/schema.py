@@ -26,7 +26,7 @@ from presswork.case.stamping.bead import Bead
 from presswork.case.tool_sizes import check_thickness, warn_of_thickness
 from presswork.case.units import LENGTH, Angle, Force, Length, Number, fault, unit_factor
 from presswork.mesh import MeshError
-from presswork.mesh.part_file import PartMesh, read_part
+from presswork.mesh.files.part_file import PartMesh, read_part
 from presswork.model import OneStepModel, PartBead
 
 logger = logging.getLogger(__name__)

@@ -23,7 +23,7 @@ from presswork.case.units import (
     Stiffness,
     fault,
 )
-from presswork.mesh.cad import is_cad
+from presswork.mesh.files.cad import is_cad
 
 Axis = Literal["x", "y"]
 

@@ -18,9 +18,9 @@ from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.polygon import polygon_area
 from presswork.memory import available_memory, estimate_box, explain_shortage
 from presswork.mesh import MeshError, grade_line
-from presswork.mesh.box import mesh_box, read_solid_mesh
-from presswork.mesh.outlined_blank import mesh_outlined_blank
-from presswork.mesh.readers import read_mesh
+from presswork.mesh.files.readers import read_mesh
+from presswork.mesh.make.box import mesh_box, read_solid_mesh
+from presswork.mesh.make.outlined_blank import mesh_outlined_blank
 from presswork.mesh.space.closed_surface import mesh_closed_surface
 from presswork.mesh.space.disc import count_kites
 from presswork.mesh.space.drawn_up import mesh_extruded, mesh_turned

@@ -35,7 +35,7 @@ from presswork.geometry.swept_tool import draw_block
 from presswork.geometry.tool_surface import list_extreme_points, make_surface
 from presswork.geometry.touch_in_space import Nearest, find_touch_in_space
 from presswork.mesh import MeshError
-from presswork.mesh.tool_file import read_tool
+from presswork.mesh.files.tool_file import read_tool
 from presswork.mesh.triangles import double_areas
 from presswork.model import (
     FloatArray,

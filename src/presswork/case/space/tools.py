@@ -16,7 +16,7 @@ from presswork.case.part import Part
 from presswork.case.solid.contact import require_friction
 from presswork.case.solid.tool import ProfilePoint, check_motion
 from presswork.case.units import Angle, Direction3, Force, Length, Number, Place3, Point3, Stiffness, fault
-from presswork.mesh.cad import is_cad
+from presswork.mesh.files.cad import is_cad
 
 
 def unit_vector3(direction: tuple[float, float, float]) -> tuple[float, float, float]:

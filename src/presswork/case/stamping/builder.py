@@ -52,12 +52,12 @@ from presswork.case.tool_sizes import check_thickness
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.polygon import polygon_area
 from presswork.mesh import MeshError
-from presswork.mesh.blanks import assign_section, mesh_circular_blank, mesh_rectangular_blank
 from presswork.mesh.cut import check_meets
-from presswork.mesh.dynain import is_dynain, read_dynain
+from presswork.mesh.files.dynain import is_dynain, read_dynain
+from presswork.mesh.files.readers import read_raw
+from presswork.mesh.make.blanks import assign_section, mesh_circular_blank, mesh_rectangular_blank
+from presswork.mesh.make.outlined_blank import mesh_outlined_blank
 from presswork.mesh.outer_edge import find_outer_edge
-from presswork.mesh.outlined_blank import mesh_outlined_blank
-from presswork.mesh.readers import read_raw
 from presswork.mesh.shells import read_shell_mesh
 from presswork.mesh.topology import find_boundary_edges, find_parts
 

@@ -14,7 +14,7 @@ from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool, ToolFile
 from presswork.geometry.tool_surface import make_surface
 from presswork.law.elastic_plastic import first_flow_stress
-from presswork.mesh.flange import find_held_area
+from presswork.mesh.make.flange import find_held_area
 from presswork.mesh.tool_clearance import Closing, find_closing
 from presswork.model import Mesh, SweptProfile, Tool, Triangulation
 

@@ -16,8 +16,8 @@ from presswork.case.stamping.shapes import draw_shape
 from presswork.case.stamping.tools import Tool, ToolFile
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
-from presswork.mesh.surface_offset import cut_surface, move_surface
-from presswork.mesh.tool_file import read_tool
+from presswork.mesh.files.tool_file import read_tool
+from presswork.mesh.make.surface_offset import cut_surface, move_surface
 from presswork.model import FloatArray, Friction, Mesh, Surface, ToolKind, Triangulation
 from presswork.model import Tool as ToolModel
 

@@ -12,8 +12,8 @@ import numpy as np
 from presswork.case.errors import CaseError, Problem
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
-from presswork.mesh.cad import is_cad
-from presswork.mesh.tool_file import read_tool
+from presswork.mesh.files.cad import is_cad
+from presswork.mesh.files.tool_file import read_tool
 from presswork.model import Triangulation
 
 logger = logging.getLogger(__name__)

@@ -13,7 +13,7 @@ from presswork.case.part import Part
 from presswork.case.stamping.plan_line import Trim
 from presswork.case.units import Length, Number, Point, Point3, fault
 from presswork.geometry.section_tool import SectionError, draw_one_sided, draw_section
-from presswork.mesh.cad import is_cad
+from presswork.mesh.files.cad import is_cad
 from presswork.model import ToolKind
 
 

@@ -16,7 +16,7 @@ from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.pose import start_profile
 from presswork.geometry.segments import measure_distance
 from presswork.mesh import MeshError, read_mesh
-from presswork.mesh.block_behind import grow_from, outline_block
+from presswork.mesh.make.block_behind import grow_from, outline_block
 from presswork.mesh.topology import find_boundary_edges
 
 ON_PROFILE = 0.05

@@ -14,7 +14,7 @@ from presswork.case.tools.profile import MEETING, Outline, ProfileError, draw_ou
 from presswork.case.tools.step_section import read_section
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.chain import ProfileFileError, join_pieces
-from presswork.mesh.cad import is_cad
+from presswork.mesh.files.cad import is_cad
 from presswork.text_file import UnreadableError, read_text
 
 

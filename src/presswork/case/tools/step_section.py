@@ -13,8 +13,8 @@ from presswork.case.tools.profile import RELATIVE_TOLERANCE
 from presswork.case.units import LENGTH
 from presswork.geometry.biarc import Curve, CurveError, fit_biarcs
 from presswork.geometry.chain import Piece, ProfileFileError
-from presswork.mesh.cad import call_cad, open_cad
 from presswork.mesh.checks import MeshError
+from presswork.mesh.files.cad import call_cad, open_cad
 from presswork.model import FloatArray
 
 Plane = Literal["xy", "xz", "yz"]

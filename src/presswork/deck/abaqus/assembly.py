@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from presswork.deck.abaqus.drawn import KINDS, DrawnSurface, read_drawn
-from presswork.mesh.abaqus_blocks import Block, DataError, read_labels
+from presswork.mesh.files.abaqus_blocks import Block, DataError, read_labels
 from presswork.model import FloatArray, IndexArray
 
 Name = tuple[str, str]

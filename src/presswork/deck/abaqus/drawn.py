@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.mesh.abaqus_blocks import Block, DataError
+from presswork.mesh.files.abaqus_blocks import Block, DataError
 from presswork.model import FloatArray, IndexArray
 
 KINDS = ("CYLINDER", "REVOLUTION", "SEGMENTS")

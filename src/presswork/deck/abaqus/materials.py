@@ -10,7 +10,7 @@ import numpy as np
 from presswork.deck.contents import Hardening, MaterialCard
 from presswork.deck.notes import Notes
 from presswork.keyword_file import Place
-from presswork.mesh.abaqus_blocks import Block, DataError
+from presswork.mesh.files.abaqus_blocks import Block, DataError
 from presswork.model import FloatArray
 
 _KEYWORDS = ("MATERIAL", "DENSITY", "ELASTIC", "PLASTIC", "POTENTIAL", "RATE DEPENDENT", "DAMPING")

@@ -16,7 +16,7 @@ from presswork.deck.contents import Contact, Deck, PartCard, SectionCard, Shells
 from presswork.deck.keyword_file import explain_unreadable
 from presswork.deck.notes import DROPPED, KEPT, Fate, Notes
 from presswork.keyword_file import Place
-from presswork.mesh.abaqus_blocks import Block, DataError, read_blocks
+from presswork.mesh.files.abaqus_blocks import Block, DataError, read_blocks
 from presswork.model import FloatArray
 
 _SILENT = (

@@ -12,7 +12,7 @@ from presswork.deck.abaqus.assembly import Assembly
 from presswork.deck.contents import Deck, Held, Motion, Push
 from presswork.deck.notes import Notes
 from presswork.keyword_file import Place
-from presswork.mesh.abaqus_blocks import Block, DataError
+from presswork.mesh.files.abaqus_blocks import Block, DataError
 from presswork.model import FloatArray, IndexArray
 
 _NAMED = {

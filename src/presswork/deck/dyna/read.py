@@ -16,7 +16,7 @@ from presswork.deck.dyna.blocks import Block, BlocksOfDeck
 from presswork.deck.dyna.materials import read_material
 from presswork.deck.fields import FieldError, read_table
 from presswork.deck.notes import Fate, Notes
-from presswork.mesh.dynain import read_layers, read_strains
+from presswork.mesh.files.dynain import read_layers, read_strains
 from presswork.model import IndexArray
 
 _SILENT = ("KEYWORD", "COMMENT")

@@ -13,9 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from presswork.mesh.box import SIDES, finish_mesh
 from presswork.mesh.checks import MeshError
-from presswork.mesh.tool_file import read_tool
+from presswork.mesh.files.tool_file import read_tool
+from presswork.mesh.make.box import SIDES, finish_mesh
 from presswork.model import FloatArray, IntArray, Mesh, SpaceElement, Triangulation
 from presswork.own_process import DiedError, call_apart
 

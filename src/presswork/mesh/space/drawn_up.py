@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.mesh.box import finish_mesh
+from presswork.mesh.make.box import finish_mesh
 from presswork.mesh.space.disc import mesh_annulus, mesh_disc, point_at
 from presswork.mesh.topology import find_boundary_edges
 from presswork.model import FloatArray, IntArray, Mesh, SpaceElement, cell_of, find_cell

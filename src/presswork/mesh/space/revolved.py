@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from presswork.mesh.box import SIDES, corner_volumes, finish_mesh
 from presswork.mesh.checks import MeshError
+from presswork.mesh.make.box import SIDES, corner_volumes, finish_mesh
 from presswork.mesh.space.disc import point_at, reach_of_kite
 from presswork.model import BoolArray, FloatArray, IntArray, Mesh, SpaceElement
 

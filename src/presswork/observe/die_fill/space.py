@@ -10,8 +10,8 @@ import numpy as np
 from presswork import _core
 from presswork.geometry.pose import find_space_pose
 from presswork.geometry.tool_surface import make_surface
-from presswork.mesh.die_cavity import find_cavity
 from presswork.mesh.faces import split_faces
+from presswork.mesh.make.die_cavity import find_cavity
 from presswork.model import BoolArray, FloatArray, Mesh, Model, Triangulation
 from presswork.observe.die_fill.dies import (
     Die,

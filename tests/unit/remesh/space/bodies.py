@@ -5,7 +5,7 @@ import numpy as np
 
 from presswork.geometry.pose import SpacePose
 from presswork.geometry.tool_surface import cut_plane, make_surface
-from presswork.interaction.space_touch import PlacedSurface
+from presswork.interaction.space.space_touch import PlacedSurface
 from presswork.model import Plane
 from presswork.remesh.space.body import OldBody
 from presswork.remesh.space.tetrahedra import find_skin

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs by cycles of explicit dynamics: solids and stampings, on one mesh or several."""

@@ -1,0 +1,323 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Stamping by the implicit procedure: the same case as by explicit dynamics, turned into a shell between tools.
+
+Strokes and prescribed displacements grow in proportion over a stage; forces, and time, follow the part of the way that
+has been gone, as they do in the explicit procedure. Time only matters to laws with a strain rate and to inertia.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.body.law_window import LawWindow
+from presswork.body.shell_arrays import ShellArrays
+from presswork.fields.formability_fields import FormingVerdict, judge_fields
+from presswork.fields.instant import Instant
+from presswork.fields.table import compute_fields
+from presswork.formability import find_thinning
+from presswork.implicit.held import check_held
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
+from presswork.interaction.loose_bodies import warn_of_loose
+from presswork.interaction.space.sheet_contact import SheetContact
+from presswork.interaction.tool_arrays import SpaceToolArrays
+from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
+from presswork.observe.contract import Row
+from presswork.observe.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
+from presswork.process.held_flange import summarise_holders, warn_of_holders
+from presswork.process.implicit.increments import IncrementRecording
+from presswork.process.mesh_change.transfer import SheetState, begin_with, keep_heated, sheet_of_implicit
+from presswork.process.recording import Snapshot
+from presswork.process.space_surfaces import cut_tools
+from presswork.process.stamping_tools import (
+    bead_columns,
+    by_stage,
+    describe_stamping,
+    find_stops,
+    is_pushed,
+    make_whole,
+    stroke_of,
+    tabulate_force,
+    tabulate_share,
+    tool_columns,
+    tool_text,
+    way_of,
+)
+from presswork.ranks.world import World
+
+CLOCK_TIMES = 1000
+"""Of each stage, at which the smooth motion is tabulated."""
+WORTH_A_WARNING = 5.0
+"""Per cent of the external work by which the energies may miss it, and of the internal that inertia may take."""
+THINNING = "max_thinning_percent"
+"""Column of the history: that of the thinnest cell."""
+ENERGIES = ("external_work", "elastic_energy", "plastic_work", "friction_work", "inertia_work")
+
+
+def make_shell_model(model: Model) -> Model:
+    """Return the Model of a shell between tools in space that does what the stamping does."""
+    pushes = {t.name: _push_by_stage(model, t) for t in model.tools if is_pushed(model, t)}
+    shares = {b.name: by_stage(model, *tabulate_share(model, b)) for b in model.beads}
+    stages = tuple(
+        Stage(
+            name=stage.name,
+            duration=stage.duration * stage.slower,
+            clock=None if stage.drive is not None or stage.dwell is not None else _clock(stage),
+            drive=_drive_what_is_modelled(model, stage),
+            tool_motion={name: motion for name, motion in stage.tool_motion.items() if name not in pushes}
+            | {name: ToolMotion(push=of_stages[number]) for name, of_stages in pushes.items()},
+            bead_share={name: of_stages[number] for name, of_stages in shares.items()},
+            prescribed=stage.prescribed,
+            released=stage.released,
+            dwell=stage.dwell,
+        )
+        for number, stage in enumerate(model.stages)
+    )
+    return Model(
+        title=model.title,
+        analysis="shell",
+        mesh=model.mesh,
+        materials=model.materials,
+        supports=model.supports,
+        stages=stages,
+        solver=model.solver,
+        output=OutputSettings(steps=model.output.steps, checkpoint_every=model.output.checkpoint_every),
+        tools=model.tools,
+        beads=model.beads,
+        rolling_direction=model.rolling_direction,
+        self_contact=model.self_contact,
+        heat=model.heat,
+    )
+
+
+def _drive_what_is_modelled(model: Model, stage: Stage) -> Drive | None:
+    """Return the ram of a stage; its work is that of the whole part."""
+    return None if stage.drive is None else replace(stage.drive, whole=float(model.whole))
+
+
+def _clock(stage: Stage) -> FloatArray:
+    """Return when, in the press, which part of the stage's way has been gone, as in the explicit procedure (n, 2)."""
+    times = np.linspace(0.0, stage.duration, CLOCK_TIMES + 1)
+    return np.column_stack([stroke_of(stage).position(times), stage.slower * times])
+
+
+def _push_by_stage(model: Model, tool: Tool) -> list[Push]:
+    """Return the force of a pushed tool on what is modelled, over the part of each stage's way that has been gone."""
+    times, forces = tabulate_force(model, tool.name)
+    stop, clearance = find_stops(model).get(tool.name, ("", math.inf))
+    if any(t.name == stop and is_pushed(model, t) for t in model.tools):
+        stop = ""
+    return [Push(way_of(tool), rows, stop, clearance) for rows in by_stage(model, times, forces / model.whole)]
+
+
+class ImplicitStamping(IncrementRecording):
+    """A stamping at work."""
+
+    model: Model
+
+    def __init__(
+        self, model: Model, *, threads: int = 0, begin: SheetState | None = None, world: World | None = None
+    ) -> None:
+        """begin: the sheet that an operation before has left, on the model's mesh; None: the blank.
+
+        world: ranks that share the shells.
+        """
+        self._begins_formed = begin is not None
+        shells = make_shell_model(model)
+        procedure = ImplicitProcedure(shells, threads=threads, begins_formed=self._begins_formed, world=world)
+        super().__init__(model, procedure)
+        if begin is not None:
+            begin_with(begin, self.procedure)
+            check_held(self.procedure.model, self.procedure.interactions, self.procedure.state)
+        self._judged = model.sheet[1].formability
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        first = ["time", "stage", "increment", "iterations", *self._tool_columns(), *self._bead_columns()]
+        return [*first, *self.observers.columns(self), THINNING, *ENERGIES, "energy_error_percent"]
+
+    def begin_log(self) -> str:
+        """Name the procedure and the linear solver."""
+        return f"implicit: {len(self.model.cells)} shells, linear solver: {self.procedure.equilibrium.solver.name}"
+
+    def progress_text(self, report: IncrementReport) -> str:
+        """Name stage and increment, and the tools that have moved."""
+        tools = tool_text(self.model, self._tool_columns())
+        return f"{report.stage}: increment {report.number}, {len(report.log)} iterations  {tools}"
+
+    def tool_displacements(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the start (3,) [mm]."""
+        state = self.procedure.state
+        if SpaceToolArrays not in state:
+            return {}
+        moved = state[SpaceToolArrays].displacement
+        return {t.name: moved[i].copy() for i, t in enumerate(self.model.tools)}
+
+    def _sheet(self) -> SheetContact | None:
+        """Return the contact of the sheet with its tools."""
+        tools = self.procedure.interactions.space_tools
+        if tools is None:
+            return None
+        assert isinstance(tools.contact, SheetContact)
+        return tools.contact
+
+    def _tool_columns(self) -> Row:
+        sheet = self._sheet()
+        forces = sheet.tool_forces(self.procedure.state) if sheet else np.zeros((0, 3))
+        return tool_columns(self.model, self.tool_displacements(), make_whole(self.model, forces))
+
+    def _bead_columns(self) -> Row:
+        sheet = self._sheet()
+        forces = sheet.beads.restraints(self.procedure.state) if sheet else []
+        return bead_columns(self.model, forces)
+
+    def row(self, report: IncrementReport) -> Row:
+        """Return the row of the history."""
+        balance = self.procedure.energy_balance()
+        return {
+            **self._begin_row(report),
+            **self._tool_columns(),
+            **self._bead_columns(),
+            **self.observers.row(self),
+            THINNING: self._measure_thinning(),
+            **{name: balance[name] for name in ENERGIES},
+            "energy_error_percent": balance["error_percent"],
+        }
+
+    def _measure_thinning(self) -> float:
+        """Return by how many per cent the thinnest cell is thinner than it was."""
+        first = self.model.sheet[0].thickness
+        blocks = self.procedure.state[ShellArrays].thickness
+        return max(float(find_thinning(np.log(block / first).mean(axis=1)).max()) for block in blocks)
+
+    def overlap(self) -> float:
+        """Return by how much the sheet overlaps itself [mm]."""
+        contact = self.procedure.interactions.self_contact
+        return contact.find_overlap(self.procedure.state) if contact else 0.0
+
+    def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
+        """Return the heat of the sheet, if it has any."""
+        heat = self.procedure.sheet_heat
+        return None if heat is None else (heat.sheet, self.procedure.state[SheetHeatArrays])
+
+    def show(self) -> Instant:
+        """Return what the fields of the converged state are computed from."""
+        state = self.procedure.state
+        now = self.procedure.mechanics.show(state)
+        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self._judged
+        if SpaceToolArrays in state:
+            now.tool_force = state[SpaceToolArrays].force.sum(axis=0)
+        if (heat := self.procedure.sheet_heat) is not None:
+            arrays = state[SheetHeatArrays]
+            now.temperature, now.heated = heat.sheet.mean_at_nodes(arrays), heat.sheet.fields(arrays)
+        return now
+
+    def snapshot(self, now: Instant | None = None) -> Snapshot:
+        """Return the fields of the converged state. now: what they are computed from, of `show`."""
+        state, model = self.procedure.state, self.model
+        points, cells = compute_fields(now or self.show())
+        return Snapshot(
+            time=state[Progress].time,
+            point_data=points,
+            cell_data=cells,
+            info=describe_stamping(model),
+            surfaces=cut_tools(model),
+            tool_displacement=self.tool_displacements(),
+        )
+
+    def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
+        """Return the verdict on the sheet by its cell fields."""
+        mesh = self.model.mesh
+        points = mesh.points + self.procedure.state.nodes.displacement[:, :3]
+        verdict = judge_fields(fields, mesh.blocks, points, self._judged, self.model.symmetry)
+        assert verdict is not None, "shells have principal strains"
+        return verdict
+
+    def watch(self) -> Watched:
+        """Return how far the converged state is towards its limits."""
+        procedure, thickness = self.procedure, self.model.sheet[0].thickness
+        strained = watch_sheet(self._judge(self.show().sheet))
+        contact = self._sheet()
+        depths = contact.depths(procedure.state) if contact else np.zeros(0)
+        each = zip(self.model.tools, depths, strict=True)
+        deep = [measure_sheet_penetration(tool.name, float(depth), thickness) for tool, depth in each]
+        deep += [measure_overlap(self.overlap(), thickness)] if self.model.self_contact else []
+        return Watched((*strained.measures, *deep), strained.margin, self.find_peaks())
+
+    def judge(self) -> FormingVerdict:
+        """Return the verdict on the present sheet."""
+        now = self.show()
+        return self._judge({**now.sheet, **now.surface})
+
+    def sheet(self) -> SheetState:
+        """Return the converged state of the sheet."""
+        return replace(sheet_of_implicit(self.procedure), heated=keep_heated(self.show()))
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self.procedure.state[Progress].time
+
+    def row_at_rest(self) -> Row:
+        """Return the row of the history once the part is released: strokes, and what the energies have come to."""
+        balance = self.procedure.energy_balance()
+        tools = tool_columns(self.model, self.tool_displacements(), np.zeros((len(self.model.tools), 3)))
+        energies = {name: balance[name] for name in ENERGIES}
+        return {
+            "time": self.time,
+            "iterations": 0,
+            **tools,
+            **bead_columns(self.model, [0.0] * len(self.model.beads)),
+            **self.observers.row(self, is_released=True),
+            THINNING: self._measure_thinning(),
+            **energies,
+            "energy_error_percent": balance["error_percent"],
+        }
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return counts, extremes and energies, with warnings where they are beyond their limits."""
+        state = self.procedure.state
+        now = self.show()
+        fields = now.sheet
+        verdict = self._judge({**fields, **now.surface})
+        names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
+        energy = self.procedure.energy_balance()
+        warnings: list[str] = []
+        held: dict[str, dict[str, float]] = {}
+        if not self._begins_formed:
+            thickest = float(fields["thickness"].max())
+            warnings += warn_of_holders(self.model, history, thickest)
+            held = summarise_holders(self.model, history, thickest)
+        if abs(energy["error_percent"]) > WORTH_A_WARNING:
+            error = f"the energy balance is off by {energy['error_percent']:.3g} %"
+            warnings.append(f"{error}: set implicit.max_increment lower")
+        internal = energy["elastic_energy"] + energy["plastic_work"]
+        if abs(energy["inertia_work"]) > 1e-2 * WORTH_A_WARNING * internal:
+            part = f"inertia took {100.0 * abs(energy['inertia_work']) / internal:.3g} % of the internal energy"
+            warnings.append(f"{part}: set implicit.inertia lower, or the stages' velocity")
+        warnings += state[LawWindow].warnings(self.model.materials)
+        return {
+            **self._count_work(),
+            "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
+            "energy": energy,
+            "time_simulated": state[Progress].time,
+            **state[LawWindow].summarise(self.model.materials),
+            "formability": verdict.to_summary(),
+            **self.observers.summary(self, history),
+            **held,
+            "linear_solver": self.procedure.equilibrium.solver.name,
+            "warnings": [
+                *warn_of_loose(self.procedure.model, self.procedure.state),
+                *warnings,
+                *self.observers.warnings(self, history),
+                *verdict.warnings(),
+            ],
+        }

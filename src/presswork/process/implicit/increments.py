@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What recordings of the implicit procedure say alike: each report is an increment."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.evolution.points import find_evolved
+from presswork.fields.instant import Instant
+from presswork.implicit.epochs import AskForMesh, Epoch, MeshChange, new_epoch
+from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
+from presswork.implicit.progress import Progress
+from presswork.implicit.ram import RamArrays
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
+from presswork.model import Blow, FloatArray, Model, change_mesh
+from presswork.observe.contract import Evolved, Ram, Row
+from presswork.observe.damage import DamagePeaks, Peak
+from presswork.observe.marked_points import MarkedPoints
+from presswork.observe.of_model import list_observers
+from presswork.outcome import GaveUpError
+from presswork.process.epochs import EpochRecording, NamedArrays
+
+MADE = "made"
+"""Name in a checkpoint."""
+
+
+class IncrementRecording(EpochRecording):
+    """An implicit procedure at work on a model."""
+
+    def __init__(self, model: Model, procedure: ImplicitProcedure, ask_for_mesh: AskForMesh | None = None) -> None:
+        """ask_for_mesh: asked after every increment whether the run goes on with another mesh."""
+        super().__init__(model)
+        self.procedure = procedure
+        self.timing = procedure.timing
+        self.observers = list_observers(model)
+        self._ask_for_mesh = ask_for_mesh
+        self._made_at, self._failed_at = 0, -1
+        """Increments when the mesh was made, or could not be, and when one last failed."""
+        self._notes: list[str] = []
+
+    @property
+    def marked(self) -> MarkedPoints:
+        """The marked points."""
+        return self.observers.find(MarkedPoints)
+
+    @property
+    def number(self) -> int:
+        """Increments so far."""
+        return self.procedure.state[Progress].increments
+
+    def advance(self) -> Iterator[IncrementReport]:
+        """Compute increment after increment, and change the mesh between them. Raises GaveUpError."""
+        while self.remaining() > 0.0:
+            if self._made_at != self.number:
+                self._may_change_mesh()
+            try:
+                report = next(self.procedure.advance())
+            except GaveUpError as error:
+                has_failed, self._failed_at = self._failed_at == self.number, self.number
+                if has_failed or not self._may_change_mesh(str(error)):
+                    raise GaveUpError("; ".join([str(error), *self._notes, *self._find_hints()])) from error
+                continue
+            yield report
+
+    def _find_hints(self) -> list[str]:
+        """Return what may have made the increment fail."""
+        return []
+
+    def _may_change_mesh(self, failure: str = "") -> bool:
+        """Ask for another mesh, and go on with it; return whether there is one."""
+        change = None
+        if self._ask_for_mesh is not None:
+            change = self._ask_for_mesh(Epoch(self.model.mesh, self.procedure.state, self.procedure, failure))
+        if change is not None:
+            self.change_mesh(change)
+        return change is not None
+
+    def change_mesh(self, change: MeshChange) -> None:
+        """Go on with another mesh. Raises GaveUpError."""
+        after = new_epoch(self.procedure, change.mesh, change.transfer)
+        self._begin_on(after, change.origin, find_position(after))
+        cells = sum(len(block.connectivity) for block in change.mesh.blocks)
+        self._notes.append(f"new mesh of {cells} cells after increment {self.number} {change.reason}".rstrip())
+
+    def _begin_on(self, procedure: ImplicitProcedure, origin: FloatArray | None, position: FloatArray) -> None:
+        """Go on with a procedure on another mesh.
+
+        position: of its nodes in the present state of the old one (n_points, d) [mm].
+        """
+        places = self.marked.places(find_position(self.procedure))
+        self.marked.find(procedure.model.mesh, position, places)
+        self.procedure, self._made_at = procedure, self.number
+        procedure.evolution.place(origin)
+        self._begin_epoch(procedure.model.mesh, origin)
+
+    def find_peaks(self) -> tuple[Peak, ...]:
+        """Return the largest damage of the converged state by each criterion."""
+        return self.observers.find(DamagePeaks).find(self)
+
+    def current_stage(self) -> int:
+        """Return the stage that the converged state belongs to."""
+        progress = self.procedure.state[Progress]
+        return progress.stage - 1 if progress.fraction == 0.0 and progress.stage > 0 else progress.stage
+
+    def positions(self) -> FloatArray:
+        """Return where the nodes are (n_points, 2 | 3) [mm]."""
+        points = self.model.mesh.points
+        return np.asarray(points + self.procedure.state.nodes.displacement[:, : points.shape[1]])
+
+    def displacements(self) -> FloatArray:
+        """Return displacements since the run began (n_points, freedoms) [mm, rad]."""
+        return self.moved(self.procedure.state.nodes.displacement)
+
+    @abstractmethod
+    def tool_displacements(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the run began (2 | 3,) [mm]."""
+
+    def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
+        """Return nothing, unless solids have heat."""
+        return None
+
+    def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
+        """Return nothing, unless a sheet has heat."""
+        return None
+
+    def overlap(self) -> float:
+        """Return by how much a sheet overlaps itself [mm]; 0 of a solid."""
+        return 0.0
+
+    @abstractmethod
+    def show(self) -> Instant:
+        """Return what fields are computed from."""
+
+    def reactions(self) -> FloatArray:
+        """Return the forces of what holds nodes (n_points, freedoms) [N, N mm]."""
+        return self.procedure.state.nodes.reaction
+
+    def evolved(self) -> Evolved:
+        """Return what evolution laws keep at the points of the material."""
+        evolution = self.procedure.evolution
+        critical = {name: evolution.critical(name) for name in evolution.names}
+        return Evolved(find_evolved(self.procedure.state), critical)
+
+    def ram(self) -> Ram:
+        """Return the ram of a model that has one."""
+        now, drive = self.procedure.state[RamArrays], self.model.stages[self.current_stage()].drive
+        blow = drive.motion.number if drive is not None and isinstance(drive.motion, Blow) else 0
+        return Ram(now.speed, now.force, now.work, blow)
+
+    def plastic_shares(self) -> FloatArray:
+        """Return the plastic work over the work of the ram in each stage (n_stages,)."""
+        return self.procedure.state[RamArrays].plastic_share
+
+    def remaining(self) -> float:
+        """Return the part of the whole process that is still to be computed, counted in stage durations."""
+        return self.procedure.remaining()
+
+    def log_lines(self, report: IncrementReport) -> list[str]:
+        """Say how the increment was found."""
+        log, notes = report.log, self._notes
+        self._notes = []
+        return [
+            *notes,
+            *(f"increment {report.number} cut back: {reason}" for reason in report.cutbacks),
+            f"increment {report.number}, stage {report.stage} at {report.fraction:.4f}, {len(log)} iterations, "
+            f"residuals {' '.join(f'{r:.1e}' for r in log.residual)}, "
+            f"corrections {' '.join(f'{c:.1e}' for c in log.correction)}"
+            + (f", linear iterations {', '.join(log.solutions)}" if log.solutions else ""),
+        ]
+
+    def _epoch_arrays(self) -> NamedArrays:
+        return {MADE: np.array([self._made_at, self._failed_at]), **self.observers.arrays()}
+
+    def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        self._made_at, self._failed_at = (int(number) for number in epoch[MADE])
+        self.observers.load_arrays(epoch)
+
+    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        self.procedure = ImplicitProcedure(change_mesh(self.procedure.model, self.model.mesh), before=self.procedure)
+        self.procedure.evolution.place(self._origin)
+
+    def _state_arrays(self) -> NamedArrays:
+        return self.procedure.state.to_arrays()
+
+    def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        self.procedure.state.load_arrays(arrays)
+
+    def _begin_row(self, report: IncrementReport) -> Row:
+        """Return the first columns of the history."""
+        return {
+            "time": report.time,
+            "stage": report.stage,
+            "increment": report.number,
+            "iterations": len(report.log),
+        }
+
+    def _count_work(self) -> dict[str, Any]:
+        """Return what the summary says of the work done."""
+        p = self.procedure.state[Progress]
+        return {
+            "increments": p.increments,
+            "iterations": p.iterations,
+            "cutbacks": p.cutbacks,
+            "work": f"{p.increments} increments, {p.iterations} iterations, {p.cutbacks} cut-backs",
+            "freedoms": self.procedure.mechanics.freedoms * len(self.model.mesh.points),
+        }
+
+
+def find_position(procedure: ImplicitProcedure) -> FloatArray:
+    """Return where the nodes are (n_points, 2 | 3) [mm]."""
+    points = procedure.model.mesh.points
+    return np.asarray(points + procedure.state.nodes.displacement[:, : points.shape[1]])

@@ -1,0 +1,309 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A press line: a part goes through one operation after another, each with tools of its own.
+
+Every operation is a stamping that may be trimmed and released at its end (springback.py). The next one takes the sheet
+as it is then: position, thickness, stresses and what the law keeps, on the undeformed mesh that trimming has left. So
+strains, thinning and forming limits count from the first blank. Velocities are left behind. Energies in the history
+count from the beginning of each operation, strokes from where its tools were laid.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.explicit.input_checks import ExplicitError
+from presswork.mesh.files.dump import dump_mesh, load_mesh
+from presswork.model import FloatArray, IntArray, Mesh, Model
+from presswork.observe.contract import Row
+from presswork.observe.limits import Watched
+from presswork.observe.ram import RAM_COLUMNS, has_ram
+from presswork.observe.reactions import Reactions
+from presswork.outcome import GaveUpError, StartError
+from presswork.process.epochs import NamedArrays
+from presswork.process.line.laying import LayingError, close_tools, find_plans, find_turn, lay_part, lay_tools, tip_onto
+from presswork.process.line.part_fit import check_reach, explain_misfit
+from presswork.process.line.sheet_dump import dump_sheet, load_sheet
+from presswork.process.line.springback import LaidPart, ReleasedStamping, SpringbackReport, TrimReport
+from presswork.process.mesh_change.transfer import TransferError
+from presswork.process.recording import Meta, ModelRecording, Report, Snapshot
+from presswork.process.space_surfaces import cut_tools
+from presswork.process.stamping_tools import bead_columns, tool_columns
+from presswork.ranks.world import World
+
+LAID = "laid"
+"""What the history calls the row of a part that lies on the tools of its next operation."""
+NUMBER, BEFORE, TURNED, LEVEL = "number", "before", "turned", "level"
+LINE, MESH, SHEET, NOW = "line.", "line.mesh.", "line.sheet.", "now."
+"""Prefixes in a checkpoint: of the line, of the part that the present operation has begun with, of that operation."""
+MISFIT = "misfit"
+"""What the line keeps of warnings on the part in the operation after the one that is over."""
+TOLD = "line"
+"""Name in the meta of a checkpoint."""
+
+
+@dataclass(frozen=True)
+class LineReport:
+    """A step forward of the line."""
+
+    number: int
+    is_save_point: bool
+    report: Report | None
+    """Of the operation; None where a part has been laid into it."""
+
+
+class PressLine(ModelRecording):
+    """A part at work in one operation after another."""
+
+    def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
+        """world: ranks that share the cycles of explicit operations."""
+        self.model = model
+        self._threads, self._world = threads, world
+        self._operation, self._before, self._time_before = 0, 0, 0.0
+        self._part: LaidPart | None = None
+        self._files: dict[str, str] = {}
+        self._told: dict[str, dict[str, Any]] = {}
+        """By operation that is over: what the summary says of it, with its warnings."""
+        self._releases = any(each is not None for each in (model.springback, *(o.springback for o in model.following)))
+        self._now = self._make(0, None, model.mesh)
+        self.timing = self._now.timing
+        self._columns = self._find_columns()
+
+    # --- operations --------------------------------------------------------------------------------------------------
+
+    @property
+    def _name(self) -> str:
+        return self.model.operations[self._operation]
+
+    def _make(self, number: int, part: LaidPart | None, mesh: Mesh) -> ReleasedStamping:
+        """Return an operation at its start. Raises LayingError, StartError, ExplicitError, TransferError."""
+        own = self.model.of_operation(number)
+        if part is not None:
+            operation, with_edges = self.model.following[number - 1], own.explicit is not None
+            tools = lay_tools(operation, part.state, with_edges=with_edges)
+            stages = close_tools(operation, tools, own.sheet[0].thickness)
+            check_reach(operation, tools, stages, part.state)
+            own = replace(own, mesh=mesh, tools=tools, stages=stages)
+        return self._make_operation(own, part)
+
+    def _make_operation(self, own: Model, part: LaidPart | None) -> ReleasedStamping:
+        """Return an operation with its part, on its mesh."""
+        return ReleasedStamping(
+            own, threads=self._threads, begin=part, shows_springback=self._releases, world=self._world
+        )
+
+    def _begin_next(self) -> None:
+        """Lay the part into the next operation. Raises GaveUpError."""
+        before, next_one = self._now, self.model.following[self._operation]
+        if self.model.output.dynain:
+            self._files = {f"{self._name}.dynain": before.write_part()}
+        turned = np.eye(3) if self._part is None else self._part.turned
+        state, turn = lay_part(before.sheet(), next_one.place), find_turn(next_one.place)
+        formed = before.formed_shape() @ turn.T + np.asarray(next_one.place.move)
+        try:
+            if next_one.place.tips:
+                with_edges = self.model.explicit is not None
+                state, tipped = tip_onto(next_one, state, self.model.symmetry, with_edges=with_edges)
+                turn = tipped @ turn
+            part = LaidPart(state, turn @ turned, before.level)
+            now = self._make(self._operation + 1, part, before.mesh)
+            laid = now.model
+            misfit = explain_misfit(next_one, laid.tools, laid.stages, state, formed, stops=laid.limits.stop)
+        except (LayingError, StartError, ExplicitError, TransferError) as error:
+            raise GaveUpError(f"the operation {next_one.name} cannot begin: {error}") from error
+        self._told[self._name] = _tell(before) | {MISFIT: misfit}
+        self._before += before.number + 1
+        self._time_before += before.time
+        self._operation, self._part, self._now = self._operation + 1, part, now
+        now.timing.go_on_from(self.timing)
+        self.timing = now.timing
+
+    def advance(self) -> Iterator[LineReport]:
+        """Go on through the operations. Raises GaveUpError."""
+        while True:
+            for report in self._now.advance():
+                yield LineReport(self._before + report.number, report.is_save_point, report)
+            if self._operation == len(self.model.following):
+                return
+            self._begin_next()
+            yield LineReport(self._before, is_save_point=True, report=None)
+
+    def files(self) -> dict[str, str]:
+        """Return parts of operations that are over as dynain, where the case asks for it."""
+        files, self._files = self._files, {}
+        last = self._now.files() if self._operation == len(self.model.following) else {}
+        return files | {f"{self._name}.dynain": text for text in last.values()}
+
+    def remaining(self) -> float:
+        """Return the part of the whole line still to be computed; operations count alike."""
+        after = len(self.model.following) - self._operation
+        return (after + self._now.remaining()) / (len(self.model.following) + 1)
+
+    @property
+    def number(self) -> int:
+        """Reports so far."""
+        return self._before + self._now.number
+
+    # --- what is recorded --------------------------------------------------------------------------------------------
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed sheet: the blank, and what trimming leaves of it."""
+        return self._now.mesh
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv: those of the first operation, with the tools and beads of the others behind its own."""
+        return self._columns
+
+    def _find_columns(self) -> list[str]:
+        columns = self._now.columns
+        added = [name for number in range(len(self.model.following)) for name in self._columns_of(number + 1)]
+        last = max(i for i, name in enumerate(columns) if name in {"increment", *self._columns_of(0)})
+        new = [name for name in dict.fromkeys(added) if name not in columns]
+        return [*columns[: last + 1], *new, *columns[last + 1 :]]
+
+    def _columns_of(self, number: int) -> list[str]:
+        own = self.model.of_operation(number)
+        still = {t.name: np.zeros(3) for t in own.tools}
+        tools = tool_columns(own, still, np.zeros((len(own.tools), 3)))
+        ram = RAM_COLUMNS if has_ram(own) else ()
+        reactions = Reactions(own).names
+        return [*tools, *bead_columns(own, [0.0] * len(own.beads)), *ram, *reactions]
+
+    def begin_log(self) -> str:
+        """Name the operations, and the procedure that forms."""
+        return f"operations: {', '.join(self.model.operations)}; {self._now.begin_log()}"
+
+    def log_lines(self, report: LineReport) -> list[str]:
+        """Say in which operation the row or increment ended, and where."""
+        if report.report is None:
+            tools = ", ".join(f"{tool.name} at z = {tool.position[2]:.6g} mm" for tool in self._now.model.tools)
+            warnings = self._told[self.model.operations[self._operation - 1]][MISFIT]
+            return [f"{self._name}: the part is laid in, {tools}", *(f"warning: {text}" for text in warnings)]
+        return [f"{self._name}: {line}" for line in self._now.log_lines(report.report)]
+
+    def progress_text(self, report: LineReport) -> str:
+        """Name operation, stage and cycle or increment."""
+        if report.report is None:
+            return f"{self._name}: {LAID}"
+        return f"{self._name}: {self._now.progress_text(report.report)}"
+
+    def row(self, report: LineReport) -> Row:
+        """Return the row of the history; tools that are not at work have stroke and force zero."""
+        if report.report is None:
+            row = self._now.forming.row_at_rest() | {"stage": f"{self._name}_{LAID}"}
+        else:
+            row = self._now.row(report.report)
+            if isinstance(report.report, TrimReport | SpringbackReport):
+                row |= {"stage": f"{self._name}_{row['stage']}"}
+        nothing: Row = dict.fromkeys(self._columns, 0.0)
+        return nothing | row | {"time": self._time_before + float(row["time"]), "increment": report.number}
+
+    def watch(self) -> Watched:
+        """Return how far the operation is towards its limits."""
+        return self._now.watch()
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the present state; tools of other operations have no place (NaN)."""
+        now, at_work = self._now.snapshot(), {tool.name: tool for tool in self._now.model.tools}
+        surfaces: dict[str, tuple[FloatArray, IntArray]] = {}
+        displacement: dict[str, FloatArray] = {}
+        for number in range(len(self.model.following) + 1):
+            own = self.model.of_operation(number)
+            surfaces |= cut_tools(own)
+            for tool in own.tools:
+                displacement[tool.name] = np.full(3, np.nan)
+                if tool.name in at_work:
+                    laid = np.subtract(at_work[tool.name].position, tool.position)
+                    displacement[tool.name] = now.tool_displacement.get(tool.name, np.zeros(3)) + laid
+        laid_in = "\n".join(f"{each.name}_{LAID}" for each in self.model.following)  # from where strokes count
+        return replace(
+            now,
+            time=self._time_before + now.time,
+            surfaces=surfaces,
+            tool_displacement=displacement,
+            info={
+                **now.info,
+                "placing": laid_in,
+                "operations": "\n".join(self.model.operations),
+                "plans": find_plans(self.model.following),
+            },
+        )
+
+    def to_arrays(self) -> NamedArrays:
+        """Return the present operation, and the part that it has begun with."""
+        return self.line_arrays() | {f"{NOW}{name}": values for name, values in self._now.to_arrays().items()}
+
+    def line_arrays(self) -> NamedArrays:
+        """Return which operation is at work, and the part that it has begun with."""
+        arrays: dict[str, NDArray[Any]] = {
+            f"{LINE}{NUMBER}": np.array(self._operation),
+            f"{LINE}{BEFORE}": np.array([self._before, self._time_before]),
+        }
+        if self._part is not None:
+            arrays |= {f"{LINE}{TURNED}": self._part.turned, f"{LINE}{LEVEL}": np.array(self._part.level)}
+            arrays |= {f"{MESH}{name}": values for name, values in dump_mesh(self._now.first_mesh).items()}
+            arrays |= {f"{SHEET}{name}": values for name, values in dump_sheet(self._part.state).items()}
+        return arrays
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Go back to the operation and the state of these arrays. Raises ValueError if they belong to another model."""
+        self.go_to(arrays)
+        self._now.load_arrays(_under(NOW, arrays))
+
+    def go_to(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Begin the operation of these arrays with its part. Raises ValueError if they belong to another model."""
+        if f"{LINE}{NUMBER}" not in arrays:
+            raise ValueError("the checkpoint does not say which operation it is of")
+        self._operation = int(arrays[f"{LINE}{NUMBER}"])
+        before, self._time_before = (float(each) for each in arrays[f"{LINE}{BEFORE}"])
+        self._before = int(before)
+        if self._operation:
+            sheet = load_sheet(_under(SHEET, arrays))
+            self._part = LaidPart(sheet, arrays[f"{LINE}{TURNED}"], int(arrays[f"{LINE}{LEVEL}"]))
+            self._now = self._make(self._operation, self._part, load_mesh(_under(MESH, arrays)))
+            self.timing = self._now.timing
+
+    def meta(self) -> Meta:
+        """Return what is told of operations that are over, and how the present part was cut."""
+        return {TOLD: json.dumps(self._told), **self._now.meta()}
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up what meta gave."""
+        self._told = json.loads(str(meta[TOLD]))
+        self._now.load_meta(meta)
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return what the summary of the last operation says, and what became of the others."""
+        last = self._now.summary(history)
+        warnings = []
+        for name, told in self._told.items():
+            warnings += [f"{name}: {each}" for each in told["warnings"]] + told[MISFIT]
+        kept = {"warnings", MISFIT}
+        over = {name: {key: v for key, v in told.items() if key not in kept} for name, told in self._told.items()}
+        return last | {
+            "increments": self.number,
+            "operation": self._name,
+            "operations": over,
+            "warnings": [*warnings, *last["warnings"]],
+        }
+
+
+def _under(prefix: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Return the arrays whose names begin with a prefix, without it."""
+    return {name.removeprefix(prefix): v for name, v in arrays.items() if name.startswith(prefix)}
+
+
+def _tell(over: ReleasedStamping) -> dict[str, Any]:
+    """Return what the summary says of an operation that is over, with its warnings."""
+    told, warnings = over.tell_release()
+    verdict = over.forming.judge()
+    told |= over.tell_hem()
+    told |= {"formability": verdict.to_summary(), "reports": over.number}
+    return told | {"warnings": [*verdict.warnings(), *warnings]}

@@ -1,0 +1,386 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What follows forming: the part is trimmed, and springs back.
+
+It is cut along the trim lines while its tools hold it (trim.py). Then it is released, and the implicit procedure finds
+where it comes to rest. The tools are gone; what they and inertia held fades over a few increments (transfer.py), and so
+does what the cut took away. Only symmetry planes stay, and as many freedoms of three nodes as rigid motions are left:
+such supports bear no force, so they leave the shape alone and only choose from where it is seen. The first node lies in
+the middle of the blank, the other two near it along x and y, so that the bottom of a part stays where it is and its
+walls and flange move.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.fields.instant import Instant
+from presswork.fields.table import compute_fields
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.mesh.checks import MeshError
+from presswork.mesh.files.dynain import write_dynain
+from presswork.mesh.topology import find_parts
+from presswork.model import FloatArray, Mesh, Model
+from presswork.observe.contract import Row
+from presswork.observe.limits import Watched
+from presswork.outcome import GaveUpError, StartError
+from presswork.process.epochs import EpochRecording, NamedArrays
+from presswork.process.explicit.stamping import ExplicitStamping
+from presswork.process.implicit.implicit_stamping import ImplicitStamping
+from presswork.process.line.formed_sheet import make_formed
+from presswork.process.line.hem import HemShape, find_hemmed, measure_hem, tell_hem
+from presswork.process.line.laying import find_half_thickness
+from presswork.process.line.released_model import ELEMENTS, NAME, make_springback_model
+from presswork.process.line.released_part import TRIM, Released
+from presswork.process.mesh_change.transfer import TEMPERATURE, SheetState, TransferError, begin_with, sheet_of_implicit
+from presswork.process.mesh_change.trim import Cut, TrimError, explain_beside, trim_sheet
+from presswork.process.recording import Meta, Report, Snapshot
+from presswork.ranks.world import World
+
+DEVIATION, HEM = "deviation", "hem"
+FORMING, FORMED, ELASTIC = "forming.", "formed", "elastic"
+"""Names in a checkpoint: the prefix of the formed part, and what Released (released_part.py) keeps."""
+HEATED = "heated."
+"""Prefix in a checkpoint of SheetState.heated."""
+STORED = ("internal_energy", "external_energy", "elastic_energy", "external_work")
+"""Columns of the history that lose the elastic energy which springback sets free."""
+SHARE = 0.03
+"""Of the whole process that springback counts as in the progress display."""
+
+
+@dataclass(frozen=True)
+class TrimReport:
+    """The part has been cut."""
+
+    number: int
+    is_save_point: bool = True
+
+
+@dataclass(frozen=True)
+class SpringbackReport:
+    """An increment of springback."""
+
+    number: int
+    """What was reported before included."""
+    increment: IncrementReport
+    is_save_point: bool
+
+
+@dataclass(frozen=True)
+class LaidPart:
+    """A formed part as it lies on the tools of its next operation."""
+
+    state: SheetState
+    turned: FloatArray
+    """Rotation from the undeformed sheet to how it lies (3, 3)."""
+    level: int = 0
+    """How often its shells have been split."""
+
+
+class ReleasedStamping(EpochRecording):
+    """A stamping after which the part is trimmed, or springs back, or both: with that the last epoch begins.
+
+    An operation of a line need not have either: then it ends as its tools have left the part.
+    """
+
+    model: Model
+
+    def __init__(
+        self,
+        model: Model,
+        *,
+        threads: int = 0,
+        begin: LaidPart | None = None,
+        shows_springback: bool = False,
+        world: World | None = None,
+    ) -> None:
+        """begin: of a later operation, the part that it takes; None: the blank.
+
+        shows_springback: whether the fields of springback are saved though this operation has none. world: ranks that
+        share the forming. They share the springback, too, after an implicit one; after an explicit one each computes it
+        whole, since MPI without PETSc serves that.
+        """
+        super().__init__(model)
+        state = None if begin is None else begin.state
+        self._turned = None if begin is None else begin.turned
+        self._begin = state
+        self.forming: ExplicitStamping | ImplicitStamping
+        if model.explicit is None:
+            self.forming = ImplicitStamping(model, threads=threads, begin=state, world=world)
+        else:
+            level = 0 if begin is None else begin.level
+            self.forming = ExplicitStamping(model, threads=threads, begin=state, level=level, world=world)
+        self.timing = self.forming.timing
+        self._threads = threads
+        self._world = world if model.explicit is None else None
+        self._shows_springback = shows_springback or model.springback is not None
+        self._released: Released | None = None
+
+    def advance(self) -> Iterator[Report]:
+        """Form the part row after row, cut it, then let it go. Raises GaveUpError."""
+        yield from self.forming.advance()
+        if not self._is_released_at_last:
+            return
+        if self._released is None:
+            self._released = self._release()
+            if self.model.trim:
+                yield TrimReport(self.forming.number + 1)
+        if self.model.springback is None:
+            return
+        before = self.forming.number + bool(self.model.trim)
+        for report in self._released.implicit.advance():
+            yield SpringbackReport(before + report.number, report, report.is_save_point)
+
+    @property
+    def time(self) -> float:
+        """Since the operation began [s]."""
+        return self.forming.time if self._released is None else self._time()
+
+    @property
+    def level(self) -> int:
+        """How often the shells have been split."""
+        return self.forming.level if isinstance(self.forming, ExplicitStamping) else 0
+
+    @property
+    def first_mesh(self) -> Mesh:
+        """The undeformed mesh that the operation has begun with."""
+        return self._first_mesh
+
+    @property
+    def _is_released_at_last(self) -> bool:
+        return bool(self.model.trim) or self.model.springback is not None
+
+    def sheet(self) -> SheetState:
+        """Return the part at the end of the operation, on `mesh`; in an explicit one no node of it hangs any more."""
+        if self._released is not None:
+            state = sheet_of_implicit(self._released.implicit)
+            return replace(state, heated=self._released.heated)
+        if isinstance(self.forming, ExplicitStamping):
+            self.forming.split_evenly()
+        return self.forming.sheet()
+
+    def formed_shape(self) -> FloatArray:
+        """Return where the nodes of `mesh` were in the tools, after trimming, before springback (n_points, 3) [mm]."""
+        if self._released is None:
+            return np.asarray(self.sheet().position)
+        return np.asarray(self.mesh.points + self._released.formed)
+
+    def files(self) -> dict[str, str]:
+        """Return the part as a dynain at its end, where the case asks for it."""
+        if not self.model.output.dynain or self.remaining() > 0.0:
+            return {}
+        return {"part.dynain": self.write_part()}
+
+    def write_part(self) -> str:
+        """Return the part as a dynain."""
+        return write_dynain(make_formed(self.sheet(), self.mesh, self.model.formed), self.model.title)
+
+    def _make_released_model(self, mesh: Mesh) -> Model:
+        """Return the Model of the part without its tools. mesh: undeformed."""
+        return make_springback_model(self.model, mesh, self._turned)
+
+    def _release(self) -> Released:
+        """Begin the epoch of the part without its tools: the implicit procedure knows no hanging nodes."""
+        if isinstance(self.forming, ExplicitStamping):
+            self.forming.split_evenly()
+        mesh, state, cut = self.forming.mesh, self.forming.sheet(), None
+        try:
+            if self.model.trim:
+                trimmed = trim_sheet(mesh, state, self.model.trim, ELEMENTS, self.model.symmetry)
+                mesh, state, cut = trimmed.mesh, trimmed.state, trimmed.cut
+            springback = self._make_released_model(mesh)
+            implicit = ImplicitProcedure(springback, threads=self._threads, world=self._world)
+            begin_with(state, implicit)
+        except TrimError as error:
+            raise GaveUpError(str(error)) from error
+        except (MeshError, StartError, TransferError) as error:
+            raise GaveUpError(f"springback cannot begin: {error}") from error
+        self._begin_epoch(mesh)
+        elastic = implicit.mechanics.elastic_energy(implicit.state)
+        return Released(implicit, cut, state.position - mesh.points, elastic, state.heated)
+
+    def remaining(self) -> float:
+        """Return the part of the whole process still to be computed; springback counts as a small one."""
+        if not self._is_released_at_last:
+            return self.forming.remaining()
+        left = 1.0 if self._released is None else 0.0
+        if self._released is not None and self.model.springback is not None:
+            left = self._released.implicit.remaining()
+        return (1.0 - SHARE) * self.forming.remaining() + SHARE * left
+
+    @property
+    def number(self) -> int:
+        """Rows and increments so far."""
+        if self._released is None:
+            return self.forming.number
+        increments = self._released.implicit.state[Progress].increments
+        return self.forming.number + bool(self.model.trim) + increments
+
+    # --- what is recorded --------------------------------------------------------------------------------------------
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed sheet: the blank, and what trimming leaves of it."""
+        return self.forming.mesh if self._released is None else self.model.mesh
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        return self.forming.columns
+
+    def begin_log(self) -> str:
+        """Name the procedure that forms, and what it starts with."""
+        return self.forming.begin_log()
+
+    def log_lines(self, report: Any) -> list[str]:
+        """Say where the row or increment ended."""
+        if isinstance(report, TrimReport):
+            assert self._released is not None
+            assert self._released.cut is not None
+            before, after = (sum(len(b.connectivity) for b in m.blocks) for m in (self.forming.mesh, self.mesh))
+            cut = self._released.cut
+            line = f"{TRIM}: {after} of {before} shells, cut within {cut.off_line:.3g} mm of the line"
+            return [line, *(f"warning: {text}" for text in explain_beside(cut))]
+        if not isinstance(report, SpringbackReport):
+            return self.forming.log_lines(report)
+        found = report.increment
+        return [
+            *(f"{NAME} cut back: {reason}" for reason in found.cutbacks),
+            f"increment {report.number}, stage {NAME} at {found.fraction:.4f}, {len(found.log)} iterations, residuals "
+            f"{' '.join(f'{r:.1e}' for r in found.log.residual)}",
+        ]
+
+    def progress_text(self, report: Any) -> str:
+        """Name stage and cycle or increment."""
+        if isinstance(report, TrimReport):
+            return TRIM
+        if not isinstance(report, SpringbackReport):
+            return self.forming.progress_text(report)
+        return f"{NAME}: {report.increment.fraction:.0%} of the forces taken away"
+
+    def row(self, report: Any) -> Row:
+        """Return the row of the history; of a part without tools no tool has a force, and nothing moves."""
+        if not isinstance(report, TrimReport | SpringbackReport):
+            return self.forming.row(report)
+        assert self._released is not None
+        implicit = self._released.implicit
+        row = self.forming.row_at_rest()
+        freed = self._released.elastic - implicit.mechanics.elastic_energy(implicit.state)
+        row |= {name: float(row[name]) - freed for name in STORED if name in row}
+        stage = TRIM if isinstance(report, TrimReport) else NAME
+        if self.model.points and not self.model.trim:
+            known = set(self.forming.columns)
+            row |= {name: v for name, v in self.forming.marked.measure(self._show_released()).items() if name in known}
+        return row | {"time": self._time(), "stage": stage, "increment": report.number}
+
+    def _time(self) -> float:
+        assert self._released is not None
+        return self.forming.time + self._released.implicit.state[Progress].time
+
+    def watch(self) -> Watched:
+        """Return how far forming is towards its limits; a released part has passed none of its own."""
+        return self.forming.watch() if self._released is None else Watched()
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the present state.
+
+        `springback` is the displacement since the part was released, `deviation` how far it lies off the shape that it
+        had in its tools, along that shape's normal, after the best fit.
+        """
+        now = self.forming.show()
+        if self._released is None:
+            if self._shows_springback:
+                now.springback, now.deviation = np.zeros_like(self.mesh.points), np.zeros(len(self.mesh.points))
+            return self.forming.snapshot(now)
+        snapshot = self.forming.snapshot(now)
+        now = self._show_released()
+        if self._shows_springback:
+            now.springback = self._released.moved
+            now.deviation = self._released.find_deviation(self.mesh, self.model.symmetry)
+        points, cells = compute_fields(now)
+        common = {name: cells[name] for name in snapshot.cell_data}  # what both procedures have
+        return replace(snapshot, time=self._time(), point_data=points, cell_data=common)
+
+    def _show_released(self) -> Instant:
+        """Return what the fields of the released part are computed from."""
+        assert self._released is not None
+        now = self._released.implicit.mechanics.show(self._released.implicit.state)
+        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.sheet[1].formability
+        now.heated, now.temperature = self._released.heated, self._released.heated.get(TEMPERATURE)
+        return now
+
+    def _epoch_arrays(self) -> NamedArrays:
+        released = self._released
+        if released is None:
+            return {}
+        heated = {f"{HEATED}{name}": values for name, values in released.heated.items()}
+        return {FORMED: released.formed, ELASTIC: np.array(released.elastic), **heated}
+
+    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        if not self.epoch:
+            self._released = None
+            return
+        springback = self._make_released_model(self.model.mesh)
+        implicit = ImplicitProcedure(springback, threads=self._threads, world=self._world)
+        heated = {name.removeprefix(HEATED): v for name, v in epoch.items() if name.startswith(HEATED)}
+        self._released = Released(implicit, None, epoch[FORMED], float(epoch[ELASTIC]), heated)
+
+    def _state_arrays(self) -> NamedArrays:
+        parts = {FORMING: self.forming.to_arrays()}
+        if self._released is not None:
+            parts[f"{NAME}."] = self._released.implicit.state.to_arrays()
+        return {f"{part}{name}": values for part, arrays in parts.items() for name, values in arrays.items()}
+
+    def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        def of(part: str) -> dict[str, NDArray[Any]]:
+            return {name.removeprefix(part): values for name, values in arrays.items() if name.startswith(part)}
+
+        self.forming.load_arrays(of(FORMING))
+        if self._released is not None:
+            self._released.implicit.state.load_arrays(of(f"{NAME}."))
+
+    def meta(self) -> Meta:
+        """Return how the part was cut, which no array holds."""
+        cut = None if self._released is None else self._released.cut
+        return {} if cut is None else {TRIM: cut.to_text()}
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up what meta gave."""
+        if self._released is not None and TRIM in meta:
+            self._released = replace(self._released, cut=Cut.from_text(str(meta[TRIM])))
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return what a stamping's summary says, how it was cut, and how far which point has sprung."""
+        summary = self.forming.summary(history)
+        told, warnings = self.tell_release()
+        told |= self.tell_hem()
+        return summary | told | {"warnings": [*summary["warnings"], *warnings]}
+
+    def tell_release(self) -> tuple[dict[str, Any], list[str]]:
+        """Return what the summary says of trimming and springback, and its warnings."""
+        if self._released is None:
+            return {}, []
+        told, warnings = self._released.tell_cut(self.mesh)
+        if self.model.springback is not None:
+            told[NAME] = self._released.tell_springback(self.mesh, self.model.symmetry)
+        return told, warnings
+
+    def tell_hem(self) -> dict[str, Any]:
+        """Return what the summary says of the hem, where there is one to be measured."""
+        hem = self.model.hem
+        if hem is None:
+            return {}
+
+        def measure(state: SheetState, mesh: Mesh) -> HemShape:
+            flat = mesh.points if self._turned is None else mesh.points @ self._turned.T
+            own = find_hemmed(hem, flat, find_parts([b.connectivity for b in mesh.blocks], len(flat))[1])
+            return measure_hem(hem, flat[own], state.position[own], find_half_thickness(state)[own])
+
+        before = None if self._begin is None else measure(self._begin, self._first_mesh)
+        released = None if self._released is None else measure(self.sheet(), self.mesh)
+        return {HEM: tell_hem(measure(self.forming.sheet(), self.forming.mesh), before, released)}
