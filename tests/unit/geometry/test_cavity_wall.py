@@ -10,7 +10,7 @@ from presswork import Case, build_model
 from presswork.examples import copy_example
 from presswork.geometry.cavity_wall import CavityWall, find_cavity_wall
 from presswork.geometry.pose import start_profile
-from presswork.process.tool_quantities import find_way
+from presswork.observe.working_direction import find_working_direction
 
 DOWN = np.array([0.0, -1.0])
 
@@ -18,7 +18,7 @@ DOWN = np.array([0.0, -1.0])
 def find(example, tool, tmp_path) -> CavityWall | None:
     model = build_model(Case.from_toml(copy_example(example, tmp_path)))
     found = next(t for t in model.plane_tools if t.name == tool)
-    way = find_way(model, found)
+    way = find_working_direction(model, found)
     middle = model.mesh.points.mean(axis=0)
     return find_cavity_wall(start_profile(found), way, middle, np.array([0.0, middle[1]]))
 
