@@ -96,9 +96,9 @@ def test_a_run_that_forms_or_is_meant_to_stay_elastic_has_no_verdict(name: str, 
 
 
 def test_a_run_that_gives_up_before_its_first_row_has_no_verdict(tmp_path: Path) -> None:
-    """Equilibrium within 1e-15 is not found."""
+    """Equilibrium within 1e-15 is not found; increments that do not reach the billet are not tried."""
     stroke = {"punch": {"stroke": 0.1, "direction": [0, -1]}}
-    strict = {"solver": {"force_tolerance": 1e-15, "max_iterations": 5}}
+    strict = {"solver": {"force_tolerance": 1e-15, "max_iterations": 5, "min_increment": 0.02}}
     done = run_model(build_model(plane_case({"punch": line(15)}, AXIS | MIDDLE, stroke, **strict)), tmp_path / "out")
     assert done.status == "gave_up"
     assert done.result.summary["warnings"] == []

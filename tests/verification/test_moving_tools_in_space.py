@@ -173,7 +173,7 @@ BALL = {"shape": "round", "profile": [[0, 0], {"to": [3, 3], "centre": [0, 3], "
         ),
         (DIE, {"force": 1e3, "direction": [1, 0, -1]}, "cannot be pushed across their symmetry plane"),
         ({**DIE, "position": [0, 0, 12]}, {"stroke": 3, "direction": DOWN}, "never reaches the workpiece"),
-        (DIE, {"stroke": 3, "direction": [0, 0, 1]}, r"tools\.die\.position .* passes the workpiece"),
+        (DIE, {"stroke": 3, "direction": [0, 0, 1]}, r"tools\.die\.position .* passes beside the workpiece"),
         ({**BALL, "position": "touch"}, {"stroke": 3, "direction": [1, 0, 0]}, "never comes to it|passes"),
         (
             {**DIE, "spring": {"stiffness": 1e3, "direction": [0, 0, 1]}},

@@ -13,6 +13,7 @@ from presswork.body.laws_of_solids import make_law
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.space_material import SpaceMaterial
 from presswork.explicit.space_solids import ExplicitSpaceSolids
+from presswork.law.history import EQPS
 from presswork.law.umat import open_umat
 from presswork.model import Hardening, Material, SolverSettings, Umat
 from tests.problems import space_solids
@@ -34,6 +35,11 @@ def make_run(element: str, law: _core.Umat | None = None, **given) -> ExplicitSp
 
 def user_law(library: Path, *props: float, n_state: int = 0, plastic_strain: int = 0) -> _core.Umat:
     return open_umat(Umat(str(library), props, n_state, plastic_strain=plastic_strain))
+
+
+def kept_by(run: ExplicitSpaceSolids) -> np.ndarray:
+    """Return what the routine keeps (n_cells, n), behind stress, rise of temperature and plastic strain."""
+    return run.points[0][:, 0, run.kept[0][EQPS].stop :]
 
 
 def move_to(run: ExplicitSpaceSolids, places: np.ndarray) -> None:
@@ -86,7 +92,7 @@ def test_stress_and_tensors_of_a_umat_turn_with_the_material(umat_laws: Path, el
     """Prager's law stretched, then turned by a quarter about z: stress and back stress turn, and nothing else."""
     run = make_run(element, user_law(umat_laws, 3, YOUNG, POISSON, 200.0, 5e3, n_state=8, plastic_strain=7))
     stretch(run, 0.1 * GRADIENT, 60)
-    stress, kept = run.stress, run.state_variables[0][:, :8]
+    stress, kept = run.stress, kept_by(run)[:, :8]
     place = run.position.copy()
     for angle in np.radians(np.arange(1, 91)):
         c, s = np.cos(angle), np.sin(angle)
@@ -97,7 +103,7 @@ def test_stress_and_tensors_of_a_umat_turn_with_the_material(umat_laws: Path, el
     np.testing.assert_allclose(run.stress, turned, rtol=0, atol=1e-7 * np.abs(stress).max())
     xx, yy, zz, xy, xz, yz = kept[:, :6].T  # in the order of Abaqus
     turned = np.column_stack([yy, xx, zz, -xy, -yz, xz])
-    after = run.state_variables[0][:, :8]
+    after = kept_by(run)[:, :8]
     np.testing.assert_allclose(after[:, :6], turned, rtol=0, atol=1e-7 * np.abs(kept).max())
     np.testing.assert_allclose(after[:, 6:], kept[:, 6:], rtol=1e-7)
 
@@ -106,7 +112,7 @@ def test_stress_and_tensors_of_a_umat_turn_with_the_material(umat_laws: Path, el
 def test_the_routine_is_told_where_and_when_it_is(umat_laws: Path, element: str) -> None:
     run = make_run(element, user_law(umat_laws, 5, YOUNG, POISSON, n_state=12))
     run.advance(3)
-    told = run.state_variables[0][:, :12]
+    told = kept_by(run)[:, :12]
     cells = run.mesh.blocks[0].connectivity
     np.testing.assert_allclose(told[:, 0], 2 * run.dt)
     np.testing.assert_allclose(told[:, 2], run.dt)
