@@ -148,6 +148,7 @@ def test_new_meshes_keep_the_peak_and_the_mean(tmp_path, monkeypatch) -> None:
     assert (np.diff(peaks) > -0.02 * np.array(peaks[:-1])).all(), "what was passed once is not taken back"
 
 
+@pytest.mark.validation
 def test_the_critical_value_of_a_test_is_found_again(tmp_path) -> None:
     """A run with the value found tells its first crack at the stroke that it was found from."""
     case = read(tmp_path, "{critical = 10}", "").source

@@ -184,6 +184,7 @@ def test_a_punch_that_goes_back_lets_go_and_the_holder_keeps_its_force(tmp_path)
     assert history["holder.force"][-1] == pytest.approx(HOLDER_FORCE, rel=1e-4)
 
 
+@pytest.mark.validation
 def test_a_holder_comes_to_stand_on_the_rising_die_as_the_cup_is_drawn_through(tmp_path) -> None:
     """A round cup; bare, the holder is a sheet's thickness nearer to the die, and goes on with it."""
     blank = {"shape": "circle", "diameter": 60, "thickness": 1, "element_size": 7.5, "material": "steel"}

@@ -42,6 +42,7 @@ def write(case: dict, path: Path) -> Path:
     return path
 
 
+@pytest.mark.validation
 def test_a_stamping_sweeps_by_both_procedures_to_the_closed_form(tmp_path) -> None:
     """Uniaxial tension: the thickness strain is half the plastic strain along, and 0.3 of the elastic one."""
     case = write(STRIP, tmp_path / "strip.toml")
@@ -91,6 +92,7 @@ def test_heat_alone_sweeps(tmp_path) -> None:
     assert "max_equivalent_plastic_strain" not in hot
 
 
+@pytest.mark.validation
 def test_shells_and_impacts_sweep(tmp_path) -> None:
     roof = copy_example("scordelis_lo_roof", tmp_path)
     swept = run_sweep(

@@ -259,6 +259,7 @@ def test_block_upsetting_is_that_of_the_implicit_procedure(law) -> None:
     assert abs(rows[-1]["energy_error_percent"]) < 1.0
 
 
+@pytest.mark.validation
 def test_tetrahedra_are_upset_as_by_the_implicit_procedure() -> None:
     """Against hexahedra: 6 x 6 x 5 cells cut into six, whose linear tetrahedra are stiffer."""
     slow = begin(build_model(SpaceCase(**BLOCK)), threads=2)

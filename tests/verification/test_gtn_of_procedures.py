@@ -54,6 +54,7 @@ def test_pores_of_an_explicit_bar_grow_as_in_the_implicit_one(tmp_path, analysis
     assert energy["internal"] + energy["kinetic"] == pytest.approx(energy["external"], rel=1e-5)
 
 
+@pytest.mark.validation
 def test_an_explicit_notched_strip_softens_as_the_implicit_one(tmp_path) -> None:
     """To an elongation of 0.8 mm, where the notch carries 5 % less than at its most; porosity averaged once a row."""
     implicit = pull_notched(tmp_path, "[8, 12]", 1.0)
@@ -206,6 +207,7 @@ def test_an_explicit_porous_bar_in_space_goes_on_where_it_stopped(tmp_path) -> N
     assert_same_bits(parts.folder, whole.folder)
 
 
+@pytest.mark.validation
 def test_new_meshes_of_an_explicit_bar_in_space_keep_its_pores(tmp_path) -> None:
     """On its first mesh and on three new ones: force, least, largest and mean porosity."""
     pytest.importorskip("mmgpy", reason="new meshes in space are made by mmgpy")

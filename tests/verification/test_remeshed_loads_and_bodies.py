@@ -124,6 +124,7 @@ def two_bodies(tmp_path):
     return copy_example("two_bodies", tmp_path)
 
 
+@pytest.mark.validation
 def test_the_slave_is_chosen_anew_unless_the_case_names_it(two_bodies):
     keys = ["remesh.size=0.4", "remesh.bodies.ring.size=0.2", "remesh.every=0.5", "stages.0.tools.punch.stroke=1"]
     for own, slave in ((keys, 1), ([*keys, "contacts.bore.slave='workpiece'"], 0)):
@@ -159,6 +160,7 @@ def test_a_body_that_is_not_meshed_anew_keeps_its_state_to_the_bit(two_bodies):
     assert np.array_equal(after[own.start : own.stop], points[own_n.start : own_n.stop])
 
 
+@pytest.mark.validation
 def test_runs_with_bodies_and_loads_resume_to_the_same_bits(two_bodies, tmp_path):
     model = build_model(Case.from_toml(two_bodies, ["remesh.every=0.3", "output.checkpoint_every=1", "output.steps=2"]))
     assert run_model(model, tmp_path / "whole", threads=1).status == "completed"

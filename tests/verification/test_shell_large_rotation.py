@@ -166,6 +166,7 @@ def test_pull_out_of_an_open_cylinder() -> None:
     assert deviation(found, "pullout_open_cylinder", [1, 2, 3], without=0.525) < 0.01
 
 
+@pytest.mark.validation
 def test_slit_annular_plate() -> None:
     """On the table's mesh of 10 x 80 cells; on 6 x 30 it is 5 %."""
 

@@ -210,6 +210,7 @@ def test_hot_stamping_resumed_in_a_dwell_has_the_same_derivatives_to_the_bit(tmp
     assert_same_bits(tmp_path / "cut", whole.folder)
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("stage", ["bend_springback", "again_springback"])
 def test_line_resumed_in_springback_has_the_same_derivatives_to_the_bit(stage: str, tmp_path: Path) -> None:
     data = bend_twice()
