@@ -58,6 +58,7 @@ def _compare(first, second, columns):
         np.testing.assert_array_equal(found[name], wanted[name], err_msg=name)
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("needs_mpi")
 def test_a_cup_with_holder_and_drawbead_has_the_bits_of_one_process_on_two_ranks_and_when_four_go_on(
     tmp_path,
@@ -106,6 +107,7 @@ def test_blocks_that_strike_each_other_have_the_bits_of_one_process_on_two_ranks
     assert abs(read_history(tmp_path / "two" / "history.csv")["joint.force_z"]).max() > 1e3
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("needs_mpi")
 def test_a_hem_pressed_on_its_panel_has_the_bits_of_one_process_on_two_ranks_and_when_three_go_on(tmp_path):
     """Stopped while the flange lies on the panel: shells touch shells."""
@@ -120,6 +122,7 @@ def test_a_hem_pressed_on_its_panel_has_the_bits_of_one_process_on_two_ranks_and
     _compare(tmp_path / "one", tmp_path / "two", ("overlap", "hem_steel.force", "hem_prehem.force"))
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("needs_mpi")
 def test_three_ranks_share_solids_shells_pushed_tools_and_mass_scaling_and_tell_failures_as_one_process():
     found = json.loads(run_module_on_ranks(3, "tests.problems.divided_loops"))

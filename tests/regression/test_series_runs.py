@@ -26,6 +26,7 @@ def case(tmp_path_factory):
     return copy_example("die_series", tmp_path_factory.mktemp("case"))
 
 
+@pytest.mark.validation
 def test_dies_stay_warm_from_part_to_part_and_a_resumed_run_gives_the_same_bits(case, tmp_path) -> None:
     model = build_model(read_case(case, QUICK))
     whole = run_model(model, tmp_path / "whole", threads=1)
