@@ -72,6 +72,18 @@ def wait_for(server: Server, name: str, *words: str, seconds: float = 120) -> di
     raise AssertionError(f"{name} is {state}, not {words}")
 
 
+def wait_until_still(path: Path, still: float = 2.0, seconds: float = 60.0) -> int:
+    """Return the size of a file once it has stayed the same: a run notices a pause at its next increment."""
+    end = time.monotonic() + seconds
+    size, since = path.stat().st_size, time.monotonic()
+    while time.monotonic() - since < still:
+        assert time.monotonic() < end, f"{path.name} still grows after {seconds:g} s"
+        time.sleep(0.1)
+        if (now := path.stat().st_size) != size:
+            size, since = now, time.monotonic()
+    return size
+
+
 def test_list_shows_all_runs_and_sorts_them(browser: Any, site: Server) -> None:
     page = Tab(browser, site.address)
     names = page.tab.locator("#runs tbody tr td:nth-child(3)")
@@ -127,9 +139,10 @@ def test_run_is_followed_stopped_and_goes_on_to_the_same_bits(browser: Any, site
     page.tab.wait_for_function("() => (presswork.runs[0].curves.columns[0]?.values.n ?? 0) > 3", timeout=60_000)
     page.tab.get_by_role("button", name="Hold the computation", exact=False).click()
     wait_for(site, name, "paused")
-    held = (folder / name / "history.csv").stat().st_size
+    held = wait_until_still(folder / name / "history.csv")
     time.sleep(1.0)
     assert (folder / name / "history.csv").stat().st_size == held
+    assert ask(site, f"state?run={name}")["word"] == "paused", "the run has not ended"
     page.tab.get_by_role("button", name="Go on from", exact=False).click()
     wait_for(site, name, "running")
     before = page.ask(rows), page.ask(steps)
