@@ -69,7 +69,7 @@ def draw(path: str, runs: dict[float, Slide]) -> None:
 
 
 def main() -> None:
-    """Print the table of docs/verification.md."""
+    """Print the table of docs/verification/curved_beams.md."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--picture")
     options = parser.parse_args()

@@ -238,7 +238,7 @@ def run_case(angle: float, m: float) -> Steady:
 
 
 def print_table(runs: dict[tuple[float, float], Steady]) -> None:
-    """Print the table of docs/verification.md."""
+    """Print the table of docs/verification/forward_extrusion.md."""
     print("| die | m | slab | presswork | range | Avitzur | over slab | under Avitzur | strain of the product |")
     print("|---|---|---|---|---|---|---|---|---|")
     for (angle, m), run in runs.items():

@@ -18,7 +18,7 @@ WIDTHS = (0.005, 0.01, 0.02, 0.05, 0.1)
 
 
 def print_row(shape: str, element: str, width: float, contact: Hertz) -> None:
-    """Print one line of the table in docs/verification.md."""
+    """Print one line of the table in docs/verification/hertz.md."""
     half_width = contact.half_width / contact.exact_half_width - 1
     largest, fitted = (p / contact.exact_peak - 1 for p in (contact.pressure.max(), contact.peak))
     errors = f"{half_width:+.2%} | {fitted:+.2%} | {largest:+.2%}"

@@ -76,7 +76,7 @@ def at(ring: Neutral, values: FloatArray, reduction: float) -> float:
 
 
 def print_table(rings: dict[float, Neutral]) -> None:
-    """Print the radii at 10, 25 and 45 % as docs/verification.md has them."""
+    """Print the radii at 10, 25 and 45 % as docs/verification/ring_compression.md has them."""
     names = (
         "m",
         "reduction",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Print the figures of docs/verification.md, from the same functions that the tests call.
+"""Print the figures of docs/verification, from the same functions that the tests call.
 
 Run: python -m validation.print_figures
 """

@@ -63,7 +63,7 @@ def avitzur_at_half(m: float) -> float:
 
 
 def print_table(rings: dict[float | str, RingMeasures]) -> None:
-    """Print the bore ratios at 50 % as docs/verification.md has them."""
+    """Print the bore ratios at 50 % as docs/verification/ring_compression.md has them."""
     published = read_published()
     print("| m | presswork, mean | mid-height | Avitzur | mean less Avitzur | published FE | R_n / R_i at 25 % |")
     print("|---|---|---|---|---|---|---|")

@@ -2,7 +2,7 @@
 """The packaged hub on sharper corners of its foot and of the flash land: force on the way, fill, volume, energy.
 
 Run: python -m validation.sharp_corners [FOOT,LAND[,SIZE] ...]: radii [mm], 0 for a sharp corner, and the size of cells.
-Without any: all rows of the table in docs/verification.md. A row has the forces at 80, 90, 95, 97, 98, 99, 100 %.
+Without any: all of them. A row has the forces at 80, 90, 95, 97, 98, 99, 100 %.
 """
 
 from __future__ import annotations

@@ -228,7 +228,7 @@ def test_an_example_with_a_mesh_file_brings_it_along(tmp_path: Path) -> None:
 
 
 def test_without_an_element_quad4_fbar_is_taken_and_check_names_it() -> None:
-    """The default (docs/verification.md, neck of a bar)."""
+    """The default (docs/verification/neck_of_a_bar.md)."""
     steel = {"young": 210e3, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 300, "modulus": 100}}
     case = Case.model_validate({
         "title": "block", "analysis": "plane_strain", "materials": {"steel": steel},

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Form of the documents: length of lines, pages and sentences; pages that the summary and the site's menu know.
+
+The limits are those of a reader: 120 characters a line (160 in tables), 300 lines a page, 35 words a sentence, and a
+median sentence below 18 words. PARTS lists the folders that keep them; a folder that is rewritten joins it.
+"""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from statistics import median
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PARTS = ("verification", "dev")
+PAGES = sorted(page for part in PARTS for page in (DOCS / part).rglob("*.md"))
+LINE, ROW, PAGE, WORDS, MEDIAN = 120, 160, 300, 35, 18
+
+
+def name(page: Path) -> str:
+    return str(page.relative_to(DOCS))
+
+
+def list_blocks(text: str) -> Iterator[str]:
+    """Yield paragraphs and items of lists, each as one line, without code, tables, headings and pictures."""
+    block: list[str] = []
+    for line in [*re.sub(r"```.*?```", "", text, flags=re.DOTALL).splitlines(), ""]:
+        line = line.strip()
+        is_item = re.match(r"([-*] |\d+\. )", line)
+        if block and (is_item or not line or line.startswith(("|", "#", "!", "$$"))):
+            yield " ".join(block)
+            block = []
+        if line and not line.startswith(("|", "#", "!", "$$")):
+            block.append(line)
+
+
+def list_sentences(text: str) -> Iterator[str]:
+    """Yield the sentences of a page; code counts as one word, a link as its text."""
+    for block in list_blocks(text):
+        plain = re.sub(r"\]\([^)]*\)", "]", re.sub(r"`[^`]*`", "Code", block))
+        yield from re.split(r"(?<=[.!?])\s+(?=[A-Z0-9\[*(“\"])", plain)
+
+
+def count_words(sentence: str) -> int:
+    return len([word for word in sentence.split() if re.search(r"\w", word)])
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_lines_and_pages_are_short(page: Path) -> None:
+    lines = page.read_text("utf-8").splitlines()
+    assert len(lines) <= PAGE
+    long = [n for n, line in enumerate(lines, 1) if len(line) > (ROW if line.lstrip().startswith("|") else LINE)]
+    assert not long, f"{page.name}: lines {long}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name)
+def test_sentences_are_short(page: Path) -> None:
+    long = [s for s in list_sentences(page.read_text("utf-8")) if count_words(s) > WORDS]
+    assert not long
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_the_median_sentence_is_short(part: str) -> None:
+    pages = [page for page in PAGES if page.is_relative_to(DOCS / part)]
+    assert median(count_words(s) for page in pages for s in list_sentences(page.read_text("utf-8"))) < MEDIAN
+
+
+def test_the_summary_of_verification_names_every_benchmark() -> None:
+    text = (DOCS / "verification/index.md").read_text("utf-8")
+    pages = {page.name for page in (DOCS / "verification").glob("*.md")} - {"index.md"}
+    assert pages == set(re.findall(r"\]\(([\w.]+\.md)\)", text))
+
+
+def test_the_menu_of_the_site_names_every_page() -> None:
+    menu = (ROOT / "mkdocs.yml").read_text("utf-8")
+    missing = [name(page) for page in DOCS.rglob("*.md") if not re.search(rf"\b{name(page)}$", menu, re.MULTILINE)]
+    assert not missing
+
+
+@pytest.mark.parametrize("page", sorted((DOCS / "verification").glob("*.md")), ids=name)
+def test_tests_that_verification_names_are_there(page: Path) -> None:
+    tests = {path.name for folder in ("tests", "validation") for path in (ROOT / folder).rglob("test_*.py")}
+    named = set(re.findall(r"\b(test_\w+\.py)\b", page.read_text("utf-8")))
+    assert named <= tests, named - tests
