@@ -55,7 +55,7 @@ ESAFORM = Cup(
 The rim is not ironed, so that it may be held against the theory of a free edge.
 """
 IRONED = replace(ESAFORM, holder=None, gap=1.04, mu=0.04, ironing=True)
-"""The benchmark's cup as it is drawn: the holder stands at its gap. docs/verification/earing.md has why mu is not its 0.07."""
+"""The cup as the benchmark draws it, the holder at its gap; docs/verification/earing.md explains the friction."""
 YOON = Cup(158.76, 1.6, 97.46, 12.7, 101.48, 12.7, 0.1, "22.2 kN", 60, 3.0)
 """That of AA2090-T3, Yoon, Barlat, Chung, Pourboghrat & Yang, Int. J. Plasticity 16 (2000) 1075, as commonly quoted."""
 

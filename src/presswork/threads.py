@@ -8,7 +8,7 @@ from collections.abc import MutableMapping
 
 SPINS = 1000
 """Looks of a waiting thread at the others before it gives its core away: some 10 us. GCC's runtime takes 300,000, which
-costs a machine with other work two to three times the time of an explicit run (docs/performance.md)."""
+costs a machine with other work two to three times the time of an explicit run (docs/performance/explicit_shells.md)."""
 
 
 def limit_spinning(environment: MutableMapping[str, str]) -> None:

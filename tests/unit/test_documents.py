@@ -14,7 +14,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-PARTS = ("verification", "dev")
+PARTS = ("verification", "performance", "dev")
 PAGES = sorted(page for part in PARTS for page in (DOCS / part).rglob("*.md"))
 LINE, ROW, PAGE, WORDS, MEDIAN = 120, 160, 300, 35, 18
 
