@@ -21,19 +21,20 @@ from typing import Any
 from presswork import build_model, read_case
 from presswork.examples import copy_example
 from presswork.model import Model
-from presswork.process.implicit import remeshing, remeshing_in_space
-from presswork.process.implicit.remeshing_in_space import RemeshedSpaceForming
-from presswork.process.mesh_change import carrying
+from presswork.process.implicit import new_meshes
+from presswork.process.implicit.forming import begin_forming
+from presswork.process.implicit.new_meshes import NewMeshes
+from presswork.process.mesh_change import bodies_in_space, carrying
 from presswork.remesh.space.mmg_process import MMG
 from validation.closed_dies_in_space import draw_die, make_case
 
 PARTS = {
-    "looking": (RemeshedSpaceForming, "_reason"),
-    "skin and inside": (remeshing_in_space, "remesh_body"),
+    "looking": (NewMeshes, "_find_reason"),
+    "skin and inside": (bodies_in_space, "remesh_body"),
     "transfer": (carrying, "carry_state"),
-    "peaks": (remeshing, "carry_peaks"),
-    "balance": (remeshing, "balance_new_mesh"),
-    "all of new meshes": (RemeshedSpaceForming, "_try_mesh"),
+    "peaks": (new_meshes, "carry_peaks"),
+    "balance": (new_meshes, "balance_new_mesh"),
+    "all of new meshes": (NewMeshes, "_try_mesh"),
 }
 
 
@@ -68,7 +69,7 @@ def measure(title: str, model: Model) -> str:
     clock = Clock()
     for part, (place, name) in PARTS.items():
         setattr(place, name, clock.watch(part, getattr(place, name)))
-    recording = RemeshedSpaceForming(model, threads=1)
+    recording = begin_forming(model, threads=1)
     started = _tell_time()
     increments = sum(1 for _ in recording.advance())
     whole = _tell_time() - started

@@ -17,6 +17,7 @@ from presswork.law.history import History, list_history
 from presswork.law.umat import compile_law, open_umat
 from presswork.model import FloatArray, Material, Umat
 from presswork.process.begin import begin
+from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.process.mesh_change import carrying
 from presswork.remesh.carrier import place_points
 from tests.problems.plane_solids import block_mesh, drive_boundary, fixed_increments, run
@@ -107,7 +108,7 @@ def test_an_implicit_run_carries_them_to_a_new_mesh(steel: dict[str, Any], monke
 
     real = carrying.carry_surface
     monkeypatch.setattr(carrying, "carry_surface", look)
-    assert recording._remesh("asked for")
+    assert recording.observers.find(NewMeshes).remesh("asked for")
     cells, mesh = found["state"].cells, found["mesh"]
     check(kept, cells.history[0].reshape(-1, kept.size), place_points(mesh.blocks[0], mesh.points))
 

@@ -18,7 +18,8 @@ from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.model import Model
 from presswork.observe.limits import Watched
-from presswork.process.recording import ModelRecording, Snapshot
+from presswork.process.model_recording import ModelRecording
+from presswork.process.recording import Snapshot
 from presswork.recorder import Progress
 from presswork.timing import Timing
 
@@ -50,7 +51,8 @@ class Conveyor(ModelRecording):
     """Moves all nodes by WAY [mm] in STEPS equal steps."""
 
     def __init__(self, model: Model, threads: int) -> None:
-        self.model, self.timing = model, Timing("moving")
+        super().__init__(model)
+        self.timing = Timing("moving")
         self._x = np.zeros(1)
         self._number = np.zeros(1, dtype=np.int64)
 

@@ -20,7 +20,9 @@ from presswork.law.history import AXES
 from presswork.model import FloatArray, Model
 from presswork.outcome import StartError
 from presswork.process.begin import begin
-from presswork.process.implicit import remeshing
+from presswork.process.implicit import bodies_in_plane
+from presswork.process.implicit.forming import begin_forming
+from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.process.mesh_change import carrying
 from presswork.process.mesh_change.carrying import find_undeclared
 from presswork.state import ANEW, RUN, Arrays
@@ -29,7 +31,7 @@ REFUSED = {
     "beads": "of explicit sheets, which are refined, not remeshed",
     "drawbeads": "sheets are refined, not remeshed",
     "former": "of shells",
-    "sensitivities": "found anew on each mesh (process/derivatives/differentiated_remeshing.py)",
+    "sensitivities": "found anew on each mesh (process/derivatives/on_new_meshes.py)",
     "shells": "of shells",
     "sheet_contact": "of explicit sheets",
     "sheet_tools": "of explicit sheets",
@@ -147,7 +149,7 @@ def test_linear_states_survive_a_new_mesh(monkeypatch, law: str, element: str, h
     real = carrying.carry_surface
     monkeypatch.setattr(carrying, "carry_surface", look)
     monkeypatch.setattr("presswork.implicit.heat_of_forming.HeatOfForming.keep_stored", lambda *_: None)
-    recording._remesh("asked for")
+    recording.observers.find(NewMeshes).remesh("asked for")
     after, run = carried["state"], carried["run"]
     mesh = run.model.mesh
     at_points = place(run.model, mesh.points)
@@ -205,7 +207,7 @@ def test_friction_goes_along_per_area_and_nothing_else_of_a_run_changes() -> Non
 
     carrying.carry_surface = look
     try:
-        assert recording._remesh("asked for")
+        assert recording.observers.find(NewMeshes).remesh("asked for")
     finally:
         carrying.carry_surface = real
     assert seen["state"][ContactArrays].drag.sum() == pytest.approx(force_n, rel=0.05)
@@ -223,14 +225,14 @@ def test_heat_is_kept_to_round_off_and_even_temperatures_stay() -> None:
         np.ptp(recording.procedure.state[HeatArrays].temperature),
     )
     assert span > 50.0
-    assert recording._remesh("asked for")
+    assert recording.observers.find(NewMeshes).remesh("asked for")
     after = recording.procedure
     assert after.heat.forming.stored(after.state[HeatArrays]) == pytest.approx(stored, rel=1e-12)
     columns = after.state[HeatArrays].columns
     assert columns.max() > 210.0, "the steel behind the surface stays warm"
     after.state[HeatArrays].temperature[:] = 400.0
-    recording._made_at = -1
-    assert recording._remesh("asked for again")
+    recording.made_at = -1
+    assert recording.observers.find(NewMeshes).remesh("asked for again")
     even = recording.procedure.state[HeatArrays].temperature
     assert np.ptp(even) < 1e-10
 
@@ -249,13 +251,13 @@ def test_a_run_with_an_array_that_says_nothing_is_refused() -> None:
     state.add(ForgottenArrays(np.zeros(3)))
     assert find_undeclared(state) == ["forgotten.value"]
     model = build_model(forging())
-    real = remeshing.find_undeclared
-    remeshing.find_undeclared = lambda _: ["forgotten.value"]
+    real = bodies_in_plane.find_undeclared
+    bodies_in_plane.find_undeclared = lambda _: ["forgotten.value"]
     try:
         with pytest.raises(StartError, match=r"forgotten\.value"):
-            remeshing.RemeshedForming(model, threads=1)
+            begin_forming(model, threads=1)
     finally:
-        remeshing.find_undeclared = real
+        bodies_in_plane.find_undeclared = real
 
 
 def test_arrays_found_anew_are_those_that_equilibrium_or_the_mesh_gives() -> None:
@@ -263,7 +265,7 @@ def test_arrays_found_anew_are_those_that_equilibrium_or_the_mesh_gives() -> Non
     recording = first_increment(forging())
     before = recording.procedure.state
     filled = {(a.owner, n) for a in before for n, k in a.on_new_mesh.items() if k == ANEW and _is_filled(getattr(a, n))}
-    assert recording._remesh("asked for")
+    assert recording.observers.find(NewMeshes).remesh("asked for")
     after = recording.procedure.state
     again = {(a.owner, n) for a in after for n, k in a.on_new_mesh.items() if k == ANEW and _is_filled(getattr(a, n))}
     assert filled - again <= {("nodes", "displacement")}, "displacements begin anew"

@@ -14,14 +14,14 @@ from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Mesh, Model
-from presswork.process.derivatives.differentiated_remeshing import DifferentiatedRemeshing, DifferentiatedSpaceRemeshing
-from presswork.process.implicit.increments import find_position
-from presswork.process.implicit.remeshing import RemeshedForming
-from presswork.process.implicit.remeshing_in_space import RemeshedSpaceForming
+from presswork.process.derivatives.differentiated import begin_differentiated
+from presswork.process.implicit.implicit_recording import ImplicitRecording
+from presswork.process.implicit.increments import IncrementRecording, find_position
+from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.process.mesh_change.carrying import carry_to_mesh
 from presswork.process.mesh_change.mesh_reasons import DUE
 from presswork.process.mesh_change.new_epoch import NewEpoch
-from presswork.process.recording import Row
+from presswork.process.recording import Recording, Row
 from presswork.remesh.carrier import Carrier
 from presswork.results.history import name_derivative
 from tests.problems.differentiated import APART, EXACT, set_value, upset_block, upset_cylinder
@@ -39,61 +39,79 @@ class MadeMesh:
     """Of the increment after which it was made."""
 
 
-class _Noting(DifferentiatedRemeshing):
-    def __init__(self, model: Model) -> None:
-        super().__init__(model, threads=1)
+class Noting:
+    """Notes the new meshes of a run with derivatives, and lets its neighbours follow it."""
+
+    def __init__(self, run: IncrementRecording) -> None:
+        assert run.neighbours is not None
+        self._run, self._neighbours = run, run.neighbours
         self.made: list[MadeMesh] = []
 
-    def _go_on(self, new: NewEpoch) -> None:
-        position = find_position(self.procedure)
-        self.made.append(MadeMesh(new.procedure.model.mesh, new.carrier, position, self.number))
-        super()._go_on(new)
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._neighbours, name)
+
+    def leave_mesh(self, new: NewEpoch) -> None:
+        """Note the new mesh."""
+        position = find_position(self._run.procedure)
+        self.made.append(MadeMesh(new.procedure.model.mesh, new.carrier, position, self._run.number))
+        self._neighbours.leave_mesh(new)
 
 
-class NotingRun(_Noting):
-    """A run with derivatives that notes its new meshes."""
+class GivenBodies:
+    """A body that gets the new meshes of another run, when that has had them.
 
+    A node of such a mesh keeps its place in its old cell, and values come from the same points.
+    """
 
-class NotingSpaceRun(_Noting, DifferentiatedSpaceRemeshing):
-    """The same of bodies of tetrahedra."""
-
-
-class _WithMeshes(RemeshedForming):
     parts = (1.0,)
+    waits_first = False
 
-    def __init__(self, model: Model, given: Sequence[MadeMesh]) -> None:
-        super().__init__(model, threads=1)
-        self._given = given
+    def __init__(self, run: IncrementRecording, given: Sequence[MadeMesh]) -> None:
+        self._run, self._given = run, given
 
-    def _reason(self, wait: float = 1.0) -> tuple[str, set[int]] | None:
+    def find_obstacle(self) -> str:
+        """Return that nothing prevents new meshes."""
+        return ""
+
+    def find(self) -> list[None]:
+        """Return one body, of which nothing is known."""
+        return [None]
+
+    def find_reason(self, number: int, old: None, wait: float, *, is_first: bool) -> str | None:
         """Return why there is a new mesh now: where the other run has had one, and nowhere else."""
-        return (DUE, {0}) if self._next_is_due() else None
-
-    def _may_wait(self) -> bool:
-        return False
+        return DUE if self._next_is_due() else None
 
     def _next_is_due(self) -> bool:
-        return self.epoch < len(self._given) and self._given[self.epoch].number == self.number
+        run = self._run
+        return run.epoch < len(self._given) and self._given[run.epoch].number == run.number
 
-    def _make_epoch(self, old: Any, own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
-        assert self._next_is_due(), f"increment {self.number + 1} fails here, which it does not in the other run"
-        given, before = self._given[self.epoch], self.procedure
+    def make(self, old: Sequence[Any], own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
+        """Return the procedure on the other run's mesh."""
+        assert self._next_is_due(), f"increment {self._run.number + 1} fails here, which it does not in the other run"
+        given, before = self._given[self._run.epoch], self._run.procedure
         position = find_position(before)
         points = given.mesh.points + given.carrier.motion(position - given.position)
         carrier = given.carrier.beside(position, points)
         mesh = replace(given.mesh, points=points)
         return carry_to_mesh(before, mesh, carrier), carrier
 
+    def note_meshes(self, bodies: set[int] | None, *, is_new: bool, is_refused: bool) -> None:
+        """Note nothing."""
 
-class RunWithMeshes(_WithMeshes):
-    """A run that takes the new meshes of another run.
+    def arrays(self) -> dict[str, Any]:
+        """Return nothing."""
+        return {}
 
-    A node of such a mesh keeps its place in its old cell, and values come from the same points.
-    """
+    def load_arrays(self, arrays: Mapping[str, Any]) -> None:
+        """Take up nothing."""
 
 
-class SpaceRunWithMeshes(_WithMeshes, RemeshedSpaceForming):
-    """The same of bodies of tetrahedra."""
+def begin_with_meshes(model: Model, given: Sequence[MadeMesh]) -> ImplicitRecording:
+    """Return a run that takes the new meshes of another run, and makes none itself."""
+    assert model.remeshing is not None
+    run = ImplicitRecording(replace(model, remeshing=replace(model.remeshing, every=0.0)), threads=1)
+    run.add_mesh_change(NewMeshes(run, GivenBodies(run, given)))
+    return run
 
 
 def upset_with_new_meshes(stroke: float = 4.0, increment: float = 0.1) -> dict[str, Any]:
@@ -129,21 +147,23 @@ def differentiate_with_meshes(
     """
     asked = {"gradients": {"of": list(of), "by": list(by)}}
     in_space = data["analysis"] == "solid"
-    kind, with_meshes = (SpaceCase, SpaceRunWithMeshes) if in_space else (Case, RunWithMeshes)
-    own = (NotingSpaceRun if in_space else NotingRun)(build_model(kind.model_validate(data | asked)))
+    kind = SpaceCase if in_space else Case
+    own = begin_differentiated(build_model(kind.model_validate(data | asked)), 1)
+    assert isinstance(own.run, ImplicitRecording)
+    noting = own.run.neighbours = Noting(own.run)
     rows = _go_through(own)
     found = {}
     for key, value in by.items():
         change = apart * abs(value)
         changed = (kind.model_validate(set_value(data, key, value + way)) for way in (change, -change))
-        more, less = (_go_through(with_meshes(build_model(case), own.made)) for case in changed)
+        more, less = (_go_through(begin_with_meshes(build_model(case), noting.made)) for case in changed)
         counts = [len(run) for run in (rows, more, less)]
         assert len(set(counts)) == 1, f"runs of {counts} increments by {key} cannot be compared"
         for name in of:
             differences = [(float(m[name]) - float(s[name])) / (2.0 * change) for m, s in zip(more, less, strict=True)]
             found[key, name] = np.array([row[name_derivative(name, key)] for row in rows]), np.array(differences)
-    return found, len(own.made)
+    return found, len(noting.made)
 
 
-def _go_through(run: RemeshedForming) -> list[Row]:
+def _go_through(run: Recording) -> list[Row]:
     return [run.row(report) for report in run.advance()]

@@ -8,12 +8,12 @@ from dataclasses import replace
 import numpy as np
 
 from presswork.evolution.points import EvolvedArrays
-from presswork.implicit.epochs import Epoch, MeshChange
+from presswork.implicit.epochs import Epoch, NextMesh
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import IndexArray, IntArray, Mesh
 
 
-def renumber(mesh: Mesh, *, seed: int = 3) -> MeshChange:
+def renumber(mesh: Mesh, *, seed: int = 3) -> NextMesh:
     """Return the change to a mesh of one block whose nodes and cells are shuffled."""
     order = np.random.default_rng(seed)
     nodes, cells = order.permutation(len(mesh.points)), order.permutation(len(mesh.blocks[0].connectivity))
@@ -31,7 +31,7 @@ def renumber(mesh: Mesh, *, seed: int = 3) -> MeshChange:
     def transfer(before: Epoch, after: Epoch) -> None:
         carry(before, after, nodes, cells)
 
-    return MeshChange(other, transfer, reason="renumbered")
+    return NextMesh(other, transfer, reason="renumbered")
 
 
 def carry(before: Epoch, after: Epoch, nodes: IndexArray, cells: IndexArray) -> None:

@@ -91,7 +91,7 @@ def test_a_run_that_gives_up_on_a_full_die_says_so(monkeypatch, tmp_path):
         raise GaveUpError("no equilibrium")
 
     monkeypatch.setattr(recording.procedure, "advance", give_up)
-    monkeypatch.setattr(recording, "_may_change_mesh", lambda failure="": False)
+    monkeypatch.setattr(recording, "_change_mesh", lambda failure="": False)
     monkeypatch.setattr(
         recording.observers.find(DieFill), "measure", lambda *_: {"upper.fill": 0.99, "upper.flash_thickness": 1.0}
     )

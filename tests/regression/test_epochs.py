@@ -13,10 +13,11 @@ import pytest
 from presswork.case import Case, build_model
 from presswork.evolution.points import EvolvedArrays
 from presswork.examples import copy_example
-from presswork.implicit.epochs import Epoch, MeshChange
+from presswork.implicit.epochs import Epoch, NextMesh
 from presswork.implicit.progress import Progress
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import Model
+from presswork.process.implicit.asked_mesh import AskedMesh
 from presswork.process.implicit.implicit_recording import ImplicitRecording
 from presswork.recorder import Outcome, run_model
 from presswork.results.history import read_history
@@ -47,11 +48,11 @@ BILLET: dict[str, Any] = {
 }
 
 
-def ask(epoch: Epoch) -> MeshChange | None:
+def ask(epoch: Epoch) -> NextMesh | None:
     return renumber(epoch.mesh) if epoch.state[Progress].increments == CHANGED_AFTER else None
 
 
-def ask_for_a_mesh_without_sets(epoch: Epoch) -> MeshChange:
+def ask_for_a_mesh_without_sets(epoch: Epoch) -> NextMesh:
     change = renumber(epoch.mesh)
     del change.mesh.node_sets["bottom"]  # type: ignore[attr-defined]
     return change
@@ -59,7 +60,10 @@ def ask_for_a_mesh_without_sets(epoch: Epoch) -> MeshChange:
 
 def run(folder: Path, hook: Any = ask, case: dict[str, Any] = BILLET, **options: Any) -> Outcome:
     def begin(model: Model, threads: int) -> ImplicitRecording:
-        return ImplicitRecording(model, threads=threads, ask_for_mesh=hook)
+        recording = ImplicitRecording(model, threads=threads)
+        if hook is not None:
+            recording.add_mesh_change(AskedMesh(recording, hook))
+        return recording
 
     return run_model(build_model(Case.model_validate(case)), folder, threads=1, procedure=begin, **options)
 
@@ -102,7 +106,7 @@ def test_a_run_resumed_before_or_after_the_change_gives_the_same_bits(whole: Pat
 def test_another_mesh_is_asked_for_once_where_an_increment_fails(tmp_path: Path) -> None:
     failures: list[str] = []
 
-    def ask_where_it_fails(epoch: Epoch) -> MeshChange | None:
+    def ask_where_it_fails(epoch: Epoch) -> NextMesh | None:
         failures.append(epoch.failure)
         return renumber(epoch.mesh) if epoch.failure else None
 
@@ -137,12 +141,14 @@ def test_one_of_two_bodies_changes_its_mesh_and_both_go_on(tmp_path: Path) -> No
         for cells in ([3, 8], [5, 10])
     )
 
-    def ask_for_more_cells(epoch: Epoch) -> MeshChange | None:
-        return MeshChange(fine.mesh, carry_ring) if epoch.state[Progress].increments == 3 else None
+    def ask_for_more_cells(epoch: Epoch) -> NextMesh | None:
+        return NextMesh(fine.mesh, carry_ring) if epoch.state[Progress].increments == 3 else None
 
     histories = {}
     for name, model, hook in (("changed", coarse, ask_for_more_cells), ("from the start", fine, None)):
-        recording = ImplicitRecording(model, threads=1, ask_for_mesh=hook)
+        recording = ImplicitRecording(model, threads=1)
+        if hook is not None:
+            recording.add_mesh_change(AskedMesh(recording, hook))
         outcome = run_model(model, tmp_path / name, procedure=lambda _, __, r=recording: r)
         assert outcome.status == "completed"
         assert recording.model.bodies == fine.bodies

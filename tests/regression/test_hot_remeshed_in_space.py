@@ -6,6 +6,7 @@ import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.process.begin import begin
+from presswork.process.implicit.new_meshes import NewMeshes
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
 
 TEXT = """
@@ -94,7 +95,8 @@ def test_axes_of_the_law_stay_normal_to_each_other_on_a_new_mesh(model):
     recording = begin(model, 1)
     for _ in zip(range(5), recording.advance(), strict=False):
         pass
-    after, _ = recording._make_epoch(recording._sections(), {0}, 1.0)
+    bodies = recording.observers.find(NewMeshes).bodies
+    after, _ = bodies.make(bodies.find(), {0}, 1.0)
     axes = after.state.cells.history[0][..., -6:].reshape(-1, 2, 3)
     assert np.abs(axes[:, 0, 1:]).max() > 1e-3  # the metal has turned
     products = axes @ axes.transpose(0, 2, 1)

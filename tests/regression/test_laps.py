@@ -14,6 +14,7 @@ from presswork.mesh.topology import find_boundary_edges
 from presswork.model import Mesh
 from presswork.process.begin import begin
 from presswork.process.implicit.increments import find_position
+from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.recorder import run_model
 from presswork.remesh import section
 from presswork.results import Result
@@ -56,12 +57,12 @@ def test_a_loop_that_a_new_mesh_leaves_out_is_marked_along_its_whole_length(tmp_
     reports = recording.advance()
     next(reports)
     real = section.resample
-    (body,) = recording._sections()
+    (body,) = recording.observers.find(NewMeshes).bodies.find()
     free = ~(body.on_tool.any(axis=0) | body.fixed.any(axis=1))[body.chains[0]]
     mouth = body.position[body.chains[0]][free].mean(axis=0)
     seam = np.linspace(mouth, mouth - [2.0, 0.0], 9)
     monkeypatch.setattr(section, "resample", lambda old, size: replace(real(old, size), seams=(seam,)))
-    assert recording._remesh("asked for")
+    assert recording.observers.find(NewMeshes).remesh("asked for")
     monkeypatch.undo()
 
     def tell():
@@ -72,11 +73,11 @@ def test_a_loop_that_a_new_mesh_leaves_out_is_marked_along_its_whole_length(tmp_
     assert tell()[1] == pytest.approx(2.0, abs=1e-3)
     before = recording.to_arrays()
     next(reports)
-    assert recording._remesh("asked for again")
+    assert recording.observers.find(NewMeshes).remesh("asked for again")
     assert tell()[1] == pytest.approx(2.0, rel=0.05)
     marked = recording.show().laps > 0.5
     points = find_position(recording.procedure)
-    for place in recording._seams.places(points):
+    for place in recording.observers.find(NewMeshes).seams.places(points):
         assert np.linalg.norm(points[marked] - place, axis=1).min() < 1.0 / np.sqrt(2)  # half the diagonal of a cell
     recording.load_arrays(before)
     assert tell()[1] == pytest.approx(2.0, abs=1e-3)

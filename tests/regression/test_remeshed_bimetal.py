@@ -14,7 +14,8 @@ from presswork import Case, build_model
 from presswork.examples import copy_example
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.process.begin import begin
-from presswork.process.implicit.remeshing import RemeshedForming
+from presswork.process.implicit.implicit_recording import ImplicitRecording
+from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.recorder import run_model
 from tests.regression.whole_runs import run_in_two_parts
 
@@ -49,11 +50,12 @@ def test_heat_closes_over_new_meshes_of_both_bodies(whole: Path) -> None:
 def test_no_body_loses_heat_to_the_other_on_new_meshes(model) -> None:
     """What each body has stored stays to round-off as both meshes change, where nothing but the mesh does."""
     recording = begin(model, 1)
-    assert isinstance(recording, RemeshedForming)
+    assert isinstance(recording, ImplicitRecording)
+    bodies = recording.observers.find(NewMeshes).bodies
     for _ in zip(range(8), recording.advance(), strict=False):
         pass
     before = recording.procedure
-    after, _ = recording._make_epoch(recording._sections(), {0, 1}, 1.0)
+    after, _ = bodies.make(bodies.find(), {0, 1}, 1.0)
     assert all(
         len(new.connectivity) != len(old.connectivity)
         for new, old in zip(after.model.mesh.blocks, before.model.mesh.blocks, strict=True)
@@ -68,11 +70,12 @@ def test_no_body_loses_heat_to_the_other_on_new_meshes(model) -> None:
 
 def test_heat_closes_where_one_body_keeps_its_mesh(model) -> None:
     recording = begin(model, 1)
-    assert isinstance(recording, RemeshedForming)
+    assert isinstance(recording, ImplicitRecording)
+    bodies = recording.observers.find(NewMeshes).bodies
     for _ in zip(range(8), recording.advance(), strict=False):
         pass
     before = recording.procedure
-    after, _ = recording._make_epoch(recording._sections(), {1}, 1.0)
+    after, _ = bodies.make(bodies.find(), {1}, 1.0)
     assert before.heat is not None
     assert after.heat is not None
     core = model.bodies[0].points.stop

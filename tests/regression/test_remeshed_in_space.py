@@ -9,7 +9,8 @@ from presswork.case.errors import CaseError
 from presswork.case.space.schema import SpaceCase
 from presswork.examples import copy_example
 from presswork.mesh.checks import MeshError
-from presswork.process.implicit.remeshing_in_space import RemeshedSpaceForming
+from presswork.process.implicit.forming import begin_forming
+from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.report.write import write_report
 from presswork.view.all_plots import plot_all
 from tests.problems.upset_block import describe_block
@@ -88,17 +89,18 @@ def test_a_resumed_run_and_two_threads_give_the_same_bits(model, result, tmp_pat
 
 def test_a_mesh_that_cannot_be_made_is_not_tried_finer_unless_the_run_would_end(model, monkeypatch):
     """Each try is three meshes, of which the last has cells of two thirds of the size."""
-    run, tried = RemeshedSpaceForming(model, threads=1), []
+    run, tried = begin_forming(model, threads=1), []
+    meshes = run.observers.find(NewMeshes)
 
     def refuse(old, own, part, *, may_yield):
         tried.append(part)
         raise MeshError("flat", "smaller cells")
 
-    monkeypatch.setattr(run, "_try_mesh", refuse)
-    assert not run._remesh("a cell")
+    monkeypatch.setattr(meshes, "_try_mesh", refuse)
+    assert not meshes.remesh("a cell")
     assert tried == [1.0]
-    assert not run._remesh("the next increment fails", must=True)
-    assert tried == [1.0, *run.parts]
+    assert not meshes.remesh("the next increment fails", must=True)
+    assert tried == [1.0, *meshes.bodies.parts]
 
 
 def test_metal_that_rises_into_a_die_gets_meshes_that_follow_its_radius(tmp_path):

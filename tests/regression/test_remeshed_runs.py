@@ -14,8 +14,9 @@ from presswork.mesh.topology import find_boundary_edges
 from presswork.outcome import GaveUpError, StartError
 from presswork.post import measure_die_fill
 from presswork.process.begin import begin
-from presswork.process.implicit import remeshing
-from presswork.process.implicit.remeshing import RemeshedForming
+from presswork.process.implicit import bodies_in_plane, new_meshes
+from presswork.process.implicit.forming import begin_forming
+from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.recorder import run_model
 from presswork.results import Result, read_history
 
@@ -125,7 +126,7 @@ def test_every_key_changes_the_meshes(base, change):
     contact = {"profile": profile, "contact": "frictionless"}
 
     def count(keys):
-        recording = RemeshedForming(build_model(upsetting(3.0, remesh=keys, contact=contact)), threads=1)
+        recording = begin_forming(build_model(upsetting(3.0, remesh=keys, contact=contact)), threads=1)
         return [(row["cells"], row["remeshes"]) for row in map(recording.row, recording.advance())]
 
     assert count(base) != count(base | change)
@@ -156,9 +157,9 @@ def test_what_does_not_go_together_is_told_by_its_key(changes, key):
 
 def test_windows_and_tools_have_the_cells_asked_for():
     keys = {"size": 1.2, "windows": [{"box": [0, 0, 3, 3], "size": 0.4}], "tools": {"punch": 0.5}}
-    recording = RemeshedForming(build_model(upsetting(remesh=keys)), threads=1)
+    recording = begin_forming(build_model(upsetting(remesh=keys)), threads=1)
     next(recording.advance())
-    assert recording._remesh("asked for")
+    assert recording.observers.find(NewMeshes).remesh("asked for")
     mesh = recording.procedure.model.mesh
     corners = mesh.points[mesh.blocks[0].connectivity]
     edge = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).mean(axis=1)
@@ -175,7 +176,7 @@ def test_a_budget_too_small_for_thin_metal_is_refused_with_one_that_would_do():
     tool = {"punch": {"profile": [[0, 1.0], [200, 1.0]], "contact": "frictionless"}}
     case = upsetting(0.2, workpiece=plate, tools=tool, remesh={"max_cells": 60})
     with pytest.raises(StartError, match=r"max_cells = 60 leaves .* cells across .*; max_cells = [0-9,]+ for three"):
-        RemeshedForming(build_model(case), threads=1)
+        begin_forming(build_model(case), threads=1)
 
 
 def test_a_case_without_the_key_keeps_its_first_mesh_until_an_increment_fails():
@@ -238,8 +239,8 @@ def test_a_body_whose_first_mesh_holds_keeps_it_where_another_gets_a_new_one(tmp
     for _ in zip(range(5), recording.advance(), strict=False):
         pass
     cells = [len(block.connectivity) for block in recording.model.mesh.blocks]
-    assert recording._remesh("asked for", {0})
-    assert recording._reason() is None
+    assert recording.observers.find(NewMeshes).remesh("asked for", {0})
+    assert recording.observers.find(NewMeshes)._find_reason() is None
     now = [len(block.connectivity) for block in recording.model.mesh.blocks]
     assert now[0] != cells[0]
     assert now[1] == cells[1]
@@ -273,7 +274,7 @@ def test_what_prevents_new_meshes_is_told_by_check_and_log_and_the_mesh_stays(tm
     recording = begin(model, 1)
     assert "no new meshes: solver.inertia" in recording.begin_log()
     assert any("solver.inertia" in hint for hint in recording._find_hints())
-    assert not recording._may_change_mesh("fails")
+    assert not recording._change_mesh("fails")
 
 
 def test_a_run_that_gives_up_tells_why_there_is_no_other_mesh(tmp_path, monkeypatch):
@@ -282,7 +283,7 @@ def test_a_run_that_gives_up_tells_why_there_is_no_other_mesh(tmp_path, monkeypa
     def fold(old, settings, *, part):
         raise MeshError("the boundary folds", "another shape")
 
-    monkeypatch.setattr(remeshing, "remesh_section", fold)
+    monkeypatch.setattr(bodies_in_plane, "remesh_section", fold)
     case = upsetting(12, (4, 4), remesh={"quality": 1e-9}, contact={"contact": "sticking"})
     outcome = run_model(build_model(case), tmp_path / "run", threads=1)
     assert outcome.status == "gave_up"
@@ -302,9 +303,9 @@ def test_a_mesh_that_changes_the_force_is_refused_unless_it_cannot_wait(monkeypa
     """No mesh keeps the force to the last bit: five are tried, and the best one is taken where the old one fails."""
 
     def log(most, wait):
-        monkeypatch.setattr(remeshing, "MOST_JUMP", most)
-        monkeypatch.setattr(remeshing, "WAIT", wait)
-        recording = RemeshedForming(build_model(upsetting(3.0, remesh={"every": 0.5})), threads=1)
+        monkeypatch.setattr(new_meshes, "MOST_JUMP", most)
+        monkeypatch.setattr(new_meshes, "WAIT", wait)
+        recording = begin_forming(build_model(upsetting(3.0, remesh={"every": 0.5})), threads=1)
         return [line for report in recording.advance() for line in recording.log_lines(report)]
 
     assert not any("not remeshed" in line for line in log(1.0, 1.5))
@@ -344,13 +345,13 @@ def test_a_section_with_a_hole_keeps_it_and_its_force():
     runs = {}
     for name, remesh in (("once", {"quality": 1e-9, "size": 8.0}), ("often", {"every": 0.1, "size": 0.65})):
         model = without_cells(build_model(upsetting(2.25, (16, 24), remesh=remesh)), void)
-        recording = RemeshedForming(model, threads=1)
+        recording = begin_forming(model, threads=1)
         rows = [recording.row(report) for report in recording.advance()]
         runs[name] = recording, np.array([[row["punch.stroke"], row["punch.force"]] for row in rows])
     recording, (stroke, force) = runs["often"][0], runs["often"][1].T
     assert recording.epoch >= 5
     assert runs["once"][0].epoch == 0
-    loops = [s for section in recording._sections() for s in section.chains]
+    loops = [s for section in recording.observers.find(NewMeshes).bodies.find() for s in section.chains]
     assert len(loops) == 2
     np.testing.assert_allclose(force, np.interp(stroke, *runs["once"][1].T), rtol=0.02)
     procedure = recording.procedure
@@ -362,7 +363,7 @@ def test_a_section_whose_boundary_touches_itself_is_refused_before_anything_is_c
     """Two cells are missing that share a corner: the boundary passes it twice."""
     model = without_cells(build_model(upsetting(remesh={})), [43, 43 + 9])
     with pytest.raises(StartError, match="not made of closed lines"):
-        RemeshedForming(model, threads=1)
+        begin_forming(model, threads=1)
 
 
 def test_die_fill_is_measured_on_the_mesh_of_its_step(remeshed):

@@ -8,6 +8,7 @@ from presswork import CaseError, build_model
 from presswork.case.space.schema import SpaceCase
 from presswork.interaction.bodies.body_surfaces import InterfaceArrays
 from presswork.process.begin import begin
+from presswork.process.implicit.new_meshes import NewMeshes
 
 
 def press(remesh, *, stroke=0.8, fine=False, checkpoints=100):
@@ -56,8 +57,8 @@ def test_a_body_in_space_that_is_not_meshed_anew_keeps_its_mesh_and_state_to_the
     before = recording.procedure
     kept = {name: getattr(before.state.cells, name)[1].copy() for name in ("stress", "eqps", "history")}
     points = before.model.mesh.points + before.state.nodes.moved
-    old, body = recording._sections(), before.model.bodies[1]
-    after, _ = recording._make_epoch(old, {0}, 1.0)
+    bodies, body = recording.observers.find(NewMeshes).bodies, before.model.bodies[1]
+    after, _ = bodies.make(bodies.find(), {0}, 1.0)
     for name, values in kept.items():
         assert np.array_equal(getattr(after.state.cells, name)[1], values), name
     own = after.model.bodies[1].points
@@ -72,7 +73,7 @@ def test_pressure_and_shear_pass_to_the_surface_that_is_the_slave_now(size):
     recording = stop_after(press(sizes), 6)
     before = recording.procedure
     passed = before.interactions.bodies.total_forces(before.state)["joint"]
-    assert recording._remesh("asked for", must=True)
+    assert recording.observers.find(NewMeshes).remesh("asked for", must=True)
     after = recording.procedure
     (contact,) = after.model.contacts
     assert contact.slave == (1 if size < 2 else 0)

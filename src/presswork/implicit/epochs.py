@@ -38,7 +38,7 @@ Transfer = Callable[[Epoch, Epoch], None]
 
 
 @dataclass(frozen=True)
-class MeshChange:
+class NextMesh:
     """The mesh with which a run goes on."""
 
     mesh: Mesh
@@ -49,7 +49,7 @@ class MeshChange:
     """For the log."""
 
 
-AskForMesh = Callable[[Epoch], MeshChange | None]
+AskForMesh = Callable[[Epoch], NextMesh | None]
 """Asked after every converged increment but the last, and once where an increment fails; its answer may depend on the
 epoch alone, so that a resumed run gives the same bits."""
 

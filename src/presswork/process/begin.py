@@ -78,7 +78,9 @@ def choose(model: Model, threads: int, world: World | None = None) -> Recording:
         from presswork.process.line.series import SeriesForming
 
         return SeriesForming(model, threads=threads)
-    return begin_forming(model, threads, world)
+    from presswork.process.implicit.forming import begin_forming
+
+    return begin_forming(model, threads=threads, world=world)
 
 
 def begin_impact(model: Model, threads: int, world: World | None = None) -> Recording:
@@ -99,25 +101,6 @@ def begin_impact(model: Model, threads: int, world: World | None = None) -> Reco
     from presswork.process.explicit.impact import ExplicitImpact
 
     return ExplicitImpact(model, threads=threads, world=world)
-
-
-def begin_forming(model: Model, threads: int, world: World | None = None) -> Recording:
-    """Return the implicit procedure of bodies that tools or loads form. world: ranks that share it."""
-    if model.remeshing is not None and model.analysis == "solid":
-        from presswork.process.implicit.remeshing_in_space import RemeshedSpaceForming
-
-        return RemeshedSpaceForming(model, threads=threads, world=world)
-    if model.remeshing is not None:
-        from presswork.process.implicit.remeshing import RemeshedForming
-
-        return RemeshedForming(model, threads=threads, world=world)
-    if model.analysis == "solid" and model.solver.displacements == "large":
-        from presswork.process.implicit.folding import FoldingRecording
-
-        return FoldingRecording(model, threads=threads, world=world)
-    from presswork.process.implicit.implicit_recording import ImplicitRecording
-
-    return ImplicitRecording(model, threads=threads, world=world)
 
 
 def check_start(model: Model) -> None:

@@ -17,7 +17,8 @@ from presswork.observe.contract import Row
 from presswork.observe.heat import heat_columns, measure_heat, summarise_heat, warn_of_tables
 from presswork.observe.limits import Watched
 from presswork.process.heat import CUTBACKS, ITERATIONS, KINDS, STEPS, TIME, HeatProcedure
-from presswork.process.recording import ModelRecording, Snapshot
+from presswork.process.model_recording import ModelRecording
+from presswork.process.recording import Snapshot
 from presswork.process.tool_quantities import describe_plane
 
 
@@ -27,7 +28,7 @@ class HeatRecording(ModelRecording):
     model: Model
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
-        self.model = model
+        super().__init__(model)
         self.procedure = HeatProcedure(model, threads=threads)
         self.timing = self.procedure.timing
 

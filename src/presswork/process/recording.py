@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.formability import Info
-from presswork.model import FloatArray, IntArray, Mesh, Model
+from presswork.model import FloatArray, IntArray, Mesh
 from presswork.observe.contract import Row
 from presswork.observe.limits import Watched
 from presswork.timing import Timing
@@ -116,52 +116,3 @@ class Recording(Protocol):
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what summary.json says beyond status and wall time; "warnings" lists what a user should know."""
-
-
-class ModelRecording:
-    """Members that all recordings of a model share.
-
-    A checkpoint consists of the arrays alone unless a subclass adds more.
-    """
-
-    model: Model
-    timing: Timing
-
-    @property
-    def title(self) -> str:
-        """What the case shows."""
-        return self.model.title
-
-    @property
-    def mesh(self) -> Mesh:
-        """The undeformed mesh."""
-        return self.model.mesh
-
-    @property
-    def columns(self) -> list[str]:
-        """Of history.csv."""
-        raise NotImplementedError
-
-    def row(self, report: Any) -> Row:
-        """Return the row of the history."""
-        raise NotImplementedError
-
-    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what summary.json says beyond status and wall time."""
-        raise NotImplementedError
-
-    @property
-    def checkpoint_every(self) -> int:
-        """Reports between checkpoints."""
-        return self.model.output.checkpoint_every
-
-    def files(self) -> dict[str, str]:
-        """Return the names and texts of further files to be written now."""
-        return {}
-
-    def meta(self) -> Meta:
-        """Return nothing: the arrays hold all."""
-        return {}
-
-    def load_meta(self, meta: Mapping[str, Any]) -> None:
-        """Take up nothing."""

@@ -21,9 +21,10 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Model
 from presswork.outcome import StartError
 from presswork.process.begin import begin
-from presswork.process.derivatives.differentiated_release import ReleasedSide
+from presswork.process.derivatives import released
 from presswork.process.implicit import folding
 from presswork.process.implicit.self_contact import touches_itself
+from presswork.process.line.springback import ReleasedStamping
 from presswork.recorder import run_model
 from tests.problems.differentiated import (
     bend_over_die,
@@ -183,12 +184,12 @@ def test_derivative_ends_where_neighbours_are_cut_into_other_cells(
     data["implicit"] = {"initial_increment": 0.1, "max_increment": 0.1, "force_tolerance": 1e-9}
     data["stages"][0]["tools"]["punch"]["stroke"] = 1.0
     data["gradients"] = {"by": ["tools.die.mu", "blank.thickness"], "of": ["elastic_energy"]}
-    let_go = ReleasedSide.let_go
+    release_like = released.release_like
 
-    def let_go_lamed(self: ReleasedSide, like: Model) -> bool:
-        return let_go(self, like) and self.model.tools[1].friction.mu == 0.1
+    def release_lamed(side: ReleasedStamping, like: Model) -> bool:
+        return release_like(side, like) and side.model.tools[1].friction.mu == 0.1
 
-    monkeypatch.setattr(ReleasedSide, "let_go", let_go_lamed)
+    monkeypatch.setattr(released, "release_like", release_lamed)
     found = run_case(StampingCase, data, tmp_path / "out")
     by_mu, by_thickness = (found.history[f"d(elastic_energy)/d({key})"] for key in data["gradients"]["by"])
     assert np.isfinite(by_thickness).all()

@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswork.implicit.neighbours import Neighbour, Neighbours
 from presswork.implicit.sensitivities import Sensitivities
@@ -17,7 +16,6 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Model
 from presswork.observe.contract import Row
 from presswork.outcome import StartError
-from presswork.process.recording import ModelRecording
 from presswork.results.history import name_derivative
 
 NO_MEASURES = ("time", "stage", "increment", "iterations", "cells", "remeshes", "remesh_cause")
@@ -153,32 +151,6 @@ class Derivatives(Generic[Side]):
                     "max_increment or force_tolerance may find it"
                 )
         return warnings
-
-
-class WithDerivatives(ModelRecording, Generic[Side]):
-    """A recording at work beside its neighbours, whose rows give the derivatives; a base before the recording's own.
-
-    Who inherits says how neighbours are made (begin_derivatives) and which procedure they follow.
-    """
-
-    derivatives: Derivatives[Side]
-
-    def begin_derivatives(self, make: Callable[[Model], Side]) -> None:
-        """Make the neighbours. Raises StartError for a column that there is not."""
-        self.derivatives = Derivatives(self.model, super().columns, make)
-
-    @property
-    def columns(self) -> list[str]:
-        """Of history.csv."""
-        return [*super().columns, *self.derivatives.names]
-
-    def row(self, report: Any) -> Row:
-        """Return the row of the history."""
-        return self.derivatives.add(super().row(report), report)
-
-    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what summary.json says; of the derivatives those at the end."""
-        return self.derivatives.add_summary(super().summary(history), history)
 
 
 def _find_columns(model: Model, columns: Sequence[str]) -> list[str]:

@@ -3,44 +3,155 @@
 
 from __future__ import annotations
 
-from presswork.model import Model
-from presswork.process.derivatives.derivatives import WithDerivatives
-from presswork.process.derivatives.differentiated_line import DifferentiatedLine
-from presswork.process.derivatives.differentiated_release import DifferentiatedRelease
-from presswork.process.derivatives.differentiated_remeshing import DifferentiatedRemeshing, DifferentiatedSpaceRemeshing
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.model import Mesh, Model
+from presswork.observe.contract import Row
+from presswork.observe.limits import Watched
+from presswork.process.derivatives.derivatives import Derivatives
+from presswork.process.implicit.forming import begin_forming
 from presswork.process.implicit.implicit_recording import ImplicitRecording
 from presswork.process.implicit.implicit_stamping import ImplicitStamping
-from presswork.process.recording import Recording
+from presswork.process.line.press_line import PressLine
+from presswork.process.line.springback import ReleasedStamping
+from presswork.process.recording import Meta, Recording, Report, Snapshot
 
 
-def begin_differentiated(model: Model, threads: int) -> Recording:
+def begin_differentiated(model: Model, threads: int) -> DifferentiatedRun:
     """Return the procedure of a model with derivatives. Raises StartError."""
     if model.following:
-        return DifferentiatedLine(model, threads=threads)
+        return _begin_line(model, threads)
     if model.analysis == "stamping" and (model.trim or model.springback is not None or model.output.dynain):
-        return DifferentiatedRelease(model, threads=threads)
+        return _begin_release(model, threads)
     if model.analysis == "stamping":
-        return DifferentiatedStamping(model, threads=threads)
-    if model.remeshing is not None and model.dimension == 3:
-        return DifferentiatedSpaceRemeshing(model, threads=threads)
-    if model.remeshing is not None:
-        return DifferentiatedRemeshing(model, threads=threads)
-    return DifferentiatedForming(model, threads=threads)
+        return _begin_stamping(model, threads)
+    return _begin_forming(model, threads)
 
 
-class DifferentiatedForming(WithDerivatives[ImplicitRecording], ImplicitRecording):
-    """An implicit procedure at work beside its neighbours, whose rows give the derivatives. Raises StartError."""
+def _begin_forming(model: Model, threads: int) -> DifferentiatedRun:
+    from presswork.process.derivatives.on_new_meshes import OnNewMeshes
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
-        super().__init__(model, threads=threads)
-        self.begin_derivatives(lambda m: ImplicitRecording(m, threads=threads))
-        self.derivatives.follow(self.procedure, lambda side: side.procedure)
+    run = begin_forming(model, threads=threads)
+    derivatives = Derivatives(model, run.columns, lambda m: ImplicitRecording(m, threads=threads))
+    derivatives.follow(run.procedure, lambda side: side.procedure)
+    run.neighbours = OnNewMeshes(run, derivatives)
+    return DifferentiatedRun(run, derivatives)
 
 
-class DifferentiatedStamping(WithDerivatives[ImplicitStamping], ImplicitStamping):
-    """An implicit stamping at work beside its neighbours. Raises StartError."""
+def _begin_stamping(model: Model, threads: int) -> DifferentiatedRun:
+    run = ImplicitStamping(model, threads=threads)
+    derivatives = Derivatives(model, run.columns, lambda m: ImplicitStamping(m, threads=threads))
+    derivatives.follow(run.procedure, lambda side: side.procedure)
+    return DifferentiatedRun(run, derivatives)
 
-    def __init__(self, model: Model, *, threads: int = 0) -> None:
-        super().__init__(model, threads=threads)
-        self.begin_derivatives(lambda m: ImplicitStamping(m, threads=threads))
-        self.derivatives.follow(self.procedure, lambda side: side.procedure)
+
+def _begin_release(model: Model, threads: int) -> DifferentiatedRun:
+    from presswork.process.derivatives.released import find_forming, release_neighbours
+
+    run = ReleasedStamping(model, threads=threads)
+    derivatives = Derivatives(model, run.columns, lambda m: ReleasedStamping(m, threads=threads))
+    derivatives.follow(find_forming(run), find_forming)
+    run.after_release = lambda procedure: release_neighbours(derivatives, lambda side: side, procedure)
+    return DifferentiatedRun(run, derivatives)
+
+
+def _begin_line(model: Model, threads: int) -> DifferentiatedRun:
+    from presswork.process.derivatives.through_operations import ThroughOperations
+
+    run = PressLine(model, threads=threads)
+    derivatives = Derivatives(model, run.columns, lambda m: PressLine(m, threads=threads))
+    run.neighbours = ThroughOperations(run, derivatives)
+    return DifferentiatedRun(run, derivatives)
+
+
+class DifferentiatedRun:
+    """A run beside its neighbours: what it records, and the derivatives that their rows give."""
+
+    def __init__(self, run: Recording, derivatives: Derivatives[Any]) -> None:
+        self.run, self.derivatives = run, derivatives
+        self.timing = run.timing
+
+    @property
+    def title(self) -> str:
+        """What the case shows."""
+        return self.run.title
+
+    @property
+    def mesh(self) -> Mesh:
+        """The undeformed mesh."""
+        return self.run.mesh
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        return [*self.run.columns, *self.derivatives.names]
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Reports between checkpoints."""
+        return self.run.checkpoint_every
+
+    @property
+    def number(self) -> int:
+        """Reports so far."""
+        return self.run.number
+
+    def advance(self) -> Iterator[Report]:
+        """Go on from the present state. Raises GaveUpError."""
+        return self.run.advance()
+
+    def remaining(self) -> float:
+        """Return the part of the whole process that is still to be computed."""
+        return self.run.remaining()
+
+    def files(self) -> dict[str, str]:
+        """Return the names and texts of further files to be written now."""
+        return self.run.files()
+
+    def begin_log(self) -> str:
+        """Return the line that begins the log."""
+        return self.run.begin_log()
+
+    def log_lines(self, report: Any) -> list[str]:
+        """Return what the log says of a report."""
+        return self.run.log_lines(report)
+
+    def progress_text(self, report: Any) -> str:
+        """Return a line for who waits."""
+        return self.run.progress_text(report)
+
+    def row(self, report: Any) -> Row:
+        """Return the row of the history."""
+        return self.derivatives.add(self.run.row(report), report)
+
+    def watch(self) -> Watched:
+        """Return how far the present state is towards its limits."""
+        return self.run.watch()
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the present state."""
+        return self.run.snapshot()
+
+    def to_arrays(self) -> dict[str, NDArray[np.generic]]:
+        """Return every array that the next report depends on; the derivatives are among them."""
+        return self.run.to_arrays()
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[np.generic]]) -> None:
+        """Go back to the state of these arrays. Raises ValueError if they belong to another model."""
+        self.run.load_arrays(arrays)
+
+    def meta(self) -> Meta:
+        """Return the numbers that a checkpoint keeps beside the arrays."""
+        return self.run.meta()
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up what meta gave."""
+        self.run.load_meta(meta)
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return what summary.json says; of the derivatives those at the end."""
+        return self.derivatives.add_summary(self.run.summary(history), history)

@@ -21,7 +21,6 @@ from presswork.explicit.solids import ExplicitSolids
 from presswork.fields.solid_fields import effective_stress
 from presswork.geometry.pose import start_profile
 from presswork.model import Blow, Drive, ExplicitSolid, FloatArray, Model, Stage, ToolMotion
-from presswork.process.epochs import NamedArrays
 from presswork.process.explicit.contacts_of_rows import ContactsOfRows, find_touching
 from presswork.process.explicit.heat_of_rows import HeatOfRows, heat_by_itself
 from presswork.process.explicit.impact_recording import ImpactRecording
@@ -30,6 +29,7 @@ from presswork.process.explicit.row_history import RowHistory
 from presswork.process.explicit.rows import RowProgress
 from presswork.process.explicit.shear_friction import find_coefficient
 from presswork.process.explicit.stage_motion import find_motion
+from presswork.process.model_recording import NamedArrays
 from presswork.ranks.world import World
 from presswork.threads import available_threads
 
@@ -45,7 +45,7 @@ class ExplicitImpact(ImpactRecording):
         super().__init__(model, threads, RowProgress(model.output.rows))
         self.settings, self._world = model.explicit, world
         self._materials = [SolidMaterial.from_model(heat_by_itself(model, material)) for material in model.materials]
-        self._make_run({})
+        self.make_run({})
         self.solids.set_velocity(np.arange(len(model.mesh.points)), self.settings.velocity)
         for body, velocity in zip(model.bodies[1:], self.settings.velocity_of_others, strict=False):
             self.solids.set_velocity(np.asarray(body.points), velocity)
@@ -60,7 +60,7 @@ class ExplicitImpact(ImpactRecording):
         self.loose = None if np.any(np.ravel(velocities)) else LooseRows(model)
         self._begin_stage()
 
-    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+    def make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         model, density = self.model, float(np.ravel(epoch.get("density", 1.0))[0])
         touching = find_touching(model)
         self.solids = ExplicitSolids(

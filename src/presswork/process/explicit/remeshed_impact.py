@@ -27,13 +27,12 @@ from presswork.geometry.pose import ToolPose, place_segments, start_profile
 from presswork.mesh.checks import MeshError
 from presswork.model import BoolArray, ElementName, FloatArray, Mesh, Model, Remeshing, list_bodies
 from presswork.observe.contract import Row
-from presswork.process.epochs import NamedArrays
 from presswork.process.explicit.impact import ExplicitImpact
 from presswork.process.explicit.rows import RowReport
-from presswork.process.implicit.remeshing import MOST_GIVEN_BACK
+from presswork.process.implicit.lost_volume import MOST_GIVEN_BACK
 from presswork.process.mesh_change.carrying import OnMesh, carry_peaks, carry_state, carry_surface
 from presswork.process.mesh_change.contacts_on_new_mesh import find_rows, turn_impulses
-from presswork.process.mesh_change.laps import find_laps, mark_laps, tell_laps
+from presswork.process.mesh_change.laps import explain_laps, find_laps, list_laps, mark_laps
 from presswork.process.mesh_change.mesh_reasons import (
     DUE,
     FAILS,
@@ -44,6 +43,7 @@ from presswork.process.mesh_change.mesh_reasons import (
 )
 from presswork.process.mesh_change.new_epoch import keep_held, make_on_lead
 from presswork.process.mesh_change.seams import Seams
+from presswork.process.model_recording import NamedArrays
 from presswork.ranks.world import World
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.section import OldSection, remesh_section
@@ -130,9 +130,8 @@ class RemeshedImpact(ExplicitImpact):
         """Return what the summary tells, and how many meshes there were."""
         told, mesh = super().summary(history), self.model.mesh
         laps = find_laps(mesh, self.solids.position, np.zeros(len(mesh.points)), self._seams)
-        warnings, places = tell_laps(laps, (self._seams.begun,))
-        told["warnings"] += warnings
-        return told | {"remeshes": self.epoch, "laps": places}
+        told["warnings"] += explain_laps(laps, (self._seams.begun,))
+        return told | {"remeshes": self.epoch, "laps": list_laps(laps)}
 
     def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         if (found_reason := self._find_reason(row)) is not None:
@@ -238,12 +237,12 @@ class RemeshedImpact(ExplicitImpact):
         origin = carrier.material(origin_n)
         increment = np.where(carrier.is_new()[:, None], 0.0, carrier.motion(self._increment))
         means = [before.mass[own] @ before.velocity[own] / before.mass[own].sum() for own in self._list_nodes()]
-        self._begin_epoch(made.mesh, origin)
+        self.begin_epoch(made.mesh, origin)
         keep_held(origin, self.model)
         self._increment = increment
-        self._make_run(self._epoch_arrays())
+        self.make_run(self._epoch_arrays())
         self._density = np.where(made.is_new, self._density * masses / self._measure_masses(), self._density)
-        self._make_run(self._epoch_arrays())
+        self.make_run(self._epoch_arrays())
         self._begin_stage()
         self._carry(on_old, self._find_on_mesh(made.position), carrier, means)
         if heat is not None and self.heat is not None:
@@ -314,9 +313,9 @@ class RemeshedImpact(ExplicitImpact):
         super()._load_epoch(epoch)
         self._seams.load_arrays(epoch)
 
-    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+    def make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         self._density = np.array(epoch.get("density", np.ones(self._n_bodies)), dtype=float)
-        super()._make_run(epoch)
+        super().make_run(epoch)
         if epoch:
             self.heat = self.heat and self._make_heat(self._threads)
             self.points.start(self._find_points())

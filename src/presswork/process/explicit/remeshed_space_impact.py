@@ -15,19 +15,9 @@ from presswork.explicit.dynamics import SAFETY
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray, Mesh, Model, Remeshing, change_mesh, list_bodies
 from presswork.outcome import StartError
-from presswork.process.epochs import NamedArrays
 from presswork.process.explicit.contacts_of_rows import ContactsOfRows, find_touching
 from presswork.process.explicit.remeshed_impact import NEAR, MadeMesh, RemeshedImpact
 from presswork.process.explicit.space_impact import ExplicitSpaceImpact
-from presswork.process.implicit.remeshing_in_space import (
-    LEFT,
-    Left,
-    draw_shape,
-    find_breach,
-    find_reason,
-    list_sizes,
-    measure_left,
-)
 from presswork.process.mesh_change.bodies_in_space import (
     Topologies,
     add_neighbours,
@@ -39,6 +29,16 @@ from presswork.process.mesh_change.bodies_in_space import (
 from presswork.process.mesh_change.contacts_on_new_mesh import carry_tractions, find_depths, find_pushed
 from presswork.process.mesh_change.joints import fit_joints
 from presswork.process.mesh_change.mesh_reasons import LAST_CUT
+from presswork.process.mesh_change.reasons_in_space import (
+    LEFT,
+    Left,
+    draw_shape,
+    find_breach,
+    find_reason,
+    list_sizes,
+    measure_left,
+)
+from presswork.process.model_recording import NamedArrays
 from presswork.ranks.world import World
 from presswork.remesh.carrier import Carrier, Part
 from presswork.remesh.space.body import NewBody, OldBody

@@ -28,7 +28,7 @@ from presswork.observe.marked_points import MarkedPoints
 from presswork.observe.of_model import list_observers
 from presswork.observe.ram import force_on_ram
 from presswork.outcome import GaveUpError
-from presswork.process.epochs import EpochRecording, NamedArrays
+from presswork.process.model_recording import ModelRecording, NamedArrays
 from presswork.state import RUN, Arrays, OnNewMesh
 from presswork.threads import available_threads
 from presswork.timing import Timing
@@ -83,7 +83,7 @@ class RowReport:
     is_save_point: bool
 
 
-class RowRecording(EpochRecording, ABC):
+class RowRecording(ModelRecording, ABC):
     """An explicit procedure at work on a model."""
 
     def __init__(self, model: Model, threads: int, progress: RowProgress, phases: Sequence[str] = ("cycles",)) -> None:

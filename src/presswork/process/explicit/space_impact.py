@@ -33,13 +33,13 @@ from presswork.observe.contract import Row
 from presswork.observe.limits import Watched, measure_hydrostatic_stress
 from presswork.observe.penetration import Penetration
 from presswork.observe.working_direction import find_working_direction
-from presswork.process.epochs import NamedArrays
 from presswork.process.explicit.contacts_of_rows import ContactsOfRows, find_touching
 from presswork.process.explicit.heat_of_rows import HeatOfRows, heat_by_itself
 from presswork.process.explicit.heat_of_space_rows import HeatOfSpaceRows
 from presswork.process.explicit.impact import ExplicitImpact
 from presswork.process.explicit.shear_friction import ShearFriction, find_coefficient
 from presswork.process.explicit.stage_motion import find_pushes
+from presswork.process.model_recording import NamedArrays
 from presswork.process.recording import Snapshot
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.tool_quantities import force_on_whole
@@ -66,7 +66,7 @@ class ExplicitSpaceImpact(ExplicitImpact):
         self._surfaces = [make_surface(tool.surface, smooth=True) for tool in model.space_tools]
         super().__init__(model, threads=threads, world=world)
 
-    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+    def make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         model = self.model
         touching = find_touching(model)
         turning = find_turning(model.space_tools, model.stages)

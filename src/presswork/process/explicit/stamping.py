@@ -29,7 +29,6 @@ from presswork.law.umat import open_sheet_law
 from presswork.mesh.split import SplitMesh
 from presswork.model import BoolArray, ExplicitSheet, FloatArray, Model, Refinement, Stage
 from presswork.observe.of_model import list_observers
-from presswork.process.epochs import NamedArrays
 from presswork.process.explicit.explicit_heat import ExplicitHeat
 from presswork.process.explicit.loose_rows import LooseRows
 from presswork.process.explicit.sheet_history import SheetHistory
@@ -37,6 +36,7 @@ from presswork.process.explicit.stamping_recording import SheetProgress, Stampin
 from presswork.process.line.laying import find_sag
 from presswork.process.mesh_change.refinement import choose_shells, find_planes, place_nodes
 from presswork.process.mesh_change.transfer import SheetState, ShellStart, fill_layers, keep_heated, sheet_of_explicit
+from presswork.process.model_recording import NamedArrays
 from presswork.process.stamping_tools import StampingTools, mean_speeds
 from presswork.ranks.world import World
 
@@ -217,7 +217,7 @@ class ExplicitStamping(StampingRecording):
         if (start := self._start) is not None:
             place, parent = step.interpolate(start.position), step.parent
             self._start = ShellStart(place, start.thickness[parent], start.axis[parent])
-        self._begin_epoch(step.apply(self.mesh))
+        self.begin_epoch(step.apply(self.mesh))
         self._make_again()
         self._begin_stage()
         self.shells.inherit(old, position, step.node_parents(), step.parent)
@@ -289,7 +289,7 @@ class ExplicitStamping(StampingRecording):
         begun = {} if start is None else {f"{START}{name}": values for name, values in vars(start).items()}
         return {"level": sheet.level, "side": sheet.side, "middle": sheet.middle, **begun, **super()._epoch_arrays()}
 
-    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+    def make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         sheet = self._begin_split()
         if self.epoch:
             sheet = replace(sheet, level=epoch["level"], side=epoch["side"], middle=epoch["middle"])

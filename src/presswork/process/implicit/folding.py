@@ -1,55 +1,46 @@
 # SPDX-License-Identifier: Apache-2.0
-"""An implicit procedure that watches for folds, and goes on with contact of the folding bodies with themselves."""
+"""Folds: contact of bodies with themselves, from where their surfaces are about to fold onto themselves."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.implicit.stepping import ImplicitProcedure
-from presswork.model import Body, list_bodies
-from presswork.process.epochs import EPOCH, NamedArrays
-from presswork.process.implicit.implicit_recording import ImplicitRecording
+from presswork.model import list_bodies
+from presswork.process.implicit.increments import IncrementRecording
 from presswork.process.implicit.self_contact import find_folding, switch_on, touches_itself
+from presswork.process.mesh_change.contract import MeshChange
 
 FOLDED = "folded"
 """Name in a checkpoint."""
 
 
-class FoldingRecording(ImplicitRecording):
-    """An implicit procedure at work on solids whose surfaces may fold onto themselves."""
+class Folding(MeshChange):
+    """Switches on contact of bodies with themselves; their mesh stays, and the procedure on it is another."""
 
-    def _may_change_mesh(self, failure: str = "") -> bool:
-        if not failure:
-            self._watch_folds()
-        return super()._may_change_mesh(failure)
+    def __init__(self, run: IncrementRecording) -> None:
+        self._run = run
 
-    def _watch_folds(self) -> None:
-        """Switch on contact of bodies with themselves where their surfaces are about to fold onto themselves."""
-        found = find_folding(self.procedure, self._bodies())
+    def look(self, failure: str = "") -> bool:
+        """Look for folds after a converged increment."""
+        run = self._run
+        found = {} if failure else find_folding(run.procedure, list_bodies(run.model))
         if found:
-            self._go_on_with(switch_on(self.procedure, list(found)))
-            self._notes += list(found.values())
+            run.replace_procedure(switch_on(run.procedure, list(found)))
+            run.notes += list(found.values())
+        return False
 
-    def _go_on_with(self, procedure: ImplicitProcedure) -> None:
-        """Go on with another procedure on the same mesh."""
-        self.procedure, self.model = procedure, procedure.model
-        procedure.evolution.place(self._origin)
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return which bodies have contact with themselves."""
+        model = self._run.model
+        return {FOLDED: np.array([touches_itself(model, i) for i in range(len(list_bodies(model)))])}
 
-    def _bodies(self) -> Sequence[Body]:
-        return list_bodies(self.model)
-
-    def _epoch_arrays(self) -> NamedArrays:
-        folded = np.array([touches_itself(self.model, i) for i in range(len(self._bodies()))])
-        return super()._epoch_arrays() | {FOLDED: folded}
-
-    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Go back to the epoch and the state of these arrays. Raises ValueError if they belong to another model."""
-        folded = np.flatnonzero(arrays.get(f"{EPOCH}{FOLDED}", np.zeros(0)))
-        added = [int(i) for i in folded if not touches_itself(self.model, int(i))]
+    def prepare_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        """Switch on the contact that a checkpoint has."""
+        run, folded = self._run, np.flatnonzero(epoch.get(FOLDED, np.zeros(0)))
+        added = [int(i) for i in folded if not touches_itself(run.model, int(i))]
         if added:
-            self._go_on_with(switch_on(self.procedure, added))
-        super().load_arrays(arrays)
+            run.replace_procedure(switch_on(run.procedure, added))

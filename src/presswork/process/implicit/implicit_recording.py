@@ -27,7 +27,6 @@ from presswork.geometry.pose import (
     start_profile,
 )
 from presswork.implicit.arc_length import ArcLengthProcedure
-from presswork.implicit.epochs import AskForMesh
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
@@ -67,19 +66,14 @@ class ImplicitRecording(IncrementRecording):
 
     model: Model
 
-    def __init__(
-        self, model: Model, *, threads: int = 0, ask_for_mesh: AskForMesh | None = None, world: World | None = None
-    ) -> None:
+    def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
         """world: ranks that share the cells of solids."""
-        by_arc = model.solver.control == "arc_length"
-        if by_arc and ask_for_mesh is not None:
-            raise ValueError("arc length follows its path on one mesh: take load control")
         procedure = (
             ArcLengthProcedure(model, threads=threads)
-            if by_arc
+            if model.solver.control == "arc_length"
             else ImplicitProcedure(model, threads=threads, world=world)
         )
-        super().__init__(model, procedure, ask_for_mesh)
+        super().__init__(model, procedure)
         self.turning = find_turning(model.tools, model.stages)
         self.penetration = Penetration()
         self._tools: dict[str, ToolQuantities] = {}
@@ -94,7 +88,8 @@ class ImplicitRecording(IncrementRecording):
 
     def begin_log(self) -> str:
         """Name the linear solver."""
-        return f"linear solver: {self.procedure.equilibrium.solver.name}"
+        changes = "".join(change.begin_log() for change in self.mesh_changes)
+        return f"linear solver: {self.procedure.equilibrium.solver.name}{changes}"
 
     def log_lines(self, report: IncrementReport) -> list[str]:
         """Say how the increment was found."""
@@ -207,7 +202,8 @@ class ImplicitRecording(IncrementRecording):
     def _find_hints(self) -> list[str]:
         """Name tools whose profiles end on the metal and dies that are full, and say where new meshes would help."""
         full = tell_full_dies(self.observers.row(self))
-        return [*self._find_passed_ends(), *full, *([NEW_MESHES] if self._keeps_its_mesh() else [])]
+        kept = [NEW_MESHES] if self._keeps_its_mesh() else []
+        return [*self._find_passed_ends(), *full, *kept, *super()._find_hints()]
 
     def _keeps_its_mesh(self) -> bool:
         """Whether the case could have new meshes, and does not ask for them."""
@@ -242,6 +238,8 @@ class ImplicitRecording(IncrementRecording):
         if self.model.analysis != "shell":
             held = self.observers.find(Reactions).mask(self.mesh, self.current_stage())
             now.reaction = state.nodes.reaction[:, :3] * held
+        for change in self.mesh_changes:
+            change.show(now)
         return now
 
     def snapshot(self) -> Snapshot:

@@ -5,14 +5,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork.evolution.points import find_evolved
 from presswork.fields.instant import Instant
-from presswork.implicit.epochs import AskForMesh, Epoch, MeshChange, new_epoch
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
@@ -24,25 +23,59 @@ from presswork.observe.damage import DamagePeaks, Peak
 from presswork.observe.marked_points import MarkedPoints
 from presswork.observe.of_model import list_observers
 from presswork.outcome import GaveUpError
-from presswork.process.epochs import EpochRecording, NamedArrays
+from presswork.process.mesh_change.contract import MeshChange
+from presswork.process.mesh_change.new_epoch import NewEpoch
+from presswork.process.model_recording import ModelRecording, NamedArrays
 
 MADE = "made"
 """Name in a checkpoint."""
 
 
-class IncrementRecording(EpochRecording):
+class FollowedRun(Protocol):
+    """What follows a run onto the meshes that it gets."""
+
+    def leave_mesh(self, new: NewEpoch) -> None:
+        """Note where nodes are before the run goes on to a new mesh."""
+
+    def take_mesh(self, new: NewEpoch) -> None:
+        """Go on with the new mesh that the run has gone on to. Raises GaveUpError."""
+
+    def end(self) -> None:
+        """End: the run goes on with another procedure."""
+
+    def make_again(self, before: ImplicitProcedure, epoch: Mapping[str, NDArray[Any]]) -> None:
+        """Follow the procedure that was made for the epoch of a checkpoint, after another one."""
+
+    def epoch_arrays(self) -> NamedArrays:
+        """Return what belongs to the epoch."""
+
+    def load_epoch(self) -> None:
+        """Go on in the epoch of make_again, once the run has taken it up."""
+
+
+class IncrementRecording(ModelRecording):
     """An implicit procedure at work on a model."""
 
-    def __init__(self, model: Model, procedure: ImplicitProcedure, ask_for_mesh: AskForMesh | None = None) -> None:
-        """ask_for_mesh: asked after every increment whether the run goes on with another mesh."""
+    def __init__(self, model: Model, procedure: ImplicitProcedure) -> None:
         super().__init__(model)
         self.procedure = procedure
         self.timing = procedure.timing
         self.observers = list_observers(model)
-        self._ask_for_mesh = ask_for_mesh
-        self._made_at, self._failed_at = 0, -1
+        self.mesh_changes: list[MeshChange] = []
+        """Asked one after the other between increments; they are among the observers, too."""
+        self.neighbours: FollowedRun | None = None
+        """What follows the run onto its new meshes."""
+        self.made_at, self._failed_at = 0, -1
         """Increments when the mesh was made, or could not be, and when one last failed."""
-        self._notes: list[str] = []
+        self.notes: list[str] = []
+        """For the log of the next increment."""
+
+    def add_mesh_change(self, change: MeshChange) -> None:
+        """Let the mesh of the run change. Raises ValueError for a run that follows its path on one mesh."""
+        if self.model.solver.control == "arc_length":
+            raise ValueError("arc length follows its path on one mesh: take load control")
+        self.mesh_changes.append(change)
+        self.observers.add(change)
 
     @property
     def marked(self) -> MarkedPoints:
@@ -57,47 +90,42 @@ class IncrementRecording(EpochRecording):
     def advance(self) -> Iterator[IncrementReport]:
         """Compute increment after increment, and change the mesh between them. Raises GaveUpError."""
         while self.remaining() > 0.0:
-            if self._made_at != self.number:
-                self._may_change_mesh()
+            if self.made_at != self.number:
+                self._change_mesh()
             try:
                 report = next(self.procedure.advance())
             except GaveUpError as error:
                 has_failed, self._failed_at = self._failed_at == self.number, self.number
-                if has_failed or not self._may_change_mesh(str(error)):
-                    raise GaveUpError("; ".join([str(error), *self._notes, *self._find_hints()])) from error
+                if has_failed or not self._change_mesh(str(error)):
+                    raise GaveUpError("; ".join([str(error), *self.notes, *self._find_hints()])) from error
                 continue
             yield report
 
     def _find_hints(self) -> list[str]:
         """Return what may have made the increment fail."""
-        return []
+        return [hint for change in self.mesh_changes for hint in change.find_hints()]
 
-    def _may_change_mesh(self, failure: str = "") -> bool:
+    def _change_mesh(self, failure: str = "") -> bool:
         """Ask for another mesh, and go on with it; return whether there is one."""
-        change = None
-        if self._ask_for_mesh is not None:
-            change = self._ask_for_mesh(Epoch(self.model.mesh, self.procedure.state, self.procedure, failure))
-        if change is not None:
-            self.change_mesh(change)
-        return change is not None
+        return any(change.look(failure) for change in self.mesh_changes)
 
-    def change_mesh(self, change: MeshChange) -> None:
-        """Go on with another mesh. Raises GaveUpError."""
-        after = new_epoch(self.procedure, change.mesh, change.transfer)
-        self._begin_on(after, change.origin, find_position(after))
-        cells = sum(len(block.connectivity) for block in change.mesh.blocks)
-        self._notes.append(f"new mesh of {cells} cells after increment {self.number} {change.reason}".rstrip())
-
-    def _begin_on(self, procedure: ImplicitProcedure, origin: FloatArray | None, position: FloatArray) -> None:
+    def begin_on(self, procedure: ImplicitProcedure, origin: FloatArray | None, position: FloatArray) -> None:
         """Go on with a procedure on another mesh.
 
         position: of its nodes in the present state of the old one (n_points, d) [mm].
         """
         places = self.marked.places(find_position(self.procedure))
         self.marked.find(procedure.model.mesh, position, places)
-        self.procedure, self._made_at = procedure, self.number
+        self.procedure, self.made_at = procedure, self.number
         procedure.evolution.place(origin)
-        self._begin_epoch(procedure.model.mesh, origin)
+        self.begin_epoch(procedure.model.mesh, origin)
+
+    def replace_procedure(self, procedure: ImplicitProcedure) -> None:
+        """Go on with another procedure on the same mesh."""
+        self.procedure, self.model = procedure, procedure.model
+        procedure.evolution.place(self.origin)
+        if self.neighbours is not None:
+            self.neighbours.end()
 
     def find_peaks(self) -> tuple[Peak, ...]:
         """Return the largest damage of the converged state by each criterion."""
@@ -163,8 +191,8 @@ class IncrementRecording(EpochRecording):
 
     def log_lines(self, report: IncrementReport) -> list[str]:
         """Say how the increment was found."""
-        log, notes = report.log, self._notes
-        self._notes = []
+        log, notes = report.log, self.notes
+        self.notes = []
         return [
             *notes,
             *(f"increment {report.number} cut back: {reason}" for reason in report.cutbacks),
@@ -174,16 +202,27 @@ class IncrementRecording(EpochRecording):
             + (f", linear iterations {', '.join(log.solutions)}" if log.solutions else ""),
         ]
 
+    def _prepare_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        for change in self.mesh_changes:
+            change.prepare_epoch(epoch)
+
     def _epoch_arrays(self) -> NamedArrays:
-        return {MADE: np.array([self._made_at, self._failed_at]), **self.observers.arrays()}
+        beside = self.neighbours.epoch_arrays() if self.neighbours else {}
+        return {MADE: np.array([self.made_at, self._failed_at]), **self.observers.arrays(), **beside}
 
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
-        self._made_at, self._failed_at = (int(number) for number in epoch[MADE])
+        self.made_at, self._failed_at = (int(number) for number in epoch[MADE])
         self.observers.load_arrays(epoch)
+        if self.neighbours is not None:
+            self.neighbours.load_epoch()
 
-    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
-        self.procedure = ImplicitProcedure(change_mesh(self.procedure.model, self.model.mesh), before=self.procedure)
-        self.procedure.evolution.place(self._origin)
+    def make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        """Make the procedure for the present mesh; epoch: of a checkpoint."""
+        before = self.procedure
+        self.procedure = ImplicitProcedure(change_mesh(before.model, self.model.mesh), before=before)
+        self.procedure.evolution.place(self.origin)
+        if self.neighbours is not None:
+            self.neighbours.make_again(before, epoch)
 
     def _state_arrays(self) -> NamedArrays:
         return self.procedure.state.to_arrays()

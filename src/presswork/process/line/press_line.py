@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,13 +25,13 @@ from presswork.observe.limits import Watched
 from presswork.observe.ram import RAM_COLUMNS, has_ram
 from presswork.observe.reactions import Reactions
 from presswork.outcome import GaveUpError, StartError
-from presswork.process.epochs import NamedArrays
 from presswork.process.line.laying import LayingError, close_tools, find_plans, find_turn, lay_part, lay_tools, tip_onto
 from presswork.process.line.part_fit import check_reach, explain_misfit
 from presswork.process.line.sheet_dump import dump_sheet, load_sheet
 from presswork.process.line.springback import LaidPart, ReleasedStamping, SpringbackReport, TrimReport
 from presswork.process.mesh_change.transfer import TransferError
-from presswork.process.recording import Meta, ModelRecording, Report, Snapshot
+from presswork.process.model_recording import ModelRecording, NamedArrays
+from presswork.process.recording import Meta, Report, Snapshot
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.stamping_tools import bead_columns, tool_columns
 from presswork.ranks.world import World
@@ -57,28 +57,47 @@ class LineReport:
     """Of the operation; None where a part has been laid into it."""
 
 
+class FollowedLine(Protocol):
+    """What goes through the operations of a line beside its part."""
+
+    def leave_operation(self) -> None:
+        """Note where nodes are before the part is laid into the next operation."""
+
+    def take_operation(self) -> None:
+        """Go on in the operation that the line has begun."""
+
+    def arrays(self) -> NamedArrays:
+        """Return what a checkpoint keeps."""
+
+    def go_to(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Go on in the operation of a checkpoint, which the line has begun."""
+
+
 class PressLine(ModelRecording):
     """A part at work in one operation after another."""
 
     def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
         """world: ranks that share the cycles of explicit operations."""
-        self.model = model
+        super().__init__(model)
         self._threads, self._world = threads, world
-        self._operation, self._before, self._time_before = 0, 0, 0.0
+        self.operation, self._before, self._time_before = 0, 0, 0.0
         self._part: LaidPart | None = None
         self._files: dict[str, str] = {}
         self._told: dict[str, dict[str, Any]] = {}
         """By operation that is over: what the summary says of it, with its warnings."""
         self._releases = any(each is not None for each in (model.springback, *(o.springback for o in model.following)))
-        self._now = self._make(0, None, model.mesh)
-        self.timing = self._now.timing
+        self.now = self._make(0, None, model.mesh)
+        """The operation at work."""
+        self.timing = self.now.timing
         self._columns = self._find_columns()
+        self.neighbours: FollowedLine | None = None
+        """What goes through the operations beside the part."""
 
     # --- operations --------------------------------------------------------------------------------------------------
 
     @property
     def _name(self) -> str:
-        return self.model.operations[self._operation]
+        return self.model.operations[self.operation]
 
     def _make(self, number: int, part: LaidPart | None, mesh: Mesh) -> ReleasedStamping:
         """Return an operation at its start. Raises LayingError, StartError, ExplicitError, TransferError."""
@@ -89,17 +108,13 @@ class PressLine(ModelRecording):
             stages = close_tools(operation, tools, own.sheet[0].thickness)
             check_reach(operation, tools, stages, part.state)
             own = replace(own, mesh=mesh, tools=tools, stages=stages)
-        return self._make_operation(own, part)
-
-    def _make_operation(self, own: Model, part: LaidPart | None) -> ReleasedStamping:
-        """Return an operation with its part, on its mesh."""
         return ReleasedStamping(
             own, threads=self._threads, begin=part, shows_springback=self._releases, world=self._world
         )
 
-    def _begin_next(self) -> None:
+    def begin_next(self) -> None:
         """Lay the part into the next operation. Raises GaveUpError."""
-        before, next_one = self._now, self.model.following[self._operation]
+        before, next_one = self.now, self.model.following[self.operation]
         if self.model.output.dynain:
             self._files = {f"{self._name}.dynain": before.write_part()}
         turned = np.eye(3) if self._part is None else self._part.turned
@@ -111,7 +126,7 @@ class PressLine(ModelRecording):
                 state, tipped = tip_onto(next_one, state, self.model.symmetry, with_edges=with_edges)
                 turn = tipped @ turn
             part = LaidPart(state, turn @ turned, before.level)
-            now = self._make(self._operation + 1, part, before.mesh)
+            now = self._make(self.operation + 1, part, before.mesh)
             laid = now.model
             misfit = explain_misfit(next_one, laid.tools, laid.stages, state, formed, stops=laid.limits.stop)
         except (LayingError, StartError, ExplicitError, TransferError) as error:
@@ -119,42 +134,46 @@ class PressLine(ModelRecording):
         self._told[self._name] = _tell(before) | {MISFIT: misfit}
         self._before += before.number + 1
         self._time_before += before.time
-        self._operation, self._part, self._now = self._operation + 1, part, now
+        self.operation, self._part, self.now = self.operation + 1, part, now
         now.timing.go_on_from(self.timing)
         self.timing = now.timing
 
     def advance(self) -> Iterator[LineReport]:
         """Go on through the operations. Raises GaveUpError."""
         while True:
-            for report in self._now.advance():
+            for report in self.now.advance():
                 yield LineReport(self._before + report.number, report.is_save_point, report)
-            if self._operation == len(self.model.following):
+            if self.operation == len(self.model.following):
                 return
-            self._begin_next()
+            if self.neighbours is not None:
+                self.neighbours.leave_operation()
+            self.begin_next()
+            if self.neighbours is not None:
+                self.neighbours.take_operation()
             yield LineReport(self._before, is_save_point=True, report=None)
 
     def files(self) -> dict[str, str]:
         """Return parts of operations that are over as dynain, where the case asks for it."""
         files, self._files = self._files, {}
-        last = self._now.files() if self._operation == len(self.model.following) else {}
+        last = self.now.files() if self.operation == len(self.model.following) else {}
         return files | {f"{self._name}.dynain": text for text in last.values()}
 
     def remaining(self) -> float:
         """Return the part of the whole line still to be computed; operations count alike."""
-        after = len(self.model.following) - self._operation
-        return (after + self._now.remaining()) / (len(self.model.following) + 1)
+        after = len(self.model.following) - self.operation
+        return (after + self.now.remaining()) / (len(self.model.following) + 1)
 
     @property
     def number(self) -> int:
         """Reports so far."""
-        return self._before + self._now.number
+        return self._before + self.now.number
 
     # --- what is recorded --------------------------------------------------------------------------------------------
 
     @property
     def mesh(self) -> Mesh:
         """The undeformed sheet: the blank, and what trimming leaves of it."""
-        return self._now.mesh
+        return self.now.mesh
 
     @property
     def columns(self) -> list[str]:
@@ -162,7 +181,7 @@ class PressLine(ModelRecording):
         return self._columns
 
     def _find_columns(self) -> list[str]:
-        columns = self._now.columns
+        columns = self.now.columns
         added = [name for number in range(len(self.model.following)) for name in self._columns_of(number + 1)]
         last = max(i for i, name in enumerate(columns) if name in {"increment", *self._columns_of(0)})
         new = [name for name in dict.fromkeys(added) if name not in columns]
@@ -178,28 +197,28 @@ class PressLine(ModelRecording):
 
     def begin_log(self) -> str:
         """Name the operations, and the procedure that forms."""
-        return f"operations: {', '.join(self.model.operations)}; {self._now.begin_log()}"
+        return f"operations: {', '.join(self.model.operations)}; {self.now.begin_log()}"
 
     def log_lines(self, report: LineReport) -> list[str]:
         """Say in which operation the row or increment ended, and where."""
         if report.report is None:
-            tools = ", ".join(f"{tool.name} at z = {tool.position[2]:.6g} mm" for tool in self._now.model.tools)
-            warnings = self._told[self.model.operations[self._operation - 1]][MISFIT]
+            tools = ", ".join(f"{tool.name} at z = {tool.position[2]:.6g} mm" for tool in self.now.model.tools)
+            warnings = self._told[self.model.operations[self.operation - 1]][MISFIT]
             return [f"{self._name}: the part is laid in, {tools}", *(f"warning: {text}" for text in warnings)]
-        return [f"{self._name}: {line}" for line in self._now.log_lines(report.report)]
+        return [f"{self._name}: {line}" for line in self.now.log_lines(report.report)]
 
     def progress_text(self, report: LineReport) -> str:
         """Name operation, stage and cycle or increment."""
         if report.report is None:
             return f"{self._name}: {LAID}"
-        return f"{self._name}: {self._now.progress_text(report.report)}"
+        return f"{self._name}: {self.now.progress_text(report.report)}"
 
     def row(self, report: LineReport) -> Row:
         """Return the row of the history; tools that are not at work have stroke and force zero."""
         if report.report is None:
-            row = self._now.forming.row_at_rest() | {"stage": f"{self._name}_{LAID}"}
+            row = self.now.forming.row_at_rest() | {"stage": f"{self._name}_{LAID}"}
         else:
-            row = self._now.row(report.report)
+            row = self.now.row(report.report)
             if isinstance(report.report, TrimReport | SpringbackReport):
                 row |= {"stage": f"{self._name}_{row['stage']}"}
         nothing: Row = dict.fromkeys(self._columns, 0.0)
@@ -207,11 +226,11 @@ class PressLine(ModelRecording):
 
     def watch(self) -> Watched:
         """Return how far the operation is towards its limits."""
-        return self._now.watch()
+        return self.now.watch()
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state; tools of other operations have no place (NaN)."""
-        now, at_work = self._now.snapshot(), {tool.name: tool for tool in self._now.model.tools}
+        now, at_work = self.now.snapshot(), {tool.name: tool for tool in self.now.model.tools}
         surfaces: dict[str, tuple[FloatArray, IntArray]] = {}
         displacement: dict[str, FloatArray] = {}
         for number in range(len(self.model.following) + 1):
@@ -237,51 +256,54 @@ class PressLine(ModelRecording):
         )
 
     def to_arrays(self) -> NamedArrays:
-        """Return the present operation, and the part that it has begun with."""
-        return self.line_arrays() | {f"{NOW}{name}": values for name, values in self._now.to_arrays().items()}
+        """Return the present operation, and the part that it has begun with; of neighbours theirs, too."""
+        beside = self.neighbours.arrays() if self.neighbours else {}
+        return self.line_arrays() | beside | {f"{NOW}{name}": values for name, values in self.now.to_arrays().items()}
 
     def line_arrays(self) -> NamedArrays:
         """Return which operation is at work, and the part that it has begun with."""
         arrays: dict[str, NDArray[Any]] = {
-            f"{LINE}{NUMBER}": np.array(self._operation),
+            f"{LINE}{NUMBER}": np.array(self.operation),
             f"{LINE}{BEFORE}": np.array([self._before, self._time_before]),
         }
         if self._part is not None:
             arrays |= {f"{LINE}{TURNED}": self._part.turned, f"{LINE}{LEVEL}": np.array(self._part.level)}
-            arrays |= {f"{MESH}{name}": values for name, values in dump_mesh(self._now.first_mesh).items()}
+            arrays |= {f"{MESH}{name}": values for name, values in dump_mesh(self.now.first_mesh).items()}
             arrays |= {f"{SHEET}{name}": values for name, values in dump_sheet(self._part.state).items()}
         return arrays
 
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Go back to the operation and the state of these arrays. Raises ValueError if they belong to another model."""
         self.go_to(arrays)
-        self._now.load_arrays(_under(NOW, arrays))
+        if self.neighbours is not None:
+            self.neighbours.go_to(arrays)
+        self.now.load_arrays(_under(NOW, arrays))
 
     def go_to(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Begin the operation of these arrays with its part. Raises ValueError if they belong to another model."""
         if f"{LINE}{NUMBER}" not in arrays:
             raise ValueError("the checkpoint does not say which operation it is of")
-        self._operation = int(arrays[f"{LINE}{NUMBER}"])
+        self.operation = int(arrays[f"{LINE}{NUMBER}"])
         before, self._time_before = (float(each) for each in arrays[f"{LINE}{BEFORE}"])
         self._before = int(before)
-        if self._operation:
+        if self.operation:
             sheet = load_sheet(_under(SHEET, arrays))
             self._part = LaidPart(sheet, arrays[f"{LINE}{TURNED}"], int(arrays[f"{LINE}{LEVEL}"]))
-            self._now = self._make(self._operation, self._part, load_mesh(_under(MESH, arrays)))
-            self.timing = self._now.timing
+            self.now = self._make(self.operation, self._part, load_mesh(_under(MESH, arrays)))
+            self.timing = self.now.timing
 
     def meta(self) -> Meta:
         """Return what is told of operations that are over, and how the present part was cut."""
-        return {TOLD: json.dumps(self._told), **self._now.meta()}
+        return {TOLD: json.dumps(self._told), **self.now.meta()}
 
     def load_meta(self, meta: Mapping[str, Any]) -> None:
         """Take up what meta gave."""
         self._told = json.loads(str(meta[TOLD]))
-        self._now.load_meta(meta)
+        self.now.load_meta(meta)
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what the summary of the last operation says, and what became of the others."""
-        last = self._now.summary(history)
+        last = self.now.summary(history)
         warnings = []
         for name, told in self._told.items():
             warnings += [f"{name}: {each}" for each in told["warnings"]] + told[MISFIT]

@@ -16,9 +16,10 @@ from presswork.implicit.stepping import IncrementReport
 from presswork.model import Mesh, Model
 from presswork.observe.contract import Row
 from presswork.observe.limits import Watched
+from presswork.process.implicit.forming import begin_forming
 from presswork.process.implicit.implicit_recording import ImplicitRecording
-from presswork.process.implicit.remeshing import RemeshedForming
-from presswork.process.recording import Meta, ModelRecording, Snapshot
+from presswork.process.model_recording import ModelRecording
+from presswork.process.recording import Meta, Snapshot
 
 PLACE = "series.place"
 """In a checkpoint: parts done, reports and time before the present part."""
@@ -29,14 +30,14 @@ class SeriesForming(ModelRecording):
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
         assert model.series is not None
-        self.model, self._threads, self._series = model, threads, model.series
+        super().__init__(model)
+        self._threads, self._series = threads, model.series
         self._part, self._reports, self._time = 0, 0, 0.0
-        self._run = self._make_run()
+        self._run = self._make_part()
         self.timing = self._run.timing
 
-    def _make_run(self) -> ImplicitRecording:
-        kind = RemeshedForming if self.model.remeshing is not None else ImplicitRecording
-        return kind(self.model, threads=self._threads)
+    def _make_part(self) -> ImplicitRecording:
+        return begin_forming(self.model, threads=self._threads)
 
     @property
     def mesh(self) -> Mesh:
@@ -70,7 +71,7 @@ class SeriesForming(ModelRecording):
         self._reports += self._run.number
         self._time += before.state[Progress].time + self._series.pause
         self._part += 1
-        run = self._make_run()
+        run = self._make_part()
         run.timing.go_on_from(before.timing)
         arrays = run.procedure.state[HeatArrays]
         arrays.dies, arrays.die_heat = dies.dies, dies.die_heat
@@ -120,7 +121,7 @@ class SeriesForming(ModelRecording):
             raise ValueError("the checkpoint is not that of a series")
         part, reports, self._time = (float(value) for value in arrays[PLACE])
         self._part, self._reports = int(part), int(reports)
-        self._run = self._make_run()
+        self._run = self._make_part()
         self.timing = self._run.timing
         self._run.load_arrays({name: values for name, values in arrays.items() if name != PLACE})
 

@@ -11,7 +11,7 @@ walls and flange move.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -29,7 +29,6 @@ from presswork.model import FloatArray, Mesh, Model
 from presswork.observe.contract import Row
 from presswork.observe.limits import Watched
 from presswork.outcome import GaveUpError, StartError
-from presswork.process.epochs import EpochRecording, NamedArrays
 from presswork.process.explicit.stamping import ExplicitStamping
 from presswork.process.implicit.implicit_stamping import ImplicitStamping
 from presswork.process.line.formed_sheet import make_formed
@@ -39,6 +38,7 @@ from presswork.process.line.released_model import ELEMENTS, NAME, make_springbac
 from presswork.process.line.released_part import TRIM, Released
 from presswork.process.mesh_change.transfer import TEMPERATURE, SheetState, TransferError, begin_with, sheet_of_implicit
 from presswork.process.mesh_change.trim import Cut, TrimError, explain_beside, trim_sheet
+from presswork.process.model_recording import ModelRecording, NamedArrays
 from presswork.process.recording import Meta, Report, Snapshot
 from presswork.ranks.world import World
 
@@ -82,7 +82,7 @@ class LaidPart:
     """How often its shells have been split."""
 
 
-class ReleasedStamping(EpochRecording):
+class ReleasedStamping(ModelRecording):
     """A stamping after which the part is trimmed, or springs back, or both: with that the last epoch begins.
 
     An operation of a line need not have either: then it ends as its tools have left the part.
@@ -116,30 +116,38 @@ class ReleasedStamping(EpochRecording):
             level = 0 if begin is None else begin.level
             self.forming = ExplicitStamping(model, threads=threads, begin=state, level=level, world=world)
         self.timing = self.forming.timing
-        self._threads = threads
+        self.threads = threads
         self._world = world if model.explicit is None else None
         self._shows_springback = shows_springback or model.springback is not None
-        self._released: Released | None = None
+        self.released: Released | None = None
+        """What has become of the part without its tools."""
+        self.hold: Callable[[Model], Model] | None = None
+        """Returns the Model of the released part, held in another way."""
+        self.after_release: Callable[[ImplicitProcedure], None] | None = None
+        """Called with the procedure of the part that its tools have let go."""
 
     def advance(self) -> Iterator[Report]:
         """Form the part row after row, cut it, then let it go. Raises GaveUpError."""
         yield from self.forming.advance()
         if not self._is_released_at_last:
             return
-        if self._released is None:
-            self._released = self._release()
+        if self.released is None:
+            released = self.release()
+            if self.after_release is not None:
+                self.after_release(released.implicit)
+            self.released = released
             if self.model.trim:
                 yield TrimReport(self.forming.number + 1)
         if self.model.springback is None:
             return
         before = self.forming.number + bool(self.model.trim)
-        for report in self._released.implicit.advance():
+        for report in self.released.implicit.advance():
             yield SpringbackReport(before + report.number, report, report.is_save_point)
 
     @property
     def time(self) -> float:
         """Since the operation began [s]."""
-        return self.forming.time if self._released is None else self._time()
+        return self.forming.time if self.released is None else self._time()
 
     @property
     def level(self) -> int:
@@ -157,18 +165,18 @@ class ReleasedStamping(EpochRecording):
 
     def sheet(self) -> SheetState:
         """Return the part at the end of the operation, on `mesh`; in an explicit one no node of it hangs any more."""
-        if self._released is not None:
-            state = sheet_of_implicit(self._released.implicit)
-            return replace(state, heated=self._released.heated)
+        if self.released is not None:
+            state = sheet_of_implicit(self.released.implicit)
+            return replace(state, heated=self.released.heated)
         if isinstance(self.forming, ExplicitStamping):
             self.forming.split_evenly()
         return self.forming.sheet()
 
     def formed_shape(self) -> FloatArray:
         """Return where the nodes of `mesh` were in the tools, after trimming, before springback (n_points, 3) [mm]."""
-        if self._released is None:
+        if self.released is None:
             return np.asarray(self.sheet().position)
-        return np.asarray(self.mesh.points + self._released.formed)
+        return np.asarray(self.mesh.points + self.released.formed)
 
     def files(self) -> dict[str, str]:
         """Return the part as a dynain at its end, where the case asks for it."""
@@ -182,9 +190,10 @@ class ReleasedStamping(EpochRecording):
 
     def _make_released_model(self, mesh: Mesh) -> Model:
         """Return the Model of the part without its tools. mesh: undeformed."""
-        return make_springback_model(self.model, mesh, self._turned)
+        model = make_springback_model(self.model, mesh, self._turned)
+        return model if self.hold is None else self.hold(model)
 
-    def _release(self) -> Released:
+    def release(self) -> Released:
         """Begin the epoch of the part without its tools: the implicit procedure knows no hanging nodes."""
         if isinstance(self.forming, ExplicitStamping):
             self.forming.split_evenly()
@@ -194,13 +203,13 @@ class ReleasedStamping(EpochRecording):
                 trimmed = trim_sheet(mesh, state, self.model.trim, ELEMENTS, self.model.symmetry)
                 mesh, state, cut = trimmed.mesh, trimmed.state, trimmed.cut
             springback = self._make_released_model(mesh)
-            implicit = ImplicitProcedure(springback, threads=self._threads, world=self._world)
+            implicit = ImplicitProcedure(springback, threads=self.threads, world=self._world)
             begin_with(state, implicit)
         except TrimError as error:
             raise GaveUpError(str(error)) from error
         except (MeshError, StartError, TransferError) as error:
             raise GaveUpError(f"springback cannot begin: {error}") from error
-        self._begin_epoch(mesh)
+        self.begin_epoch(mesh)
         elastic = implicit.mechanics.elastic_energy(implicit.state)
         return Released(implicit, cut, state.position - mesh.points, elastic, state.heated)
 
@@ -208,17 +217,17 @@ class ReleasedStamping(EpochRecording):
         """Return the part of the whole process still to be computed; springback counts as a small one."""
         if not self._is_released_at_last:
             return self.forming.remaining()
-        left = 1.0 if self._released is None else 0.0
-        if self._released is not None and self.model.springback is not None:
-            left = self._released.implicit.remaining()
+        left = 1.0 if self.released is None else 0.0
+        if self.released is not None and self.model.springback is not None:
+            left = self.released.implicit.remaining()
         return (1.0 - SHARE) * self.forming.remaining() + SHARE * left
 
     @property
     def number(self) -> int:
         """Rows and increments so far."""
-        if self._released is None:
+        if self.released is None:
             return self.forming.number
-        increments = self._released.implicit.state[Progress].increments
+        increments = self.released.implicit.state[Progress].increments
         return self.forming.number + bool(self.model.trim) + increments
 
     # --- what is recorded --------------------------------------------------------------------------------------------
@@ -226,7 +235,7 @@ class ReleasedStamping(EpochRecording):
     @property
     def mesh(self) -> Mesh:
         """The undeformed sheet: the blank, and what trimming leaves of it."""
-        return self.forming.mesh if self._released is None else self.model.mesh
+        return self.forming.mesh if self.released is None else self.model.mesh
 
     @property
     def columns(self) -> list[str]:
@@ -240,10 +249,10 @@ class ReleasedStamping(EpochRecording):
     def log_lines(self, report: Any) -> list[str]:
         """Say where the row or increment ended."""
         if isinstance(report, TrimReport):
-            assert self._released is not None
-            assert self._released.cut is not None
+            assert self.released is not None
+            assert self.released.cut is not None
             before, after = (sum(len(b.connectivity) for b in m.blocks) for m in (self.forming.mesh, self.mesh))
-            cut = self._released.cut
+            cut = self.released.cut
             line = f"{TRIM}: {after} of {before} shells, cut within {cut.off_line:.3g} mm of the line"
             return [line, *(f"warning: {text}" for text in explain_beside(cut))]
         if not isinstance(report, SpringbackReport):
@@ -267,10 +276,10 @@ class ReleasedStamping(EpochRecording):
         """Return the row of the history; of a part without tools no tool has a force, and nothing moves."""
         if not isinstance(report, TrimReport | SpringbackReport):
             return self.forming.row(report)
-        assert self._released is not None
-        implicit = self._released.implicit
+        assert self.released is not None
+        implicit = self.released.implicit
         row = self.forming.row_at_rest()
-        freed = self._released.elastic - implicit.mechanics.elastic_energy(implicit.state)
+        freed = self.released.elastic - implicit.mechanics.elastic_energy(implicit.state)
         row |= {name: float(row[name]) - freed for name in STORED if name in row}
         stage = TRIM if isinstance(report, TrimReport) else NAME
         if self.model.points and not self.model.trim:
@@ -279,12 +288,12 @@ class ReleasedStamping(EpochRecording):
         return row | {"time": self._time(), "stage": stage, "increment": report.number}
 
     def _time(self) -> float:
-        assert self._released is not None
-        return self.forming.time + self._released.implicit.state[Progress].time
+        assert self.released is not None
+        return self.forming.time + self.released.implicit.state[Progress].time
 
     def watch(self) -> Watched:
         """Return how far forming is towards its limits; a released part has passed none of its own."""
-        return self.forming.watch() if self._released is None else Watched()
+        return self.forming.watch() if self.released is None else Watched()
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state.
@@ -293,47 +302,47 @@ class ReleasedStamping(EpochRecording):
         had in its tools, along that shape's normal, after the best fit.
         """
         now = self.forming.show()
-        if self._released is None:
+        if self.released is None:
             if self._shows_springback:
                 now.springback, now.deviation = np.zeros_like(self.mesh.points), np.zeros(len(self.mesh.points))
             return self.forming.snapshot(now)
         snapshot = self.forming.snapshot(now)
         now = self._show_released()
         if self._shows_springback:
-            now.springback = self._released.moved
-            now.deviation = self._released.find_deviation(self.mesh, self.model.symmetry)
+            now.springback = self.released.moved
+            now.deviation = self.released.find_deviation(self.mesh, self.model.symmetry)
         points, cells = compute_fields(now)
         common = {name: cells[name] for name in snapshot.cell_data}  # what both procedures have
         return replace(snapshot, time=self._time(), point_data=points, cell_data=common)
 
     def _show_released(self) -> Instant:
         """Return what the fields of the released part are computed from."""
-        assert self._released is not None
-        now = self._released.implicit.mechanics.show(self._released.implicit.state)
+        assert self.released is not None
+        now = self.released.implicit.mechanics.show(self.released.implicit.state)
         now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.sheet[1].formability
-        now.heated, now.temperature = self._released.heated, self._released.heated.get(TEMPERATURE)
+        now.heated, now.temperature = self.released.heated, self.released.heated.get(TEMPERATURE)
         return now
 
     def _epoch_arrays(self) -> NamedArrays:
-        released = self._released
+        released = self.released
         if released is None:
             return {}
         heated = {f"{HEATED}{name}": values for name, values in released.heated.items()}
         return {FORMED: released.formed, ELASTIC: np.array(released.elastic), **heated}
 
-    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+    def make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         if not self.epoch:
-            self._released = None
+            self.released = None
             return
         springback = self._make_released_model(self.model.mesh)
-        implicit = ImplicitProcedure(springback, threads=self._threads, world=self._world)
+        implicit = ImplicitProcedure(springback, threads=self.threads, world=self._world)
         heated = {name.removeprefix(HEATED): v for name, v in epoch.items() if name.startswith(HEATED)}
-        self._released = Released(implicit, None, epoch[FORMED], float(epoch[ELASTIC]), heated)
+        self.released = Released(implicit, None, epoch[FORMED], float(epoch[ELASTIC]), heated)
 
     def _state_arrays(self) -> NamedArrays:
         parts = {FORMING: self.forming.to_arrays()}
-        if self._released is not None:
-            parts[f"{NAME}."] = self._released.implicit.state.to_arrays()
+        if self.released is not None:
+            parts[f"{NAME}."] = self.released.implicit.state.to_arrays()
         return {f"{part}{name}": values for part, arrays in parts.items() for name, values in arrays.items()}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -341,18 +350,20 @@ class ReleasedStamping(EpochRecording):
             return {name.removeprefix(part): values for name, values in arrays.items() if name.startswith(part)}
 
         self.forming.load_arrays(of(FORMING))
-        if self._released is not None:
-            self._released.implicit.state.load_arrays(of(f"{NAME}."))
+        if self.released is not None:
+            if self.after_release is not None:
+                self.after_release(self.released.implicit)
+            self.released.implicit.state.load_arrays(of(f"{NAME}."))
 
     def meta(self) -> Meta:
         """Return how the part was cut, which no array holds."""
-        cut = None if self._released is None else self._released.cut
+        cut = None if self.released is None else self.released.cut
         return {} if cut is None else {TRIM: cut.to_text()}
 
     def load_meta(self, meta: Mapping[str, Any]) -> None:
         """Take up what meta gave."""
-        if self._released is not None and TRIM in meta:
-            self._released = replace(self._released, cut=Cut.from_text(str(meta[TRIM])))
+        if self.released is not None and TRIM in meta:
+            self.released = replace(self.released, cut=Cut.from_text(str(meta[TRIM])))
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what a stamping's summary says, how it was cut, and how far which point has sprung."""
@@ -363,11 +374,11 @@ class ReleasedStamping(EpochRecording):
 
     def tell_release(self) -> tuple[dict[str, Any], list[str]]:
         """Return what the summary says of trimming and springback, and its warnings."""
-        if self._released is None:
+        if self.released is None:
             return {}, []
-        told, warnings = self._released.tell_cut(self.mesh)
+        told, warnings = self.released.tell_cut(self.mesh)
         if self.model.springback is not None:
-            told[NAME] = self._released.tell_springback(self.mesh, self.model.symmetry)
+            told[NAME] = self.released.tell_springback(self.mesh, self.model.symmetry)
         return told, warnings
 
     def tell_hem(self) -> dict[str, Any]:
@@ -382,5 +393,5 @@ class ReleasedStamping(EpochRecording):
             return measure_hem(hem, flat[own], state.position[own], find_half_thickness(state)[own])
 
         before = None if self._begin is None else measure(self._begin, self._first_mesh)
-        released = None if self._released is None else measure(self.sheet(), self.mesh)
+        released = None if self.released is None else measure(self.sheet(), self.mesh)
         return {HEM: tell_hem(measure(self.forming.sheet(), self.forming.mesh), before, released)}

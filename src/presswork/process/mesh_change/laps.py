@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -61,17 +60,23 @@ def find_laps(mesh: Mesh, position: FloatArray, mark: FloatArray, seams: Seams) 
     ]
 
 
-def tell_laps(laps: Sequence[Lap], begun: Sequence[float]) -> tuple[list[str], list[Mapping[str, Any]]]:
-    """Return the warnings and the entries of the summary; begun: when the first began [s], negative: not so."""
+def explain_laps(laps: Sequence[Lap], begun: Sequence[float]) -> list[str]:
+    """Return a warning of each lap; begun: when the first began [s], negative: not so."""
     first = min((time for time in begun if time >= 0.0), default=0.0)
     warnings: list[str] = []
-    entries: list[Mapping[str, Any]] = []
     for lap in laps:
-        unit, name = ("mm", "length_mm") if len(lap.place) == 2 else ("mm2", "area_mm2")
-        near = ", ".join(f"{c:.4g}" for c in lap.place)
+        unit, near = "mm" if len(lap.place) == 2 else "mm2", ", ".join(f"{c:.4g}" for c in lap.place)
         warnings.append(
             f"the surface has folded onto itself near ({near}), over {lap.extent:.3g} {unit}, first at {first:.4g} s: "
             "a lap, a fault of the part (field lap)"
         )
-        entries.append({f"{axis}_mm": float(c) for axis, c in zip("xyz", lap.place, strict=False)} | {name: lap.extent})
-    return warnings, entries
+    return warnings
+
+
+def list_laps(laps: Sequence[Lap]) -> list[Mapping[str, float]]:
+    """Return place and extent of each lap for the summary."""
+    return [
+        {f"{axis}_mm": float(c) for axis, c in zip("xyz", lap.place, strict=False)}
+        | {"length_mm" if len(lap.place) == 2 else "area_mm2": lap.extent}
+        for lap in laps
+    ]

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs whose mesh changes on the way: a row of epochs, each a mesh and the state that fits it.
+"""What all procedures at work on a model share: its mesh, or one mesh after another, and what a checkpoint holds.
 
-Solids are meshed anew, blanks are refined. Results are written on the mesh of the present epoch, and a checkpoint holds
-it beside the state. What names a place names a set of the mesh, and finds it anew in each epoch (model/mesh_change.py).
+A run is a row of epochs, each a mesh and the state that fits it: solids are meshed anew, blanks are refined or trimmed.
+Results are written on the mesh of the present epoch, and a checkpoint holds it beside the state. What names a place
+names a set of the mesh, and finds it anew in each epoch (model/mesh_change.py).
 """
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -17,43 +17,83 @@ from numpy.typing import NDArray
 
 from presswork.mesh.files.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, Mesh, Model, change_mesh
-from presswork.process.recording import ModelRecording
+from presswork.observe.contract import Row
+from presswork.process.recording import Meta
+from presswork.timing import Timing
 
 NamedArrays = dict[str, NDArray[np.generic]]
 EPOCH, NUMBER, ORIGIN = "epoch.", "number", "origin"
 """Prefix of an epoch's arrays in a checkpoint, and two of them."""
 
 
-class EpochRecording(ModelRecording, ABC):
-    """A procedure at work on a model, on one mesh after another."""
+class ModelRecording:
+    """A procedure at work on a model; who inherits supplies columns, rows, the summary and the state."""
+
+    timing: Timing
 
     def __init__(self, model: Model) -> None:
         self.model = model
         self.epoch = 0
         """How many meshes there were before the present one."""
         self._first_mesh = model.mesh
-        self._origin: FloatArray | None = None
+        self.origin: FloatArray | None = None
+
+    @property
+    def title(self) -> str:
+        """What the case shows."""
+        return self.model.title
 
     @property
     def mesh(self) -> Mesh:
         """The mesh of the present epoch, its points where their material was when the run began."""
-        return self.model.mesh if self._origin is None else replace(self.model.mesh, points=self._origin)
+        return self.model.mesh if self.origin is None else replace(self.model.mesh, points=self.origin)
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        raise NotImplementedError
+
+    def row(self, report: Any) -> Row:
+        """Return the row of the history."""
+        raise NotImplementedError
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return what summary.json says beyond status and wall time."""
+        raise NotImplementedError
+
+    @property
+    def checkpoint_every(self) -> int:
+        """Reports between checkpoints."""
+        return self.model.output.checkpoint_every
+
+    def files(self) -> dict[str, str]:
+        """Return the names and texts of further files to be written now."""
+        return {}
+
+    def meta(self) -> Meta:
+        """Return nothing: the arrays hold all."""
+        return {}
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up nothing."""
+
+    # --- epochs ------------------------------------------------------------------------------------------------------
 
     def moved(self, displacement: FloatArray) -> FloatArray:
         """Return displacements since the run began, of those since the epoch's points (n_points, d) [mm]."""
-        if self._origin is None:
+        if self.origin is None:
             return displacement
         moved = displacement.copy()
-        moved[:, : self._origin.shape[1]] += self.model.mesh.points - self._origin
+        moved[:, : self.origin.shape[1]] += self.model.mesh.points - self.origin
         return moved
 
-    def _begin_epoch(self, mesh: Mesh, origin: FloatArray | None = None) -> None:
+    def begin_epoch(self, mesh: Mesh, origin: FloatArray | None = None) -> None:
         """Go on with another mesh; the caller makes the procedure for it, and fills its state.
 
         origin: where the material of its nodes was when the run began (n_points, 2 | 3) [mm]; None: where they are.
         """
         self.model = change_mesh(self.model, mesh)
-        self._origin = origin
+        self.origin = origin
         self.epoch += 1
 
     def to_arrays(self) -> NamedArrays:
@@ -65,8 +105,8 @@ class EpochRecording(ModelRecording, ABC):
         epoch: dict[str, NDArray[Any]] = {NUMBER: np.array(self.epoch), **self._epoch_arrays()}
         if self.epoch:
             epoch |= dump_mesh(self.model.mesh)
-        if self._origin is not None:
-            epoch[ORIGIN] = self._origin
+        if self.origin is not None:
+            epoch[ORIGIN] = self.origin
         return {f"{EPOCH}{name}": values for name, values in epoch.items()}
 
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -74,12 +114,16 @@ class EpochRecording(ModelRecording, ABC):
         epoch = {name.removeprefix(EPOCH): values for name, values in arrays.items() if name.startswith(EPOCH)}
         if NUMBER not in epoch:
             raise ValueError("the checkpoint does not say which mesh it is of")
+        self._prepare_epoch(epoch)
         if int(epoch[NUMBER]) != self.epoch:
-            self._begin_epoch(load_mesh(epoch) if epoch[NUMBER] else self._first_mesh, epoch.get(ORIGIN))
+            self.begin_epoch(load_mesh(epoch) if epoch[NUMBER] else self._first_mesh, epoch.get(ORIGIN))
             self.epoch = int(epoch[NUMBER])
-            self._make_run(epoch)
+            self.make_run(epoch)
         self._load_epoch(epoch)
         self._load_state({name: values for name, values in arrays.items() if not name.startswith(EPOCH)})
+
+    def _prepare_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        """Make ready for an epoch that _epoch_arrays gave, before its mesh is taken up."""
 
     def _epoch_arrays(self) -> NamedArrays:
         """Return what belongs to the epoch beside its mesh."""
@@ -88,14 +132,14 @@ class EpochRecording(ModelRecording, ABC):
     def _load_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         """Take up what _epoch_arrays gave."""
 
-    @abstractmethod
-    def _make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+    def make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         """Make the procedure for the present mesh; epoch: what _epoch_arrays gave."""
+        raise NotImplementedError
 
-    @abstractmethod
     def _state_arrays(self) -> NamedArrays:
         """Return the state."""
+        raise NotImplementedError
 
-    @abstractmethod
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Take up what _state_arrays gave. Raises ValueError if it belongs to another model."""
+        raise NotImplementedError

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a change of the mesh is asked for, between increments of an implicit run or intervals of an explicit one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from numpy.typing import NDArray
+
+from presswork.fields.instant import Instant
+from presswork.observe.contract import Observer
+
+
+class MeshChange(Observer):
+    """Looks at one run, and puts it on another mesh. It is an observer of that run, too: it says what it has done."""
+
+    def look(self, failure: str = "") -> bool:
+        """Change the mesh where the present one should not go on; return whether there is another one.
+
+        failure: why the run cannot go on with it; empty where nothing has failed.
+        """
+        raise NotImplementedError
+
+    def begin_log(self) -> str:
+        """Return what the line that begins the log says of it."""
+        return ""
+
+    def find_hints(self) -> list[str]:
+        """Return what may have made the run fail."""
+        return []
+
+    def show(self, now: Instant) -> None:
+        """Add its fields to what fields are computed from."""
+
+    def prepare_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
+        """Make ready for an epoch of a checkpoint, which `arrays` has given in part, before its mesh is taken up."""
