@@ -43,7 +43,7 @@ BILLET: dict[str, Any] = {
         {"name": "upset", "tools": {"punch": {"stroke": 2.0, "direction": [0, -1]}}},
         {"name": "lift", "tools": {"punch": {"stroke": 0.5, "direction": [0, 1]}}},
     ],
-    "solver": {"initial_increment": 0.1, "max_increment": 0.1},
+    "solver": {"initial_increment": 0.1, "max_increment": 0.1, "force_tolerance": 1e-10},
     "output": {"steps": 2, "checkpoint_every": 3},
 }
 

@@ -11,6 +11,7 @@ import pytest
 from presswork.case import build_model
 from presswork.case.solid.schema import Case
 from presswork.implicit.heat_of_forming import HeatArrays
+from presswork.process.explicit.forming import begin_impact
 from presswork.process.explicit.impact import ExplicitImpact
 from presswork.process.implicit.implicit_recording import ImplicitRecording
 from tests.verification.test_heat_of_forming import ENTHALPY
@@ -20,7 +21,7 @@ STEEL = {"conductivity": 30, "specific_heat": "650 J/(kg*K)"}
 
 def run_explicit(case: dict[str, Any]) -> tuple[ExplicitImpact, dict[str, float]]:
     """Return an explicit run at its end, and the last row of its history."""
-    run = ExplicitImpact(build_model(Case.model_validate({**case, "procedure": "explicit"})), threads=1)
+    run = begin_impact(build_model(Case.model_validate({**case, "procedure": "explicit"})), threads=1)
     *_, last = run.advance()
     return run, run.row(last)
 

@@ -8,7 +8,7 @@ import pytest
 
 from presswork import Case, ShellCase, build_model, run
 from presswork.explicit.shells import ExplicitShells
-from presswork.process.explicit.impact import ExplicitImpact
+from presswork.process.explicit.forming import begin_impact
 from presswork.process.implicit.implicit_recording import ImplicitRecording
 from presswork.results import Result
 from presswork.view.plots.history_plot import stress_strain
@@ -127,7 +127,7 @@ def test_explicit_solids_take_the_impulse_of_their_reactions():
     data["stages"] = [{"name": "pull", "duration": 1e-3, "displacement": [move]}]
     del data["solver"]
     data["output"] = {"rows": 40, "steps": 1}
-    recording = ExplicitImpact(build_model(Case(**data)), threads=1)
+    recording = begin_impact(build_model(Case(**data)), threads=1)
     impulse, rows = 0.0, []
     for report in recording.advance():
         rows.append(recording.row(report))
@@ -196,7 +196,7 @@ def test_the_force_of_a_standing_ring_is_what_the_press_feels(procedure):
         data["procedure"] = "explicit"
         del data["solver"]
         data["output"] = {"rows": 40, "steps": 1}
-        impact = ExplicitImpact(build_model(Case(**data)), threads=1)
+        impact = begin_impact(build_model(Case(**data)), threads=1)
         last = [impact.row(report) for report in impact.advance()][-1]
     else:
         last = record(Case(**data))[0][-1]

@@ -73,7 +73,9 @@ def choose(model: Model, threads: int, world: World | None = None) -> Recording:
 
         return HeatRecording(model, threads=threads)
     if model.explicit is not None:
-        return begin_impact(model, threads, world)
+        from presswork.process.explicit.forming import begin_impact
+
+        return begin_impact(model, threads=threads, world=world)
     if model.series is not None:
         from presswork.process.line.series import SeriesForming
 
@@ -81,26 +83,6 @@ def choose(model: Model, threads: int, world: World | None = None) -> Recording:
     from presswork.process.implicit.forming import begin_forming
 
     return begin_forming(model, threads=threads, world=world)
-
-
-def begin_impact(model: Model, threads: int, world: World | None = None) -> Recording:
-    """Return the explicit procedure of solids. world: ranks that share it."""
-    may_remesh = model.remeshing is not None and not model.remeshing.obstacle
-    if model.dimension == 3 and may_remesh:
-        from presswork.process.explicit.remeshed_space_impact import RemeshedSpaceImpact
-
-        return RemeshedSpaceImpact(model, threads=threads, world=world)
-    if model.dimension == 3:
-        from presswork.process.explicit.space_impact import ExplicitSpaceImpact
-
-        return ExplicitSpaceImpact(model, threads=threads, world=world)
-    if may_remesh and len(model.bodies) < 2 and not model.contacts:
-        from presswork.process.explicit.remeshed_impact import RemeshedImpact
-
-        return RemeshedImpact(model, threads=threads, world=world)
-    from presswork.process.explicit.impact import ExplicitImpact
-
-    return ExplicitImpact(model, threads=threads, world=world)
 
 
 def check_start(model: Model) -> None:

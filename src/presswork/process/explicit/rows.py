@@ -28,6 +28,7 @@ from presswork.observe.marked_points import MarkedPoints
 from presswork.observe.of_model import list_observers
 from presswork.observe.ram import force_on_ram
 from presswork.outcome import GaveUpError
+from presswork.process.mesh_change.contract import MeshChange
 from presswork.process.model_recording import ModelRecording, NamedArrays
 from presswork.state import RUN, Arrays, OnNewMesh
 from presswork.threads import available_threads
@@ -90,8 +91,17 @@ class RowRecording(ModelRecording, ABC):
         _core.set_threads(threads or available_threads())
         super().__init__(model)
         self.observers = list_observers(model)
+        self.mesh_changes: list[MeshChange] = []
+        """Asked one after the other before each row; they are among the observers, too."""
+        self.notes: list[str] = []
+        """For the log of the next row."""
         self.timing = Timing(*phases)
         self._progress = progress
+
+    def add_mesh_change(self, change: MeshChange) -> None:
+        """Let the mesh of the run change."""
+        self.mesh_changes.append(change)
+        self.observers.add(change)
 
     @property
     @abstractmethod
@@ -136,7 +146,7 @@ class RowRecording(ModelRecording, ABC):
         self.timing.add("cycles", started)
 
     @abstractmethod
-    def _begin_stage(self) -> None:
+    def begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe."""
 
     def _prescribe(self, run: Dynamics, over: float = 1.0) -> None:
@@ -193,11 +203,11 @@ class RowRecording(ModelRecording, ABC):
         cycles, step, energies = self._compute_row(number, row)
         if stage.drive is not None and not isinstance(stage.drive.motion, Blow):
             way = stage.drive.travel * np.diff(DrivenStroke(stage.drive).position(self._times(stage, row)))
-            self._add_ram_work(number, self._tool_forces(), float(way[0]))
+            self._add_ram_work(number, self.tool_forces(), float(way[0]))
         self._progress.row = row + 1
         if row + 1 == rows:
             self._progress.stage, self._progress.row = number + 1, 0
-            self._begin_stage()
+            self.begin_stage()
         self._add_time(started)
         return RowReport(
             number=number * rows + row + 1,
@@ -211,7 +221,7 @@ class RowRecording(ModelRecording, ABC):
         )
 
     @abstractmethod
-    def _tool_forces(self) -> FloatArray:
+    def tool_forces(self) -> FloatArray:
         """Return the mean forces on the tools in the last row (n_tools, 2 | 3) [N]."""
 
     def _add_ram_work(self, number: int, forces: FloatArray, way: float) -> None:
@@ -242,7 +252,7 @@ class RowRecording(ModelRecording, ABC):
         row, rows = self._progress.row, self.model.output.rows
         speed = self._find_ram_speed(drive, row / rows if row else 1.0)
         blow = drive.motion.number if isinstance(drive.motion, Blow) else 0
-        return Ram(speed, force_on_ram(self.model, number, self._tool_forces()), work, blow)
+        return Ram(speed, force_on_ram(self.model, number, self.tool_forces()), work, blow)
 
     def plastic_shares(self) -> FloatArray:
         """Return ones: all work of the ram counts as plastic."""
@@ -268,6 +278,16 @@ class RowRecording(ModelRecording, ABC):
     def find_peaks(self) -> tuple[Peak, ...]:
         """Return the largest damage by each criterion."""
         return self.observers.find(DamagePeaks).find(self)
+
+    @property
+    def next_stage(self) -> int:
+        """The stage of the next row; the number of stages after the last."""
+        return self._progress.stage
+
+    @property
+    def row_of_stage(self) -> int:
+        """The next row, counted in its stage from 0."""
+        return self._progress.row
 
     def current_stage(self) -> int:
         """Return the stage that the last row belongs to."""
@@ -301,11 +321,13 @@ class RowRecording(ModelRecording, ABC):
 
     def log_lines(self, report: RowReport) -> list[str]:
         """Say where the row ended."""
-        e = report.energies
+        e, notes = report.energies, self.notes
+        self.notes = []
         return [
+            *notes,
             f"row {report.number}, stage {report.stage} at {report.fraction:.4f}, {report.cycles} cycles of "
             f"{report.step:.4g} s, kinetic {e.kinetic:.3g}, internal {e.internal:.3g}, hourglass {e.hourglass:.3g} "
-            f"N mm, balance off by {e.error_percent:.2g} %"
+            f"N mm, balance off by {e.error_percent:.2g} %",
         ]
 
     def _end_row(self, report: RowReport) -> Row:

@@ -98,7 +98,7 @@ class ExplicitStamping(StampingRecording):
         if begin is not None:
             self.layers.take(begin.blocks)
         self.loose = LooseRows(model)
-        self._begin_stage()
+        self.begin_stage()
         self.shells.find_contact()
 
     def _make_shells(self) -> ExplicitShells:
@@ -219,7 +219,7 @@ class ExplicitStamping(StampingRecording):
             self._start = ShellStart(place, start.thickness[parent], start.axis[parent])
         self.begin_epoch(step.apply(self.mesh))
         self._make_again()
-        self._begin_stage()
+        self.begin_stage()
         self.shells.inherit(old, position, step.node_parents(), step.parent)
         self.layers.split(step.parent)
 
@@ -261,10 +261,11 @@ class ExplicitStamping(StampingRecording):
         self._progress.added_mass = scaling.percent
         return scaling
 
-    def _tool_forces(self) -> FloatArray:
+    def tool_forces(self) -> FloatArray:
+        """Return the mean forces on the tools in the last row (n_tools, 3) [N]."""
         return self.tools.forces()
 
-    def _begin_stage(self) -> None:
+    def begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe."""
         number = self._progress.stage
         self._prescribe(self.shells)
@@ -317,4 +318,4 @@ class ExplicitStamping(StampingRecording):
         self.shells.restore(arrays)
         if self.heat is not None:
             self.heat.restore(arrays)
-        self._begin_stage()
+        self.begin_stage()

@@ -22,6 +22,9 @@ class MeshChange(Observer):
         """
         raise NotImplementedError
 
+    def end_step(self) -> None:
+        """Note what has moved in an interval of an explicit run, once it is over."""
+
     def begin_log(self) -> str:
         """Return what the line that begins the log says of it."""
         return ""

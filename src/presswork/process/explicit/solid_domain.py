@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What an explicit run of solids asks of their domain, in the plane or in space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+from numpy.typing import NDArray
+
+from presswork.explicit.body_contacts import TouchingSurfaces
+from presswork.model import FloatArray, Model, Stage, Tool, ToolMotion
+from presswork.observe.contract import Row
+from presswork.observe.limits import Measure
+from presswork.observe.working_direction import find_working_direction
+from presswork.process.explicit.contacts_of_rows import ContactsOfRows
+from presswork.process.explicit.heat_of_rows import HeatOfRows
+from presswork.process.model_recording import NamedArrays
+from presswork.process.tool_quantities import force_on_whole, size_of_force
+
+if TYPE_CHECKING:
+    from presswork.process.explicit.impact import ExplicitImpact
+
+
+class SolidDomain(Protocol):
+    """The solids of a run, its tools as walls, and all that depends on their dimension."""
+
+    @property
+    def solids(self) -> Any:
+        """ExplicitSolids, in space ExplicitSpaceSolids."""
+
+    @property
+    def walls(self) -> Sequence[Any]:
+        """The tools, in their order."""
+
+    def make(
+        self, model: Model, density: FloatArray, touching: Sequence[TouchingSurfaces], *, is_at_start: bool
+    ) -> None:
+        """Make solids and walls of a model.
+
+        density: factor on the material's of each block (n_blocks,). touching: surfaces that touch.
+        """
+
+    def make_heat(self, model: Model, contacts: ContactsOfRows, threads: int) -> HeatOfRows:
+        """Return what conducts heat in the solids and to the walls."""
+
+    def check_device(self) -> None:
+        """Raise ExplicitError where the device does not have what the solids ask for, contacts included."""
+
+    def fix_axis(self) -> None:
+        """Hold the axis of a sector."""
+
+    def move(self, wall: Any, motion: ToolMotion, stage: Stage) -> None:
+        """Let a tool move as a stage has it."""
+
+    def begin_row(self, run: ExplicitImpact, number: int, row: int) -> None:
+        """Place tools before an interval of a stage."""
+
+    def limit_shear(self, run: ExplicitImpact) -> None:
+        """Limit the shear stress of friction by the strength of the metal."""
+
+    def end_row(self, run: ExplicitImpact, row: int) -> None:
+        """Measure the tools after an interval of a stage."""
+
+    def measure(self, run: ExplicitImpact, tool: Tool, wall: Any, mean: FloatArray) -> Row:
+        """Return what the history has of a tool. mean: force on what is modelled of it (d,) [N]."""
+
+    def find_deepest(self, model: Model) -> Measure | None:
+        """Return the deepest penetration of a tool."""
+
+    def measure_volumes(self, model: Model) -> list[FloatArray]:
+        """Return the volume of each cell of each block (n_cells,) [mm3]."""
+
+    def show_tools(self, model: Model) -> dict[str, Any]:
+        """Return what a Snapshot has of the tools."""
+
+    def arrays(self) -> NamedArrays:
+        """Return what a checkpoint keeps beside the state of the solids."""
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Take up what `arrays` gave."""
+
+
+def measure_tool(model: Model, tool: Tool, wall: Any, mean: FloatArray) -> Row:
+    """Return stroke and force of the workpiece on the whole tool, as tool_quantities does."""
+    force = force_on_whole(tool, mean)
+    direction = find_working_direction(model, tool)
+    stroke, against = (
+        (0.0, size_of_force(model, force)) if direction is None else (wall.displacement @ direction, -force @ direction)
+    )
+    x, y, z = (*force, 0.0)[:3]
+    values = {"stroke": stroke, "force": against, "force_x": x, "force_y": y, "force_z": z}
+    return {f"{tool.name}.{name}": float(value) for name, value in values.items()}
