@@ -35,7 +35,7 @@ def measure(size: float, folder: Path, repeats: int, rows: int) -> dict[str, flo
     tasks: dict[str, Callable[[], object]] = {
         "cycles": lambda: run.shells.advance(100, velocity_scale=0.0),
         "look": run.watch,
-        "all": lambda: run._judge(run._cell_fields()),
+        "all": lambda: run.judge_fields(run._fields.find()),
         "save": run.snapshot,
         "write": lambda: append_snapshot(file, run.mesh, snapshot),
     }
@@ -45,7 +45,7 @@ def measure(size: float, folder: Path, repeats: int, rows: int) -> dict[str, flo
             started = process_time()
             task()
             least[name] = min(least[name], 1e3 * (process_time() - started))
-    return {"shells": len(run._cells), **least}
+    return {"shells": len(run.model.cells), **least}
 
 
 def main() -> None:

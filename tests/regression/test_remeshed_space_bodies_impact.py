@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswork.process.explicit.present_bodies import list_nodes
 from presswork import build_model, read_case, run_model
 from presswork.interaction.bodies.space_interface import SpaceInterface
 from presswork.process.begin import begin
 from presswork.process.explicit.impact import ExplicitImpact
 from presswork.process.explicit.new_meshes import MeshesOfRows
+from presswork.process.explicit.present_bodies import list_nodes
 from tests.problems.touching_bodies import FLYING, HEAT_OF_STACK, STACK, write_case
 from tests.regression.whole_runs import compare_with_restart
 

@@ -22,11 +22,11 @@ def test_strains_in_the_middle_are_those_of_the_saved_fields(points: int) -> Non
         now = x + u
         thickness = run.shells.thickness * (1.0 - 3.0 * size * np.linspace(0.0, 1.0, len(run.shells.thickness)))
         shells = run.shells
-        fields = run._fields.cell_fields(
+        fields = run._fields.of_shells.cell_fields(
             now, thickness, shells.flow_stress_at_points, shells.pressure_at_points,
             shells.history_at_points[..., 0],
         )  # fmt: skip
-        found = run._fields.middle_strains(now, thickness)
+        found = run._fields.of_shells.middle_strains(now, thickness)
         assert set(found) == set(NAMES)
         for name in NAMES:
             assert np.abs(fields[name]).max() > 0.0

@@ -90,13 +90,19 @@ class RowRecording(ModelRecording, ABC):
     def __init__(self, model: Model, threads: int, progress: RowProgress, phases: Sequence[str] = ("cycles",)) -> None:
         _core.set_threads(threads or available_threads())
         super().__init__(model)
-        self.observers = list_observers(model)
         self.mesh_changes: list[MeshChange] = []
         """Asked one after the other before each row; they are among the observers, too."""
+        self.list_observers()
         self.notes: list[str] = []
         """For the log of the next row."""
         self.timing = Timing(*phases)
         self._progress = progress
+
+    def list_observers(self) -> None:
+        """Begin with new observers."""
+        self.observers = list_observers(self.model)
+        for change in self.mesh_changes:
+            self.observers.add(change)
 
     def add_mesh_change(self, change: MeshChange) -> None:
         """Let the mesh of the run change."""

@@ -7,50 +7,75 @@ It knows nothing of files: recorder.py records what it yields.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from time import perf_counter
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork import stop
 from presswork.evolution.damage import make_damage
-from presswork.explicit.device import refuse
+from presswork.explicit.device import name_device, refuse
 from presswork.explicit.energy import YIELD_OFFSET, EnergyBalance, MassScaling
 from presswork.explicit.input_checks import check_damping
 from presswork.explicit.mesh_step import MeshStep
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import PHASES, SAFETY, ExplicitShells
 from presswork.explicit.space import choose_precision
-from presswork.fields.explicit_fields import OnePointFields
+from presswork.fields.formability_fields import FormingVerdict
+from presswork.fields.instant import Instant
+from presswork.fields.table import compute_fields
+from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.law.elastic_plastic import first_flow_stress, heats
 from presswork.law.umat import open_sheet_law
-from presswork.mesh.split import SplitMesh
-from presswork.model import BoolArray, ExplicitSheet, FloatArray, Model, Refinement, Stage
-from presswork.observe.of_model import list_observers
+from presswork.model import ExplicitSheet, FloatArray, IntArray, Model, Stage
+from presswork.observe.contract import Evolved, Row
+from presswork.observe.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
 from presswork.process.explicit.explicit_heat import ExplicitHeat
 from presswork.process.explicit.loose_rows import LooseRows
+from presswork.process.explicit.refined_sheet import RefinedSheet
+from presswork.process.explicit.rows import LAST_COLUMNS, RowProgress, RowRecording, RowReport, process_time
+from presswork.process.explicit.sheet_fields import SheetFields
 from presswork.process.explicit.sheet_history import SheetHistory
-from presswork.process.explicit.stamping_recording import SheetProgress, StampingRecording
+from presswork.process.explicit.sheet_summary import summarise_sheet
 from presswork.process.line.laying import find_sag
-from presswork.process.mesh_change.refinement import choose_shells, find_planes, place_nodes
 from presswork.process.mesh_change.transfer import SheetState, ShellStart, fill_layers, keep_heated, sheet_of_explicit
 from presswork.process.model_recording import NamedArrays
-from presswork.process.stamping_tools import StampingTools, mean_speeds
+from presswork.process.recording import Snapshot
+from presswork.process.space_surfaces import cut_tools
+from presswork.process.stamping_tools import StampingTools, describe_stamping, mean_speeds
 from presswork.ranks.world import World
+from presswork.state import ANEW, RUN, OnNewMesh
 
 ELEMENT_CYCLES_A_CALL = {"cpu": 2_000_000, "host": 2_000_000, "cuda": 200_000_000}
 """Between two looks at the keyboard: about a second."""
 SAMPLES = 10
 """Of the tools' forces in a row, at least: single cycles are noisy."""
-START = "start."
-"""Prefix in a checkpoint of what the shells of a later operation start from."""
 LOOKS = 50
 """A stage, at shells that may have to be split, and at the step of the mesh: once in 2 % of it."""
 
 
-class ExplicitStamping(StampingRecording):
+@dataclass
+class SheetProgress(RowProgress):
+    """The same of a stamping."""
+
+    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
+        **RowProgress.on_new_mesh,
+        "cycles": RUN,
+        "shell_cycles": RUN,
+        "mesh_factor": ANEW,
+    }
+    cycles: int = 0
+    """So far."""
+    shell_cycles: int = 0
+    """Sum over them of the number of shells."""
+    mesh_factor: float = 0.0
+    """Stable step of the mesh over that of its shells; 0 until found."""
+
+
+class ExplicitStamping(RowRecording):
     """A stamping at work."""
 
     model: Model
@@ -70,22 +95,22 @@ class ExplicitStamping(StampingRecording):
         """
         self._world = world
         assert isinstance(model.explicit, ExplicitSheet)
-        super().__init__(model, threads, SheetProgress(model.output.rows), (*PHASES, "rest"))
-        self._start = None if begin is None else ShellStart.of(begin)
+        self.progress = SheetProgress(model.output.rows)
+        super().__init__(model, threads, self.progress, (*PHASES, "rest"))
         self.settings = model.explicit
-        self._first_level = level
-        self._sheet = self._begin_split()
-        self._judged = model.sheet[1].formability
+        self.begins_flat = begin is None
+        self.refined = RefinedSheet(self, None if begin is None else ShellStart.of(begin), level)
+        self.add_mesh_change(self.refined)
         self._damage_laws = make_damage(model.sheet[1].damage, model.sheet[1].umat, is_solid=False)
         self.shells = self._make_shells()
         self._mesh_step: MeshStep | None = None
         if begin is not None:
             fill_layers(self.shells, begin)
-        self._mass = float(self.shells.mass[:, 0].sum())
+        self.blank_mass = float(self.shells.mass[:, 0].sum())
         self._reaction = np.zeros((len(model.mesh.points), 6))
         material = model.sheet[1]
         yield_stress = first_flow_stress(material)
-        self._formed = YIELD_OFFSET * yield_stress * self._mass / material.density
+        self._formed = YIELD_OFFSET * yield_stress * self.blank_mass / material.density
         if self.settings.target_step is not None:
             self._scale_mass(self.settings.target_step)
         check_damping(self.settings.damping, self._longest_step())
@@ -95,6 +120,7 @@ class ExplicitStamping(StampingRecording):
         self.tools = StampingTools(model, self.shells, sag=sag)
         self.heat = ExplicitHeat(model, self.shells, self.tools.at_work) if model.heat else None
         self.layers = SheetHistory(model, self.shells)
+        self._fields = SheetFields(model, self.shells, self.layers, begins_flat=self.begins_flat)
         if begin is not None:
             self.layers.take(begin.blocks)
         self.loose = LooseRows(model)
@@ -102,7 +128,7 @@ class ExplicitStamping(StampingRecording):
         self.shells.find_contact()
 
     def _make_shells(self) -> ExplicitShells:
-        """Make shells of the undeformed mesh as it is split now, and what makes fields of them."""
+        """Make shells of the undeformed mesh as it is split now"""
         model = self.model
         section, material = model.sheet
         assert section.rule != "simpson"
@@ -110,12 +136,10 @@ class ExplicitStamping(StampingRecording):
         self._precision = self.settings.precision or choose_precision(law)
         if model.refinement:
             refuse(self.settings.device, "refined sheets")
-        rolling, self._cells = np.asarray(model.rolling_direction), model.cells
-        self._fields = OnePointFields(model.mesh, self._cells, section, rolling, model.symmetry)
-        start = self._start
+        start, rolling = self.refined.start, np.asarray(model.rolling_direction)
         return ExplicitShells(
             model.mesh.points if start is None else start.position,
-            self._cells,
+            model.cells,
             section.thickness if start is None else start.thickness,
             law,
             material.density,
@@ -130,19 +154,19 @@ class ExplicitStamping(StampingRecording):
             ),
             precision=self._precision,
             device=self.settings.device,
-            hanging=self._sheet.hanging(),
+            hanging=self.refined.find_hanging(),
             world=self._world,
         )
 
     def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         stage, rows = self.model.stages[number], self.model.output.rows
         if row % max(1, rows // LOOKS) == 0:
-            if self.model.refinement:
-                self._refine(self.model.refinement)
+            for change in self.mesh_changes:
+                change.look()
             if self.settings.step_bound == "mesh":
                 self._mesh_step = self._mesh_step or MeshStep(self.shells, self._precision)
-                last = self._progress.mesh_factor
-                self._progress.mesh_factor = float(self._mesh_step.find_factor(self.shells, last))
+                last = self.progress.mesh_factor
+                self.progress.mesh_factor = float(self._mesh_step.find_factor(self.shells, last))
         begin, end = (stage.duration * r / rows for r in (row, row + 1))
         if self.heat is not None:
             self.heat.begin_row()
@@ -153,7 +177,7 @@ class ExplicitStamping(StampingRecording):
 
     def _compute_cycles(self, stage: Stage, begin: float, end: float) -> tuple[int, float, EnergyBalance]:
         """Compute a row of cycles, or of a dwell, from one time of a stage to another [s]; return as _compute_row."""
-        n_shells = len(self._cells)
+        n_shells = len(self.model.cells)
         if stage.dwell is not None:
             return self._compute_dwell(stage, end - begin)
         n = int(np.ceil((end - begin) / self._longest_step() * (1 - 1e-12)))
@@ -171,10 +195,10 @@ class ExplicitStamping(StampingRecording):
             stop.look()
         self._reaction = self.shells.reaction_impulse / (end - begin)
         if not self.tools.hold_sheet:
-            self.loose.end_row(self.model, self._progress.stage, self.shells, self.shells.mass[:, 0])
+            self.loose.end_row(self.model, self.progress.stage, self.shells, self.shells.mass[:, 0])
         energies = self._energies(stage, end)
-        self._progress.cycles += n
-        self._progress.shell_cycles += n * n_shells
+        self.progress.cycles += n
+        self.progress.shell_cycles += n * n_shells
         if self.heat is not None:
             self.heat.advance(stage.slower * (end - begin), None)
         return n, self.shells.dt, energies
@@ -198,57 +222,23 @@ class ExplicitStamping(StampingRecording):
             self.timing.add_seconds(phase, seconds)
         self.timing.add_seconds("rest", perf_counter() - started - sum(spent.values()))
 
-    def _refine(self, refinement: Refinement) -> None:
-        """Split the shells that are bent, or will be; again, as far as there are levels."""
-        for _ in range(refinement.levels):
-            shells, tools, planes = self.shells, self.tools.placed(), find_planes(self.mesh)
-            chosen = choose_shells(self._sheet, shells.position, shells.thickness, tools, refinement, planes)
-            if not chosen.any():
-                return
-            self._split(chosen)
-
-    def _split(self, chosen: BoolArray) -> None:
-        """Split the chosen shells (n,), and others as far as neighbours would be more than a level apart."""
-        old, step = self.shells, self._sheet.split(chosen)
-        self._progress.mesh_factor = 0.0
-        planes, tools = find_planes(self.mesh), self.tools.placed()
-        position = place_nodes(self._sheet, step, old.position, old.thickness, planes, tools)
-        self._sheet = step.mesh
-        if (start := self._start) is not None:
-            place, parent = step.interpolate(start.position), step.parent
-            self._start = ShellStart(place, start.thickness[parent], start.axis[parent])
-        self.begin_epoch(step.apply(self.mesh))
-        self._make_again()
-        self.begin_stage()
-        self.shells.inherit(old, position, step.node_parents(), step.parent)
-        self.layers.split(step.parent)
-
-    def _begin_split(self) -> SplitMesh:
-        """Return the present mesh before this operation has split any shell."""
-        sheet = SplitMesh.begin(self.model.cells, len(self.model.mesh.points))
-        return replace(sheet, level=sheet.level + self._first_level)
-
     @property
     def level(self) -> int:
         """How often the shells that were split most have been split."""
-        return int(self._sheet.level.max())
+        return self.refined.level
 
-    def split_evenly(self) -> None:
-        """Split all shells as often as those split most, so that no node hangs."""
-        while len(self._sheet.hanging()):
-            level = self._sheet.level
-            self._split(level < level.max())
-
-    def _make_again(self) -> None:
+    def make_shells_again(self) -> None:
         """Make shells and tools anew for the present mesh; pushed tools keep their masses."""
         self.shells, self._mesh_step = self._make_shells(), None
+        self.progress.mesh_factor = 0.0
         self._reaction = np.zeros((len(self.mesh.points), 6))
         self.tools = StampingTools(self.model, self.shells, self.tools)
-        self.observers = list_observers(self.model)
+        self._fields = SheetFields(self.model, self.shells, self.layers, begins_flat=self.begins_flat)
+        self.list_observers()
 
     def _longest_step(self) -> float:
         """Return the time step allowed now; add mass where the target asks for it."""
-        settings, bound = self.settings, self.shells.stable_step() * max(1.0, self._progress.mesh_factor)
+        settings, bound = self.settings, self.shells.stable_step() * max(1.0, self.progress.mesh_factor)
         if settings.target_step is None:
             return settings.safety * bound
         if settings.safety * bound < settings.target_step * (1 - 1e-9):
@@ -258,7 +248,7 @@ class ExplicitStamping(StampingRecording):
     def _scale_mass(self, target: float) -> MassScaling:
         """Add mass so that the target is `safety` times the stable step."""
         scaling = self.shells.scale_mass(target * SAFETY / self.settings.safety)
-        self._progress.added_mass = scaling.percent
+        self.progress.added_mass = scaling.percent
         return scaling
 
     def tool_forces(self) -> FloatArray:
@@ -267,7 +257,7 @@ class ExplicitStamping(StampingRecording):
 
     def begin_stage(self) -> None:
         """Prescribe what supports and the present stage prescribe."""
-        number = self._progress.stage
+        number = self.progress.stage
         self._prescribe(self.shells)
         self.tools.begin_stage(number)
         if number < len(self.model.stages):
@@ -283,22 +273,152 @@ class ExplicitStamping(StampingRecording):
         """Return the present state of the sheet."""
         return replace(sheet_of_explicit(self.shells, self.layers.values), heated=keep_heated(self.show()))
 
+    # --- what is recorded --------------------------------------------------------------------------------------------
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        first = ["time", "stage", "increment", "cycles", *self.tools.row()]
+        if self.heat is not None:
+            first += ["process_time"]
+        return [*first, *self.observers.columns(self), *LAST_COLUMNS]
+
+    def begin_log(self) -> str:
+        """Name the procedure and what it starts with."""
+        return (
+            f"explicit: {len(self.model.cells)} shells in {self._precision} precision"
+            f"{name_device(self.settings.device)}, stable step "
+            f"{self.shells.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
+        )
+
+    def log_lines(self, report: RowReport) -> list[str]:
+        """Say where the row ended, and which energies are beyond their limits."""
+        return [*super().log_lines(report), *(f"warning: {each}" for each in report.energies.warnings(self._formed))]
+
+    def progress_text(self, report: RowReport) -> str:
+        """Name stage, tools and cycle: what a narrow terminal cuts off comes last."""
+        return "  ".join(t for t in (f"{report.stage}:", self.tools.text(), f"cycle {self.progress.cycles}") if t)
+
+    def row(self, report: RowReport) -> Row:
+        """Return the row of the history."""
+        return {
+            "time": report.time,
+            "stage": report.stage,
+            "increment": report.number,
+            "cycles": self.progress.cycles,
+            **self.tools.row(),
+            **({"process_time": process_time(self.model.stages, self.shells.time)} if self.heat else {}),
+            **self.observers.row(self),
+            **self._end_row(report),
+        }
+
+    def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
+        """Return the heat of the sheet, if it has any."""
+        return None if self.heat is None else (self.heat.sheet, self.heat.arrays)
+
+    def positions(self) -> FloatArray:
+        """Return where the nodes are (n_points, 3) [mm]."""
+        return self.shells.position
+
+    def displacements(self) -> FloatArray:
+        """Return displacements since the run began; rotations are not kept (n_points, 6) [mm]."""
+        moved = np.zeros((len(self.model.mesh.points), 6))
+        moved[:, :3] = self.shells.position - self.model.mesh.points
+        return moved
+
+    def reactions(self) -> FloatArray:
+        """Return the mean forces of what holds nodes over the last row (n_points, 6) [N, N mm]."""
+        return self._reaction
+
+    def tool_displacements(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the run began (3,) [mm]."""
+        return self.tools.displacement()
+
+    def overlap(self) -> float:
+        """Return by how much the sheet overlaps itself [mm]."""
+        return float(self.shells.find_overlap()[0])
+
+    def evolved(self) -> Evolved:
+        """Return what evolution laws keep at the layers."""
+        n = len(self.model.mesh.blocks)
+        critical = {law.name: [law.critical.get(law.name)] * n for law in self._damage_laws}
+        return Evolved(self._fields.find_evolved(), critical)
+
+    def show(self) -> Instant:
+        """Return what the fields of the present state are computed from."""
+        return Instant(
+            self.model,
+            self.shells.position - self.model.mesh.points,
+            reaction=self._reaction,
+            tool_force=self.shells.contact_force,
+            find_sheet=self._fields.find,
+            evolved=self._fields.find_evolved(),
+            judged=self.model.sheet[1].formability,
+            **(self.heat.show() if self.heat else {}),
+        )
+
+    def snapshot(self, now: Instant | None = None) -> Snapshot:
+        """Return the fields of the present state. now: what they are computed from, of `show`."""
+        points, cells = compute_fields(now or self.show())
+        return Snapshot(
+            time=self.shells.time,
+            point_data=points,
+            cell_data=cells,
+            info=describe_stamping(self.model),
+            surfaces=self._tool_surfaces,
+            tool_displacement=self.tools.displacement(),
+        )
+
+    @cached_property
+    def _tool_surfaces(self) -> dict[str, tuple[FloatArray, IntArray]]:
+        """Triangles of the tools where they start; files keep those of the first step."""
+        return cut_tools(self.model)
+
+    def watch(self) -> Watched:
+        """Return how far the present state is towards its limits."""
+        thickness = self.model.sheet[0].thickness
+        depths = [measure_sheet_penetration(t.name, t.penetration, thickness) for t in self.shells.tools.values()]
+        if self.model.self_contact:
+            depths.append(measure_overlap(self.overlap(), thickness))
+        strained = watch_sheet(self._fields.judge_middle())
+        return Watched((*strained.measures, *depths), strained.margin, self.find_peaks())
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self.shells.time
+
+    def row_at_rest(self) -> Row:
+        """Return the row of the history once the part is released: strokes, and what the energies have come to."""
+        energies = self.shells.energies(damping=self.settings.damping, velocity_scale=0.0)
+        report = RowReport(self.number, "", 1.0, self.time, 0, self.shells.dt, energies, is_save_point=True)
+        gone = {
+            f"{t.name}.{force}": 0.0 for t in self.model.tools for force in ("force", "force_x", "force_y", "force_z")
+        }
+        return self.row(report) | gone | self.observers.row(self, is_released=True) | {"kinetic_energy": 0.0}
+
+    def judge(self) -> FormingVerdict:
+        """Return the verdict on the present sheet."""
+        now = self.show()
+        return self.judge_fields({**now.sheet, **now.surface})
+
+    def judge_fields(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
+        """Return the verdict on the sheet by its cell fields."""
+        return self._fields.judge(fields)
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return counts, extremes and energies, with warnings where they are beyond their limits."""
+        return summarise_sheet(self, history)
+
+    # --- checkpoints --------------------------------------------------------------------------------------------------
+
     def _epoch_arrays(self) -> NamedArrays:
-        sheet, start = self._sheet, self._start
-        if not self.epoch:
-            return super()._epoch_arrays()
-        begun = {} if start is None else {f"{START}{name}": values for name, values in vars(start).items()}
-        return {"level": sheet.level, "side": sheet.side, "middle": sheet.middle, **begun, **super()._epoch_arrays()}
+        return {**self.refined.epoch_arrays(), **super()._epoch_arrays()}
 
     def make_run(self, epoch: Mapping[str, NDArray[Any]]) -> None:
-        sheet = self._begin_split()
-        if self.epoch:
-            sheet = replace(sheet, level=epoch["level"], side=epoch["side"], middle=epoch["middle"])
-        if self.epoch and self._start is not None:
-            begun = {name: values for name, values in epoch.items() if name.startswith(START)}
-            self._start = ShellStart(**{name.removeprefix(START): values for name, values in begun.items()})
-        self._sheet = sheet
-        self._make_again()
+        """Make shells and tools for the present mesh; epoch: of a checkpoint."""
+        self.refined.begin_epoch(epoch)
+        self.make_shells_again()
         self.layers.start(self.shells)
 
     def _keep_run(self) -> Callable[[], Mapping[str, NDArray[Any]]] | None:
@@ -309,7 +429,7 @@ class ExplicitStamping(StampingRecording):
 
     def _arrays_beside_run(self) -> NamedArrays:
         heat = self.heat.dump() if self.heat else {}
-        return {**self._progress.to_arrays(), **self.layers.dump(), **heat, **self.loose.to_arrays()}
+        return {**self.progress.to_arrays(), **self.layers.dump(), **heat, **self.loose.to_arrays()}
 
     def _load_state(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         self._take_up(arrays)

@@ -169,7 +169,7 @@ class ReleasedStamping(ModelRecording):
             state = sheet_of_implicit(self.released.implicit)
             return replace(state, heated=self.released.heated)
         if isinstance(self.forming, ExplicitStamping):
-            self.forming.split_evenly()
+            self.forming.refined.split_evenly()
         return self.forming.sheet()
 
     def formed_shape(self) -> FloatArray:
@@ -196,7 +196,7 @@ class ReleasedStamping(ModelRecording):
     def release(self) -> Released:
         """Begin the epoch of the part without its tools: the implicit procedure knows no hanging nodes."""
         if isinstance(self.forming, ExplicitStamping):
-            self.forming.split_evenly()
+            self.forming.refined.split_evenly()
         mesh, state, cut = self.forming.mesh, self.forming.sheet(), None
         try:
             if self.model.trim:
