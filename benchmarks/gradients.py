@@ -62,7 +62,8 @@ def measure(kind: type[CaseFile], data: dict[str, Any], keys: list[str]) -> tupl
     """Return CPU time [s], matrices, evaluations of cells and back-substitutions of the first increments."""
     asked = {"gradients": {"of": ["punch.force"], "by": keys}} if keys else {}
     recording: Any = begin(build_model(kind.model_validate({**data, **asked})), threads=1)
-    mechanics = type(recording.procedure.mechanics)
+    procedure = (recording.run if keys else recording).procedure
+    mechanics = type(procedure.mechanics)
     evaluate, evaluations = mechanics.evaluate, 0
 
     def counted(*given: Any, **named: Any) -> Any:
@@ -79,7 +80,7 @@ def measure(kind: type[CaseFile], data: dict[str, Any], keys: list[str]) -> tupl
 
     mechanics.evaluate, mechanics.assemble_stiffness = counted, counted_too
     started = process_time()
-    for report in recording.procedure.advance():
+    for report in procedure.advance():
         recording.row(report)
         if report.number == INCREMENTS:
             break

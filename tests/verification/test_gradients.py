@@ -395,7 +395,7 @@ def count_evaluations(recording: Any) -> int:
         return evaluate(*given, **named)
 
     mechanics.evaluate = counted
-    for report in recording.procedure.advance():
+    for report in recording.run.procedure.advance():
         if report.number == 4:
             break
     return count

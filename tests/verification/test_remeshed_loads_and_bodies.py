@@ -8,6 +8,7 @@ from presswork import Case, CaseError, build_model
 from presswork.examples import copy_example
 from presswork.model import BodyContact, EdgeForce
 from presswork.process.begin import begin
+from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.process.mesh_change import new_balance
 from presswork.recorder import run_model
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
@@ -150,7 +151,7 @@ def test_a_body_that_is_not_meshed_anew_keeps_its_state_to_the_bit(two_bodies):
 
     new_balance.balance_at_rest = look
     try:
-        assert recording._remesh("asked for", {0})
+        assert recording.observers.find(NewMeshes).remesh("asked for", {0})
     finally:
         new_balance.balance_at_rest = real
     for name, values in kept.items():

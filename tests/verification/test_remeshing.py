@@ -7,6 +7,7 @@ import pytest
 from presswork import Case, build_model
 from presswork.fields.solid_fields import effective_stress
 from presswork.process.begin import begin
+from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.process.mesh_change import new_balance
 
 
@@ -60,7 +61,7 @@ def test_metal_that_a_new_mesh_would_bring_far_beyond_its_flow_stress_flows(limi
     recording = begin(build_model(case), 1)
     for _ in zip(range(12), recording.advance(), strict=False):
         pass
-    assert recording._remesh("asked for", must=True)
+    assert recording.observers.find(NewMeshes).remesh("asked for", must=True)
     state = recording.procedure.state
     beyond = effective_stress(state.cells.stress[0]) / recording.procedure.mechanics.flow_stress(0, state)
     assert 1.0005 < beyond.max() < limit * (1.0 + 1e-9)
