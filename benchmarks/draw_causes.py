@@ -31,7 +31,7 @@ from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
 from presswork.interaction.space.space_contact import SpaceForces
 from presswork.interaction.space.space_touch import limit_friction
 from presswork.outcome import Converged
-from presswork.process.implicit.implicit_stamping import make_shell_model
+from presswork.process.implicit.stamping import make_shell_model
 
 SLIDES = 1.0 - 1e-9
 """Of the limit of friction: a node with more slides."""

@@ -19,7 +19,7 @@ from presswork.body.shell_arrays import ShellArrays
 from presswork.case import build_model, read_case
 from presswork.examples import copy_example
 from presswork.implicit.stepping import GaveUpError, ImplicitProcedure
-from presswork.process.implicit.implicit_stamping import make_shell_model
+from presswork.process.implicit.stamping import make_shell_model
 
 
 def draw(size: float, stroke: float, overrides: list[str], threads: int) -> None:

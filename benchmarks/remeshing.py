@@ -20,7 +20,7 @@ from time import process_time
 from presswork import Case, build_model, read_case
 from presswork.examples import copy_example
 from presswork.model import Model
-from presswork.process.implicit.forming import begin_forming
+from presswork.process.implicit.begin_forming import begin_forming
 from presswork.process.implicit.new_meshes import NewMeshes
 
 CELLS = (16, 32, 64, 100)

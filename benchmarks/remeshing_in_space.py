@@ -22,7 +22,7 @@ from presswork import build_model, read_case
 from presswork.examples import copy_example
 from presswork.model import Model
 from presswork.process.implicit import new_meshes
-from presswork.process.implicit.forming import begin_forming
+from presswork.process.implicit.begin_forming import begin_forming
 from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.process.mesh_change import bodies_in_space, carrying
 from presswork.remesh.space.mmg_process import MMG

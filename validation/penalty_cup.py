@@ -26,7 +26,7 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh.shells import mesh_shell_rectangle
 from presswork.model import Model, ShellElement
 from presswork.outcome import GaveUpError
-from presswork.process.implicit.implicit_stamping import make_shell_model
+from presswork.process.implicit.stamping import make_shell_model
 
 DEPTH = 27.0
 SIDE = 50.0

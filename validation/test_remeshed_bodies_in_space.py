@@ -6,7 +6,7 @@ import pytest
 
 from presswork import build_model, read_case
 from presswork.process.begin import begin
-from presswork.process.explicit.new_meshes import MeshesOfRows
+from presswork.process.explicit.new_meshes import IntervalMeshes
 from presswork.recorder import run_model
 from tests.problems.touching_bodies import STACK, write_case
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
@@ -84,7 +84,7 @@ def test_two_explicit_blocks_upset_on_new_meshes_are_those_on_a_fine_mesh_and_of
     print(f"{np.abs(of_fine[late] - 1.0).max():.2%}, {np.abs(of_implicit[5:] - 1.0).max():.2%}")
     assert np.abs(of_fine[late] - 1.0).max() < 0.02
     assert np.abs(of_implicit[5:] - 1.0).max() < 0.02
-    meshes = run.observers.find(MeshesOfRows)
+    meshes = run.observers.find(IntervalMeshes)
     print(np.array(meshes.bodies.measure()) / meshes.first_volumes - 1.0, often["energy_error_percent"][-1])
     assert abs(sum(meshes.bodies.measure()) / sum(meshes.first_volumes) - 1.0) < 1e-3
     assert abs(often["energy_error_percent"][-1]) < 0.5

@@ -24,7 +24,7 @@ from presswork.model import Model
 from presswork.observe.verdict import judge_run
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
-from presswork.process.recording import Meta, Recording, Report
+from presswork.process.run import Meta, Report, Run
 from presswork.process.watch import Watch
 from presswork.ranks.world import LeadFailed, World
 from presswork.results import (
@@ -86,7 +86,7 @@ def run_model(
     resume: bool = False,
     threads: int = 0,
     on_increment: Callable[[Progress], None] | None = None,
-    procedure: Callable[[Model, int], Recording] = begin,
+    procedure: Callable[[Model, int], Run] = begin,
     world: World | None = None,
 ) -> Outcome:
     """Compute the whole process and write it to the folder.
@@ -123,7 +123,7 @@ def _leading(world: World | None) -> AbstractContextManager[None]:
     return world.leading(GaveUpError) if world else nullcontext()
 
 
-def _follow(recording: Recording, folder: Path, world: World, *, resume: bool) -> Outcome:
+def _follow(recording: Run, folder: Path, world: World, *, resume: bool) -> Outcome:
     """Compute a rank's part of a run that rank 0 writes, as far as rank 0 goes; Outcome.reason is told by rank 0."""
     try:
         world.follow()
@@ -142,7 +142,7 @@ def _follow(recording: Recording, folder: Path, world: World, *, resume: bool) -
     return Outcome(status, folder)
 
 
-def _follow_rows(recording: Recording, world: World) -> Status:
+def _follow_rows(recording: Run, world: World) -> Status:
     try:
         if not world.follow():
             return "gave_up"
@@ -188,7 +188,7 @@ class _Log(logging.FileHandler):
 class _Run:
     """One run in one folder."""
 
-    def __init__(self, recording: Recording, folder: Path, model: Model, watch: Watch, world: World | None) -> None:
+    def __init__(self, recording: Run, folder: Path, model: Model, watch: Watch, world: World | None) -> None:
         self.recording = recording
         self.world = world
         self.watch = watch

@@ -12,7 +12,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 from presswork.model import Mesh
-from presswork.process.recording import Snapshot
+from presswork.process.run import Snapshot
 from presswork.results import OutputError, append_step, count_steps, truncate_steps
 from presswork.results.history import BY_OTHERS
 

@@ -17,7 +17,7 @@ from presswork.law.history import History, list_history
 from presswork.law.umat import compile_law, open_umat
 from presswork.model import FloatArray, Material, Umat
 from presswork.process.begin import begin
-from presswork.process.explicit.new_meshes import MeshesOfRows
+from presswork.process.explicit.new_meshes import IntervalMeshes
 from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.process.mesh_change import carrying
 from presswork.remesh.carrier import place_points
@@ -124,7 +124,7 @@ def carry_in_explicit_run(recording: Any) -> None:
     kept = state[SolidArrays].kept[0]
     fill(kept, state[SolidArrays].points[0][:, 0], place())
     recording.solids.take_state_as_given(state)
-    assert recording.observers.find(MeshesOfRows).remesh("asked for")
+    assert recording.observers.find(IntervalMeshes).remesh("asked for")
     check(kept, recording.solids.state_as_given()[SolidArrays].points[0][:, 0], place())
 
 

@@ -18,8 +18,8 @@ from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.model import Model
 from presswork.observe.limits import Watched
-from presswork.process.model_recording import ModelRecording
-from presswork.process.recording import Snapshot
+from presswork.process.model_run import ModelRun
+from presswork.process.run import Snapshot
 from presswork.recorder import Progress
 from presswork.timing import Timing
 
@@ -47,7 +47,7 @@ class Step:
     is_save_point: bool = True
 
 
-class Conveyor(ModelRecording):
+class Conveyor(ModelRun):
     """Moves all nodes by WAY [mm] in STEPS equal steps."""
 
     def __init__(self, model: Model, threads: int) -> None:

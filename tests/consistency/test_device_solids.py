@@ -26,7 +26,7 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.model import Damage, Plane, SolverSettings
 from presswork.outcome import StartError
 from presswork.process.begin import begin
-from presswork.process.explicit.impact import ExplicitImpact
+from presswork.process.explicit.forming import ExplicitForming
 from presswork.recorder import run_model
 from tests.consistency.test_device_laws import law_of as sheet_law
 from tests.consistency.test_device_resident import HANDFUL, LITTLE
@@ -202,7 +202,7 @@ def test_a_row_takes_back_places_reactions_and_stresses_alone(motion: str) -> No
     case = copy.deepcopy(RUNS[motion])
     case["workpiece"]["mesh"]["cells"], case["explicit"]["device"] = [4, 4, 4], "host"
     taken = begin(build_model(SpaceCase(**case)), threads=1)
-    assert isinstance(taken, ExplicitImpact)
+    assert isinstance(taken, ExplicitForming)
     rows, solids = taken.advance(), taken.solids
     next(rows)
     taken.watch()
@@ -221,7 +221,7 @@ def test_what_a_row_sums_up_outlives_a_change_of_the_loop() -> None:
     case = copy.deepcopy(RUNS["turned"])
     case["explicit"]["device"] = "host"
     taken = begin(build_model(SpaceCase(**case)), threads=1)
-    assert isinstance(taken, ExplicitImpact)
+    assert isinstance(taken, ExplicitForming)
     next(taken.advance())
     solids, wall = taken.solids, taken.walls[0]
     wall.begin_sums()

@@ -26,7 +26,7 @@ from presswork.law.elastic_plastic import make_plane_law, make_sheet_law, make_s
 from presswork.law.umat import SheetUmat, open_sheet_law
 from presswork.onestep.law import find_metric
 from presswork.onestep.law import make_law as make_deformation_law
-from presswork.process.explicit.forming import begin_impact
+from presswork.process.explicit.begin_forming import begin_explicit_forming
 
 TABLE = Path(__file__).parents[1] / "data" / "hot_curves.csv"
 DOCS = Path(__file__).parents[2] / "docs" / "theory" / "material.md"
@@ -328,7 +328,7 @@ def compare_with_law(run: ExplicitSolids | ExplicitSpaceSolids, law: Any, compon
 
 def stretch_in_space(model: Any) -> ExplicitSpaceSolids:
     """Stretch a cell along y evenly by 2 % in a hundred cycles."""
-    run = begin_impact(model).solids
+    run = begin_explicit_forming(model).solids
     run.release()
     run.fix("all", "uw", 0.0)
     run.fix("all", "v", 100.0 * model.mesh.points[:, 1])

@@ -21,7 +21,7 @@ from presswork.model import FloatArray, Model
 from presswork.outcome import StartError
 from presswork.process.begin import begin
 from presswork.process.implicit import bodies_in_plane
-from presswork.process.implicit.forming import begin_forming
+from presswork.process.implicit.begin_forming import begin_forming
 from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.process.mesh_change import carrying
 from presswork.process.mesh_change.carrying import find_undeclared

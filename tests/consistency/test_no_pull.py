@@ -20,7 +20,7 @@ from presswork.interaction.bodies.body_contact import RELEASE as RELEASE_OF_SLOT
 from presswork.interaction.bodies.body_surfaces import InterfaceArrays
 from presswork.interaction.tool_arrays import ContactArrays, SpaceToolArrays
 from presswork.model import FloatArray
-from presswork.process.implicit.implicit_stamping import make_shell_model
+from presswork.process.implicit.stamping import make_shell_model
 from tests.regression.test_implicit_stamping import CUP
 
 STEEL = {"young": 2e5, "poisson": 0.3, "hardening": {"law": "linear", "yield_stress": 300, "modulus": 200}}

@@ -15,13 +15,13 @@ from presswork.case.space.schema import SpaceCase
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Mesh, Model
 from presswork.process.derivatives.differentiated import begin_differentiated
-from presswork.process.implicit.implicit_recording import ImplicitRecording
-from presswork.process.implicit.increments import IncrementRecording, find_position
+from presswork.process.implicit.forming import ImplicitForming
+from presswork.process.implicit.increments import IncrementRun, find_position
 from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.process.mesh_change.carrying import carry_to_mesh
 from presswork.process.mesh_change.mesh_reasons import DUE
 from presswork.process.mesh_change.new_epoch import NewEpoch
-from presswork.process.recording import Recording, Row
+from presswork.process.run import Row, Run
 from presswork.remesh.carrier import Carrier
 from presswork.results.history import name_derivative
 from tests.problems.differentiated import APART, EXACT, set_value, upset_block, upset_cylinder
@@ -42,7 +42,7 @@ class MadeMesh:
 class Noting:
     """Notes the new meshes of a run with derivatives, and lets its neighbours follow it."""
 
-    def __init__(self, run: IncrementRecording) -> None:
+    def __init__(self, run: IncrementRun) -> None:
         assert run.neighbours is not None
         self._run, self._neighbours = run, run.neighbours
         self.made: list[MadeMesh] = []
@@ -66,7 +66,7 @@ class GivenBodies:
     parts = (1.0,)
     waits_first = False
 
-    def __init__(self, run: IncrementRecording, given: Sequence[MadeMesh]) -> None:
+    def __init__(self, run: IncrementRun, given: Sequence[MadeMesh]) -> None:
         self._run, self._given = run, given
 
     def find_obstacle(self) -> str:
@@ -106,10 +106,10 @@ class GivenBodies:
         """Take up nothing."""
 
 
-def begin_with_meshes(model: Model, given: Sequence[MadeMesh]) -> ImplicitRecording:
+def begin_with_meshes(model: Model, given: Sequence[MadeMesh]) -> ImplicitForming:
     """Return a run that takes the new meshes of another run, and makes none itself."""
     assert model.remeshing is not None
-    run = ImplicitRecording(replace(model, remeshing=replace(model.remeshing, every=0.0)), threads=1)
+    run = ImplicitForming(replace(model, remeshing=replace(model.remeshing, every=0.0)), threads=1)
     run.add_mesh_change(NewMeshes(run, GivenBodies(run, given)))
     return run
 
@@ -149,7 +149,7 @@ def differentiate_with_meshes(
     in_space = data["analysis"] == "solid"
     kind = SpaceCase if in_space else Case
     own = begin_differentiated(build_model(kind.model_validate(data | asked)), 1)
-    assert isinstance(own.run, ImplicitRecording)
+    assert isinstance(own.run, ImplicitForming)
     noting = own.run.neighbours = Noting(own.run)
     rows = _go_through(own)
     found = {}
@@ -165,5 +165,5 @@ def differentiate_with_meshes(
     return found, len(noting.made)
 
 
-def _go_through(run: Recording) -> list[Row]:
+def _go_through(run: Run) -> list[Row]:
     return [run.row(report) for report in run.advance()]

@@ -32,7 +32,7 @@ from presswork.model import (
     ToolMotion,
 )
 from presswork.process.explicit.stamping import ExplicitStamping
-from presswork.process.implicit.implicit_stamping import ImplicitStamping
+from presswork.process.implicit.stamping import ImplicitStamping
 
 Array = npt.NDArray[np.float64]
 EXAMPLE = files("presswork.examples") / "hemispherical_punch.toml"

@@ -9,7 +9,7 @@ from presswork.case.errors import CaseError
 from presswork.evolution.points import find_evolved
 from presswork.examples import copy_example
 from presswork.process.begin import begin
-from presswork.process.implicit.increments import IncrementRecording
+from presswork.process.implicit.increments import IncrementRun
 from presswork.study.calibrate_damage import calibrate_damage
 from presswork.view.all_plots import plot_all
 from presswork.view.plots.mesh_plot import plot_mesh
@@ -135,8 +135,8 @@ def test_new_meshes_keep_the_peak_and_the_mean(tmp_path, monkeypatch) -> None:
         changes.append(np.divide(measure(procedure), measure(self.procedure)))
         begin_on(self, procedure, origin, position)
 
-    begin_on = IncrementRecording.begin_on
-    monkeypatch.setattr(IncrementRecording, "begin_on", look)
+    begin_on = IncrementRun.begin_on
+    monkeypatch.setattr(IncrementRun, "begin_on", look)
     recording = begin(build_model(read_case(copy_example("forging_hub", tmp_path))), 1)
     peaks = []
     for _ in recording.advance():

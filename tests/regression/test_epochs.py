@@ -18,7 +18,7 @@ from presswork.implicit.progress import Progress
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.model import Model
 from presswork.process.implicit.asked_mesh import AskedMesh
-from presswork.process.implicit.implicit_recording import ImplicitRecording
+from presswork.process.implicit.forming import ImplicitForming
 from presswork.recorder import Outcome, run_model
 from presswork.results.history import read_history
 from tests.problems.renumbered import renumber, touching
@@ -59,8 +59,8 @@ def ask_for_a_mesh_without_sets(epoch: Epoch) -> NextMesh:
 
 
 def run(folder: Path, hook: Any = ask, case: dict[str, Any] = BILLET, **options: Any) -> Outcome:
-    def begin(model: Model, threads: int) -> ImplicitRecording:
-        recording = ImplicitRecording(model, threads=threads)
+    def begin(model: Model, threads: int) -> ImplicitForming:
+        recording = ImplicitForming(model, threads=threads)
         if hook is not None:
             recording.add_mesh_change(AskedMesh(recording, hook))
         return recording
@@ -146,7 +146,7 @@ def test_one_of_two_bodies_changes_its_mesh_and_both_go_on(tmp_path: Path) -> No
 
     histories = {}
     for name, model, hook in (("changed", coarse, ask_for_more_cells), ("from the start", fine, None)):
-        recording = ImplicitRecording(model, threads=1)
+        recording = ImplicitForming(model, threads=1)
         if hook is not None:
             recording.add_mesh_change(AskedMesh(recording, hook))
         outcome = run_model(model, tmp_path / name, procedure=lambda _, __, r=recording: r)

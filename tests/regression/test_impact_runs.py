@@ -17,7 +17,7 @@ from presswork.examples import copy_example
 from presswork.explicit.solids import ExplicitSolids
 from presswork.model import Model
 from presswork.process.begin import check_start
-from presswork.process.explicit.forming import begin_impact
+from presswork.process.explicit.begin_forming import begin_explicit_forming
 from presswork.recorder import StartError, run_model
 from presswork.results import OutputError, Result
 from presswork.view import plot_all
@@ -80,7 +80,7 @@ def test_the_case_gives_the_bits_of_the_arrays(taylor_bar: dict[str, Any], bounc
     """A run from Python to the same times ends with the same positions."""
 
     model = build(taylor_bar)
-    start = begin_impact(model, threads=1).solids
+    start = begin_explicit_forming(model, threads=1).solids
     for row in range(40):
         start.run_to(model.stages[0].duration * (row + 1) / 40)
     np.testing.assert_array_equal(bounced.points(-1)[:, :2], model.mesh.points + (start.position - model.mesh.points))

@@ -14,7 +14,7 @@ from presswork import Case, build_model
 from presswork.examples import copy_example
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.process.begin import begin
-from presswork.process.implicit.implicit_recording import ImplicitRecording
+from presswork.process.implicit.forming import ImplicitForming
 from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.recorder import run_model
 from tests.regression.whole_runs import run_in_two_parts
@@ -50,7 +50,7 @@ def test_heat_closes_over_new_meshes_of_both_bodies(whole: Path) -> None:
 def test_no_body_loses_heat_to_the_other_on_new_meshes(model) -> None:
     """What each body has stored stays to round-off as both meshes change, where nothing but the mesh does."""
     recording = begin(model, 1)
-    assert isinstance(recording, ImplicitRecording)
+    assert isinstance(recording, ImplicitForming)
     bodies = recording.observers.find(NewMeshes).bodies
     for _ in zip(range(8), recording.advance(), strict=False):
         pass
@@ -70,7 +70,7 @@ def test_no_body_loses_heat_to_the_other_on_new_meshes(model) -> None:
 
 def test_heat_closes_where_one_body_keeps_its_mesh(model) -> None:
     recording = begin(model, 1)
-    assert isinstance(recording, ImplicitRecording)
+    assert isinstance(recording, ImplicitForming)
     bodies = recording.observers.find(NewMeshes).bodies
     for _ in zip(range(8), recording.advance(), strict=False):
         pass

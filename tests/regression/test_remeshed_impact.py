@@ -9,8 +9,8 @@ from presswork.explicit.arrays import SolidArrays
 from presswork.explicit.input_checks import ExplicitError
 from presswork.law.history import EQPS
 from presswork.process.begin import begin
-from presswork.process.explicit.impact import ExplicitImpact
-from presswork.process.explicit.new_meshes import MeshesOfRows
+from presswork.process.explicit.forming import ExplicitForming
+from presswork.process.explicit.new_meshes import IntervalMeshes
 from presswork.recorder import run_model
 from presswork.results import Result, read_history
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts
@@ -78,9 +78,9 @@ def test_a_new_mesh_keeps_a_rigid_motion():
     case = upsetting(remesh={}, boundary={"axis": {"set": "left", "fix": ["x"]}}, points={})
     case = case.model_copy(update={"workpiece": case.workpiece.model_copy(update={"velocity": (0.0, -30e3)})})
     recording = begin(build_model(case), 1)
-    assert isinstance(recording, ExplicitImpact)
+    assert isinstance(recording, ExplicitForming)
     before = recording.solids
-    assert recording.observers.find(MeshesOfRows).remesh("asked for")
+    assert recording.observers.find(IntervalMeshes).remesh("asked for")
     assert recording.solids is not before
     np.testing.assert_allclose(recording.solids.velocity[:, 1], -30e3, rtol=1e-12)
 
@@ -94,7 +94,7 @@ def test_a_new_mesh_keeps_momentum_and_work():
     solids = recording.solids
     momentum, energies, time = solids.mass @ solids.velocity, solids.energies(), solids.time
     assert np.ptp(solids.velocity[:, 1]) > 1e3
-    assert recording.observers.find(MeshesOfRows).remesh("asked for")
+    assert recording.observers.find(IntervalMeshes).remesh("asked for")
     solids = recording.solids
     assert (solids.mass @ solids.velocity)[1] == pytest.approx(momentum[1], rel=1e-12)
     after = solids.energies()
@@ -118,14 +118,14 @@ def test_a_new_mesh_keeps_the_peaks_of_plastic_strain_and_damage():
         return [solids.find_kept(0, EQPS)[:, 0], solids.damage["damage_cockcroft_latham"][0][:, 0]]
 
     def find_means():
-        volume = recording.observers.find(MeshesOfRows).bodies.find_volumes()[0]
+        volume = recording.observers.find(IntervalMeshes).bodies.find_volumes()[0]
         return [(values * volume).sum() / volume.sum() for values in list_fields(recording.solids.state())]
 
     for values in list_fields(state):
         values[100] = 1.3 * values.max()
     recording.solids.take_state(state)
     means = find_means()
-    assert recording.observers.find(MeshesOfRows).remesh("asked for")
+    assert recording.observers.find(IntervalMeshes).remesh("asked for")
     for before, after in zip(list_fields(state), list_fields(recording.solids.state()), strict=True):
         assert after.max() == before.max() > 0.0
     assert find_means() == pytest.approx(means, rel=0.02)
@@ -147,7 +147,7 @@ def test_resumed_between_meshes_gives_the_same_bits(remeshed, tmp_path):
 
 def test_a_row_that_fails_is_computed_again_on_a_new_mesh(monkeypatch):
     """A cell turns inside out after the row's cycles: its beginning gets a new mesh, and the run goes on."""
-    real, calls = ExplicitImpact._compute_cycles, []
+    real, calls = ExplicitForming._compute_cycles, []
 
     def fail_once(recording, number, row):
         found = real(recording, number, row)
@@ -156,7 +156,7 @@ def test_a_row_that_fails_is_computed_again_on_a_new_mesh(monkeypatch):
             raise ExplicitError("cell 7 is turned inside out in cycle 99: shorten the step")
         return found
 
-    monkeypatch.setattr(ExplicitImpact, "_compute_cycles", fail_once)
+    monkeypatch.setattr(ExplicitForming, "_compute_cycles", fail_once)
     recording = begin(build_model(upsetting(remesh={})), 1)
     notes = [line for report in recording.advance() for line in recording.log_lines(report) if "remesh" in line]
     assert sum("(cell 7 is turned inside out in cycle 99)" in line for line in notes) == 1
@@ -228,7 +228,7 @@ def test_a_hot_run_resumed_between_meshes_gives_the_same_bits(tmp_path):
 
 
 def test_without_keys_the_first_mesh_stays_until_a_row_fails(monkeypatch):
-    real, calls = ExplicitImpact._compute_cycles, []
+    real, calls = ExplicitForming._compute_cycles, []
 
     def fail_once(recording, number, row):
         found = real(recording, number, row)
@@ -240,7 +240,7 @@ def test_without_keys_the_first_mesh_stays_until_a_row_fails(monkeypatch):
     recording = begin(build_model(upsetting()), 1)
     rows = [recording.row(report) for report, _ in zip(recording.advance(), range(40), strict=False)]
     assert rows[-1]["remeshes"] == 0
-    monkeypatch.setattr(ExplicitImpact, "_compute_cycles", fail_once)
+    monkeypatch.setattr(ExplicitForming, "_compute_cycles", fail_once)
     recording = begin(build_model(upsetting()), 1)
     remeshes = [recording.row(report)["remeshes"] for report, _ in zip(recording.advance(), range(32), strict=False)]
     assert remeshes[28] == 0

@@ -9,7 +9,7 @@ from presswork.case.errors import CaseError
 from presswork.case.space.schema import SpaceCase
 from presswork.examples import copy_example
 from presswork.mesh.checks import MeshError
-from presswork.process.implicit.forming import begin_forming
+from presswork.process.implicit.begin_forming import begin_forming
 from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.report.write import write_report
 from presswork.view.all_plots import plot_all

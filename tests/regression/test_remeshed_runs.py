@@ -15,7 +15,7 @@ from presswork.outcome import GaveUpError, StartError
 from presswork.post import measure_die_fill
 from presswork.process.begin import begin
 from presswork.process.implicit import bodies_in_plane, new_meshes
-from presswork.process.implicit.forming import begin_forming
+from presswork.process.implicit.begin_forming import begin_forming
 from presswork.process.implicit.new_meshes import NewMeshes
 from presswork.recorder import run_model
 from presswork.results import Result, read_history

@@ -14,7 +14,7 @@ from presswork.case.space.schema import SpaceCase
 from presswork.explicit.arrays import SolidArrays
 from presswork.law.history import AXES, STRESS
 from presswork.process.begin import begin
-from presswork.process.explicit.new_meshes import MeshesOfRows
+from presswork.process.explicit.new_meshes import IntervalMeshes
 from tests.regression.whole_runs import compare_with_restart
 from tests.verification.test_explicit_tools_in_space import BLOCK, Data, run
 
@@ -54,7 +54,7 @@ def test_upsetting_on_new_meshes_is_that_on_one() -> None:
     np.testing.assert_allclose(ratio, 1.0, atol=0.03)
     ends = [(row["x_max"], row["y_max"]) for row in (one[-1], rows[-1])]
     np.testing.assert_allclose(ends[1], ends[0], rtol=0.01)
-    (volume,) = taken.observers.find(MeshesOfRows).bodies.measure()
+    (volume,) = taken.observers.find(IntervalMeshes).bodies.measure()
     assert volume == pytest.approx(750.0, rel=2e-3)
     assert taken.solids.added_mass().mass == pytest.approx(750.0 * 7.85e-9, rel=1e-6)
     assert rows[-1]["internal_energy"] == pytest.approx(one[-1]["internal_energy"], rel=0.02)
@@ -65,7 +65,7 @@ def test_a_spike_goes_on_where_its_first_mesh_would_fail() -> None:
     assert rows[-1]["remeshes"] >= 2
     assert rows[-1]["die.stroke"] == pytest.approx(5.0, rel=1e-6)
     assert rows[-1]["z_max"] > 10.1  # metal rises into the hole
-    assert sum(taken.observers.find(MeshesOfRows).bodies.measure()) == pytest.approx(1440.0, rel=5e-3)
+    assert sum(taken.observers.find(IntervalMeshes).bodies.measure()) == pytest.approx(1440.0, rel=5e-3)
     gaps = taken._find_gaps(taken.solids.position[np.unique(taken.model.mesh.boundary_faces)])
     assert gaps.min() > -0.05
 
@@ -86,7 +86,7 @@ def test_linear_velocities_and_stresses_come_to_a_new_mesh() -> None:
     taken.solids.take_state_as_given(state)
     np.testing.assert_allclose(taken.solids.stress, fields(place_cells()), rtol=1e-12)
     mean = np.average(taken.solids.velocity, axis=0, weights=taken.solids.mass)
-    assert taken.observers.find(MeshesOfRows).remesh("asked for")
+    assert taken.observers.find(IntervalMeshes).remesh("asked for")
     np.testing.assert_allclose(taken.solids.stress, fields(place_cells()), rtol=1e-6)
     shift = taken.solids.velocity - fields(taken.solids.position)[:, :3]
     free = ~taken._find_held()

@@ -17,8 +17,8 @@ import pytest
 from presswork import Case, OutputError, Result, run
 from presswork.examples import copy_example
 from presswork.implicit.stepping import IncrementReport
-from presswork.process.implicit.implicit_recording import ImplicitRecording
-from presswork.process.recording import Row
+from presswork.process.implicit.forming import ImplicitForming
+from presswork.process.run import Row
 from presswork.results import load_checkpoint
 from tests.regression.whole_runs import assert_same_bits, stop_after
 
@@ -67,15 +67,15 @@ def test_ctrl_c_between_an_increment_and_its_row_resumes_to_the_same_bits(
     small_case, reference, tmp_path, monkeypatch
 ) -> None:
     """The history lacks the row then: the checkpoint before it stands."""
-    row, calls = ImplicitRecording.row, iter(range(1, 100))
+    row, calls = ImplicitForming.row, iter(range(1, 100))
 
-    def interrupted(self: ImplicitRecording, report: IncrementReport) -> Row:
+    def interrupted(self: ImplicitForming, report: IncrementReport) -> Row:
         if next(calls) == 8:
             raise KeyboardInterrupt
         return row(self, report)
 
     with monkeypatch.context() as patch:
-        patch.setattr(ImplicitRecording, "row", interrupted)
+        patch.setattr(ImplicitForming, "row", interrupted)
         outcome = run(small_case, tmp_path / "out", threads=1)
     assert outcome.status == "interrupted"
     assert len(outcome.result.history["time"]) == 7

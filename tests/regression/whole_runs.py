@@ -16,7 +16,7 @@ from presswork import Result, _core
 from presswork.case import StampingCase, build_model
 from presswork.model import Model
 from presswork.process.begin import begin
-from presswork.process.recording import Recording
+from presswork.process.run import Run
 from presswork.recorder import Outcome, Progress, run_model
 from presswork.results import load_checkpoint
 
@@ -86,7 +86,7 @@ def compare_with_restart(model: Model, rows: int, threads: int, until: int | Non
     return dict(one)
 
 
-def _advance(run: Recording, rows: int | None) -> None:
+def _advance(run: Run, rows: int | None) -> None:
     for _ in itertools.islice(run.advance(), rows):
         pass
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from presswork import step_writer
-from presswork.process.recording import Snapshot
+from presswork.process.run import Snapshot
 from presswork.results import OutputError, count_steps
 from presswork.step_writer import StepWriter
 from tests.unit.results.upset_output import make_mesh

@@ -15,7 +15,7 @@ from presswork.explicit.arrays import SolidArrays
 from presswork.explicit.input_checks import ExplicitError
 from presswork.law.history import POROSITY
 from presswork.mesh.make.box import node_volumes
-from presswork.process.explicit.forming import begin_impact
+from presswork.process.explicit.begin_forming import begin_explicit_forming
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 from tests.verification.test_gtn import NECK, notch, pull_notched, read
 
@@ -186,13 +186,13 @@ def test_pores_in_space_are_averaged_over_their_length(tmp_path) -> None:
     for length in (30.0, 0.1):
         path = write_explicit_in_space(tmp_path)
         path.write_text(path.read_text().replace("length = 3", f"length = {length}"))
-        run = begin_impact(build_model(read_case(path)))
+        run = begin_explicit_forming(build_model(read_case(path)))
         solids = run.solids
         state = solids.state_as_given()
         weak = solids.mesh.points[solids.mesh.blocks[0].connectivity].mean(axis=1)[:, 2] < 2.0
         state[SolidArrays].find_kept(0, POROSITY)[weak] = 0.02
         solids.take_state_as_given(state)
-        run._compute_row(0, 30)
+        run._compute_interval(0, 30)
         now = find_porosity(solids)
         grown.append([now[weak].mean() - 0.02, now[~weak].mean() - 0.01])
     assert grown[0][0] > 1e-5
@@ -233,9 +233,9 @@ def test_a_hot_matrix_is_softer_in_space_too(tmp_path) -> None:
     ):
         path = write_explicit_in_space(tmp_path, duration=1e-4)
         path.write_text(path.read_text().replace(old, new))
-        run = begin_impact(build_model(read_case(path)))
+        run = begin_explicit_forming(build_model(read_case(path)))
         for row in range(20):
-            run._compute_row(0, row)
+            run._compute_interval(0, row)
         found.append((run.solids.stress[:, 2], find_porosity(run.solids)))
     assert found[0][0].min() > 100.0
     np.testing.assert_allclose(found[0], found[1], rtol=1e-9)
@@ -244,7 +244,7 @@ def test_a_hot_matrix_is_softer_in_space_too(tmp_path) -> None:
 def test_devices_refuse_pores_in_space_by_name(tmp_path) -> None:
     model = build_model(read_case(write_explicit_in_space(tmp_path)))
     with pytest.raises(ExplicitError, match=r"'host' does not compute porous metals \(GTN\): take device"):
-        begin_impact(replace(model, explicit=replace(model.explicit, device="host")))
+        begin_explicit_forming(replace(model, explicit=replace(model.explicit, device="host")))
 
 
 @pytest.mark.parametrize(

@@ -11,17 +11,17 @@ import pytest
 from presswork.case import build_model
 from presswork.case.solid.schema import Case
 from presswork.implicit.heat_of_forming import HeatArrays
-from presswork.process.explicit.forming import begin_impact
-from presswork.process.explicit.impact import ExplicitImpact
-from presswork.process.implicit.implicit_recording import ImplicitRecording
+from presswork.process.explicit.begin_forming import begin_explicit_forming
+from presswork.process.explicit.forming import ExplicitForming
+from presswork.process.implicit.forming import ImplicitForming
 from tests.verification.test_heat_of_forming import ENTHALPY
 
 STEEL = {"conductivity": 30, "specific_heat": "650 J/(kg*K)"}
 
 
-def run_explicit(case: dict[str, Any]) -> tuple[ExplicitImpact, dict[str, float]]:
+def run_explicit(case: dict[str, Any]) -> tuple[ExplicitForming, dict[str, float]]:
     """Return an explicit run at its end, and the last row of its history."""
-    run = begin_impact(build_model(Case.model_validate({**case, "procedure": "explicit"})), threads=1)
+    run = begin_explicit_forming(build_model(Case.model_validate({**case, "procedure": "explicit"})), threads=1)
     *_, last = run.advance()
     return run, run.row(last)
 
@@ -57,7 +57,7 @@ def test_adiabatic_upsetting() -> None:
     assert np.ptp(rise) < 0.01 * closed, "a cell gives its nodes by what they stand for"
 
 
-def press(time: float, heat: dict[str, Any]) -> tuple[ExplicitImpact, dict[str, float]]:
+def press(time: float, heat: dict[str, Any]) -> tuple[ExplicitForming, dict[str, float]]:
     """Press a die softly onto steel at 1200 degrees C."""
     return run_explicit(
         {
@@ -117,7 +117,7 @@ def test_hot_upsetting_is_that_of_implicit_forming() -> None:
     die = {key: value for key, value in case["tools"]["die"].items() if key != "m"}
     die["heat"] = {**die["heat"], "conductance": "10 kW/(m^2*K)"}
     case["tools"] = {"die": {**die, "contact": "coulomb", "mu": 0.2}}
-    implicit = ImplicitRecording(build_model(Case.model_validate(case)), threads=1)
+    implicit = ImplicitForming(build_model(Case.model_validate(case)), threads=1)
     for report in implicit.advance():
         other = implicit.row(report)
     own, row = run_explicit({**case, "explicit": {"target_step": 6e-6}, "output": {"rows": 100}})

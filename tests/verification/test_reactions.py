@@ -8,8 +8,8 @@ import pytest
 
 from presswork import Case, ShellCase, build_model, run
 from presswork.explicit.shells import ExplicitShells
-from presswork.process.explicit.forming import begin_impact
-from presswork.process.implicit.implicit_recording import ImplicitRecording
+from presswork.process.explicit.begin_forming import begin_explicit_forming
+from presswork.process.implicit.forming import ImplicitForming
 from presswork.results import Result
 from presswork.view.plots.history_plot import stress_strain
 
@@ -19,7 +19,7 @@ STEEL = {"young": 2e5, "poisson": 0.3, "hardening": SWIFT}
 
 def record(case):
     """Return every row of a run, and the recording at its end."""
-    recording = ImplicitRecording(build_model(case), threads=1)
+    recording = ImplicitForming(build_model(case), threads=1)
     return [recording.row(report) for report in recording.advance()], recording
 
 
@@ -69,7 +69,7 @@ def test_names_that_are_taken_are_told_apart():
         boundary={"top": {"set": "left", "fix": ["x"]}, "left": {"set": "bottom", "fix": ["y"]}},
         tools={"left": {"profile": [[-1, -1], [-1, 30]], "contact": "frictionless"}},
     )  # fmt: skip
-    columns = ImplicitRecording(build_model(case), threads=1).columns
+    columns = ImplicitForming(build_model(case), threads=1).columns
     assert len(columns) == len(set(columns))
     assert {"left.force_x", "boundary_left.force_y", "top.force_x", "displacement_top.force_y"} <= set(columns)
 
@@ -127,7 +127,7 @@ def test_explicit_solids_take_the_impulse_of_their_reactions():
     data["stages"] = [{"name": "pull", "duration": 1e-3, "displacement": [move]}]
     del data["solver"]
     data["output"] = {"rows": 40, "steps": 1}
-    recording = begin_impact(build_model(Case(**data)), threads=1)
+    recording = begin_explicit_forming(build_model(Case(**data)), threads=1)
     impulse, rows = 0.0, []
     for report in recording.advance():
         rows.append(recording.row(report))
@@ -196,7 +196,7 @@ def test_the_force_of_a_standing_ring_is_what_the_press_feels(procedure):
         data["procedure"] = "explicit"
         del data["solver"]
         data["output"] = {"rows": 40, "steps": 1}
-        impact = begin_impact(build_model(Case(**data)), threads=1)
+        impact = begin_explicit_forming(build_model(Case(**data)), threads=1)
         last = [impact.row(report) for report in impact.advance()][-1]
     else:
         last = record(Case(**data))[0][-1]

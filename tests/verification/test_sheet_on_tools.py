@@ -25,7 +25,7 @@ from presswork.model import (
     Tool,
     ToolMotion,
 )
-from presswork.process.implicit.implicit_stamping import make_shell_model
+from presswork.process.implicit.stamping import make_shell_model
 from tests.problems.shells import CLAMPED, RX, RZ, X, Y, fixing, patch, symmetry
 
 YOUNG = 210000.0

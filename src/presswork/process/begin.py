@@ -9,11 +9,11 @@ from presswork.explicit.input_checks import ExplicitError
 from presswork.memory import TooLargeError, available_memory, check_memory, estimate_memory, explain_shortage
 from presswork.model import Model
 from presswork.outcome import ShortOfMemoryError, StartError
-from presswork.process.recording import Recording
+from presswork.process.run import Run
 from presswork.ranks.world import World
 
 
-def begin(model: Model, threads: int) -> Recording:
+def begin(model: Model, threads: int) -> Run:
     """Return the model's procedure before its first increment.
 
     Raises StartError if nothing can be computed from this start: as ShortOfMemoryError if the machine's memory does not
@@ -30,7 +30,7 @@ def begin(model: Model, threads: int) -> Recording:
         raise ShortOfMemoryError(explain_shortage(estimate_memory(model), available_memory())) from error
 
 
-def begin_formed_part(model: Model, threads: int, world: World | None = None) -> Recording:
+def begin_formed_part(model: Model, threads: int, world: World | None = None) -> Run:
     """Return what goes on with a part that is formed already. world: ranks that share it. Raises StartError."""
     from presswork.process.line.formed_sheet import begin_formed
     from presswork.process.line.springback import LaidPart, ReleasedStamping
@@ -44,7 +44,7 @@ def begin_formed_part(model: Model, threads: int, world: World | None = None) ->
         raise StartError(str(error)) from error
 
 
-def choose(model: Model, threads: int, world: World | None = None) -> Recording:
+def choose(model: Model, threads: int, world: World | None = None) -> Run:
     """Return the procedure that a model asks for. world: ranks that share it. Raises StartError, ExplicitError."""
     if model.gradients is not None:
         from presswork.process.derivatives.differentiated import begin_differentiated
@@ -61,7 +61,7 @@ def choose(model: Model, threads: int, world: World | None = None) -> Recording:
 
         return ReleasedStamping(model, threads=threads, world=world)
     if model.analysis == "stamping" and model.explicit is None:
-        from presswork.process.implicit.implicit_stamping import ImplicitStamping
+        from presswork.process.implicit.stamping import ImplicitStamping
 
         return ImplicitStamping(model, threads=threads, world=world)
     if model.analysis == "stamping":
@@ -69,18 +69,18 @@ def choose(model: Model, threads: int, world: World | None = None) -> Recording:
 
         return ExplicitStamping(model, threads=threads, world=world)
     if model.heat is not None and model.heat.alone:
-        from presswork.process.heat_recording import HeatRecording
+        from presswork.process.heat_run import HeatRun
 
-        return HeatRecording(model, threads=threads)
+        return HeatRun(model, threads=threads)
     if model.explicit is not None:
-        from presswork.process.explicit.forming import begin_impact
+        from presswork.process.explicit.begin_forming import begin_explicit_forming
 
-        return begin_impact(model, threads=threads, world=world)
+        return begin_explicit_forming(model, threads=threads, world=world)
     if model.series is not None:
         from presswork.process.line.series import SeriesForming
 
         return SeriesForming(model, threads=threads)
-    from presswork.process.implicit.forming import begin_forming
+    from presswork.process.implicit.begin_forming import begin_forming
 
     return begin_forming(model, threads=threads, world=world)
 

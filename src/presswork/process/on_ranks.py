@@ -9,14 +9,14 @@ from presswork.explicit.input_checks import ExplicitError
 from presswork.model import Model, Stage
 from presswork.outcome import StartError
 from presswork.process.begin import choose
-from presswork.process.recording import Recording
+from presswork.process.run import Run
 from presswork.ranks.world import RanksError, World, start_petsc
 
 SHARED = "the forming of solids and of sheets, implicit and explicit"
 REMEDY = "compute it without mpiexec, by one process with --threads"
 
 
-def begin_on_ranks(model: Model, threads: int, world: World) -> Recording:
+def begin_on_ranks(model: Model, threads: int, world: World) -> Run:
     """Return the model's procedure at its start, its cells divided over ranks. Raises StartError."""
     what = _find_undivided(model) if model.explicit is None else _find_undivided_explicit(model)
     if what:

@@ -14,7 +14,7 @@ from presswork.fields.table import describe_field, split_components, to_scalar
 from presswork.model import FloatArray, Limits, Mesh
 from presswork.observe.damage import Peak
 from presswork.observe.limits import NEVER_PASSED, Watched, explain_breach, find_breach
-from presswork.process.recording import Snapshot
+from presswork.process.run import Snapshot
 
 STROKE, FORCE = ".stroke", ".force"
 

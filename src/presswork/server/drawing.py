@@ -39,7 +39,7 @@ def check(case_file: Path, folder: Path) -> dict[str, Any]:
 
 def main() -> None:
     """Answer requests {case, folder} until the input ends; confined to the opened folder and that of drawings."""
-    from presswork.process.implicit import implicit_recording  # noqa: F401  what the first check would wait for
+    from presswork.process.implicit import forming  # noqa: F401  what the first check would wait for
 
     confine(Path(sys.argv[1]), Path(sys.argv[2]))
     for line in sys.stdin:

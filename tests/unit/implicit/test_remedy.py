@@ -7,7 +7,7 @@ from importlib.resources import files
 from presswork import build_model
 from presswork.case import StampingCase
 from presswork.implicit.remedy import find_remedy
-from presswork.process.implicit.implicit_stamping import make_shell_model
+from presswork.process.implicit.stamping import make_shell_model
 
 
 def test_a_sheet_that_snaps_over_is_to_get_its_mass() -> None:

@@ -13,12 +13,12 @@ from presswork.model import Mesh, Model
 from presswork.observe.contract import Row
 from presswork.observe.limits import Watched
 from presswork.process.derivatives.derivatives import Derivatives
-from presswork.process.implicit.forming import begin_forming
-from presswork.process.implicit.implicit_recording import ImplicitRecording
-from presswork.process.implicit.implicit_stamping import ImplicitStamping
+from presswork.process.implicit.begin_forming import begin_forming
+from presswork.process.implicit.forming import ImplicitForming
+from presswork.process.implicit.stamping import ImplicitStamping
 from presswork.process.line.press_line import PressLine
 from presswork.process.line.springback import ReleasedStamping
-from presswork.process.recording import Meta, Recording, Report, Snapshot
+from presswork.process.run import Meta, Report, Run, Snapshot
 
 
 def begin_differentiated(model: Model, threads: int) -> DifferentiatedRun:
@@ -36,7 +36,7 @@ def _begin_forming(model: Model, threads: int) -> DifferentiatedRun:
     from presswork.process.derivatives.on_new_meshes import OnNewMeshes
 
     run = begin_forming(model, threads=threads)
-    derivatives = Derivatives(model, run.columns, lambda m: ImplicitRecording(m, threads=threads))
+    derivatives = Derivatives(model, run.columns, lambda m: ImplicitForming(m, threads=threads))
     derivatives.follow(run.procedure, lambda side: side.procedure)
     run.neighbours = OnNewMeshes(run, derivatives)
     return DifferentiatedRun(run, derivatives)
@@ -71,7 +71,7 @@ def _begin_line(model: Model, threads: int) -> DifferentiatedRun:
 class DifferentiatedRun:
     """A run beside its neighbours: what it records, and the derivatives that their rows give."""
 
-    def __init__(self, run: Recording, derivatives: Derivatives[Any]) -> None:
+    def __init__(self, run: Run, derivatives: Derivatives[Any]) -> None:
         self.run, self.derivatives = run, derivatives
         self.timing = run.timing
 

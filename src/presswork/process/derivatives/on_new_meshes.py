@@ -21,12 +21,12 @@ from presswork.mesh.simplices import measure_shares
 from presswork.model import FloatArray, IndexArray, Mesh, Model
 from presswork.outcome import Failed, GaveUpError
 from presswork.process.derivatives.derivatives import Derivatives
-from presswork.process.implicit.implicit_recording import ImplicitRecording
-from presswork.process.implicit.increments import IncrementRecording, find_position
+from presswork.process.implicit.forming import ImplicitForming
+from presswork.process.implicit.increments import IncrementRun, find_position
 from presswork.process.mesh_change.carrying import OnMesh, carry_peaks, carry_to_mesh
 from presswork.process.mesh_change.new_balance import balance_new_mesh
 from presswork.process.mesh_change.new_epoch import NewEpoch, keep_held
-from presswork.process.model_recording import NamedArrays
+from presswork.process.model_run import NamedArrays
 
 POINTS, ORIGIN, SHARE = "slope.points", "slope.origin", "slope.share"
 """Names in a checkpoint: derivatives of the mesh, of its material's first places, and of marked points' shares."""
@@ -35,7 +35,7 @@ POINTS, ORIGIN, SHARE = "slope.points", "slope.origin", "slope.share"
 class OnNewMeshes:
     """Lets the neighbours of a run follow it onto its new meshes."""
 
-    def __init__(self, run: IncrementRecording, derivatives: Derivatives[ImplicitRecording]) -> None:
+    def __init__(self, run: IncrementRun, derivatives: Derivatives[ImplicitForming]) -> None:
         self._run, self._derivatives = run, derivatives
         self._slopes: dict[str, FloatArray] = {}
         self._has_derivatives = True
@@ -117,7 +117,7 @@ class OnNewMeshes:
             side.marked.share = run.marked.share + change * self._slopes[SHARE][number]
 
 
-def _follow(side: ImplicitRecording, new: NewEpoch, mesh: Mesh, marked: IndexArray) -> None:
+def _follow(side: ImplicitForming, new: NewEpoch, mesh: Mesh, marked: IndexArray) -> None:
     """Go on with a mesh beside the run's new one. marked: nodes that hold the marked points. Raises GaveUpError."""
     before, position = side.procedure, find_position(side.procedure)
     carrier = new.carrier.beside(position, mesh.points)
@@ -131,7 +131,7 @@ def _follow(side: ImplicitRecording, new: NewEpoch, mesh: Mesh, marked: IndexArr
     side.marked.share = np.array(shares).reshape(marked.shape)
 
 
-def _take_slaves(side: ImplicitRecording, like: Model) -> None:
+def _take_slaves(side: ImplicitForming, like: Model) -> None:
     """Let contacts of bodies have the slaves that the run has on its new mesh."""
     pairs = zip(side.model.contacts, like.contacts, strict=True)
     contacts = tuple(replace(own, slave=led.slave) for own, led in pairs)
@@ -139,7 +139,7 @@ def _take_slaves(side: ImplicitRecording, like: Model) -> None:
     side.procedure.model = replace(side.procedure.model, contacts=contacts)
 
 
-def _begin_at_rest(side: ImplicitRecording, mesh: Mesh) -> None:
+def _begin_at_rest(side: ImplicitForming, mesh: Mesh) -> None:
     """Go on with a mesh, in a state that is found elsewhere."""
     side.begin_epoch(mesh)
     side.make_run({})

@@ -18,7 +18,7 @@ from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import Model
 from presswork.outcome import GaveUpError
 from presswork.process.derivatives.derivatives import Derivatives, Measured
-from presswork.process.implicit.implicit_stamping import ImplicitStamping
+from presswork.process.implicit.stamping import ImplicitStamping
 from presswork.process.line.released_part import Released
 from presswork.process.line.springback import ReleasedStamping
 

@@ -17,7 +17,7 @@ from presswork.outcome import GaveUpError
 from presswork.process.derivatives.derivatives import Derivatives
 from presswork.process.derivatives.released import find_forming, release_neighbours
 from presswork.process.line.press_line import PressLine
-from presswork.process.model_recording import NamedArrays
+from presswork.process.model_run import NamedArrays
 
 BESIDE = "beside."
 """Prefix in a checkpoint of the parts that neighbours have begun the present operation with, one after the other."""

@@ -36,7 +36,7 @@ from presswork.interaction.rigid_motions import (
 )
 from presswork.interaction.supports import Supports
 from presswork.model import FloatArray, Model, list_bodies
-from presswork.process.explicit.contacts_of_rows import ContactsOfRows
+from presswork.process.explicit.contacts import ContactsOfRun
 
 SMALL = 1e-4
 """Way in the stage, over the size of the bodies, below which a motion may stay."""
@@ -58,7 +58,7 @@ class LooseRows:
 
     def end_row(
         self, model: Model, stage: int, run: Dynamics, mass: FloatArray, tools: Sequence[Held] = (),
-        contacts: ContactsOfRows | None = None,
+        contacts: ContactsOfRun | None = None,
     ) -> None:  # fmt: skip
         """Stop what moves as a rigid body and nothing holds when a row of a stage ends.
 
@@ -121,7 +121,7 @@ def find_held_by_wall(force: FloatArray, mu: float) -> Held:
 
 def _find_holds(
     model: Model, stage: int, motions: RigidMotions, position: FloatArray, tools: Sequence[Held],
-    contacts: ContactsOfRows | None,
+    contacts: ContactsOfRun | None,
 ) -> FloatArray:  # fmt: skip
     """Return what all that holds bodies feels of their rigid motions (n, n_bodies, n_motions)."""
     supports, bodies = Supports(model), list_bodies(model)

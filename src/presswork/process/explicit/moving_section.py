@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from presswork import _core
 from presswork.geometry.pose import ToolPose, place_segments, start_profile
 from presswork.model import ElementName, FloatArray, Remeshing
-from presswork.process.explicit.impact import ExplicitImpact
+from presswork.process.explicit.forming import ExplicitForming
 from presswork.process.explicit.new_meshes import MadeMesh
 from presswork.process.explicit.present_bodies import NEAR, PlasticVolumes, find_held
 from presswork.process.mesh_change.mesh_reasons import find_reason, find_reason_to_leave_first
@@ -29,7 +29,7 @@ ELEMENT: ElementName = "quad4_1pt"
 class MovingSection:
     """The one body of a run in the plane or in axisymmetry."""
 
-    def __init__(self, run: ExplicitImpact, settings: Remeshing, world: World | None = None) -> None:
+    def __init__(self, run: ExplicitForming, settings: Remeshing, world: World | None = None) -> None:
         """world: ranks that share the run; the first of them makes new meshes."""
         self._run, self._settings, self._world = run, settings, world
         self._volumes = PlasticVolumes(run, self.find_volumes)

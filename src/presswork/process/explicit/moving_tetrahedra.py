@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from presswork.explicit.dynamics import SAFETY
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray, Mesh, Model, Remeshing, change_mesh, list_bodies
-from presswork.process.explicit.contacts_of_rows import ContactsOfRows, find_touching
-from presswork.process.explicit.impact import ExplicitImpact
+from presswork.process.explicit.contacts import ContactsOfRun, find_touching
+from presswork.process.explicit.forming import ExplicitForming
 from presswork.process.explicit.new_meshes import MadeMesh
 from presswork.process.explicit.present_bodies import NEAR, PlasticVolumes, find_held, list_nodes
 from presswork.process.explicit.solids_in_space import SolidsInSpace
@@ -51,7 +51,7 @@ class MovingTetrahedra:
     """The bodies of a run in space, each of one block of tetrahedra."""
 
     def __init__(
-        self, run: ExplicitImpact, domain: SolidsInSpace, settings: Remeshing, world: World | None = None
+        self, run: ExplicitForming, domain: SolidsInSpace, settings: Remeshing, world: World | None = None
     ) -> None:
         """world: ranks that share the run; the first of them makes new meshes."""
         self._run, self._domain, self._settings, self._world = run, domain, settings, world
@@ -161,7 +161,7 @@ class MovingTetrahedra:
         tractions = carry_tractions((run.model, run.contacts.added, position), after, carrier)
         touching = find_touching(after)
         solids = self._domain.make_solids(after, density, touching)
-        contacts, target = ContactsOfRows(after, touching, solids), run.settings.target_step
+        contacts, target = ContactsOfRun(after, touching, solids), run.settings.target_step
         step = SAFETY * solids.stable_step()
         if target is not None and step < target:
             solids.scale_mass(target)

@@ -24,7 +24,7 @@ from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray, Mesh, Remeshing, list_bodies
 from presswork.observe.contract import History, Observed, Row
 from presswork.outcome import StartError
-from presswork.process.explicit.impact import ExplicitImpact
+from presswork.process.explicit.forming import ExplicitForming
 from presswork.process.explicit.present_bodies import find_held, list_nodes
 from presswork.process.mesh_change.carrying import OnMesh, carry_peaks, carry_state, carry_surface
 from presswork.process.mesh_change.contacts_on_new_mesh import find_rows, turn_impulses
@@ -96,10 +96,10 @@ class MovingBodies(Protocol):
         """Take up what `arrays` gave."""
 
 
-class MeshesOfRows(MeshChange):
+class IntervalMeshes(MeshChange):
     """Makes a new mesh of each body where its mesh would fail."""
 
-    def __init__(self, run: ExplicitImpact, bodies: MovingBodies) -> None:
+    def __init__(self, run: ExplicitForming, bodies: MovingBodies) -> None:
         """Raises StartError where no mesh can be made."""
         assert run.model.remeshing is not None
         self._run, self.bodies = run, bodies

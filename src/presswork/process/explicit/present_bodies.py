@@ -8,19 +8,19 @@ from collections.abc import Callable
 import numpy as np
 
 from presswork.model import BoolArray, FloatArray, list_bodies
-from presswork.process.explicit.impact import ExplicitImpact
+from presswork.process.explicit.forming import ExplicitForming
 from presswork.process.implicit.lost_volume import MOST_GIVEN_BACK
 
 NEAR = 0.02
 """Gap of a node that counts as on a tool, over the smallest size of cells."""
 
 
-def list_nodes(run: ExplicitImpact) -> list[slice]:
+def list_nodes(run: ExplicitForming) -> list[slice]:
     """Return the nodes of each body."""
     return [slice(body.points.start, body.points.stop) for body in list_bodies(run.model)]
 
 
-def find_held(run: ExplicitImpact) -> BoolArray:
+def find_held(run: ExplicitForming) -> BoolArray:
     """Mark the components that supports hold now (n_points, d)."""
     model, d = run.model, run.model.dimension
     held = np.zeros((len(model.mesh.points), d), dtype=bool)
@@ -32,7 +32,7 @@ def find_held(run: ExplicitImpact) -> BoolArray:
 class PlasticVolumes:
     """The volumes of the bodies of a run without their elastic part, and what they have lost since it began."""
 
-    def __init__(self, run: ExplicitImpact, find_volumes: Callable[[], list[FloatArray]]) -> None:
+    def __init__(self, run: ExplicitForming, find_volumes: Callable[[], list[FloatArray]]) -> None:
         """find_volumes: returns the volume of each cell of each block (n_cells,)."""
         self._run, self._find = run, find_volumes
         self._first = self.measure()

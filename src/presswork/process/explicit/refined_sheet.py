@@ -15,7 +15,7 @@ from presswork.observe.contract import Observed, Row
 from presswork.process.mesh_change.contract import MeshChange
 from presswork.process.mesh_change.refinement import choose_shells, find_planes, place_nodes
 from presswork.process.mesh_change.transfer import ShellStart
-from presswork.process.model_recording import NamedArrays
+from presswork.process.model_run import NamedArrays
 
 if TYPE_CHECKING:
     from presswork.process.explicit.stamping import ExplicitStamping

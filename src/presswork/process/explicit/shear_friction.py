@@ -11,7 +11,7 @@ from presswork.geometry.pose import find_space_pose
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.faces import nodal_normals
 from presswork.model import FloatArray, Friction, Mesh, Tool
-from presswork.process.explicit.contacts_of_rows import find_nodal_shear_strength
+from presswork.process.explicit.contacts import find_nodal_shear_strength
 
 STEEPEST = 1.0
 """Of a node's friction over its normal force: what a node brings along as it lands is stopped within the cycle."""

@@ -13,7 +13,7 @@ from presswork.explicit.shells import ExplicitShells
 from presswork.law.elastic_plastic import back_stress, temperature
 from presswork.law.history import EQPS
 from presswork.model import FloatArray, Mesh, Model
-from presswork.process.explicit.row_history import BlockPoints, RowHistory
+from presswork.process.explicit.point_history import BlockPoints, PointHistory
 from presswork.process.mesh_change.transfer import SheetBlock, at_points
 
 
@@ -23,7 +23,7 @@ class SheetHistory:
     def __init__(self, model: Model, shells: ExplicitShells) -> None:
         self._material = model.sheet[1]
         self._knows = self._material.heating is not None or model.heat is not None
-        self._rows = RowHistory([self._material], [0], is_solid=False)
+        self._rows = PointHistory([self._material], [0], is_solid=False)
         self.start(shells)
 
     def start(self, shells: ExplicitShells) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import NDArray
 
 from presswork.explicit.energy import warn_of_energies
-from presswork.process.explicit.rows import last_energies
+from presswork.process.explicit.intervals import last_energies
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 
 if TYPE_CHECKING:

@@ -13,13 +13,13 @@ from presswork.model import FloatArray, Model, Stage, Tool, ToolMotion
 from presswork.observe.contract import Row
 from presswork.observe.limits import Measure
 from presswork.observe.working_direction import find_working_direction
-from presswork.process.explicit.contacts_of_rows import ContactsOfRows
-from presswork.process.explicit.heat_of_rows import HeatOfRows
-from presswork.process.model_recording import NamedArrays
+from presswork.process.explicit.contacts import ContactsOfRun
+from presswork.process.explicit.heat_of_solids import HeatOfSolids
+from presswork.process.model_run import NamedArrays
 from presswork.process.tool_quantities import force_on_whole, size_of_force
 
 if TYPE_CHECKING:
-    from presswork.process.explicit.impact import ExplicitImpact
+    from presswork.process.explicit.forming import ExplicitForming
 
 
 class SolidDomain(Protocol):
@@ -41,7 +41,7 @@ class SolidDomain(Protocol):
         density: factor on the material's of each block (n_blocks,). touching: surfaces that touch.
         """
 
-    def make_heat(self, model: Model, contacts: ContactsOfRows, threads: int) -> HeatOfRows:
+    def make_heat(self, model: Model, contacts: ContactsOfRun, threads: int) -> HeatOfSolids:
         """Return what conducts heat in the solids and to the walls."""
 
     def check_device(self) -> None:
@@ -53,16 +53,16 @@ class SolidDomain(Protocol):
     def move(self, wall: Any, motion: ToolMotion, stage: Stage) -> None:
         """Let a tool move as a stage has it."""
 
-    def begin_row(self, run: ExplicitImpact, number: int, row: int) -> None:
+    def begin_row(self, run: ExplicitForming, number: int, row: int) -> None:
         """Place tools before an interval of a stage."""
 
-    def limit_shear(self, run: ExplicitImpact) -> None:
+    def limit_shear(self, run: ExplicitForming) -> None:
         """Limit the shear stress of friction by the strength of the metal."""
 
-    def end_row(self, run: ExplicitImpact, row: int) -> None:
+    def end_row(self, run: ExplicitForming, row: int) -> None:
         """Measure the tools after an interval of a stage."""
 
-    def measure(self, run: ExplicitImpact, tool: Tool, wall: Any, mean: FloatArray) -> Row:
+    def measure(self, run: ExplicitForming, tool: Tool, wall: Any, mean: FloatArray) -> Row:
         """Return what the history has of a tool. mean: force on what is modelled of it (d,) [N]."""
 
     def find_deepest(self, model: Model) -> Measure | None:

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from presswork.explicit.energy import warn_of_energies
 from presswork.fields.table import compute_fields
-from presswork.process.explicit.rows import last_energies
+from presswork.process.explicit.intervals import last_energies
 
 if TYPE_CHECKING:
-    from presswork.process.explicit.impact import ExplicitImpact
+    from presswork.process.explicit.forming import ExplicitForming
 
 ADVICE = {
     "kinetic": "inertia counts: make the tools slower, or add less mass",
@@ -22,7 +22,7 @@ ADVICE = {
 }
 
 
-def summarise_solids(run: ExplicitImpact, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+def summarise_solids(run: ExplicitForming, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
     """Return counts, extremes and energies of a run, with warnings where they are beyond their limits."""
     fields = {name: values for name, values in compute_fields(run.show())[1].items() if values.ndim == 1}
     mass = run.solids.added_mass()

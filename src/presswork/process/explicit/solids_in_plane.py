@@ -19,15 +19,15 @@ from presswork.model import ELEMENTS, ExplicitSolid, FloatArray, Model, Stage, T
 from presswork.observe.contract import Row
 from presswork.observe.limits import Measure
 from presswork.observe.penetration import Penetration
-from presswork.process.explicit.contacts_of_rows import ContactsOfRows
-from presswork.process.explicit.heat_of_rows import HeatOfRows, heat_by_itself
+from presswork.process.explicit.contacts import ContactsOfRun
+from presswork.process.explicit.heat_of_solids import HeatOfSolids, heat_by_itself
 from presswork.process.explicit.shear_friction import find_coefficient
 from presswork.process.explicit.solid_domain import measure_tool
-from presswork.process.model_recording import NamedArrays
+from presswork.process.model_run import NamedArrays
 from presswork.ranks.world import World
 
 if TYPE_CHECKING:
-    from presswork.process.explicit.impact import ExplicitImpact
+    from presswork.process.explicit.forming import ExplicitForming
 
 
 class SolidsInPlane:
@@ -62,9 +62,9 @@ class SolidsInPlane:
             for t in model.tools
         ]
 
-    def make_heat(self, model: Model, contacts: ContactsOfRows, threads: int) -> HeatOfRows:
+    def make_heat(self, model: Model, contacts: ContactsOfRun, threads: int) -> HeatOfSolids:
         """Return what conducts heat in the solids and to the walls."""
-        return HeatOfRows(model, self.solids, self.walls, contacts, threads)
+        return HeatOfSolids(model, self.solids, self.walls, contacts, threads)
 
     def check_device(self) -> None:
         """Check nothing: sections are computed on the processor."""
@@ -76,16 +76,16 @@ class SolidsInPlane:
         """Let a tool move as a stage has it."""
         wall.velocity = tuple(travel / stage.duration for travel in motion.move[:2])
 
-    def begin_row(self, run: ExplicitImpact, number: int, row: int) -> None:
+    def begin_row(self, run: ExplicitForming, number: int, row: int) -> None:
         """Place nothing: tools in the plane only move."""
 
-    def limit_shear(self, run: ExplicitImpact) -> None:
+    def limit_shear(self, run: ExplicitForming) -> None:
         """Limit nothing: friction in the plane is Coulomb's."""
 
-    def end_row(self, run: ExplicitImpact, row: int) -> None:
+    def end_row(self, run: ExplicitForming, row: int) -> None:
         """Measure nothing: tools in the plane do not turn."""
 
-    def measure(self, run: ExplicitImpact, tool: Tool, wall: Any, mean: FloatArray) -> Row:
+    def measure(self, run: ExplicitForming, tool: Tool, wall: Any, mean: FloatArray) -> Row:
         """Return what the history has of a tool. mean: force on what is modelled of it (2,) [N]."""
         return measure_tool(run.model, tool, wall, mean)
 

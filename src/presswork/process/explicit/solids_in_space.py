@@ -29,19 +29,19 @@ from presswork.observe.contract import Row
 from presswork.observe.limits import Measure
 from presswork.observe.penetration import Penetration
 from presswork.observe.working_direction import find_working_direction
-from presswork.process.explicit.contacts_of_rows import ContactsOfRows
-from presswork.process.explicit.heat_of_rows import HeatOfRows, heat_by_itself
-from presswork.process.explicit.heat_of_space_rows import HeatOfSpaceRows
+from presswork.process.explicit.contacts import ContactsOfRun
+from presswork.process.explicit.heat_of_solids import HeatOfSolids, heat_by_itself
+from presswork.process.explicit.heat_of_solids_in_space import HeatOfSolidsInSpace
 from presswork.process.explicit.shear_friction import ShearFriction, find_coefficient
 from presswork.process.explicit.solid_domain import measure_tool
 from presswork.process.explicit.stage_motion import find_pushes
-from presswork.process.model_recording import NamedArrays
+from presswork.process.model_run import NamedArrays
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.tool_quantities import force_on_whole
 from presswork.ranks.world import World
 
 if TYPE_CHECKING:
-    from presswork.process.explicit.impact import ExplicitImpact
+    from presswork.process.explicit.forming import ExplicitForming
 
 PLACED, FORCE_START = "placed_tools.displacement", "placed_tools.force_start"
 """Names in a checkpoint."""
@@ -110,9 +110,9 @@ class SolidsInSpace:
             touching=touching,
         )
 
-    def make_heat(self, model: Model, contacts: ContactsOfRows, threads: int) -> HeatOfRows:
+    def make_heat(self, model: Model, contacts: ContactsOfRun, threads: int) -> HeatOfSolids:
         """Return what conducts heat in the solids and to the walls."""
-        return HeatOfSpaceRows(model, self.solids, self.walls, contacts, threads, place_tool=self.surface_of)
+        return HeatOfSolidsInSpace(model, self.solids, self.walls, contacts, threads, place_tool=self.surface_of)
 
     def check_device(self) -> None:
         """Raise ExplicitError where the device does not have what the solids ask for, contacts included."""
@@ -130,7 +130,7 @@ class SolidsInSpace:
         wall.velocity = tuple(travel / stage.duration for travel in motion.move)
         wall.spin = motion.turn / stage.duration
 
-    def begin_row(self, run: ExplicitImpact, number: int, row: int) -> None:
+    def begin_row(self, run: ExplicitForming, number: int, row: int) -> None:
         """Place tools before an interval of a stage."""
         if row == 0:
             self._place_tools(run.model, number)
@@ -138,7 +138,7 @@ class SolidsInSpace:
         self._time_n = self.solids.time
         self._impulse_n = np.array([wall.impulse_of_moment for wall in self.walls])
 
-    def end_row(self, run: ExplicitImpact, row: int) -> None:
+    def end_row(self, run: ExplicitForming, row: int) -> None:
         """Measure the moments of the tools after an interval of a stage."""
         impulse = np.array([wall.impulse_of_moment for wall in self.walls])
         self._moment = (impulse - self._impulse_n) / (self.solids.time - self._time_n)
@@ -191,7 +191,7 @@ class SolidsInSpace:
             else:
                 wall.hold()
 
-    def limit_shear(self, run: ExplicitImpact) -> None:
+    def limit_shear(self, run: ExplicitForming) -> None:
         """Limit the shear stress of friction by the strength of the metal."""
         if self._shear.is_needed:
             strength = np.maximum(run.find_flow_stress(), effective_stress(self.solids.stress))
@@ -199,7 +199,7 @@ class SolidsInSpace:
 
     # --- what is measured --------------------------------------------------------------------------------------------
 
-    def measure(self, run: ExplicitImpact, tool: Tool, wall: SpaceWall, mean: FloatArray) -> Row:
+    def measure(self, run: ExplicitForming, tool: Tool, wall: SpaceWall, mean: FloatArray) -> Row:
         """Return what the history has of a tool. mean: force on what is modelled of it (3,) [N]."""
         row, t, model = measure_tool(run.model, tool, wall, mean), self.walls.index(wall), run.model
         if tool.spring is not None:

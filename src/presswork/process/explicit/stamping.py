@@ -33,17 +33,23 @@ from presswork.law.umat import open_sheet_law
 from presswork.model import ExplicitSheet, FloatArray, IntArray, Model, Stage
 from presswork.observe.contract import Evolved, Row
 from presswork.observe.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
-from presswork.process.explicit.explicit_heat import ExplicitHeat
+from presswork.process.explicit.heat_of_sheet import HeatOfShells
+from presswork.process.explicit.intervals import (
+    LAST_COLUMNS,
+    IntervalProgress,
+    IntervalReport,
+    IntervalRun,
+    process_time,
+)
 from presswork.process.explicit.loose_rows import LooseRows
 from presswork.process.explicit.refined_sheet import RefinedSheet
-from presswork.process.explicit.rows import LAST_COLUMNS, RowProgress, RowRecording, RowReport, process_time
 from presswork.process.explicit.sheet_fields import SheetFields
 from presswork.process.explicit.sheet_history import SheetHistory
 from presswork.process.explicit.sheet_summary import summarise_sheet
 from presswork.process.line.laying import find_sag
 from presswork.process.mesh_change.transfer import SheetState, ShellStart, fill_layers, keep_heated, sheet_of_explicit
-from presswork.process.model_recording import NamedArrays
-from presswork.process.recording import Snapshot
+from presswork.process.model_run import NamedArrays
+from presswork.process.run import Snapshot
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.stamping_tools import StampingTools, describe_stamping, mean_speeds
 from presswork.ranks.world import World
@@ -58,11 +64,11 @@ LOOKS = 50
 
 
 @dataclass
-class SheetProgress(RowProgress):
+class SheetProgress(IntervalProgress):
     """The same of a stamping."""
 
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
-        **RowProgress.on_new_mesh,
+        **IntervalProgress.on_new_mesh,
         "cycles": RUN,
         "shell_cycles": RUN,
         "mesh_factor": ANEW,
@@ -75,7 +81,7 @@ class SheetProgress(RowProgress):
     """Stable step of the mesh over that of its shells; 0 until found."""
 
 
-class ExplicitStamping(RowRecording):
+class ExplicitStamping(IntervalRun):
     """A stamping at work."""
 
     model: Model
@@ -118,7 +124,7 @@ class ExplicitStamping(RowRecording):
             self.shells.touch_itself(mu=model.self_contact.mu, undeformed=model.mesh.points)
         sag = 0.0 if begin is None else float(np.linalg.norm(find_sag(begin)[1], axis=1).max())
         self.tools = StampingTools(model, self.shells, sag=sag)
-        self.heat = ExplicitHeat(model, self.shells, self.tools.at_work) if model.heat else None
+        self.heat = HeatOfShells(model, self.shells, self.tools.at_work) if model.heat else None
         self.layers = SheetHistory(model, self.shells)
         self._fields = SheetFields(model, self.shells, self.layers, begins_flat=self.begins_flat)
         if begin is not None:
@@ -158,7 +164,7 @@ class ExplicitStamping(RowRecording):
             world=self._world,
         )
 
-    def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
+    def _compute_interval(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         stage, rows = self.model.stages[number], self.model.output.rows
         if row % max(1, rows // LOOKS) == 0:
             for change in self.mesh_changes:
@@ -176,7 +182,7 @@ class ExplicitStamping(RowRecording):
         return found
 
     def _compute_cycles(self, stage: Stage, begin: float, end: float) -> tuple[int, float, EnergyBalance]:
-        """Compute a row of cycles, or of a dwell, from one time of a stage to another [s]; return as _compute_row."""
+        """Compute cycles, or a dwell, from one time of a stage to another [s]; return as _compute_interval."""
         n_shells = len(self.model.cells)
         if stage.dwell is not None:
             return self._compute_dwell(stage, end - begin)
@@ -291,15 +297,15 @@ class ExplicitStamping(RowRecording):
             f"{self.shells.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
         )
 
-    def log_lines(self, report: RowReport) -> list[str]:
+    def log_lines(self, report: IntervalReport) -> list[str]:
         """Say where the row ended, and which energies are beyond their limits."""
         return [*super().log_lines(report), *(f"warning: {each}" for each in report.energies.warnings(self._formed))]
 
-    def progress_text(self, report: RowReport) -> str:
+    def progress_text(self, report: IntervalReport) -> str:
         """Name stage, tools and cycle: what a narrow terminal cuts off comes last."""
         return "  ".join(t for t in (f"{report.stage}:", self.tools.text(), f"cycle {self.progress.cycles}") if t)
 
-    def row(self, report: RowReport) -> Row:
+    def row(self, report: IntervalReport) -> Row:
         """Return the row of the history."""
         return {
             "time": report.time,
@@ -391,7 +397,7 @@ class ExplicitStamping(RowRecording):
     def row_at_rest(self) -> Row:
         """Return the row of the history once the part is released: strokes, and what the energies have come to."""
         energies = self.shells.energies(damping=self.settings.damping, velocity_scale=0.0)
-        report = RowReport(self.number, "", 1.0, self.time, 0, self.shells.dt, energies, is_save_point=True)
+        report = IntervalReport(self.number, "", 1.0, self.time, 0, self.shells.dt, energies, is_save_point=True)
         gone = {
             f"{t.name}.{force}": 0.0 for t in self.model.tools for force in ("force", "force_x", "force_y", "force_z")
         }

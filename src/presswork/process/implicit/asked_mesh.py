@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 from presswork.implicit.epochs import AskForMesh, Epoch, new_epoch
-from presswork.process.implicit.increments import IncrementRecording, find_position
+from presswork.process.implicit.increments import IncrementRun, find_position
 from presswork.process.mesh_change.contract import MeshChange
 
 
 class AskedMesh(MeshChange):
     """Goes on with the mesh that a function returns."""
 
-    def __init__(self, run: IncrementRecording, ask: AskForMesh) -> None:
+    def __init__(self, run: IncrementRun, ask: AskForMesh) -> None:
         self._run, self._ask = run, ask
 
     def look(self, failure: str = "") -> bool:

@@ -17,7 +17,7 @@ from presswork.interaction.tool_arrays import ContactArrays, ToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.mesh.joined import split_mesh
 from presswork.model import Body, FloatArray, Remeshing, list_bodies, take_corners
-from presswork.process.implicit.increments import IncrementRecording
+from presswork.process.implicit.increments import IncrementRun
 from presswork.process.implicit.lost_volume import LostVolume
 from presswork.process.mesh_change.carrying import carry_to_mesh, find_undeclared
 from presswork.process.mesh_change.mesh_reasons import (
@@ -44,7 +44,7 @@ class BodiesInPlane:
     parts: Sequence[float] = PARTS
     waits_first = False
 
-    def __init__(self, run: IncrementRecording, settings: Remeshing) -> None:
+    def __init__(self, run: IncrementRun, settings: Remeshing) -> None:
         self._run, self._settings = run, settings
         self._lost = LostVolume(run)
 

@@ -16,7 +16,7 @@ from presswork.interaction.bodies.body_surfaces import InterfaceArrays
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray, Remeshing, change_mesh, list_bodies
-from presswork.process.implicit.increments import IncrementRecording
+from presswork.process.implicit.increments import IncrementRun
 from presswork.process.implicit.lost_volume import LostVolume
 from presswork.process.mesh_change.bodies_in_space import (
     Topologies,
@@ -53,7 +53,7 @@ class BodiesInSpace:
     parts: Sequence[float] = PARTS
     waits_first = True
 
-    def __init__(self, run: IncrementRecording, settings: Remeshing) -> None:
+    def __init__(self, run: IncrementRun, settings: Remeshing) -> None:
         self._run, self._settings = run, settings
         self._lost = LostVolume(run)
         self._shapes = [draw_shape(tool, run.model, settings) for tool in run.model.space_tools]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.model import list_bodies
-from presswork.process.implicit.increments import IncrementRecording
+from presswork.process.implicit.increments import IncrementRun
 from presswork.process.implicit.self_contact import find_folding, switch_on, touches_itself
 from presswork.process.mesh_change.contract import MeshChange
 
@@ -21,7 +21,7 @@ FOLDED = "folded"
 class Folding(MeshChange):
     """Switches on contact of bodies with themselves; their mesh stays, and the procedure on it is another."""
 
-    def __init__(self, run: IncrementRecording) -> None:
+    def __init__(self, run: IncrementRun) -> None:
         self._run = run
 
     def look(self, failure: str = "") -> bool:

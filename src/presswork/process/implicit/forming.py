@@ -1,39 +1,352 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The implicit procedure of bodies that tools or loads form, with the changes of its mesh that a model asks for."""
+"""What is recorded of an implicit run: rows, fields and the summary."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import functools
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
 
-from presswork.model import Model, Remeshing
-from presswork.process.implicit.implicit_recording import ImplicitRecording
+import numpy as np
+from numpy.typing import NDArray
+
+from presswork.body.law_window import LawWindow
+from presswork.body.solids import Mechanics
+from presswork.fields.formability_fields import FormingVerdict, judge_fields
+from presswork.fields.instant import Instant
+from presswork.fields.solid_fields import add_bodies
+from presswork.fields.table import compute_fields
+from presswork.formability import Formability
+from presswork.geometry.pose import (
+    ToolPose,
+    find_axis,
+    place_segments,
+    start_centre,
+    start_centre_in_space,
+    start_profile,
+)
+from presswork.implicit.arc_length import ArcLengthProcedure
+from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
+from presswork.implicit.progress import Progress
+from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.interaction.loose_bodies import warn_of_loose
+from presswork.interaction.space.solid_contact import SolidContact
+from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
+from presswork.interaction.tool_course import find_turning
+from presswork.model import FloatArray, IntArray, Model
+from presswork.observe.contract import Row
+from presswork.observe.heat import show_dies
+from presswork.observe.limits import (
+    Watched,
+    measure_hydrostatic_stress,
+    measure_mean_pressure,
+    tell_full_dies,
+    watch_sheet,
+)
+from presswork.observe.penetration import Penetration, measure_bodies
+from presswork.observe.reactions import Reactions
+from presswork.observe.verdict import find_never_touched
+from presswork.process.implicit.held_surface import measure_held_part
+from presswork.process.implicit.increments import IncrementRun
+from presswork.process.implicit.tool_ends import explain_passed_ends
+from presswork.process.run import Meta, Snapshot
+from presswork.process.space_surfaces import cut_tools
+from presswork.process.tool_quantities import ToolQuantities, describe_plane, measure_tools
 from presswork.ranks.world import World
+from presswork.results import history_columns
 
-if TYPE_CHECKING:
-    from presswork.process.implicit.new_meshes import MeshedBodies
-
-
-def begin_forming(model: Model, *, threads: int = 0, world: World | None = None) -> ImplicitRecording:
-    """Return the run of a model before its first increment. world: ranks that share the cells. Raises StartError."""
-    run = ImplicitRecording(model, threads=threads, world=world)
-    may_remesh = model.remeshing is not None
-    if may_remesh or (model.analysis == "solid" and model.solver.displacements == "large"):
-        from presswork.process.implicit.folding import Folding
-
-        run.add_mesh_change(Folding(run))
-    if model.remeshing is not None:
-        from presswork.process.implicit.new_meshes import NewMeshes
-
-        run.add_mesh_change(NewMeshes(run, _find_bodies(run, model.remeshing)))
-    return run
+NEW_MESHES = "the mesh stays as it is: with [remesh] in the case it is made anew where it fails"
+CUT_EDGE = 0.25
+"""Part of its length by which a tool may cut into an edge without a warning."""
 
 
-def _find_bodies(run: ImplicitRecording, settings: Remeshing) -> MeshedBodies:
-    """Return the bodies of a run as new meshes are made of them."""
-    if run.model.analysis == "solid":
-        from presswork.process.implicit.bodies_in_space import BodiesInSpace
+class ImplicitForming(IncrementRun):
+    """An implicit procedure at work on solids, or on shells under loads."""
 
-        return BodiesInSpace(run, settings)
-    from presswork.process.implicit.bodies_in_plane import BodiesInPlane
+    model: Model
 
-    return BodiesInPlane(run, settings)
+    def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:
+        """world: ranks that share the cells of solids."""
+        procedure = (
+            ArcLengthProcedure(model, threads=threads)
+            if model.solver.control == "arc_length"
+            else ImplicitProcedure(model, threads=threads, world=world)
+        )
+        super().__init__(model, procedure)
+        self.turning = find_turning(model.tools, model.stages)
+        self.penetration = Penetration()
+        self._tools: dict[str, ToolQuantities] = {}
+
+    @property
+    def columns(self) -> list[str]:
+        """Of history.csv."""
+        tools = [t.name for t in self.model.tools]
+        contacts = [c.name for c in self.model.contacts if not c.by_itself]
+        first = history_columns(tools, self.turning, contacts, "xyz"[: self.model.dimension])
+        return [*first, *self.observers.columns(self)]
+
+    def begin_log(self) -> str:
+        """Name the linear solver."""
+        changes = "".join(change.begin_log() for change in self.mesh_changes)
+        return f"linear solver: {self.procedure.equilibrium.solver.name}{changes}"
+
+    def log_lines(self, report: IncrementReport) -> list[str]:
+        """Say how the increment was found."""
+        *cutbacks, found = super().log_lines(report)
+        return [*cutbacks, f"{found}, contact changes {sum(report.log.contact_changes)}"]
+
+    def progress_text(self, report: IncrementReport) -> str:
+        """Name stage and increment, and the tools that have moved."""
+        tools = "  ".join(
+            f"{name} {tool.stroke:.2f} mm {tool.force / 1e3:.1f} kN"
+            for name, tool in self._tools.items()
+            if tool.stroke
+        )
+        return f"{report.stage}: increment {report.number}, {len(report.log)} iterations  {tools}"
+
+    def row(self, report: IncrementReport) -> Row:
+        """Return the row of the history."""
+        self._tools = measure_tools(self.procedure, self.current_stage())
+        row = self._begin_row(report)
+        for name, tool in self._tools.items():
+            row[f"{name}.stroke"], row[f"{name}.force"] = tool.stroke, tool.force
+            row |= {f"{name}.force_{axis}": float(f) for axis, f in zip("xyz", tool.vector, strict=True)}
+            if name in self.turning:
+                row[f"{name}.angle"], row[f"{name}.torque"] = float(np.degrees(tool.angle)), tool.torque
+        forces = self.procedure.contact_forces()
+        for name in (c.name for c in self.model.contacts if not c.by_itself):
+            row |= {f"{name}.force_{axis}": float(f) for axis, f in zip("xyz", forces[name], strict=False)}
+        return row | self.observers.row(self)
+
+    def watch(self) -> Watched:
+        """Return how far the converged state is towards its limits."""
+        verdict = self._judge(at_the_end=False)
+        peaks = self.find_peaks()
+        if verdict is not None:
+            return replace(watch_sheet(verdict), damage=peaks)
+        procedure, model, state = self.procedure, self.model, self.procedure.state
+        mechanics = procedure.mechanics
+        assert isinstance(mechanics, Mechanics)
+        points = model.mesh.points + state.nodes.moved
+        placed = self._placed_profiles()
+        deepest = self.penetration.note(
+            model.mesh, points, placed, lambda places: procedure.interactions.tools.contact.find_gaps(state, places)
+        )
+        if (tools := procedure.interactions.space_tools) is not None:
+            names = [tool.name for tool in model.space_tools]
+            gaps = functools.partial(tools.contact.find_gaps, state)
+            deepest = self.penetration.note_in_space(model.mesh, points, names, gaps)
+        found = [deepest] if deepest else []
+        for first, second in sorted(
+            {c.between for c in model.contacts if len(set(c.between)) == 2 and model.dimension == 2}
+        ):
+            edges = model.mesh.boundary_edges
+            both = {body.name: edges[body.owns(edges)] for body in (model.bodies[first], model.bodies[second])}
+            deepest = measure_bodies(model.mesh, points, both)
+            found += [deepest] if deepest else []
+        metal: dict[str, list[tuple[FloatArray, FloatArray, FloatArray]]] = {}
+        for number, block in enumerate(model.mesh.blocks):
+            if model.materials[block.material].umat is None:
+                centres = points[block.connectivity].mean(axis=1)
+                stress, flow = state.cells.stress[number], mechanics.flow_stress(number, state)
+                mean = stress[..., :3].mean(axis=-1)
+                of_cell = np.repeat(centres, mean.shape[1], axis=0)
+                found.append(measure_hydrostatic_stress(mean.ravel(), flow.ravel(), of_cell))
+                body = next((b.name for b in model.bodies if number in b.blocks), "workpiece")
+                of_body = mean.ravel(), flow.ravel(), state.cells.volume[number].ravel()
+                metal.setdefault(body, []).append(of_body)
+        if model.plane_tools or model.space_tools:
+            touched = measure_held_part(procedure, self.current_stage(), points)
+            for body, blocks in metal.items():
+                mean, flow, volume = (np.concatenate(of) for of in zip(*blocks, strict=True))
+                found.append(measure_mean_pressure(body, mean, flow, volume, touched))
+        return Watched(tuple(found), damage=peaks)
+
+    def _tool_places(self) -> list[tuple[FloatArray, float]]:
+        """Return displacement (2,) [mm] and angle [rad] of each tool in the plane."""
+        state = self.procedure.state
+        if ToolArrays not in state:
+            return []
+        tools = state[ToolArrays]
+        return [(moved, float(angle)) for moved, angle in zip(tools.displacement, tools.angle, strict=True)]
+
+    def tool_displacements(self) -> dict[str, FloatArray]:
+        """Return how far each tool has moved since the run began (2 | 3,) [mm]."""
+        if self.model.space_tools:
+            return self._surface_places()[0]
+        moved = [displacement for displacement, _ in self._tool_places()]
+        return dict(zip((tool.name for tool in self.model.plane_tools), moved, strict=False))
+
+    def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
+        """Return the heat of solids, if they have any."""
+        heat = self.procedure.heat
+        return None if heat is None else (heat.forming, self.procedure.state[HeatArrays])
+
+    def _surface_places(self) -> tuple[dict[str, FloatArray], dict[str, FloatArray]]:
+        """Return how far each tool in space has moved (3,) [mm] and turned (3,) [rad] since the start, by its name."""
+        tools = self.model.space_tools
+        if SpaceToolArrays not in self.procedure.state:
+            return {}, {}
+        placed = self.procedure.state[SpaceToolArrays]
+        moved = {tool.name: way.copy() for tool, way in zip(tools, placed.displacement, strict=True)}
+        return moved, {t.name: angle * find_axis(t) for t, angle in zip(tools, placed.angle, strict=True)}
+
+    def _placed_profiles(self) -> dict[str, FloatArray]:
+        """Return the segments of each tool in the plane where it stands, by its name."""
+        return {
+            t.name: place_segments(start_profile(t), ToolPose(start_centre(t), moved, angle))
+            for t, (moved, angle) in zip(self.model.plane_tools, self._tool_places(), strict=True)
+        }
+
+    def _find_hints(self) -> list[str]:
+        """Name tools whose profiles end on the metal and dies that are full, and say where new meshes would help."""
+        full = tell_full_dies(self.observers.row(self))
+        kept = [NEW_MESHES] if self._keeps_its_mesh() else []
+        return [*self._find_passed_ends(), *full, *kept, *super()._find_hints()]
+
+    def _keeps_its_mesh(self) -> bool:
+        """Whether the case could have new meshes, and does not ask for them."""
+        model, solver = self.model, self.model.solver
+        kinds = [len({model.mesh.blocks[i].element for i in body.blocks}) for body in model.bodies]
+        one_kind = max(kinds, default=len(model.mesh.blocks)) == 1
+        plain = solver.inertia == 0.0 and solver.control == "load" and solver.displacements == "large"
+        return model.remeshing is None and model.dimension == 2 and one_kind and plain
+
+    def _find_passed_ends(self) -> list[str]:
+        mesh, state = self.model.mesh, self.procedure.state
+        if not self.model.plane_tools:
+            return []
+        held = np.asarray(self.procedure.interactions.supports.fixed(self.current_stage()))[:, :2].any(axis=1)
+        points = mesh.points + state.nodes.moved
+        return explain_passed_ends(self._placed_profiles(), points, mesh.boundary_edges, np.asarray(held))
+
+    def show(self) -> Instant:
+        """Return what the fields of the converged state are computed from."""
+        procedure = self.procedure
+        state, interactions = procedure.state, procedure.interactions
+        forces = interactions.tools.contact.forces(state, interactions.supports.fixed(self.current_stage()))
+        between = interactions.bodies.traction(state)
+        now = procedure.mechanics.show(state, forces, between)
+        if procedure.heat is not None:
+            now.temperature = state[HeatArrays].temperature
+        if interactions.space_tools is not None and isinstance(interactions.space_tools.contact, SolidContact):
+            now.find_contact = functools.partial(interactions.space_tools.contact.show, state)
+        has_fields = now.find_contact is not None or not all(c.by_itself for c in self.model.contacts)
+        if self.model.dimension == 3 and between is not None and has_fields:  # fields do not come in the run
+            now.find_contact = functools.partial(add_bodies, now.find_contact, between)
+        if self.model.analysis != "shell":
+            held = self.observers.find(Reactions).mask(self.mesh, self.current_stage())
+            now.reaction = state.nodes.reaction[:, :3] * held
+        for change in self.mesh_changes:
+            change.show(now)
+        return now
+
+    def snapshot(self) -> Snapshot:
+        """Return the fields of the converged state."""
+        model, state = self.model, self.procedure.state
+        points, cells = compute_fields(self.show())
+        points = {**points, "displacement": self.moved(points["displacement"])}
+        places, (moved, rotation) = self._tool_places(), self._surface_places()
+        return Snapshot(
+            time=state[Progress].time,
+            point_data=points,
+            cell_data=cells,
+            tools={t.name: start_profile(t) for t in model.plane_tools},
+            dies=self._show_dies(),
+            surfaces=cut_tools(model),
+            tool_centre={t.name: start_centre(t) for t in model.plane_tools}
+            | {t.name: start_centre_in_space(t) for t in model.space_tools},
+            tool_displacement={t.name: way for t, (way, _) in zip(model.plane_tools, places, strict=True)} | moved,
+            tool_angle={t.name: angle for t, (_, angle) in zip(model.plane_tools, places, strict=True)},
+            tool_rotation=rotation,
+            info={
+                **describe_plane(model),
+                **self.observers.find(Reactions).gauges(model),
+                **(self._judged().to_info() if model.analysis == "shell" else {}),
+            },
+        )
+
+    def _show_dies(self) -> dict[str, tuple[FloatArray, IntArray, FloatArray]]:
+        """Return the meshes of tools that conduct heat, and their temperatures."""
+        heat = self.procedure.heat
+        return show_dies(heat.forming, self.procedure.state[HeatArrays]) if heat else {}
+
+    def _judged(self) -> Formability:
+        """What the strains of a sheet are judged by: it is of one material."""
+        return self.model.materials[self.mesh.blocks[0].material].formability
+
+    def _judge(self, *, at_the_end: bool) -> FormingVerdict | None:
+        """Return the verdict on a sheet, at the end with the defects of its surface; None of a solid."""
+        mechanics, state = self.procedure.mechanics, self.procedure.state
+        if self.model.analysis != "shell":
+            return None
+        points = self.mesh.points + state.nodes.displacement[:, :3]
+        now = mechanics.show(state)
+        fields = {**now.sheet, **(now.surface if at_the_end else {})}
+        return judge_fields(fields, self.mesh.blocks, points, self._judged())
+
+    def meta(self) -> Meta:
+        """Return what the summary needs and no array holds."""
+        return {
+            "initial_volume": self.procedure.initial_volume,
+            "node_penetration": self.penetration.node,
+            "edge_penetration": self.penetration.edge,
+            "edge_share": self.penetration.share,
+        }
+
+    def load_meta(self, meta: Mapping[str, Any]) -> None:
+        """Take up what meta gave."""
+        self.penetration = Penetration(
+            float(meta["node_penetration"]), float(meta["edge_penetration"]), float(meta["edge_share"])
+        )
+
+    def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
+        """Return counts, extremes, volume, contact and energies."""
+        procedure, model = self.procedure, self.model
+        state = procedure.state
+        elastic_volume = procedure.mechanics.elastic_dilatation(state)
+        volume, initial = procedure.volume(), procedure.initial_volume
+        extremes = procedure.mechanics.extremes(state)
+        verdict = self._judge(at_the_end=True)
+        contact = {
+            "tolerance_mm": procedure.interactions.tools.contact.tolerance,
+            "largest_node_penetration_mm": self.penetration.node,
+            "largest_edge_penetration_mm": self.penetration.edge,
+            "largest_penetration_of_an_edge": self.penetration.share,
+            "tools_never_touched": find_never_touched(model, model.tools, history),
+        }
+        return {
+            **self._count_work(),
+            "extremes": {name: [float(v.min()), float(v.max())] for name, v in extremes.items()},
+            "volume": {
+                "initial_mm3": initial,
+                "final_mm3": volume,
+                "change_percent": 100 * (volume / initial - 1),
+                "elastic_part_percent": 100 * elastic_volume / initial,
+            },
+            "contact": contact,
+            "energy": procedure.energy_balance(),
+            **self.observers.summary(self, history),
+            **state[LawWindow].summarise(model.materials),
+            "linear_solver": procedure.equilibrium.solver.name,
+            **({"formability": verdict.to_summary()} if verdict else {}),
+            "warnings": [
+                *warn_of_loose(model, state),
+                *_warn(contact),
+                *self.observers.warnings(self, history),
+                *state[LawWindow].warnings(model.materials),
+                *(verdict.warnings() if verdict else ()),
+            ],
+        }
+
+
+def _warn(contact: Mapping[str, Any]) -> list[str]:
+    """Return what a user should know of contact with tools."""
+    depth, share = contact["largest_edge_penetration_mm"], contact["largest_penetration_of_an_edge"]
+    if share <= CUT_EDGE:
+        return []
+    return [
+        f"a tool has cut into an edge between two nodes by {share:.0%} of its length (no edge by more than "
+        f"{depth:.3g} mm): contact is at nodes, refine the mesh where tools are curved or narrow"
+    ]

@@ -25,7 +25,7 @@ from presswork.observe.of_model import list_observers
 from presswork.outcome import GaveUpError
 from presswork.process.mesh_change.contract import MeshChange
 from presswork.process.mesh_change.new_epoch import NewEpoch
-from presswork.process.model_recording import ModelRecording, NamedArrays
+from presswork.process.model_run import ModelRun, NamedArrays
 
 MADE = "made"
 """Name in a checkpoint."""
@@ -53,7 +53,7 @@ class FollowedRun(Protocol):
         """Go on in the epoch of make_again, once the run has taken it up."""
 
 
-class IncrementRecording(ModelRecording):
+class IncrementRun(ModelRun):
     """An implicit procedure at work on a model."""
 
     def __init__(self, model: Model, procedure: ImplicitProcedure) -> None:

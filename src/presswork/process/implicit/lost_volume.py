@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.model import list_bodies
-from presswork.process.implicit.increments import IncrementRecording
+from presswork.process.implicit.increments import IncrementRun
 
 MOST_GIVEN_BACK = 1e-3
 """Part of the volume, lost by cells before, that one remesh gives back at most."""
@@ -15,7 +15,7 @@ MOST_GIVEN_BACK = 1e-3
 class LostVolume:
     """What the bodies of a run have lost since it began."""
 
-    def __init__(self, run: IncrementRecording) -> None:
+    def __init__(self, run: IncrementRun) -> None:
         self._run = run
         volume = run.procedure.state.cells.volume
         self._first = [sum(float(volume[i].sum()) for i in body.blocks) for body in list_bodies(run.model)]

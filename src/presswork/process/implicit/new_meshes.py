@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """New meshes in an implicit run: when, and how the state goes along.
 
-Each mesh is an epoch (process/model_recording.py): its points are where the material was when it began, its
+Each mesh is an epoch (process/model_run.py): its points are where the material was when it began, its
 displacements begin at zero. The material's first place is carried from mesh to mesh, so that results have displacements
 of the whole run.
 """
@@ -22,7 +22,7 @@ from presswork.mesh.checks import MeshError
 from presswork.model import Remeshing, find_cell
 from presswork.observe.contract import History, Observed, Row
 from presswork.outcome import Failed, GaveUpError, StartError
-from presswork.process.implicit.increments import IncrementRecording, find_position
+from presswork.process.implicit.increments import IncrementRun, find_position
 from presswork.process.mesh_change.carrying import OnMesh, carry_peaks
 from presswork.process.mesh_change.contract import MeshChange
 from presswork.process.mesh_change.laps import Lap, explain_laps, find_laps, list_laps, mark_laps
@@ -75,7 +75,7 @@ class MeshedBodies(Protocol):
 class NewMeshes(MeshChange):
     """Makes a new mesh of each body where its mesh would fail."""
 
-    def __init__(self, run: IncrementRecording, bodies: MeshedBodies) -> None:
+    def __init__(self, run: IncrementRun, bodies: MeshedBodies) -> None:
         """Raises StartError where no mesh can be made."""
         assert run.model.remeshing is not None
         self._run, self.bodies = run, bodies

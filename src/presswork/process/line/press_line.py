@@ -30,8 +30,8 @@ from presswork.process.line.part_fit import check_reach, explain_misfit
 from presswork.process.line.sheet_dump import dump_sheet, load_sheet
 from presswork.process.line.springback import LaidPart, ReleasedStamping, SpringbackReport, TrimReport
 from presswork.process.mesh_change.transfer import TransferError
-from presswork.process.model_recording import ModelRecording, NamedArrays
-from presswork.process.recording import Meta, Report, Snapshot
+from presswork.process.model_run import ModelRun, NamedArrays
+from presswork.process.run import Meta, Report, Snapshot
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.stamping_tools import bead_columns, tool_columns
 from presswork.ranks.world import World
@@ -73,7 +73,7 @@ class FollowedLine(Protocol):
         """Go on in the operation of a checkpoint, which the line has begun."""
 
 
-class PressLine(ModelRecording):
+class PressLine(ModelRun):
     """A part at work in one operation after another."""
 
     def __init__(self, model: Model, *, threads: int = 0, world: World | None = None) -> None:

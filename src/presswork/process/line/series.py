@@ -16,16 +16,16 @@ from presswork.implicit.stepping import IncrementReport
 from presswork.model import Mesh, Model
 from presswork.observe.contract import Row
 from presswork.observe.limits import Watched
-from presswork.process.implicit.forming import begin_forming
-from presswork.process.implicit.implicit_recording import ImplicitRecording
-from presswork.process.model_recording import ModelRecording
-from presswork.process.recording import Meta, Snapshot
+from presswork.process.implicit.begin_forming import begin_forming
+from presswork.process.implicit.forming import ImplicitForming
+from presswork.process.model_run import ModelRun
+from presswork.process.run import Meta, Snapshot
 
 PLACE = "series.place"
 """In a checkpoint: parts done, reports and time before the present part."""
 
 
-class SeriesForming(ModelRecording):
+class SeriesForming(ModelRun):
     """Forms the parts of a series."""
 
     def __init__(self, model: Model, *, threads: int = 0) -> None:
@@ -36,7 +36,7 @@ class SeriesForming(ModelRecording):
         self._run = self._make_part()
         self.timing = self._run.timing
 
-    def _make_part(self) -> ImplicitRecording:
+    def _make_part(self) -> ImplicitForming:
         return begin_forming(self.model, threads=self._threads)
 
     @property

@@ -30,7 +30,7 @@ from presswork.observe.contract import Row
 from presswork.observe.limits import Watched
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.explicit.stamping import ExplicitStamping
-from presswork.process.implicit.implicit_stamping import ImplicitStamping
+from presswork.process.implicit.stamping import ImplicitStamping
 from presswork.process.line.formed_sheet import make_formed
 from presswork.process.line.hem import HemShape, find_hemmed, measure_hem, tell_hem
 from presswork.process.line.laying import find_half_thickness
@@ -38,8 +38,8 @@ from presswork.process.line.released_model import ELEMENTS, NAME, make_springbac
 from presswork.process.line.released_part import TRIM, Released
 from presswork.process.mesh_change.transfer import TEMPERATURE, SheetState, TransferError, begin_with, sheet_of_implicit
 from presswork.process.mesh_change.trim import Cut, TrimError, explain_beside, trim_sheet
-from presswork.process.model_recording import ModelRecording, NamedArrays
-from presswork.process.recording import Meta, Report, Snapshot
+from presswork.process.model_run import ModelRun, NamedArrays
+from presswork.process.run import Meta, Report, Snapshot
 from presswork.ranks.world import World
 
 DEVIATION, HEM = "deviation", "hem"
@@ -82,7 +82,7 @@ class LaidPart:
     """How often its shells have been split."""
 
 
-class ReleasedStamping(ModelRecording):
+class ReleasedStamping(ModelRun):
     """A stamping after which the part is trimmed, or springs back, or both: with that the last epoch begins.
 
     An operation of a line need not have either: then it ends as its tools have left the part.

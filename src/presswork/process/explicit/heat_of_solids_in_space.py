@@ -11,11 +11,11 @@ import numpy as np
 from presswork.interaction.heat.forming_instant import Poses
 from presswork.interaction.space.space_touch import PlacedSurface
 from presswork.model import FloatArray, Model
-from presswork.process.explicit.contacts_of_rows import ContactsOfRows
-from presswork.process.explicit.heat_of_rows import HeatOfRows
+from presswork.process.explicit.contacts import ContactsOfRun
+from presswork.process.explicit.heat_of_solids import HeatOfSolids
 
 
-class HeatOfSpaceRows(HeatOfRows):
+class HeatOfSolidsInSpace(HeatOfSolids):
     """Heat of a model's bodies in space, beside the explicit loop."""
 
     def __init__(
@@ -23,7 +23,7 @@ class HeatOfSpaceRows(HeatOfRows):
         model: Model,
         solids: Any,
         walls: Sequence[Any],
-        contacts: ContactsOfRows,
+        contacts: ContactsOfRun,
         threads: int,
         *,
         place_tool: Callable[[int], PlacedSurface],

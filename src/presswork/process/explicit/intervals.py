@@ -29,7 +29,7 @@ from presswork.observe.of_model import list_observers
 from presswork.observe.ram import force_on_ram
 from presswork.outcome import GaveUpError
 from presswork.process.mesh_change.contract import MeshChange
-from presswork.process.model_recording import ModelRecording, NamedArrays
+from presswork.process.model_run import ModelRun, NamedArrays
 from presswork.state import RUN, Arrays, OnNewMesh
 from presswork.threads import available_threads
 from presswork.timing import Timing
@@ -40,7 +40,7 @@ LAST_COLUMNS = ("time_step", "added_mass_percent", *(f"{e}_energy" for e in ENER
 
 
 @dataclass
-class RowProgress(Arrays):
+class IntervalProgress(Arrays):
     """How far a run is."""
 
     owner = "progress"
@@ -69,7 +69,7 @@ class RowProgress(Arrays):
 
 
 @dataclass(frozen=True)
-class RowReport:
+class IntervalReport:
     """A row of cycles that has been computed."""
 
     number: int
@@ -84,10 +84,12 @@ class RowReport:
     is_save_point: bool
 
 
-class RowRecording(ModelRecording, ABC):
+class IntervalRun(ModelRun, ABC):
     """An explicit procedure at work on a model."""
 
-    def __init__(self, model: Model, threads: int, progress: RowProgress, phases: Sequence[str] = ("cycles",)) -> None:
+    def __init__(
+        self, model: Model, threads: int, progress: IntervalProgress, phases: Sequence[str] = ("cycles",)
+    ) -> None:
         _core.set_threads(threads or available_threads())
         super().__init__(model)
         self.mesh_changes: list[MeshChange] = []
@@ -144,7 +146,7 @@ class RowRecording(ModelRecording, ABC):
         """Return what fields are computed from."""
 
     @abstractmethod
-    def _compute_row(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
+    def _compute_interval(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         """Compute a row of a stage; return its cycles, their time step [s], and the energies at its end."""
 
     def _add_time(self, started: float) -> None:
@@ -170,7 +172,7 @@ class RowRecording(ModelRecording, ABC):
         held = "".join(letter for letter, is_held in zip(run.FREEDOMS, support.fix, strict=False) if is_held)
         run.fix(self.model.mesh.node_sets[support.node_set], held)
 
-    def advance(self) -> Iterator[RowReport]:
+    def advance(self) -> Iterator[IntervalReport]:
         """Compute row after row. Raises GaveUpError, with the state of the last row, where the motion breaks down."""
         while self._progress.stage < len(self.model.stages):
             before = self._keep()
@@ -200,13 +202,13 @@ class RowRecording(ModelRecording, ABC):
     def _arrays_beside_run(self) -> NamedArrays:
         """Return the part of the state that the loop does not have."""
 
-    def _next_row(self) -> RowReport:
+    def _next_row(self) -> IntervalReport:
         started = perf_counter()
         number, row = self._progress.stage, self._progress.row
         stage, rows, steps = self.model.stages[number], self.model.output.rows, self.model.output.steps
         if row == 0:
             self._progress.stage_work = self._progress.stage_way = 0.0
-        cycles, step, energies = self._compute_row(number, row)
+        cycles, step, energies = self._compute_interval(number, row)
         if stage.drive is not None and not isinstance(stage.drive.motion, Blow):
             way = stage.drive.travel * np.diff(DrivenStroke(stage.drive).position(self._times(stage, row)))
             self._add_ram_work(number, self.tool_forces(), float(way[0]))
@@ -215,7 +217,7 @@ class RowRecording(ModelRecording, ABC):
             self._progress.stage, self._progress.row = number + 1, 0
             self.begin_stage()
         self._add_time(started)
-        return RowReport(
+        return IntervalReport(
             number=number * rows + row + 1,
             stage=stage.name,
             fraction=(row + 1) / rows,
@@ -304,7 +306,7 @@ class RowRecording(ModelRecording, ABC):
         own = self._state_arrays()
         if set(own) != set(arrays) or any(own[k].shape != arrays[k].shape for k in own):
             raise ValueError("the checkpoint belongs to another case: its arrays do not fit this mesh")
-        found, wanted = arrays[f"{RowProgress.owner}.rows"], self.model.output.rows
+        found, wanted = arrays[f"{IntervalProgress.owner}.rows"], self.model.output.rows
         if found != wanted:
             raise ValueError(f"the checkpoint is of a run with output.rows = {found:g}, on which its steps depend")
         self._progress.load_arrays(arrays)
@@ -325,7 +327,7 @@ class RowRecording(ModelRecording, ABC):
         """Rows so far."""
         return self._progress.stage * self.model.output.rows + self._progress.row
 
-    def log_lines(self, report: RowReport) -> list[str]:
+    def log_lines(self, report: IntervalReport) -> list[str]:
         """Say where the row ended."""
         e, notes = report.energies, self.notes
         self.notes = []
@@ -336,7 +338,7 @@ class RowRecording(ModelRecording, ABC):
             f"N mm, balance off by {e.error_percent:.2g} %",
         ]
 
-    def _end_row(self, report: RowReport) -> Row:
+    def _end_row(self, report: IntervalReport) -> Row:
         """Return the LAST_COLUMNS of the history."""
         return {
             "time_step": report.step,

@@ -17,12 +17,12 @@ from presswork.observe.contract import Row
 from presswork.observe.heat import heat_columns, measure_heat, summarise_heat, warn_of_tables
 from presswork.observe.limits import Watched
 from presswork.process.heat import CUTBACKS, ITERATIONS, KINDS, STEPS, TIME, HeatProcedure
-from presswork.process.model_recording import ModelRecording
-from presswork.process.recording import Snapshot
+from presswork.process.model_run import ModelRun
+from presswork.process.run import Snapshot
 from presswork.process.tool_quantities import describe_plane
 
 
-class HeatRecording(ModelRecording):
+class HeatRun(ModelRun):
     """Heat at work on bodies that do not deform."""
 
     model: Model

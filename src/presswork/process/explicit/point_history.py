@@ -38,7 +38,7 @@ class BlockPoints:
     """Of a sheet with kinematic hardening (..., 3) [MPa]."""
 
 
-class RowHistory:
+class PointHistory:
     """Windows and evolution laws of the blocks of a run."""
 
     def __init__(self, materials: Sequence[Material], numbers: Sequence[int], *, is_solid: bool) -> None:

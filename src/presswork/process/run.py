@@ -50,7 +50,7 @@ class Snapshot:
     """Points (n, 2) [mm] as they are in the tool's profile, cells (m, k) and temperatures (n,) [degrees C] of tools."""
 
 
-class Recording(Protocol):
+class Run(Protocol):
     """A procedure at work on one model."""
 
     timing: Timing

@@ -22,7 +22,7 @@ from presswork.implicit.heat_of_forming import HeatOfForming
 from presswork.interaction.heat.forming_instant import FormingInstant, Poses
 from presswork.model import FloatArray, Heating, Material, Model
 from presswork.outcome import Failed, GaveUpError
-from presswork.process.explicit.contacts_of_rows import ContactsOfRows
+from presswork.process.explicit.contacts import ContactsOfRun
 from presswork.remesh.carrier import Carrier
 from presswork.timing import Timing
 
@@ -44,10 +44,10 @@ def heat_by_itself(model: Model, material: Material) -> Material:
     return replace(material, heating=made)
 
 
-class HeatOfRows:
+class HeatOfSolids:
     """Heat of a model's bodies, beside the explicit loop."""
 
-    def __init__(self, model: Model, solids: Any, walls: Sequence[Any], contacts: ContactsOfRows, threads: int) -> None:
+    def __init__(self, model: Model, solids: Any, walls: Sequence[Any], contacts: ContactsOfRun, threads: int) -> None:
         """solids, walls, contacts: those of the explicit loop of the model's dimension."""
         assert model.heat is not None
         self._contacts, self._points = contacts, model.mesh.points
@@ -150,7 +150,7 @@ class HeatOfRows:
             between=self._contacts.show_heat(points - self._points, self._heat.contacts),
         )
 
-    def go_on(self, before: HeatOfRows, carrier: Carrier) -> None:
+    def go_on(self, before: HeatOfSolids, carrier: Carrier) -> None:
         """Let bodies whose temperatures come from another mesh have stored what they had there."""
         stored = before.forming.stored_in_bodies(before.arrays)
         self.forming.keep_stored(self.arrays, stored, carrier.is_new())

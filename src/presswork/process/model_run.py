@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from presswork.mesh.files.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, Mesh, Model, change_mesh
 from presswork.observe.contract import Row
-from presswork.process.recording import Meta
+from presswork.process.run import Meta
 from presswork.timing import Timing
 
 NamedArrays = dict[str, NDArray[np.generic]]
@@ -26,7 +26,7 @@ EPOCH, NUMBER, ORIGIN = "epoch.", "number", "origin"
 """Prefix of an epoch's arrays in a checkpoint, and two of them."""
 
 
-class ModelRecording:
+class ModelRun:
     """A procedure at work on a model; who inherits supplies columns, rows, the summary and the state."""
 
     timing: Timing

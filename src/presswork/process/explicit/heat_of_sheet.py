@@ -23,7 +23,7 @@ from presswork.model import Dwell, FloatArray, Model
 ONE_POINT = np.full((1, 4), 0.25)
 
 
-class ExplicitHeat:
+class HeatOfShells:
     """Heat of a model's sheet, beside its explicit shells."""
 
     def __init__(self, model: Model, shells: ExplicitShells, tools: list[RigidTool]) -> None:

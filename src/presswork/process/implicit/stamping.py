@@ -32,9 +32,9 @@ from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stag
 from presswork.observe.contract import Row
 from presswork.observe.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
 from presswork.process.held_flange import summarise_holders, warn_of_holders
-from presswork.process.implicit.increments import IncrementRecording
+from presswork.process.implicit.increments import IncrementRun
 from presswork.process.mesh_change.transfer import SheetState, begin_with, keep_heated, sheet_of_implicit
-from presswork.process.recording import Snapshot
+from presswork.process.run import Snapshot
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.stamping_tools import (
     bead_columns,
@@ -117,7 +117,7 @@ def _push_by_stage(model: Model, tool: Tool) -> list[Push]:
     return [Push(way_of(tool), rows, stop, clearance) for rows in by_stage(model, times, forces / model.whole)]
 
 
-class ImplicitStamping(IncrementRecording):
+class ImplicitStamping(IncrementRun):
     """A stamping at work."""
 
     model: Model

@@ -18,7 +18,7 @@ from presswork.model import FloatArray, HeatContact, IntArray, Mesh, Model
 from presswork.observe.contract import Row
 
 
-class ContactsOfRows:
+class ContactsOfRun:
     """The contacts of a model's bodies beside the explicit loop."""
 
     def __init__(self, model: Model, surfaces: Sequence[TouchingSurfaces], solids: Any) -> None:
