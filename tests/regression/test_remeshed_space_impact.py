@@ -15,6 +15,7 @@ from presswork.explicit.arrays import SolidArrays
 from presswork.law.history import AXES, STRESS
 from presswork.process.begin import begin
 from presswork.process.explicit.new_meshes import IntervalMeshes
+from presswork.process.explicit.present_bodies import find_held
 from tests.regression.whole_runs import compare_with_restart
 from tests.verification.test_explicit_tools_in_space import BLOCK, Data, run
 
@@ -66,7 +67,7 @@ def test_a_spike_goes_on_where_its_first_mesh_would_fail() -> None:
     assert rows[-1]["die.stroke"] == pytest.approx(5.0, rel=1e-6)
     assert rows[-1]["z_max"] > 10.1  # metal rises into the hole
     assert sum(taken.observers.find(IntervalMeshes).bodies.measure()) == pytest.approx(1440.0, rel=5e-3)
-    gaps = taken._find_gaps(taken.solids.position[np.unique(taken.model.mesh.boundary_faces)])
+    gaps = taken.domain._find_gaps(taken.solids.position[np.unique(taken.model.mesh.boundary_faces)])
     assert gaps.min() > -0.05
 
 
@@ -89,7 +90,7 @@ def test_linear_velocities_and_stresses_come_to_a_new_mesh() -> None:
     assert taken.observers.find(IntervalMeshes).remesh("asked for")
     np.testing.assert_allclose(taken.solids.stress, fields(place_cells()), rtol=1e-6)
     shift = taken.solids.velocity - fields(taken.solids.position)[:, :3]
-    free = ~taken._find_held()
+    free = ~find_held(taken)
     assert np.ptp(shift[free[:, 2], 2]) < 1e-6  # one for all nodes: the body goes on as fast
     after = np.average(taken.solids.velocity, axis=0, weights=taken.solids.mass)
     np.testing.assert_allclose(after[2], mean[2], rtol=1e-12)
