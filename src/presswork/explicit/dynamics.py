@@ -29,14 +29,35 @@ SAFETY = 0.9
 """Time step over the bound of the stable one."""
 RENEWAL = 10
 """Cycles after which `run_to` finds the stable step anew."""
+LONGER = 0.01
+"""Part by which the elements must allow a longer step before one is taken."""
 CRUSHED = 1e-3
 """Of the first step: what a cell asks for that no result should be taken from, and that would take for ever."""
 PHASES = ("nodes", "elements", "contact", "waiting")
 
 
+def count_even_steps(span: float, allowed: float, before: float) -> int:
+    """Return into how many equal steps a span of time [s] is divided, none of them longer than allowed [s].
+
+    before: the last step [s], which is kept where it can be. Steps that change again and again feed energy into
+    vibrations (docs/theory/explicit.md), so a longer one is taken only where LONGER more is allowed.
+
+    >>> count_even_steps(10.5, allowed=1.0, before=1.0)
+    11
+    >>> count_even_steps(10.5, allowed=1.05, before=10.5 / 11)
+    11
+    >>> count_even_steps(10.5, allowed=1.07, before=10.5 / 11)
+    10
+    """
+    longest = min(max(before, (1.0 - LONGER) * allowed), allowed)
+    return int(np.ceil(span / longest * (1 - 1e-9)))
+
+
 class Dynamics(NodalMotion):
     """Blocks of elements in explicit dynamics."""
 
+    safety: float = SAFETY
+    """Time step of `run_to` over the bound of the stable one."""
     _resident: Any = None
     """The loop on a device, where there is one."""
 
@@ -81,13 +102,13 @@ class Dynamics(NodalMotion):
     def scale_mass(self, target_step: float) -> MassScaling:
         """Add mass to elements whose stable step is below the target [s], take the target as the step; report the mass.
 
-        The safety factor is kept: the elements' bound becomes target_step/0.9. Mass once added stays. The kinetic
+        The safety factor is kept: the elements' bound becomes target_step/safety. Mass once added stays. The kinetic
         energy that it brings is no error of the balance.
         """
         if not target_step > 0:
             raise ExplicitError(f"target_step = {target_step}: it must be above zero")
         before = self._energy_with_mass()
-        factor = self._loop.bound_frequencies() * (0.5 * target_step / SAFETY) ** 2
+        factor = self._loop.bound_frequencies() * (0.5 * target_step / self.safety) ** 2
         self._loop.scale_mass(np.maximum(factor, 1.0))
         self.dt = target_step
         self._masses_have_changed()
@@ -180,7 +201,7 @@ class Dynamics(NodalMotion):
         self.time += n * self.dt
         gone = self._find_gone()
         if gone >= 0:
-            allowed = SAFETY * self.stable_step()
+            allowed = self.safety * self.stable_step()
             now = f" (the elements allow {allowed:g} s now)" if np.isfinite(allowed) else ""
             raise ExplicitError(
                 f"node {gone} has left for infinity by cycle {self.cycle} (t = {self.time:g} s): the step "
@@ -206,14 +227,15 @@ class Dynamics(NodalMotion):
         if told == _core.LawStatus.done:
             return (
                 f"cell {element} is turned inside out {when}: shorten the step {self.dt:g} s (the cells allow "
-                f"{SAFETY * self.stable_step():g} s now), refine the mesh, or set explicit.hourglass_stiffness higher"
+                f"{self.safety * self.stable_step():g} s now), refine the mesh, or set explicit.hourglass_stiffness "
+                "higher"
             )
         return f"{TOLD[told]} in cell {element} {when}: shorten the step {self.dt:g} s"
 
     def run_to(
         self, end: float, *, damping: float = 0.0, target_step: float | None = None, motion: Motion | None = None
     ) -> None:
-        """Run to the time `end` [s], with a step that follows the elements' own: found anew every 10 cycles.
+        """Run to the time `end` [s], with an even step that follows the elements' own: found anew every 10 cycles.
 
         target_step [s]: where the elements' own is shorter, mass is added as by scale_mass. motion: how long walls and
         prescribed velocities have gone at their speed [s], by a time; e.g. SmoothStroke(T, T) starts them smoothly,
@@ -223,7 +245,7 @@ class Dynamics(NodalMotion):
         if not end > self.time:
             raise ExplicitError(f"end = {end:g} s: it must lie beyond the time reached, {self.time:g} s")
         while end - self.time > 1e-9 * end:
-            self.dt = SAFETY * self.stable_step()
+            self.dt = self.safety * self.stable_step()
             if target_step is not None and self.dt < target_step * (1 - 1e-9):
                 self.scale_mass(target_step)
             if self.dt < CRUSHED * self._first_dt:
@@ -233,9 +255,8 @@ class Dynamics(NodalMotion):
                     "coarser along the way that it is crushed, or give explicit.target_step"
                 )
             self._full_step = self.dt  # before it is made shorter to end in time
-            left = int(np.ceil((end - self.time) / self.dt * (1 - 1e-9)))
-            if left <= RENEWAL:
-                self.dt = (end - self.time) / left
+            left = count_even_steps(end - self.time, self.dt, self._dt_before)
+            self.dt = (end - self.time) / left
             n = min(left, RENEWAL)
             scale: float | Array = 1.0
             if motion is not None:

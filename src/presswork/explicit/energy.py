@@ -129,5 +129,8 @@ def warn_of_energies(history: Mapping[str, NDArray[Any]], advice: Mapping[str, s
     error = history["energy_error_percent"][formed]
     if np.abs(error).max() > WORTH_A_WARNING:
         largest = float(error[np.argmax(np.abs(error))])
-        warnings.append(f"the energy balance is off by {largest:.3g} %: {advice['error']}")
+        at = history["time"][formed][np.argmax(np.abs(np.diff(error, prepend=error[0])))]
+        warnings.append(
+            f"the energy balance is off by {largest:.3g} %, most of it at t = {at:.4g} s: {advice['error']}"
+        )
     return warnings

@@ -118,6 +118,8 @@ class ExplicitSolid:
     """Mass damping [1/s]."""
     hourglass_stiffness: float = 0.05
     """quad4_1pt and hex8_1pt: fraction of the shear modulus."""
+    safety: float = 0.9
+    """Time step over the bound of the stable step."""
     velocity_of_others: tuple[tuple[float, ...], ...] = ()
     """velocity of each body after the workpiece."""
     device: Literal["cpu", "host", "cuda"] = field(default="cpu", repr=False)

@@ -32,7 +32,11 @@ def history(**changed: list[float]) -> dict[str, np.ndarray]:
             -SHARE,
             "contact energy reached 6 % of the internal (t = 5 s): the sheet sinks into its tools",
         ),
-        ("energy_error_percent", -BALANCE, "the energy balance is off by -30 %: set explicit.safety lower"),
+        (
+            "energy_error_percent",
+            -BALANCE,
+            "the energy balance is off by -30 %, most of it at t = 5 s: set explicit.safety lower",
+        ),
     ],
 )
 def test_energies_out_of_hand_are_told_once_forming_is_under_way(column: str, late: float, said: str) -> None:

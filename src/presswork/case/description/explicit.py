@@ -12,8 +12,6 @@ from presswork.mesh.faces import list_cell_faces
 
 SECONDS = 0.1e-6
 """Of one core for a cell and a cycle, about."""
-SAFETY = 0.9
-"""Time step over its stable bound."""
 
 
 def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> Iterator[str]:
@@ -35,7 +33,7 @@ def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> It
         _shortest_side(problem.mesh.points, block.connectivity) / _wave_speed(materials[block.material])
         for block in problem.mesh.blocks
     ]
-    step = SAFETY * min(crossings)
+    step = settings.safety * min(crossings)
     how = "cells that are flattened need shorter ones"
     if settings.target_step is not None and settings.target_step > step:
         step, how = settings.target_step, "by adding mass"

@@ -105,6 +105,7 @@ class ExplicitForming(IntervalRun):
         touching = find_touching(model)
         density = np.broadcast_to(np.asarray(epoch.get("density", 1.0)), len(model.mesh.blocks))
         self.domain.make(model, density, touching, is_at_start=not epoch)
+        self.solids.safety = self.settings.safety
         self.contacts = ContactsOfRun(model, touching, self.solids)
         self.domain.check_device()
         self._reaction = np.zeros((len(model.mesh.points), model.dimension))

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.explicit.dynamics import SAFETY
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray, Mesh, Model, Remeshing, change_mesh, list_bodies
 from presswork.process.explicit.contacts import ContactsOfRun, find_touching
@@ -161,8 +160,9 @@ class MovingTetrahedra:
         tractions = carry_tractions((run.model, run.contacts.added, position), after, carrier)
         touching = find_touching(after)
         solids = self._domain.make_solids(after, density, touching)
+        solids.safety = run.settings.safety
         contacts, target = ContactsOfRun(after, touching, solids), run.settings.target_step
-        step = SAFETY * solids.stable_step()
+        step = solids.safety * solids.stable_step()
         if target is not None and step < target:
             solids.scale_mass(target)
             step = target

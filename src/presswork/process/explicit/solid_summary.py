@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 ADVICE = {
     "kinetic": "inertia counts: make the tools slower, or add less mass",
     "hourglass": "refine the mesh, or set explicit.hourglass_stiffness higher",
-    "error": "refine the mesh where cells are crushed",
+    "error": "steps are too long for cells so crushed or so fast: set explicit.safety lower",
 }
 
 
