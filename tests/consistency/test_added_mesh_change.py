@@ -80,7 +80,7 @@ def test_it_changes_the_mesh_and_nothing_else(tmp_path: Path) -> None:
     assert "the deformed mesh is taken up" in (tmp_path / "found" / "run.log").read_text()
     for name in ("effective_stress", "equivalent_plastic_strain", "displacement"):
         wanted = once.field(name)
-        np.testing.assert_allclose(found.field(name), wanted, rtol=2e-6, atol=2e-6 * np.abs(wanted).max())
+        np.testing.assert_allclose(found.field(name), wanted, rtol=2e-5, atol=2e-5 * np.abs(wanted).max())
 
 
 def test_a_run_resumed_on_its_mesh_gives_the_same_bits(tmp_path: Path) -> None:
