@@ -95,18 +95,8 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         known: npt.NDArray[np.int32] | None = None,
     ) -> None:
         x = np.array(points, dtype=float)
-        if precision not in LOOPS:
-            raise ExplicitError(f"precision = {precision!r}: give 'double' or 'single'")
-        if device not in DEVICES:
-            raise ExplicitError(f"device = {device!r}: give {' or '.join(map(repr, DEVICES))}")
+        _check(x, blocks, precision, device)
         self.device = device
-        if not blocks or any(isinstance(block, Shells) for block in blocks[1:]):
-            raise ExplicitError("blocks: give one at least, and Shells at most once, as the first")
-        if precision != "double" and isinstance(blocks[0], Shells) and isinstance(blocks[0].law, SheetUmat):
-            raise ExplicitError(f"precision = {precision!r}: a UMAT computes in double precision")
-        check_points(x, 3)
-        for block in blocks:
-            block.check(x)
         self.start, self.blocks = x, list(blocks)
         sizes = [len(block.cells) for block in blocks]
         curves = [order_along_curve(x[block.cells].mean(axis=1)) for block in blocks]
@@ -261,6 +251,21 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
 
 Piece = tuple[Shells | Solids, npt.NDArray[np.intp]]
 """A block, and the elements of it that make a block of the loop."""
+
+
+def _check(x: Array, blocks: Sequence[Shells | Solids], precision: Precision, device: Device) -> None:
+    """Raise ExplicitError for input that cannot be computed."""
+    if precision not in LOOPS:
+        raise ExplicitError(f"precision = {precision!r}: give 'double' or 'single'")
+    if device not in DEVICES:
+        raise ExplicitError(f"device = {device!r}: give {' or '.join(map(repr, DEVICES))}")
+    if not blocks or any(isinstance(block, Shells) for block in blocks[1:]):
+        raise ExplicitError("blocks: give one at least, and Shells at most once, as the first")
+    if precision != "double" and isinstance(blocks[0], Shells) and isinstance(blocks[0].law, SheetUmat):
+        raise ExplicitError(f"precision = {precision!r}: a UMAT computes in double precision")
+    check_points(x, 3)
+    for block in blocks:
+        block.check(x)
 
 
 def _make_loop(

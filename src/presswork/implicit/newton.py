@@ -153,15 +153,14 @@ class Equilibrium:
             if is_led and iteration > 1 and log.correction[-1] > LOST:
                 return Failed(log, f"a correction is {log.correction[-1]:.2g} times the increment", 0.5)
             # 3. correction; constrained freedoms go all the way to where they must be
+            keeps = keeps_factors and len(log) > 1 and log.residual[-1] < KEPT * log.residual[-2]
             try:
-                keeps = keeps_factors and len(log) > 1 and log.residual[-1] < KEPT * log.residual[-2]
                 refactorise = not factorised or self._needs_new_factors(balance, size, keeps=keeps)
                 correction, travel = self.system.correct(balance, point, refactorise=refactorise)
-                if self.system.iterations:
-                    log.solutions.append(str(self.system.iterations))
             except (SolverError, LostWorkpieceError) as error:
                 return Failed(log, str(error), 0.25)
             factorised = True
+            log.solutions += [str(self.system.iterations)] if self.system.iterations else []
             moved = self._advance(state_n, trial, point, balance, correction, travel)
             if isinstance(moved, BadGuess):
                 return Failed(log, str(moved), moved.factor)

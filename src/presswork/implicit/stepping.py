@@ -188,25 +188,15 @@ class ImplicitProcedure:
                 step = 0.5 * (target - fraction_n)
             fraction = target if step >= (target - fraction_n) * (1 - 1e-9) else fraction_n + step
             first = first or step
-            trial, outcome = self._attempt(stage, fraction_n, fraction)
-            if isinstance(outcome, Failed) and self.equilibrium.can_soften:
-                trial, outcome = self._attempt(stage, fraction_n, fraction, gently=True)
-            if isinstance(outcome, Failed) and self._may_turn:
-                trial, outcome = self._attempt(stage, fraction_n, fraction, from_rest=True)
+            trial, outcome = self._attempt_all(stage, fraction_n, fraction)
             if shows_stability(self.model) and not isinstance(outcome, Failed):
                 pivots, shortest = self.equilibrium.solver.negative_pivots, max(BELIEVED * first, 2.0 * least)
                 outcome = judge_stability(self._start, trial, outcome, pivots, is_shortest=step <= shortest)
             if self.heat is not None and not isinstance(outcome, Failed):
                 outcome = self._conduct(self.heat, trial, self._step(stage, fraction_n, fraction), outcome)
+            made = self._step(stage, fraction_n, fraction)
             if not isinstance(outcome, Failed):
-                made = self._step(stage, fraction_n, fraction)
-                for follower in self.followers:
-                    follower.note(trial)
-                self.settle(self._start, trial, made)
-                if self.sheet_heat is not None:
-                    outcome = self.sheet_heat.find(self._start, trial, made, outcome.log)
-                if not isinstance(outcome, Failed):
-                    outcome = self.accuracy.judge(made, outcome.log)
+                outcome = self._complete(trial, made, outcome.log)
             if not isinstance(outcome, Failed):
                 shorter = self.ram.shorten(self._start, trial, made)
                 if shorter is None:
@@ -236,6 +226,27 @@ class ImplicitProcedure:
                 self.model, self.state[Progress].increments, fraction_n, fraction, at_end=is_over or fraction == target
             ),
         )
+
+    def _attempt_all(self, stage: int, fraction_n: float, fraction: float) -> tuple[State, Converged | Failed]:
+        """Attempt an increment; where that fails, gently and from rest, if these may help."""
+        trial, outcome = self._attempt(stage, fraction_n, fraction)
+        if isinstance(outcome, Failed) and self.equilibrium.can_soften:
+            trial, outcome = self._attempt(stage, fraction_n, fraction, gently=True)
+        if isinstance(outcome, Failed) and self._may_turn:
+            trial, outcome = self._attempt(stage, fraction_n, fraction, from_rest=True)
+        return trial, outcome
+
+    def _complete(self, trial: State, made: Step, log: IterationLog) -> Converged | Failed:
+        """Complete a trial state in equilibrium, and judge whether the increment is short enough."""
+        for follower in self.followers:
+            follower.note(trial)
+        self.settle(self._start, trial, made)
+        if self.sheet_heat is not None:
+            outcome = self.sheet_heat.find(self._start, trial, made, log)
+            if isinstance(outcome, Failed):
+                return outcome
+            log = outcome.log
+        return self.accuracy.judge(made, log)
 
     def _begin_stage(self, stage: int) -> None:
         """Prepare a copy of the converged state for a stage that begins. Raises GaveUpError."""

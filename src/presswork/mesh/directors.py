@@ -93,23 +93,14 @@ def find_directors(
     weighted = np.concatenate(found)
     node = np.concatenate([b.connectivity.ravel() for b in blocks])
     unit = weighted / np.linalg.norm(weighted, axis=1, keepdims=True)
-    total = np.zeros_like(points)
-    np.add.at(total, node, weighted)
-    length = np.linalg.norm(total, axis=1, keepdims=True)
-    mean = total / np.where(length > 0, length, 1.0)
-    apart = (unit * mean[node]).sum(axis=1) < np.cos(0.5 * FOLD)
-    plain = np.ones(len(points), dtype=bool)
-    plain[node[apart]] = False
     neighbours = np.concatenate([_ring_neighbours(b.connectivity).reshape(-1, 2) for b in blocks])
-    plain[_nodes_of_turned_cells(node, neighbours[:, 1])] = False
-    plain &= length[:, 0] > 0  # a point that no cell uses has none
-
+    mean, is_used, plain = _find_means(len(points), node, weighted, unit, neighbours)
     vectors = [mean[plain]]
     owner = [np.flatnonzero(plain)]
     index = np.full(len(node), -1)
     place = np.cumsum(plain) - 1
     index[plain[node]] = place[node[plain[node]]]
-    smooth = plain | (length[:, 0] == 0)
+    smooth = plain | ~is_used
     count = int(plain.sum())
     order = np.argsort(node, kind="stable")
     starts = np.searchsorted(node[order], np.arange(len(points) + 1))
@@ -140,6 +131,22 @@ def find_directors(
         for part, b in zip(np.split(index, ends), blocks, strict=True)
     ]
     return Directors(np.ascontiguousarray(result), nodes.astype(np.int32), of_cell, smooth)
+
+
+def _find_means(
+    n_points: int, node: IntArray, weighted: FloatArray, unit: FloatArray, neighbours: IntArray
+) -> tuple[FloatArray, BoolArray, BoolArray]:
+    """Return the mean normal at each point (n_points, 3), which points cells use, and where all normals are near it."""
+    total = np.zeros((n_points, 3))
+    np.add.at(total, node, weighted)
+    length = np.linalg.norm(total, axis=1, keepdims=True)
+    mean = total / np.where(length > 0, length, 1.0)
+    apart = (unit * mean[node]).sum(axis=1) < np.cos(0.5 * FOLD)
+    plain = np.ones(n_points, dtype=bool)
+    plain[node[apart]] = False
+    plain[_nodes_of_turned_cells(node, neighbours[:, 1])] = False
+    is_used = length[:, 0] > 0
+    return mean, is_used, plain & is_used
 
 
 def _check_defined(points: FloatArray, node: IntArray, cosine: FloatArray) -> None:

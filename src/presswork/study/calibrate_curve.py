@@ -74,12 +74,11 @@ def calibrate_curve(
     count = 0
     while count < most_runs:
         count += 1
-        asked = {"by": list(keys), "of": [along, of]}
-        overrides = [format_override(key, float(value)) for key, value in zip(keys, numbers, strict=True)]
-        overrides = [*settings, *overrides, format_override("gradients", asked)]
-        outcome = run(read_case(case_file, overrides), folder / f"run_{count}", overwrite=overwrite)
+        values = [format_override(key, float(value)) for key, value in zip(keys, numbers, strict=True)]
+        asked = format_override("gradients", {"by": list(keys), "of": [along, of]})
+        outcome = run(read_case(case_file, [*settings, *values, asked]), folder / f"run_{count}", overwrite=overwrite)
         if outcome.status != "completed":
-            text = f"run {count} ({', '.join(overrides[len(settings) : -1])}) ended early: {outcome.reason}"
+            text = f"run {count} ({', '.join(values)}) ended early: {outcome.reason}"
             raise CaseError([Problem("", text, "begin with other numbers, or fit fewer")], case_file)
         computed, slopes = _compare(outcome.result, along, of, keys, points[:, 0])
         residual = (points[:, 1] - computed) / scale
@@ -91,10 +90,7 @@ def calibrate_curve(
             matrix, gone = slopes * best / scale, residual
         else:
             damping = max(1e3 * damping, 1e-3)
-        singular = np.linalg.svd(matrix, compute_uv=False)
-        if singular[-1] < UNDETERMINED * singular[0]:
-            text = f"the curve does not tell {', '.join(keys)} apart"
-            raise CaseError([Problem("", text, "give fewer keys, or a curve that all of them shape")], measured)
+        _check_determined(matrix, keys, measured)
         normal = matrix.T @ matrix
         step = np.linalg.solve(normal + damping * np.diag(np.diag(normal)), matrix.T @ gone)
         numbers = best * np.clip(1.0 + step, 1.0 / FARTHEST, FARTHEST)
@@ -102,25 +98,24 @@ def calibrate_curve(
             break
     spread = np.sqrt(np.diag(np.linalg.inv(normal)) * cost / max(len(points) - len(keys), 1))
     late = () if float(np.abs(step).max()) < ENOUGH else (f"the numbers still change after {count} runs",)
-    fit = CurveFit(
-        dict(zip(keys, best.tolist(), strict=True)),
-        dict(zip(keys, (1.96 * spread * np.abs(best)).tolist(), strict=True)),
-        float(np.sqrt(cost / len(points))),
-        count,
-        folder,
-        late,
-    )
-    write_summary(
-        folder / "calibration.json",
-        {
-            "values": dict(fit.values),
-            "interval_95_percent": dict(fit.interval),
-            "misfit": fit.misfit,
-            "runs": count,
-            "warnings": fit.warnings,
-        },
-    )
+    found, interval = (dict(zip(keys, x.tolist(), strict=True)) for x in (best, 1.96 * spread * np.abs(best)))
+    fit = CurveFit(found, interval, float(np.sqrt(cost / len(points))), count, folder, late)
+    _write_fit(fit)
     return fit
+
+
+def _write_fit(fit: CurveFit) -> None:
+    """Write calibration.json."""
+    found = {"values": dict(fit.values), "interval_95_percent": dict(fit.interval), "misfit": fit.misfit}
+    write_summary(fit.folder / "calibration.json", {**found, "runs": fit.runs, "warnings": fit.warnings})
+
+
+def _check_determined(matrix: FloatArray, keys: Sequence[str], measured: Path | str) -> None:
+    """Raise CaseError where the curve does not tell the numbers apart."""
+    singular = np.linalg.svd(matrix, compute_uv=False)
+    if singular[-1] < UNDETERMINED * singular[0]:
+        text = f"the curve does not tell {', '.join(keys)} apart"
+        raise CaseError([Problem("", text, "give fewer keys, or a curve that all of them shape")], measured)
 
 
 def _read_curve(path: Path) -> tuple[tuple[str, str], FloatArray]:

@@ -123,10 +123,8 @@ def _plot_all(
     if steps == "last" and FIELDS[0] not in result.field_names and NODAL_TEMPERATURE in result.field_names:
         chosen = sorted({find_widest_step(result), len(result.times) - 1})
     if fields is None:
-        fields = default_fields(result)
-        fields = [field for field in fields if field in result.field_names or field not in NOT_ALWAYS]
-        fields = [field for field in fields if field in OF_FORMABILITY or _is_nonzero(result, field, chosen)]
-    count = len(result.times)
+        fields = [name for name in default_fields(result) if name in result.field_names or name not in NOT_ALWAYS]
+        fields = [name for name in fields if name in OF_FORMABILITY or _is_nonzero(result, name, chosen)]
     for step in chosen:
         for field in fields:
             result.field(field, step)
@@ -135,22 +133,11 @@ def _plot_all(
     if flow_lines and not is_section(result):
         raise ResultError(f"{result.folder} holds no section with grain flow; the page of the run draws lines in space")
     create_folder(folder)
-    paths = []
+    paths: list[Path] = []
     if (result.is_stamping or result.is_onestep) and not mirror:
         mirror = cast(Mirror, result.info.get("symmetry", ""))
-    for step in (step % count for step in chosen):
-        if result.is_stamping:
-            figure = plot_section(result, 0.0, step, figure=bare_figure())
-            figure.set_size_inches(7.0, 6.0)
-            paths.append(save_picture(figure, folder / f"section_{step:03d}.png"))
-            paths.append(
-                save_picture(plot_outline(result, step, figure=bare_figure()), folder / f"outline_{step:03d}.png")
-            )
-            write_draw_in(result, folder / f"draw_in_{step:03d}.csv", step)
-            if is_released(result, step) and _has_formed_step(result, step):
-                figure = plot_springback(result, 0.0, step, figure=bare_figure())
-                figure.set_size_inches(7.4, 4.8)
-                paths.append(save_picture(figure, folder / f"springback_section_{step:03d}.png"))
+    for step in (step % len(result.times) for step in chosen):
+        paths += _plot_stamping(result, step, folder) if result.is_stamping else []
         for section in sections:
             paths.append(_draw_section(result, section, step, folder))
         if result.formability.curve is not None:
@@ -160,21 +147,46 @@ def _plot_all(
         if is_section(result) and has_remeshed(result) if flow_lines is None else flow_lines:
             paths.append(save_picture(_draw_flow_lines(result, step, mirror), folder / f"flow_lines_{step:03d}.png"))
         for field in fields:
-            if result.is_shell or result.is_space_solid:
-                figure = plot_shell(result, field, step, mirror=mirror, figure=bare_figure())
-                kind = "shell" if result.is_shell else "solid"
-                paths.append(save_picture(figure, folder / f"{kind}_{field}_{step:03d}.png"))
-                continue
-            contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=bare_figure())
-            paths.append(save_picture(contours, folder / f"contours_{field}_{step:03d}.png"))
-            paths.append(save_picture(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"))
+            paths += _plot_field(result, field, step, mirror, folder)
         if result.is_space_solid and "contact_traction" in result.field_names:
             for tool in result.tools_at_work(step):
                 figure = plot_die_stress(result, tool, step, mirror=mirror, figure=bare_figure())
                 paths.append(save_picture(figure, folder / f"die_stress_{tool}_{step:03d}.png"))
     if result.is_onestep:
         return [*paths, save_picture(plot_blank(result, mirror=mirror, figure=bare_figure()), folder / "blank.png")]
-    paths += [*_plot_forces(result, folder), *_plot_energies(result, folder), *_plot_temperatures(result, folder)]
+    return [*paths, *_plot_histories(result, folder), *_plot_interfaces(result, folder, steps)]
+
+
+def _plot_stamping(result: Result, step: int, folder: Path) -> list[Path]:
+    """Write section, outline and draw-in of a stamping at a step, and how it has sprung."""
+    figure = plot_section(result, 0.0, step, figure=bare_figure())
+    figure.set_size_inches(7.0, 6.0)
+    paths = [save_picture(figure, folder / f"section_{step:03d}.png")]
+    paths.append(save_picture(plot_outline(result, step, figure=bare_figure()), folder / f"outline_{step:03d}.png"))
+    write_draw_in(result, folder / f"draw_in_{step:03d}.csv", step)
+    if is_released(result, step) and _has_formed_step(result, step):
+        figure = plot_springback(result, 0.0, step, figure=bare_figure())
+        figure.set_size_inches(7.4, 4.8)
+        paths.append(save_picture(figure, folder / f"springback_section_{step:03d}.png"))
+    return paths
+
+
+def _plot_field(result: Result, field: str, step: int, mirror: Mirror, folder: Path) -> list[Path]:
+    """Write a field at a step: of a section on its mesh and as contours."""
+    if result.is_shell or result.is_space_solid:
+        figure = plot_shell(result, field, step, mirror=mirror, figure=bare_figure())
+        kind = "shell" if result.is_shell else "solid"
+        return [save_picture(figure, folder / f"{kind}_{field}_{step:03d}.png")]
+    contours = plot_mesh_and_contours(result, field, step, mirror=mirror, figure=bare_figure())
+    return [
+        save_picture(contours, folder / f"contours_{field}_{step:03d}.png"),
+        save_picture(_draw_mesh(result, field, step, mirror), folder / f"mesh_{field}_{step:03d}.png"),
+    ]
+
+
+def _plot_histories(result: Result, folder: Path) -> list[Path]:
+    """Write the curves of the history."""
+    paths = [*_plot_forces(result, folder), *_plot_energies(result, folder), *_plot_temperatures(result, folder)]
     if find_points(result.history) and len(result.history["time"]):
         paths.append(save_picture(plot_points(result, bare_figure()), folder / "points.png"))
     for die in find_dies(result.history):
@@ -185,9 +197,9 @@ def _plot_all(
         figure = bare_figure()
         figure.set_size_inches(9.6, 4.2)
         paths.append(save_picture(plot_ram(result, figure), folder / "press.png"))
-    if result.surfaces and count > 1 and is_drawn_in(result):
+    if result.surfaces and len(result.times) > 1 and is_drawn_in(result):
         paths.append(save_picture(plot_draw_in(result, figure=bare_figure()), folder / "draw_in.png"))
-    return [*paths, *_plot_interfaces(result, folder, steps)]
+    return paths
 
 
 def default_fields(result: Result) -> Sequence[str]:

@@ -54,43 +54,18 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
     problems += plane_problems
     if case.analysis == "axisymmetric":
         problems += _check_axis(case, mesh)
-    of_tools = (np.zeros(0), np.zeros(0)) if case.analysis == "axisymmetric" else planes
-    built = [
-        build_tool(
-            name,
-            tool,
-            mesh,
-            of_tools,
-            _folder(case),
-            find_way(case, name),
-            is_axisymmetric=case.analysis == "axisymmetric",
-        )
-        for name, tool in case.tools.items()
-    ]
-    problems += [tool for tool in built if isinstance(tool, Problem)]
-    tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
-    for warning in warn_of_tools(case.tools, tools, float(np.linalg.norm(np.ptp(mesh.points, axis=0)))):
-        logger.warning("%s", warning)
-    ring = case.analysis == "axisymmetric"
-
-    def area_of(edge_set: str) -> float:
-        thickness = None if ring else case.depth
-        return float(edge_areas(mesh.points, mesh.edge_sets[edge_set], thickness).sum())
-
-    stages, stage_problems = _build_stages(case, planes, area_of)
-    problems += stage_problems
+    tools, tool_problems = _build_tools(case, mesh, planes)
+    stages, stage_problems = _build_stages(case, planes, mesh)
+    problems += tool_problems + stage_problems
     if case.remesh is not None:
         problems += check_places(case, mesh, bodies) or check_sizes(case.remesh, mesh, bodies)
         problems += check_tools(case.remesh, mesh, tools)
     problems = problems or check_motions(case, tools)
     if not problems and all(body.velocity is None for _, body in list_bodies(case).values()):
         problems = check_reach(tools, stages, mesh)
-    close: list[str] = []
-    if not problems:
-        tools, close = close_fits(tools, stages, mesh)
-    supports = tuple(
-        model.Support(entry.set, ("x" in entry.fix, "y" in entry.fix), name) for name, entry in case.boundary.items()
-    )
+    tools, close = (tools, []) if problems else close_fits(tools, stages, mesh)
+    held = ((name, entry.set, ("x" in entry.fix, "y" in entry.fix)) for name, entry in case.boundary.items())
+    supports = tuple(model.Support(node_set, fix, name) for name, node_set, fix in held)
     problems = problems or check_room(tools, stages, supports, mesh)
     taken = {*case.tools, *case.contacts, *case.boundary, *(p.node_set for stage in stages for p in stage.prescribed)}
     points, point_problems = build_points(case.points, mesh, taken)
@@ -102,6 +77,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         tools = round_outer_corners(tools, OF_SMALLEST * remeshing.smallest_size)
     for text in close:
         logger.warning("%s", text)
+    has_coulomb = any(tool.contact.startswith("coulomb") for tool in case.tools.values())
     return model.Model(
         title=case.title,
         analysis=case.analysis,
@@ -111,11 +87,7 @@ def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model
         tools=tools,
         supports=supports,
         stages=stages,
-        solver=build_solver(
-            case.solver,
-            with_coulomb=any(t.contact.startswith("coulomb") for t in case.tools.values()),
-            with_body_contact=bool(contacts),
-        ),
+        solver=build_solver(case.solver, with_coulomb=has_coulomb, with_body_contact=bool(contacts)),
         output=build_output(case.output),
         bodies=bodies,
         contacts=contacts,
@@ -245,14 +217,35 @@ def _build_edge_force(entry: schema.EdgeForce, area: float) -> model.EdgeForce:
     return model.EdgeForce(entry.set, (entry.total[0] / area, entry.total[1] / area), area)
 
 
+def _build_tools(
+    case: schema.Case, mesh: model.Mesh, planes: tuple[model.FloatArray, model.FloatArray]
+) -> tuple[tuple[model.Tool, ...], list[Problem]]:
+    """Return the Model's tools, and the problems of others."""
+    is_ring = case.analysis == "axisymmetric"
+    of_tools = (np.zeros(0), np.zeros(0)) if is_ring else planes
+    built = [
+        build_tool(name, tool, mesh, of_tools, _folder(case), find_way(case, name), is_axisymmetric=is_ring)
+        for name, tool in case.tools.items()
+    ]
+    tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
+    for warning in warn_of_tools(case.tools, tools, float(np.linalg.norm(np.ptp(mesh.points, axis=0)))):
+        logger.warning("%s", warning)
+    return tools, [tool for tool in built if isinstance(tool, Problem)]
+
+
 def _build_stages(
-    case: schema.Case, planes: tuple[model.FloatArray, model.FloatArray], area_of: Callable[[str], float]
+    case: schema.Case, planes: tuple[model.FloatArray, model.FloatArray], mesh: model.Mesh
 ) -> tuple[tuple[model.Stage, ...], list[Problem]]:
     """Return the Model's stages, several of one that strikes several blows, and the problems of presses."""
     stages: list[model.Stage] = []
     problems: list[Problem] = []
     blows: dict[str, int] = {}
-    mirrors = (planes[0][:0], planes[1]) if case.analysis == "axisymmetric" else planes
+    is_ring = case.analysis == "axisymmetric"
+    mirrors = (planes[0][:0], planes[1]) if is_ring else planes
+
+    def area_of(edge_set: str) -> float:
+        return float(edge_areas(mesh.points, mesh.edge_sets[edge_set], None if is_ring else case.depth).sum())
+
     for number, given in enumerate(case.stages):
         stage = _build_stage(given, case, area_of)
         drive = build_drive(given.find_timing(number), case.presses, find_halves(stage, mirrors))

@@ -46,16 +46,7 @@ def check_references(case: schema.Case) -> list[Problem]:
                 case.depth,
             )
         )
-    elements = [body.element for _, body in list_bodies(case).values()]
-    if case.solver.strain_measure == "small" and "quad4_fbar" in elements:
-        problems.append(
-            Problem(
-                "solver.strain_measure",
-                "F-bar needs a strain whose trace is the change of volume, which the small strain's is not",
-                'take "log", or another element',
-                "small",
-            )
-        )
+    problems += _check_strain_measure(case)
     for name, entry in case.tools.items():
         problems += _check_unit(f"tools.{name}.unit", entry.unit or "mm")
     problems += check_laws(case) + _check_densities(case) + check_small_displacements(case.solver)
@@ -89,6 +80,15 @@ def check_references(case: schema.Case) -> list[Problem]:
             )
         unloads = unloads or _is_loaded(stage) or bool(stage.displacement)
     return problems
+
+
+def _check_strain_measure(case: schema.Case) -> list[Problem]:
+    """Return the problem of a strain whose trace is not the change of volume."""
+    elements = [body.element for _, body in list_bodies(case).values()]
+    if case.solver.strain_measure != "small" or "quad4_fbar" not in elements:
+        return []
+    fault = "F-bar needs a strain whose trace is the change of volume, which the small strain's is not"
+    return [Problem("solver.strain_measure", fault, 'take "log", or another element', "small")]
 
 
 def _check_densities(case: schema.Case) -> list[Problem]:

@@ -63,27 +63,16 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     supports, wrong = build_supports(case, mesh)
     symmetry = find_symmetry(case, mesh, bodies, supports)
     contacts, apart = build_space_contacts(case, mesh, bodies, materials)
-    folder = case.source.parent if case.source is not None else Path()
-    built = [
-        build_tool(name, tool, mesh, symmetry.planes, folder, find_way(case, name)) for name, tool in case.tools.items()
-    ]
     remeshing = build_space_remeshing(case, mesh, bodies)
-    for name, tool in zip(case.tools, built, strict=True):
-        if isinstance(tool, model.Tool):
-            smallest = _find_smallest_cells(remeshing, mesh)
-            warn_of_widths(name, tool, symmetry.planes, mesh, *smallest)
-            warn_of_facets(name, tool, mesh, *smallest)
+    tools, of_tools = _build_tools(case, mesh, symmetry, remeshing)
     stages, of_presses = _build_stages(case, mesh, symmetry)
     problems += [
         *wrong,
         *apart,
         *check_symmetry(case, mesh, bodies),
         *of_presses,
-        *(tool for tool in built if isinstance(tool, Problem)),
+        *of_tools,
     ]
-    tools = tuple(replace(tool, sectors=symmetry.sectors) for tool in built if isinstance(tool, model.Tool))
-    for warning in warn_of_tools(case.tools, tools, float(np.linalg.norm(np.ptp(mesh.points, axis=0)))):
-        logger.warning("%s", warning)
     problems = problems or check_motions(case, tools) or check_reach(tools, stages, mesh)
     _stop_at(problems, case)
     tools, close = close_fits_in_space(tools, stages, mesh)
@@ -110,6 +99,25 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         remeshing=remeshing,
         case_text=case.text,
     )
+
+
+def _build_tools(
+    case: SpaceCase, mesh: model.Mesh, symmetry: Symmetry, remeshing: model.Remeshing | None
+) -> tuple[tuple[model.Tool, ...], list[Problem]]:
+    """Return the Model's tools, and the problems of others."""
+    folder = case.source.parent if case.source is not None else Path()
+    built = [
+        build_tool(name, tool, mesh, symmetry.planes, folder, find_way(case, name)) for name, tool in case.tools.items()
+    ]
+    for name, tool in zip(case.tools, built, strict=True):
+        if isinstance(tool, model.Tool):
+            smallest = _find_smallest_cells(remeshing, mesh)
+            warn_of_widths(name, tool, symmetry.planes, mesh, *smallest)
+            warn_of_facets(name, tool, mesh, *smallest)
+    tools = tuple(replace(tool, sectors=symmetry.sectors) for tool in built if isinstance(tool, model.Tool))
+    for warning in warn_of_tools(case.tools, tools, float(np.linalg.norm(np.ptp(mesh.points, axis=0)))):
+        logger.warning("%s", warning)
+    return tools, [tool for tool in built if isinstance(tool, Problem)]
 
 
 def _find_smallest_cells(remeshing: model.Remeshing | None, mesh: model.Mesh) -> tuple[float, str]:
