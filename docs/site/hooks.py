@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pages of the site that are made when it is built: overview, contributing and changes from the root, the gallery."""
+"""Pages of the site that are made when it is built: overview, contributing, changes, the gallery, the reference."""
 
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
+
+sys.path.insert(0, str(Path(__file__).parent))
+import reference
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "src/presswork/examples"
@@ -27,6 +31,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         )
         files.append(File.generated(config, page, content=text))
     files.append(File.generated(config, "gallery.md", content=make_gallery()))
+    for page, text in reference.make_pages().items():
+        files.append(File.generated(config, page, content=text))
     return files
 
 
@@ -45,6 +51,6 @@ def make_gallery() -> str:
         picture = PICTURES.get(case.stem, case.stem)
         image = f"![{title[1]}](img/{picture}.png)\n\n" if (ROOT / f"docs/img/{picture}.png").is_file() else ""
         run = f"```sh\npresswork examples {case.stem} && presswork run {case.stem}.toml\n```"
-        sections.append(f"## {title[1]}\n\n{image}{run}\n\n```toml\n{text}```\n")
+        sections.append(f"## {title[1]} {{ #{case.stem} }}\n\n{image}{run}\n\n```toml\n{text}```\n")
     head = "# Gallery\n\nThe examples that come with presswork; `presswork examples` lists them.\n\n"
     return head + "\n".join(sections)

@@ -11,10 +11,12 @@ from presswork.examples import copy_example
 from presswork.interaction.supports import NotHeldError
 
 ROOT = Path(__file__).parents[2]
+MADE = re.compile(r"docs/(gallery|contributing|reference/(keys_\w+|fields|commands|python))\.md")
+"""Pages that are made when the site is built; `tests/unit/test_site.py` finds dead links to them."""
 
 
 def test_the_guides_case_file_runs(tmp_path) -> None:
-    blocks = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "guide.md").read_text("utf-8"), re.DOTALL)
+    blocks = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "howto" / "case_file.md").read_text("utf-8"), re.DOTALL)
     path = tmp_path / "guide.toml"
     path.write_text(blocks[0], encoding="utf-8")
     outcome = run(Case.from_toml(path, overrides=["workpiece.mesh.cells=[4,4]"]), tmp_path / "out")
@@ -35,7 +37,9 @@ def test_the_example_with_a_die_from_a_file_runs(tmp_path) -> None:
 def test_links_in_the_documents_lead_somewhere() -> None:
     for page in [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").rglob("*.md")]:
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text("utf-8")):
-            assert (page.parent / target).exists(), f"{page.name}: {target}"
+            goal = (page.parent / target).resolve()
+            made = MADE.fullmatch(str(goal.relative_to(ROOT)))
+            assert goal.exists() or made, f"{page.name}: {target}"
 
 
 def test_programs_that_the_documents_run_are_there() -> None:

@@ -49,7 +49,7 @@ def test_choices_of_case_files_are_the_table() -> None:
     assert set(get_args(ElementName)) == set(ELEMENTS)
 
 
-@pytest.mark.parametrize("page", ["docs/theory/elements.md", "docs/theory/shells.md", "docs/guide.md"])
+@pytest.mark.parametrize("page", ["docs/theory/elements.md", "docs/theory/shells.md", "docs/howto/elements.md"])
 def test_documents_name_only_elements_that_there_are(page) -> None:
     assert set(NAME.findall((ROOT / page).read_text())) - CELLS <= set(ELEMENTS)
 

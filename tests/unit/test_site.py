@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The site of the documents: built without a warning, every example in its gallery, no dead link."""
+"""The site of the documents: built without a warning, every example and key in it, no dead link."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
+from presswork.case import json_schema
+from presswork.case.kinds import KINDS
 from presswork.examples import list_examples
 
 ROOT = Path(__file__).parents[2]
@@ -46,8 +48,27 @@ def site(tmp_path_factory) -> Path:
 def test_every_example_is_in_the_gallery(site: Path) -> None:
     gallery = (site / "gallery/index.html").read_text("utf-8")
     for example in list_examples():
-        assert f"presswork run {example}.toml" in gallery
+        assert f'<h2 id="{example}">' in gallery
     assert len(re.findall(r"<img", gallery)) >= 10
+
+
+def test_every_key_of_every_case_is_in_the_reference(site: Path) -> None:
+    for kind in KINDS:
+        page = (site / f"reference/keys_{kind}/index.html").read_text("utf-8")
+        schema = json_schema(kind)
+        tables = {"case": schema, **{name: node for name, node in schema["$defs"].items() if "properties" in node}}
+        missing = [name for name in tables if f'id="{name.lower()}"' not in page]
+        keys = {key for table in tables.values() for key in table["properties"]}
+        assert not missing
+        assert not [key for key in keys if f"<code>{key}</code>" not in page]
+
+
+def test_every_key_has_a_description() -> None:
+    for kind in KINDS:
+        schema = json_schema(kind)
+        for name, table in {"": schema, **schema["$defs"]}.items():
+            for key, node in table.get("properties", {}).items():
+                assert node.get("description") or "const" in node, f"{kind}: {name}.{key}"
 
 
 def test_no_link_of_the_site_is_dead(site: Path) -> None:

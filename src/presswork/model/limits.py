@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Limits:
-    """A run stops at the first converged state beyond one of these; docs/guide.md has the reasons."""
+    """A run stops at the first converged state beyond one of these; docs/howto/gave_up.md has the reasons."""
 
     stop: bool = True
     """False: the run continues, and warns."""

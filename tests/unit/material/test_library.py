@@ -19,7 +19,7 @@ from presswork.case.solid.schema import Case
 from presswork.material import find_sheet, list_sheets, read_sheet
 from presswork.material.hot_plot import draw_hot_law
 
-GUIDE = Path(__file__).parents[3] / "docs" / "guide.md"
+GUIDE = Path(__file__).parents[3] / "docs" / "howto" / "sheet_materials.md"
 GOOD = (FOLDER / "numisheet93_mild_steel.toml").read_text("utf-8")
 
 

@@ -308,7 +308,7 @@ def test_layers_of_a_sheet_are_kept_in_single_precision_and_all_fields_compresse
 def test_pyvista_reads_the_blocks_and_steps_as_the_guide_says(tmp_path: Path) -> None:
     path = tmp_path / "results.vtkhdf"
     write_tools(path, 3)
-    guide = (Path(__file__).parents[3] / "docs/guide.md").read_text("utf-8")
+    guide = (Path(__file__).parents[3] / "docs/howto/python.md").read_text("utf-8")
     shown = re.search(r"```python\n(import pyvista.*?)```", guide, re.DOTALL)
     assert shown is not None
     pytest.importorskip("pyvista").OFF_SCREEN = True
