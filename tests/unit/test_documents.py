@@ -18,6 +18,8 @@ PARTS = ("howto", "reference", "verification", "performance", "dev")
 LEFT = {DOCS / "dev/architecture.md"}
 """Pages whose lines and sentences are still longer."""
 PAGES = sorted({page for part in PARTS for page in (DOCS / part).rglob("*.md")} - LEFT)
+COMMANDS = re.compile(r"^```sh\n.*?^```\n", re.DOTALL | re.MULTILINE)
+"""A command is one line, however long."""
 LINE, ROW, PAGE, WORDS, MEDIAN = 120, 160, 300, 35, 18
 
 
@@ -67,6 +69,13 @@ def test_sentences_are_short(page: Path) -> None:
 def test_the_median_sentence_is_short(part: str) -> None:
     pages = [page for page in PAGES if page.is_relative_to(DOCS / part)]
     assert median(count_words(s) for page in pages for s in list_sentences(page.read_text("utf-8"))) < MEDIAN
+
+
+def test_the_readme_is_a_screen_and_a_half() -> None:
+    text = COMMANDS.sub("", (ROOT / "README.md").read_text("utf-8"))
+    assert len(text.splitlines()) < 80
+    assert not [line for line in text.splitlines() if len(line) > (ROW if line.startswith(("|", "!")) else LINE)]
+    assert not [s for s in list_sentences(text) if count_words(s) > WORDS]
 
 
 def test_the_summary_of_verification_names_every_benchmark() -> None:
