@@ -9,6 +9,7 @@ from typing import Any, Protocol, TypeVar
 
 from numpy.typing import NDArray
 
+from presswork.body.law_window import LawWindow
 from presswork.fields.instant import Instant
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
@@ -92,6 +93,12 @@ class Observed(Protocol):
 
     def ram(self) -> Ram:
         """Return the ram; it stands still where no press drives the stage."""
+
+    def law_window(self) -> LawWindow:
+        """Return what the materials have been through, by the material's number."""
+
+    def warn_of_loose(self) -> list[str]:
+        """Return what a user should know of bodies that nothing holds."""
 
     def plastic_shares(self) -> FloatArray:
         """Return the plastic work over the work of the ram in each stage (n_stages,)."""

@@ -9,6 +9,8 @@ from presswork.observe.damage import DamagePeaks
 from presswork.observe.die_fill import make_die_fill
 from presswork.observe.draw_in import DrawIn
 from presswork.observe.heat import HeatOfBodies, HeatOfSheets
+from presswork.observe.law_windows import LawWindows
+from presswork.observe.loose_bodies import LooseBodies
 from presswork.observe.marked_points import MarkedPoints
 from presswork.observe.overlap import Overlap
 from presswork.observe.ram import RamObserver
@@ -19,6 +21,8 @@ def list_observers(model: Model) -> Observers:
     """Return what measures a run of a model; a new observer is a line here, and its columns follow in this order."""
     return Observers(
         [
+            LooseBodies(),
+            LawWindows(),
             HeatOfBodies(),
             HeatOfSheets(),
             RamObserver(),

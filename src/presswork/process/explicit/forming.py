@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.body.law_window import LawWindow
 from presswork.explicit.device import name_device
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.energy import EnergyBalance
@@ -288,6 +289,14 @@ class ExplicitForming(IntervalRun):
     def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
         """Return the heat of the workpiece, if it has any."""
         return None if self.heat is None else (self.heat.forming, self.heat.arrays)
+
+    def law_window(self) -> LawWindow:
+        """Return what the materials have been through."""
+        return self.points.window
+
+    def warn_of_loose(self) -> list[str]:
+        """Return what a user should know of bodies that nothing holds."""
+        return self.loose.warn(self.model) if self.loose else []
 
     def evolved(self) -> Evolved:
         """Return the damage of the cells."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import _core
+from presswork.body.law_window import LawWindow
 from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.energy import ENERGIES, EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
@@ -140,6 +141,14 @@ class IntervalRun(ModelRun, ABC):
     @abstractmethod
     def evolved(self) -> Evolved:
         """Return what evolution laws keep at the points of the material."""
+
+    @abstractmethod
+    def law_window(self) -> LawWindow:
+        """Return what the materials have been through."""
+
+    @abstractmethod
+    def warn_of_loose(self) -> list[str]:
+        """Return what a user should know of bodies that nothing holds."""
 
     @abstractmethod
     def show(self) -> Instant:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.body.law_window import LawWindow
 from presswork.explicit.shells import ExplicitShells
 from presswork.law.elastic_plastic import back_stress, temperature
 from presswork.law.history import EQPS
@@ -72,13 +73,10 @@ class SheetHistory:
         kept = {**shells.damage, **self.values}
         return {name: np.split(values.reshape(len(values), -1), ends) for name, values in kept.items()}
 
-    def summarise(self) -> dict[str, Any]:
-        """Return windows, what was reached and the shares outside."""
-        return self._rows.window.summarise([self._material])
-
-    def warnings(self) -> list[str]:
-        """Say where the law was taken beyond its window."""
-        return self._rows.window.warnings([self._material])
+    @property
+    def window(self) -> LawWindow:
+        """What the material has been through."""
+        return self._rows.window
 
     def dump(self) -> dict[str, NDArray[np.generic]]:
         """Return what the next row depends on."""

@@ -35,15 +35,12 @@ def summarise_sheet(run: ExplicitStamping, history: Mapping[str, NDArray[Any]]) 
         "energy": last_energies(history),
         "time_simulated": shells.time,
         **run.observers.summary(run, history),
-        **run.layers.summarise(),
         "formability": verdict.to_summary(),
         **(summarise_holders(model, history, thickest) if run.begins_flat else {}),
         "warnings": [
-            *run.loose.warn(model),
             *run.observers.warnings(run, history),
             *(warn_of_holders(model, history, thickest) if run.begins_flat else ()),
             *warn_of_energies(history),
             *verdict.warnings(),
-            *run.layers.warnings(),
         ],
     }

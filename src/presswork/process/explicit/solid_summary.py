@@ -44,11 +44,8 @@ def summarise_solids(run: ExplicitForming, history: Mapping[str, NDArray[Any]]) 
         "energy": last_energies(history),
         "time_simulated": run.solids.time,
         **run.observers.summary(run, history),
-        **run.points.window.summarise(run.model.materials),
         "warnings": [
-            *(run.loose.warn(run.model) if run.loose else ()),
-            *run.points.window.warnings(run.model.materials),
-            *warn_of_energies(history, advice),
             *run.observers.warnings(run, history),
+            *warn_of_energies(history, advice),
         ],
     }

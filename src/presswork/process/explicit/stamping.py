@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork import stop
+from presswork.body.law_window import LawWindow
 from presswork.evolution.damage import make_damage
 from presswork.explicit.device import name_device, refuse
 from presswork.explicit.energy import YIELD_OFFSET, EnergyBalance, MassScaling
@@ -343,6 +344,14 @@ class ExplicitStamping(IntervalRun):
     def overlap(self) -> float:
         """Return by how much the sheet overlaps itself [mm]."""
         return float(self.shells.find_overlap()[0])
+
+    def law_window(self) -> LawWindow:
+        """Return what the sheet's material has been through."""
+        return self.layers.window
+
+    def warn_of_loose(self) -> list[str]:
+        """Return what a user should know of a sheet that nothing holds."""
+        return self.loose.warn(self.model)
 
     def evolved(self) -> Evolved:
         """Return what evolution laws keep at the layers."""

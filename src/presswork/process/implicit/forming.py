@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.body.law_window import LawWindow
 from presswork.body.solids import Mechanics
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
@@ -30,7 +29,6 @@ from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
-from presswork.interaction.loose_bodies import warn_of_loose
 from presswork.interaction.space.solid_contact import SolidContact
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.interaction.tool_course import find_turning
@@ -328,14 +326,11 @@ class ImplicitForming(IncrementRun):
             "contact": contact,
             "energy": procedure.energy_balance(),
             **self.observers.summary(self, history),
-            **state[LawWindow].summarise(model.materials),
             "linear_solver": procedure.equilibrium.solver.name,
             **({"formability": verdict.to_summary()} if verdict else {}),
             "warnings": [
-                *warn_of_loose(model, state),
-                *_warn(contact),
                 *self.observers.warnings(self, history),
-                *state[LawWindow].warnings(model.materials),
+                *_warn(contact),
                 *(verdict.warnings() if verdict else ()),
             ],
         }

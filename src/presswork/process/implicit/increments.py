@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.body.law_window import LawWindow
 from presswork.evolution.points import find_evolved
 from presswork.fields.instant import Instant
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
@@ -17,6 +18,7 @@ from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
+from presswork.interaction.loose_bodies import warn_of_loose
 from presswork.model import Blow, FloatArray, Model, change_mesh
 from presswork.observe.contract import Evolved, Ram, Row
 from presswork.observe.damage import DamagePeaks, Peak
@@ -180,6 +182,14 @@ class IncrementRun(ModelRun):
         now, drive = self.procedure.state[RamArrays], self.model.stages[self.current_stage()].drive
         blow = drive.motion.number if drive is not None and isinstance(drive.motion, Blow) else 0
         return Ram(now.speed, now.force, now.work, blow)
+
+    def law_window(self) -> LawWindow:
+        """Return what the materials have been through."""
+        return self.procedure.state[LawWindow]
+
+    def warn_of_loose(self) -> list[str]:
+        """Return what a user should know of bodies that nothing holds."""
+        return warn_of_loose(self.procedure.model, self.procedure.state)
 
     def plastic_shares(self) -> FloatArray:
         """Return the plastic work over the work of the ram in each stage (n_stages,)."""

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.body.law_window import LawWindow
 from presswork.body.shell_arrays import ShellArrays
 from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
@@ -25,7 +24,6 @@ from presswork.implicit.held import check_held
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
 from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
-from presswork.interaction.loose_bodies import warn_of_loose
 from presswork.interaction.space.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
@@ -303,21 +301,18 @@ class ImplicitStamping(IncrementRun):
         if abs(energy["inertia_work"]) > 1e-2 * WORTH_A_WARNING * internal:
             part = f"inertia took {100.0 * abs(energy['inertia_work']) / internal:.3g} % of the internal energy"
             warnings.append(f"{part}: set implicit.inertia lower, or the stages' velocity")
-        warnings += state[LawWindow].warnings(self.model.materials)
         return {
             **self._count_work(),
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "energy": energy,
             "time_simulated": state[Progress].time,
-            **state[LawWindow].summarise(self.model.materials),
             "formability": verdict.to_summary(),
             **self.observers.summary(self, history),
             **held,
             "linear_solver": self.procedure.equilibrium.solver.name,
             "warnings": [
-                *warn_of_loose(self.procedure.model, self.procedure.state),
-                *warnings,
                 *self.observers.warnings(self, history),
+                *warnings,
                 *verdict.warnings(),
             ],
         }
