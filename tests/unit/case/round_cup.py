@@ -30,5 +30,5 @@ def changed(data: dict[str, Any], *changes: tuple[str, object]) -> dict[str, Any
         here: Any = copied
         for key in keys:
             here = here[int(key)] if key.isdigit() else here[key]
-        here[int(last) if last.isdigit() else last] = value
+        here[int(last) if last.isdigit() else last] = copy.deepcopy(value)
     return copied
