@@ -10,8 +10,8 @@ import numpy as np
 from presswork.geometry.pose import find_space_pose, start_profile
 from presswork.geometry.segments import measure_distance
 from presswork.geometry.tool_surface import make_surface
-from presswork.geometry.touch_in_space import find_touch_in_space
-from presswork.model import FloatArray, Profile, Tool
+from presswork.geometry.touch_in_space import AGAINST, find_touch_in_space
+from presswork.model import FloatArray, Plane, Profile, Tool
 
 
 def look_at(tool: Tool) -> Callable[[FloatArray, float], tuple[FloatArray, FloatArray]]:
@@ -38,4 +38,7 @@ def look_at(tool: Tool) -> Callable[[FloatArray, float], tuple[FloatArray, Float
 
 def is_in_the_way(tool: Tool, points: FloatArray, way: FloatArray) -> bool:
     """Say whether points (n, d) that go along a unit vector (d,), however far, come upon a tool where it starts."""
+    if isinstance(tool.shape, Plane):  # without end: reached, however far, by all that does not glide along it
+        _, normal = look_at(tool)(points[:1], np.inf)
+        return bool(normal[0] @ -way > AGAINST)
     return find_touch_in_space(look_at(tool), points, -way) is not None
