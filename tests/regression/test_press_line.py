@@ -158,7 +158,9 @@ def test_the_least_margin_along_the_path_is_carried_from_operation_to_operation(
     assert pierce >= draw  # what was pierced or trimmed is gone, with its margin
 
 
-@pytest.mark.parametrize("reports", [5, 11, 12, 15, 21, 25, 30])
+@pytest.mark.parametrize(
+    "reports", [*(pytest.param(count, marks=pytest.mark.validation) for count in (5, 11, 15, 25, 30)), 12, 21]
+)
 def test_a_line_that_is_stopped_goes_on_with_the_same_bits(formed, tmp_path, reports) -> None:
     """Within an operation, at its end, and where the part has just been laid into the next one."""
     model = build_model(StampingCase.model_validate(cup_line()))

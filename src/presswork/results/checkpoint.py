@@ -18,6 +18,10 @@ from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
 FORMAT_VERSION = 6
 _OVERHEAD_BYTES = 16384
+_WITH_GROUPS = h5py.h5p.create(h5py.h5p.LINK_CREATE)
+_WITH_GROUPS.set_create_intermediate_group(True)
+_WITHOUT_TIMES = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+_WITHOUT_TIMES.set_obj_track_times(False)
 
 Meta = dict[str, int | float | str]
 
@@ -35,8 +39,18 @@ def save_checkpoint(
         file.attrs["written_by"] = f"presswork {__version__}"
         file.attrs["meta"] = text
         file.attrs["checksum"] = _checksum(whole, text)
+        group = file.create_group("arrays")
         for name, values in whole.items():
-            file.create_dataset(f"arrays/{name}", data=values)
+            _write_array(group, name, values)
+
+
+def _write_array(group: h5py.Group, name: str, values: NDArray[Any]) -> None:
+    """Write an array by the calls of HDF5 itself: `create_dataset` takes four times as long for a short array."""
+    kind = h5py.h5t.py_create(values.dtype, logical=True)
+    space = h5py.h5s.create_simple(values.shape) if values.ndim else h5py.h5s.create(h5py.h5s.SCALAR)
+    dataset = h5py.h5d.create(group.id, name.encode(), kind, space, dcpl=_WITHOUT_TIMES, lcpl=_WITH_GROUPS)
+    if values.size:
+        dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(values))
 
 
 def load_checkpoint(path: Path | str) -> tuple[dict[str, NDArray[Any]], Meta]:

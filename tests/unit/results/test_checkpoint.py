@@ -80,14 +80,14 @@ def test_format_of_another_version_is_named(tmp_path: Path, version: int) -> Non
 
 def test_crash_in_the_middle_leaves_the_former_checkpoint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     save_checkpoint(tmp_path / "c.h5", ARRAYS, META)
-    created = h5py.File.create_dataset
+    written = checkpoint._write_array
 
-    def crash(file: h5py.File, name: str, data: object) -> None:
-        created(file, name, data=data)
+    def crash(group: h5py.Group, name: str, values: np.ndarray) -> None:
+        written(group, name, values)
         raise MemoryError
 
     with monkeypatch.context() as patch:
-        patch.setattr(checkpoint.h5py.File, "create_dataset", crash)
+        patch.setattr(checkpoint, "_write_array", crash)
         with pytest.raises(MemoryError):
             save_checkpoint(tmp_path / "c.h5", ARRAYS, {"increment": 32})
     assert load_checkpoint(tmp_path / "c.h5")[1] == META
