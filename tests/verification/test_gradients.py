@@ -16,7 +16,7 @@ from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.implicit import ram
-from presswork.interaction.contract import Interaction
+from presswork.interaction.led import Led
 from presswork.interaction.plane.plane_tools import PlaneTools
 from presswork.interaction.space.space_tools import SpaceTools
 from presswork.process.begin import begin
@@ -379,7 +379,7 @@ def test_dependence_of_friction_on_area_is_in_the_tangent(dimension: int, monkey
     model = build_model((Case if dimension == 2 else SpaceCase).model_validate({**data, **asked}))
     found = count_evaluations(begin(model, threads=1))
     tools = PlaneTools if dimension == 2 else SpaceTools
-    monkeypatch.setattr(tools, "find_area_blocks", Interaction.find_area_blocks)
+    monkeypatch.setattr(tools, "find_area_blocks", Led.find_area_blocks)
     assert found < count_evaluations(begin(model, threads=1))
     assert dimension == 3 or found == 8
 

@@ -17,6 +17,7 @@ from presswork.implicit.linear.whole_tangent import WholeTangent
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.contract import Point, turn_back
+from presswork.interaction.led import Led
 from presswork.model import FloatArray
 from presswork.outcome import BadGuess, Failed, GaveUpError, IterationLog, Step
 from presswork.state import Arrays, State
@@ -90,7 +91,7 @@ class Neighbour:
         now, own = self.now, self.procedure.equilibrium.forces
         nodes, travel = split(increment, now.trial)
         for interaction in self.procedure.interactions.all:
-            if len(travel):
+            if len(travel) and isinstance(interaction, Led):
                 interaction.travel_like(now.state_n, now.trial, now.step, travel)
         point = own.evaluate_like(
             main.equilibrium.forces, now.state_n, now.trial, held, now.step, nodes, with_stiffness=with_stiffness
@@ -100,7 +101,9 @@ class Neighbour:
         now.point, now.lacking = point, own.find_lacking(now.state_n, now.trial, point)
         constraints = now.lacking.constraints
         found = zip(self.procedure.interactions.all, point.forces, strict=True)
-        missing = np.concatenate([i.find_missing(now.trial, point, forces) for i, forces in found])
+        missing = np.concatenate(
+            [np.zeros(0), *(i.find_missing(now.trial, point, forces) for i, forces in found if isinstance(i, Led))]
+        )
         now.force = join(turn_back(constraints, now.lacking.force.copy()), missing)
         now.missing = turn_back(constraints, np.where(constraints.mask == 1, constraints.value, 0.0))
         now.missing = join(now.missing, np.zeros_like(missing))
@@ -121,7 +124,8 @@ class Neighbour:
     def find_last_travel(self) -> FloatArray:
         """Return the same of the increment before (n,)."""
         now = self.now
-        return np.concatenate([i.find_last_travel(now.state_n, now.step) for i in self.procedure.interactions.all])
+        led = (i for i in self.procedure.interactions.all if isinstance(i, Led))
+        return np.concatenate([np.zeros(0), *(i.find_last_travel(now.state_n, now.step) for i in led)])
 
     def augment(self, by: Sequence[int]) -> None:
         """Take over the multipliers of interactions, by their numbers, where the run has."""

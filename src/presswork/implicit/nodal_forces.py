@@ -14,6 +14,7 @@ from presswork.body.solids import Mechanics
 from presswork.implicit.linear.system import Balance, Lacking
 from presswork.implicit.progress import Progress
 from presswork.interaction.contract import Constraints, Forces, Guess, Interaction, Point, Resistance, turn
+from presswork.interaction.led import Led
 from presswork.model import FloatArray
 from presswork.outcome import BadGuess, Step
 from presswork.state import State
@@ -68,7 +69,8 @@ class NodalForces:
     ) -> Point | BadGuess:  # fmt: skip
         """Return the forces after an increment, the nodes held that another run of nearly the same model holds."""
         for own, led_by in zip(self._interactions, other._interactions, strict=True):
-            own.hold_like(led_by, trial, held, state_n.nodes.displacement + increment)
+            if isinstance(own, Led) and isinstance(led_by, type(own)):
+                own.hold_like(led_by, trial, held, state_n.nodes.displacement + increment)
         return self.evaluate(state_n, trial, step, increment, with_stiffness=with_stiffness)
 
     def evaluate_again(self, k: int, state_n: State, trial: State, point: Point) -> Point:
@@ -125,7 +127,9 @@ class NodalForces:
     def augment_like(self, trial: State, point: Point, by: Sequence[int]) -> None:
         """Let interactions take their multipliers over, as those of another run have done, by their numbers."""
         for number in by:
-            self._interactions[number].augment_like(trial, point.forces[number])
+            interaction = self._interactions[number]
+            if isinstance(interaction, Led):
+                interaction.augment_like(trial, point.forces[number])
 
     def fill(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> None:
         """Fill the trial state with what equilibrium has found at a point."""

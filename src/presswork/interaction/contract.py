@@ -12,15 +12,15 @@ Newton's method asks every interaction of a run the same questions, in this orde
     resist            forces that follow from the reactions of what is held, such as friction
     tune              near equilibrium: what a law leaves open, such as a friction between none and all
     border            freedoms of its own, one equation each, such as a tool that a force pushes
-    hold_like         of a neighbour of a run, by which its derivatives are found: hold the nodes that the run holds
-    augment_like      the same: take multipliers over where the run has
-    find_travel, ...  the same: where its own freedoms are, what their equations lack and how they depend on the nodes
+    find_travel       where its own freedoms are
     augment           in equilibrium: whether multipliers are taken over and the iteration goes on
     find_fault        in equilibrium: why it is none
     settle            the increment has converged; what the next one needs goes into the trial state
     commit, work      the trial state becomes the converged one; work done in the increment [N mm]
     stop              the stage ends before its way is gone
     stored            energy that is stored in it [N mm]
+
+What it does in a neighbour of a run, by which derivatives are found, is another contract (led.py).
 
 An interaction overrides what it needs and inherits the rest, which does nothing. Whatever persists lies in the State,
 in Arrays that the interaction declares and returns from at_rest(): `state[InertiaArrays].velocity`.
@@ -30,7 +30,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol, Self
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 import scipy
@@ -152,16 +152,6 @@ class Factors(Protocol):
         """Return the matrix before constraints, in the nodes' own frames, both its halves."""
 
 
-class Tangent(Protocol):
-    """The whole tangent of a run in equilibrium, its constraints as there; vectors (n_points, freedoms) are global."""
-
-    def answer(self, force: FloatArray, moves: FloatArray | None = None) -> FloatArray:
-        """Return what nodes do under forces, where the held ones move as given (None: not at all)."""
-
-    def find_row(self, motion: FloatArray) -> FloatArray:
-        """Return the derivative of the work of internal forces along a motion by the nodes."""
-
-
 class Interaction:
     """Acts on nodes; by itself it does nothing."""
 
@@ -231,44 +221,9 @@ class Interaction:
         """Return what is prescribed, together with what others hold already."""
         return held
 
-    def hold_like(self, other: Self, trial: State, held: State, displacement: FloatArray) -> None:
-        """Hold in a trial state what another run of nearly the same model holds, before a guess is evaluated.
-
-        other: the interaction of that run; held: its state in equilibrium. displacement: of the guess (n_points,
-        freedoms) [mm, rad].
-        """
-
-    def hold_anew(self, state: State, held: State) -> None:
-        """Hold on a new mesh what another run of nearly the same model holds on a mesh beside it, in place."""
-
     def find_travel(self, state_n: State, trial: State, step: Step) -> FloatArray:
         """Return how far its own freedoms have gone in an increment (n,)."""
         return np.zeros(0)
-
-    def find_last_travel(self, state: State, step: Step) -> FloatArray:
-        """Return how far they went in the increment that has led to a state (n,)."""
-        return np.zeros(0)
-
-    def travel_like(self, state_n: State, trial: State, step: Step, travel: FloatArray) -> None:
-        """Put its own freedoms where they have gone so far in the increment (n,)."""
-
-    def find_missing(self, trial: State, point: Point, own: Any) -> FloatArray:
-        """Return what the equations of its own freedoms lack (n,) [N], held as hold_like() has them."""
-        return np.zeros(0)
-
-    def find_border(self, trial: State, point: Point, own: Any, tangent: Tangent) -> Any:
-        """Return these equations (placing.Border)."""
-        return None
-
-    def find_area_blocks(self, point: Point, own: Any, resistance: Any) -> tuple[IntArray, FloatArray]:
-        """Return how its forces depend on the area of contact, which the tangent of Newton's method leaves out.
-
-        Pairs of nodes (n, 2), and what the first adds to the tangent by the place of the second (n, d, d) [N/mm].
-        """
-        return np.zeros((0, 2), dtype=np.int32), np.zeros((0, 1, 1))
-
-    def augment_like(self, trial: State, own: Forces | None) -> None:
-        """Take multipliers over as another run of nearly the same model has done where it was."""
 
     def resist(self, state_n: State, trial: State, point: Point, constraints: Constraints) -> Resistance | None:
         """Return the forces that follow from the reactions."""

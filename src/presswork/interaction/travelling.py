@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.interaction.contract import Interaction
+from presswork.interaction.led import Led
 from presswork.interaction.placing import Placed, move_tools
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.model import FloatArray
@@ -13,7 +14,7 @@ from presswork.outcome import Step
 from presswork.state import State
 
 
-class TravellingTools(Interaction):
+class TravellingTools(Led, Interaction):
     """Tools some of which forces push, or rest on springs."""
 
     _arrays: type[ToolArrays] | type[SpaceToolArrays]

@@ -12,6 +12,7 @@ import numpy as np
 
 from presswork.implicit.linear.whole_tangent import WholeTangent
 from presswork.interaction.contract import Interaction, Point
+from presswork.interaction.led import Led
 from presswork.interaction.placing import Border
 from presswork.model import FloatArray
 from presswork.state import State
@@ -28,6 +29,7 @@ class BorderedTangent:
         found = (
             interaction.find_border(trial, point, forces, self)
             for interaction, forces in zip(interactions, point.forces, strict=True)
+            if isinstance(interaction, Led)
         )
         self._border: Border | None = next((border for border in found if border is not None), None)
 

@@ -24,6 +24,7 @@ from presswork.interaction.contract import (
     turn,
     turn_back,
 )
+from presswork.interaction.led import Led
 from presswork.model import FloatArray, MaskArray, Model
 from presswork.ranks.assembler import DividedAssembler
 from presswork.timing import Timing
@@ -211,6 +212,8 @@ class LinearSystem:
             self._analyse()
         self._assemble(constraints, point, resistances)
         for interaction, forces, resistance in zip(self._interactions, point.forces, resistances, strict=True):
+            if not isinstance(interaction, Led):
+                continue
             pairs, blocks = interaction.find_area_blocks(point, forces, resistance)
             if len(pairs):
                 blocks = _widen(blocks, self._mechanics.freedoms)

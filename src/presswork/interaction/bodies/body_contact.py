@@ -25,6 +25,7 @@ from presswork.interaction.bodies.body_interface import Interface
 from presswork.interaction.bodies.body_surfaces import MARGIN, REACH, InterfaceArrays
 from presswork.interaction.bodies.space_interface import SpaceInterface
 from presswork.interaction.contract import Forces, Guess, Interaction, Point
+from presswork.interaction.led import Led
 from presswork.model import BodyContact, FloatArray, IntArray, MaskArray, Model
 from presswork.outcome import PassedThrough, Step
 from presswork.state import Arrays, State
@@ -57,7 +58,7 @@ class BodyForces(Forces):
     """Of each interface: what its kernel returns."""
 
 
-class BodyContacts(Interaction):
+class BodyContacts(Led, Interaction):
     """All contacts between bodies of one run; what persists lies in the State."""
 
     def __init__(self, model: Model, cells: Cells) -> None:

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.interaction.contract import Constraints, Tangent, turn_back
+from presswork.interaction.contract import Constraints, turn_back
+from presswork.interaction.led import Tangent
 from presswork.interaction.placing import (
     Border,
     LostWorkpieceError,

@@ -12,7 +12,8 @@ import numpy as np
 from presswork.body.contract import Cells
 from presswork.geometry.pose import ToolPose, start_centre, start_profile, to_tool_frame, turn_vectors
 from presswork.geometry.segments import find_touch
-from presswork.interaction.contract import Constraints, Factors, Forces, Point, Tangent
+from presswork.interaction.contract import Constraints, Factors, Forces, Point
+from presswork.interaction.led import Tangent
 from presswork.interaction.placing import Border, move_tools
 from presswork.interaction.plane.floating_tools import Floating, FloatingTools
 from presswork.interaction.plane.friction import Friction, FrictionForces

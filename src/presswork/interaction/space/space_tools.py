@@ -12,7 +12,8 @@ import numpy as np
 from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
 from presswork.geometry.touch_in_space import Nearest, find_touch_in_space
-from presswork.interaction.contract import Factors, Guess, Point, Tangent, turn, turn_back
+from presswork.interaction.contract import Factors, Guess, Point, turn, turn_back
+from presswork.interaction.led import Tangent
 from presswork.interaction.placing import Border, move_tools
 from presswork.interaction.space.floating_space_tools import FloatingInSpace, FloatingSpaceTools
 from presswork.interaction.space.sheet_contact import SheetContact

@@ -18,6 +18,7 @@ from presswork.explicit.arrays import SolidArrays
 from presswork.implicit.epochs import Epoch, new_epoch
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.interaction.led import Led
 from presswork.interaction.tool_arrays import ContactArrays
 from presswork.law.history import EQPS, History
 from presswork.mesh.edges import edge_areas
@@ -94,7 +95,8 @@ def carry_to_mesh(
     after = new_epoch(before, mesh, fill)
     if like is not None:
         for interaction in after.interactions.all:
-            interaction.hold_anew(after.state, like)
+            if isinstance(interaction, Led):
+                interaction.hold_anew(after.state, like)
     carry_surface(OnMesh.of(before), OnMesh.of(after), carrier)
     hold_on_tools(after, carrier)
     return after
