@@ -323,7 +323,7 @@ def stamp_hot() -> dict[str, Any]:
         ("tools.die.mu", 0.1),
         ("tools.die.heat.conductance", 2.0),
     )
-    tight = {"max_iterations": 60, "force_tolerance": 1e-8, "displacement_tolerance": 1e-8}
+    tight = {"max_iterations": 60, "force_tolerance": 1e-9, "displacement_tolerance": 1e-8}
     alike = {"initial_increment": 0.05, "max_increment": 0.05, "increment_tolerance": 0.9}  # in neighbouring runs
     return data | {"implicit": tight | alike}
 

@@ -41,6 +41,10 @@ STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
 CLOSE = 1e-6
 """Of the model's size: as near constrained nodes must then be to their places."""
+ROUND_OFF = 2.0**-52
+"""Of the model's size: corrections that are no larger do not move nodes."""
+FAINT = 1e-6
+"""Relative residual below which round-off alone can leave one."""
 LOST = 0.6
 """Correction over the increment above which an attempt that began from a good guess is given up."""
 MOST_AUGMENTATIONS = 10
@@ -76,7 +80,8 @@ class Equilibrium:
         self.forces = NodalForces(mechanics, interactions, timing)
         self.system = LinearSystem(model, mechanics, interactions, timing, threads)
         self._noise = mechanics.force_of_round_off()
-        self._close = CLOSE * float(np.ptp(model.mesh.points, axis=0).max())
+        extent = float(np.ptp(model.mesh.points, axis=0).max())
+        self._close, self._least = CLOSE * extent, ROUND_OFF * extent
         self._softness = 1.0
         self.augmented_at: list[Augmentation] = []
         """Where multipliers were taken over in the last solution."""
@@ -195,11 +200,11 @@ class Equilibrium:
         point, balance = self.forces.balance(state_n, trial, point, near=near, pull=pull)
         self._note(log, balance, scale, size, point.guess.increment)
         may_end = not is_first and self._softness == 1.0
-        if may_end and self._has_converged(log, balance, scale):
+        if may_end and self._has_converged(log, balance, scale, size):
             point, balance = self.forces.balance(state_n, trial, point, near=True, pull=scale * tolerance)
             log.forget_last()
             self._note(log, balance, scale, size, point.guess.increment)
-        return point, balance, may_end and self._has_converged(log, balance, scale)
+        return point, balance, may_end and self._has_converged(log, balance, scale, size)
 
     def _augment(self, state_n: State, trial: State, point: Point) -> Point | None:
         """Let interactions take their multipliers over; return the point with these, None if they are good enough."""
@@ -254,15 +259,21 @@ class Equilibrium:
         if balance.tuned:
             log.start = len(log)
 
-    def _has_converged(self, log: IterationLog, balance: Balance, scale: float) -> bool:
+    def _has_converged(self, log: IterationLog, balance: Balance, scale: float, size: float) -> bool:
+        """Say whether an iterate that a correction of this size [mm] has led to is in equilibrium.
+
+        Where a correction no longer moves nodes, what is out of balance is round-off: that of a sheet that hardly
+        anything pushes is above any tolerance.
+        """
         settings = self._model.solver
         if log.contact_changes[-1] > 0 or not balance.bears(PUSHED, min(PUSHED, settings.force_tolerance) * scale):
             return False
         residual, correction = log.residual[-1], log.correction[-1]
         is_held = self._largest(balance.constraints.value) <= self._close
+        tolerance = max(settings.force_tolerance, FAINT if is_held and size <= self._least else 0.0)
         stagnant = is_held and residual <= STAGNANT * settings.force_tolerance
         small = correction <= settings.displacement_tolerance or stagnant
-        return residual <= settings.force_tolerance and small
+        return residual <= tolerance and small
 
     def _is_hopeless(self, log: IterationLog) -> bool:
         """Five iterations of full Newton with its own tangent that come no closer than the best before them.
