@@ -104,7 +104,7 @@ def test_pairs_are_those_of_a_search_of_all(nodes):
 
 @pytest.mark.parametrize("nodes", [3, 4])
 def test_threads_change_no_bit_between_faces(nodes):
-    problem = Problem(nodes, "coulomb", cells=40)
+    problem = Problem(nodes, "coulomb", cells=20)
     before, results = _core.max_threads(), []
     for threads in (1, 3):
         _core.set_threads(threads)

@@ -83,6 +83,7 @@ def test_a_hot_block_under_a_pushed_die_has_the_bits_of_one_process_on_two_ranks
     _compare(tmp_path / "one", tmp_path / "two", ("die.force", "die.stroke", "anvil.force_x", "x.force_x", "x_max"))
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("needs_mpi")
 def test_a_cylinder_that_gets_new_meshes_has_the_bits_of_one_process_on_two_ranks_and_when_three_go_on(tmp_path):
     case = tmp_path / "section.toml"
@@ -95,6 +96,7 @@ def test_a_cylinder_that_gets_new_meshes_has_the_bits_of_one_process_on_two_rank
     _compare(tmp_path / "one", tmp_path / "two", ("die.force", "anvil.force", "remeshes", "x_max"))
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("needs_mpi")
 def test_blocks_that_strike_each_other_have_the_bits_of_one_process_on_two_ranks_and_when_three_go_on(tmp_path):
     case = tmp_path / "struck.toml"

@@ -27,6 +27,7 @@ def test_a_flat_hem_is_as_thick_as_its_sheets(inner: float, tmp_path) -> None:
     assert history["hem_prehem.stroke"].max() == pytest.approx(6.0, rel=1e-6)
 
 
+@pytest.mark.validation
 def test_a_hem_goes_on_with_the_same_bits(tmp_path) -> None:
     """Stopped while the flange is pressed on the panel."""
     model = build_model(StampingCase.model_validate(hem_line(0.0)))

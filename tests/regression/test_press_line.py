@@ -167,17 +167,26 @@ def test_a_line_that_is_stopped_goes_on_with_the_same_bits(formed, tmp_path, rep
     assert_same_bits(run_in_two_parts(model, tmp_path / "out", reports).folder, formed.folder)
 
 
-def test_a_blank_that_is_refined_is_split_no_further_by_later_operations(tmp_path) -> None:
-    """After the first trimming there are triangles, too; a part once split to its levels stays as it is."""
+def refined_line() -> dict[str, Any]:
     data = cup_line()
     data["blank"]["refine"] = {"levels": 1, "angle": 12}
     del data["operations"][1]
-    model = build_model(StampingCase.model_validate(data))
-    run = run_to_end(model, tmp_path / "whole")
+    return data
+
+
+def test_a_blank_that_is_refined_is_split_no_further_by_later_operations(tmp_path) -> None:
+    """After the first trimming there are triangles, too; a part once split to its levels stays as it is."""
+    run = run_to_end(build_model(StampingCase.model_validate(refined_line())), tmp_path / "whole")
     shells = {stage: run.history["shells"][run.history["stage"] == stage] for stage in ("draw_trim", "flange_down")}
     assert shells["draw_trim"][0] == 4 * 72
     assert (shells["flange_down"] == shells["flange_down"][0]).all()
-    assert_same_bits(run_in_two_parts(model, tmp_path / "parts", 15).folder, run.folder)
+
+
+@pytest.mark.validation
+def test_a_line_with_a_refined_blank_goes_on_with_the_same_bits(tmp_path) -> None:
+    model = build_model(StampingCase.model_validate(refined_line()))
+    whole = run_to_end(model, tmp_path / "whole")
+    assert_same_bits(run_in_two_parts(model, tmp_path / "parts", 15).folder, whole.folder)
 
 
 def change(keys: str, value: object) -> dict[str, Any]:

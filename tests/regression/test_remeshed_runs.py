@@ -2,6 +2,7 @@
 """Runs whose mesh changes: from case to results, the same bits, resumed in between, every key with an effect."""
 
 from dataclasses import replace
+from itertools import zip_longest
 
 import numpy as np
 import pytest
@@ -127,9 +128,9 @@ def test_every_key_changes_the_meshes(base, change):
 
     def count(keys):
         recording = begin_forming(build_model(upsetting(3.0, remesh=keys, contact=contact)), threads=1)
-        return [(row["cells"], row["remeshes"]) for row in map(recording.row, recording.advance())]
+        return ((row["cells"], row["remeshes"]) for row in map(recording.row, recording.advance()))
 
-    assert count(base) != count(base | change)
+    assert any(one != other for one, other in zip_longest(count(base), count(base | change))), "until they differ"
 
 
 @pytest.mark.parametrize(

@@ -79,6 +79,7 @@ def test_a_case_without_springback_is_refused(tmp_path) -> None:
         compensate_springback(case, tmp_path / "out", tolerance=0.1)
 
 
+@pytest.mark.validation
 def test_a_loop_computed_anew_gives_the_same_bits(channel) -> None:
     case, found = channel
     shutil.rmtree(found.folder / "loop_01")

@@ -268,6 +268,7 @@ def test_stamping_has_the_derivatives_of_whole_runs_through_springback(
             assert largest_error(own, other) < 1e-6, (key, name)
 
 
+@pytest.mark.validation
 def test_hot_stamping_has_the_derivatives_of_whole_runs_through_dwells(tmp_path: Path) -> None:
     """Force, temperatures and shape; other numbers in validation/test_gradients.py.
 

@@ -162,7 +162,10 @@ def write_explicit_in_space(folder: Path, element: str = "hex8_1pt", duration: f
     return path
 
 
-@pytest.mark.parametrize("element", ["hex8_1pt", "tet4_nodal", "hex8_fbar"])
+@pytest.mark.parametrize(
+    "element",
+    ["tet4_nodal", *(pytest.param(name, marks=pytest.mark.validation) for name in ("hex8_1pt", "hex8_fbar"))],
+)
 def test_pores_of_an_explicit_bar_in_space_grow_as_in_the_implicit_one(tmp_path, element: str) -> None:
     """Porosity and force of the implicit procedure, and the balance of the metal's volume."""
     implicit = run_model(build_model(read_case(write_in_space(tmp_path))), tmp_path / "implicit", threads=1).result
@@ -200,6 +203,7 @@ def test_pores_in_space_are_averaged_over_their_length(tmp_path) -> None:
     assert grown[1][0] > 1.5 * grown[1][1]
 
 
+@pytest.mark.validation
 def test_an_explicit_porous_bar_in_space_goes_on_where_it_stopped(tmp_path) -> None:
     model = build_model(read_case(write_explicit_in_space(tmp_path, duration=1e-4)))
     whole = run_to_end(model, tmp_path / "whole")

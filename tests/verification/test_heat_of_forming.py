@@ -314,7 +314,12 @@ def test_heat_passes_a_gap(what, gap, coefficient) -> None:
 
 
 @pytest.mark.parametrize(
-    ("time", "hot", "cold"), [(0.1, 1004.59, 395.41), (1.0, 851.37, 548.63), (10.0, 754.02, 645.98)]
+    ("time", "hot", "cold"),
+    [
+        pytest.param(0.1, 1004.59, 395.41, marks=pytest.mark.validation),
+        (1.0, 851.37, 548.63),
+        pytest.param(10.0, 754.02, 645.98, marks=pytest.mark.validation),
+    ],
 )
 def test_a_meshed_die_is_a_half_space(time, hot, cold) -> None:
     """Steel at 1200 degrees C on a die at 200 with a mesh of its own, 10 kW/m2K: two half-spaces; all heat balances.
