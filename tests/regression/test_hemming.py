@@ -11,7 +11,7 @@ from tests.problems.hems import INNER, ROOM, SHEET, hem_line
 from tests.regression.whole_runs import assert_same_bits, run_in_two_parts, run_to_end
 
 
-@pytest.mark.parametrize("inner", [0.0, INNER])
+@pytest.mark.parametrize("inner", [0.0, pytest.param(INNER, marks=pytest.mark.validation)])
 def test_a_flat_hem_is_as_thick_as_its_sheets(inner: float, tmp_path) -> None:
     """Two sheets and the inner panel, up to the room that the steel leaves; overlap below 3 % of the thickness."""
     result = run_to_end(build_model(StampingCase.model_validate(hem_line(inner))), tmp_path)

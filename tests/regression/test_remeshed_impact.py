@@ -218,6 +218,7 @@ def test_hot_runs_keep_their_heat_on_new_meshes(tmp_path):
     assert rows[1][-1]["heat_stored"] == pytest.approx(rows[0][-1]["heat_stored"], rel=0.05)
 
 
+@pytest.mark.validation
 def test_a_hot_run_resumed_between_meshes_gives_the_same_bits(tmp_path):
     model = build_model(hot({"every": 0.3, "size": 1.2}))
     assert run_model(model, tmp_path / "whole", threads=1).status == "completed"

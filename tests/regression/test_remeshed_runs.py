@@ -220,7 +220,11 @@ def of_cells(element):
         ({"stages": [PRESSED | {"pressure": [{"set": "right", "value": 100}]}]}, "the next increment fails"),
         ({"stages": [PRESSED | {"edge_force": [{"set": "right", "total": [-2e4, 0]}]}]}, "the next increment fails"),
         ({"workpiece": of_cells("tri3"), "contact": NOSE, "stroke": 4.0}, "deep in an edge"),
-        ({"workpiece": of_cells("tri6_6pt"), "contact": NOSE, "stroke": 5.5}, "deep in an edge"),
+        pytest.param(
+            {"workpiece": of_cells("tri6_6pt"), "contact": NOSE, "stroke": 5.5},
+            "deep in an edge",
+            marks=pytest.mark.validation,
+        ),
     ],
 )
 def test_loaded_bodies_and_triangles_get_a_new_mesh_by_themselves(changes, reason):

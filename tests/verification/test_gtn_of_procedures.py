@@ -142,7 +142,7 @@ def write_in_space(folder: Path, element: str = "hex8_fbar") -> Path:
     return path
 
 
-@pytest.mark.parametrize("element", ["hex8_fbar", "tet10"])
+@pytest.mark.parametrize("element", ["hex8_fbar", pytest.param("tet10", marks=pytest.mark.validation)])
 def test_pores_of_a_bar_in_space_grow_as_in_axisymmetry(tmp_path, element: str) -> None:
     round_bar = run_model(build_model(read(tmp_path, porosity=0.01)), tmp_path / "round", threads=1).result
     square = run_model(build_model(read_case(write_in_space(tmp_path, element))), tmp_path / "square", threads=1).result

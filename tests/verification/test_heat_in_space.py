@@ -84,7 +84,7 @@ def cool(half: float, h: float, time: float, at: float) -> float:
     return float(np.sum(terms))
 
 
-@pytest.mark.parametrize("element", ["hex8_fbar", "tet4_mini"])
+@pytest.mark.parametrize("element", ["hex8_fbar", pytest.param("tet4_mini", marks=pytest.mark.validation)])
 def test_a_block_cools_on_all_sides(element: str) -> None:
     """A block of 20 x 30 x 16 mm at 1000 degrees C, 5 kW/m2K to 20, after 2 s: middle, and middles of its faces."""
     size, time = (10.0, 15.0, 8.0), 2.0

@@ -61,7 +61,7 @@ def test_adiabatic_upsetting(element: str) -> None:
     assert taken.solids.temperature.mean() == pytest.approx(20 + closed, rel=3e-3)
 
 
-@pytest.mark.parametrize(("time", "hot"), [(0.1, 1004.59), (1.0, 851.37)])
+@pytest.mark.parametrize(("time", "hot"), [pytest.param(0.1, 1004.59, marks=pytest.mark.validation), (1.0, 851.37)])
 def test_a_tool_that_warms_up_is_a_half_space(time: float, hot: float) -> None:
     """Steel at 1200 degrees C on steel at 200, 10 kW/m2K: the closed solution of two half-spaces."""
     heat = {"temperature": 200, "conductance": "10 kW/(m^2*K)", "warms_up": True, "density": "7800 kg/m^3", **STEEL}

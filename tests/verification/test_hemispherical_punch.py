@@ -9,7 +9,7 @@ from tests.problems.punch_stretching import stretch
 FINE = ("implicit.contact_stiffness=0.1", "implicit.max_increment=0.01")
 
 
-@pytest.mark.parametrize("mu", [0.0, 0.15])
+@pytest.mark.parametrize("mu", [pytest.param(0.0, marks=pytest.mark.validation), 0.15])
 def test_explicit_and_implicit_stretch_alike(mu: float) -> None:
     """Thickness and radial strain of every element within 2 % of the largest, the punch's force within 1 %."""
     explicit, implicit = stretch("explicit", mu), stretch("implicit", mu, 5.0, *FINE)
