@@ -95,3 +95,20 @@ def test_tests_that_verification_names_are_there(page: Path) -> None:
     tests = {path.name for folder in ("tests", "validation") for path in (ROOT / folder).rglob("test_*.py")}
     named = set(re.findall(r"\b(test_\w+\.py)\b", page.read_text("utf-8")))
     assert named <= tests, named - tests
+
+
+QUESTIONS = (
+    "How do I import an LS-DYNA",
+    "Which element?",
+    "How long will it take?",
+    "Why does my run give up",
+    "How do I add a material?",
+    "Does it split, does it wrinkle?",
+)
+"""What a stranger asks, as the titles of pages have it."""
+
+
+@pytest.mark.parametrize("question", QUESTIONS)
+def test_a_strangers_question_is_the_title_of_a_page(question: str) -> None:
+    titles = [page.read_text("utf-8").partition("\n")[0] for page in PAGES]
+    assert [title for title in titles if question in title]
