@@ -17,7 +17,7 @@ DOCS = ROOT / "docs"
 PARTS = ("tutorials", "howto", "reference", "verification", "performance", "dev")
 LEFT = {DOCS / "dev/architecture.md"}
 """Pages whose lines and sentences are still longer."""
-PAGES = sorted({page for part in PARTS for page in (DOCS / part).rglob("*.md")} - LEFT)
+PAGES = sorted({page for part in PARTS for page in (DOCS / part).rglob("*.md")} - LEFT | {DOCS / "theory/ranks.md"})
 COMMANDS = re.compile(r"^```sh\n.*?^```\n", re.DOTALL | re.MULTILINE)
 """A command is one line, however long."""
 LINE, ROW, PAGE, WORDS, MEDIAN = 120, 160, 300, 35, 18
