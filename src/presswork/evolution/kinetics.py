@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.model import FloatArray, Transformation
+from presswork.model import FloatArray, IndexArray, Transformation
 
 GAS_CONSTANT = 1.987
 """[cal/(mol K)]."""
@@ -29,6 +29,8 @@ GRAIN, UNDERCOOLING = (0.41, 0.32, 0.29), (3.0, 3.0, 2.0)
 EUTECTOID = 0.77
 """Mass per cent of carbon in pearlite: no more than 1 - C/0.77 becomes ferrite (lever rule)."""
 _TABLE = 2001
+_SOLVING = 8
+"""Newton's corrections that find a place of the table by S, to the last digit."""
 
 
 def find_factors(composition: dict[str, float]) -> tuple[float, float, float]:
@@ -44,14 +46,47 @@ def find_factors(composition: dict[str, float]) -> tuple[float, float, float]:
     return float(ferrite), float(pearlite), float(bainite)
 
 
-def _tabulate() -> tuple[FloatArray, FloatArray]:
-    """Return X and S(X), finer towards both ends, where the integrand has no bound."""
-    x = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, _TABLE))
-    # substituted x = (1 - cos u)/2: the integrand is bounded in u
-    u = 0.5 * np.pi / (_TABLE - 1) + np.linspace(0.0, np.pi, _TABLE)[:-1]
-    middle = 0.5 - 0.5 * np.cos(u)
-    slope = 0.5 * np.sin(u) / (middle ** (0.4 * (1 - middle)) * (1 - middle) ** (0.4 * middle))
-    return x, np.concatenate([[0.0], np.cumsum(slope * np.pi / (_TABLE - 1))])
+class _Progress:
+    """S(X) and its inverse: cubic Hermite polynomials in u, X = sin^2(u/2), in which the integrand is bounded.
+
+    Derivatives of runs ask for a smooth law: straight lines between the values would have a corner at each of them.
+    """
+
+    def __init__(self) -> None:
+        self._width = np.pi / (_TABLE - 1)
+        knots: FloatArray = self._width * np.arange(_TABLE, dtype=float)
+        self._slope = self._width * np.concatenate([[0.0], _integrand(knots[1:-1]), [0.0]])
+        gauss = 0.5 * self._width * (1.0 + np.array([-1.0, 1.0]) / 3.0**0.5)
+        parts = 0.5 * self._width * _integrand(knots[:-1, None] + gauss).sum(axis=1)
+        self._value = np.concatenate([[0.0], np.cumsum(parts)])
+
+    def at(self, part: FloatArray) -> FloatArray:
+        """Return S at parts X (n,)."""
+        u = 2.0 * np.arcsin(np.sqrt(part)) / self._width
+        i = np.minimum(u.astype(np.intp), _TABLE - 2)
+        return self._evaluate(i, u - i)[0]
+
+    def part(self, progress: FloatArray) -> FloatArray:
+        """Return X at S (n,); one beyond the table."""
+        i = np.clip(np.searchsorted(self._value, progress, side="right") - 1, 0, _TABLE - 2)
+        t = np.clip((progress - self._value[i]) / (self._value[i + 1] - self._value[i]), 0.0, 1.0)
+        for _ in range(_SOLVING):
+            value, slope = self._evaluate(i, t)
+            t = np.clip(t - (value - progress) / np.maximum(slope, 1e-300), 0.0, 1.0)
+        return np.asarray(np.sin(0.5 * self._width * (i + t)) ** 2)
+
+    def _evaluate(self, i: IndexArray, t: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return value and slope in intervals i (n,) at t from 0 to 1 (n,)."""
+        first, rise = self._value[i], self._value[i + 1] - self._value[i]
+        left, right = self._slope[i], self._slope[i + 1]
+        square, cube = 3.0 * rise - 2.0 * left - right, left + right - 2.0 * rise
+        return first + t * (left + t * (square + t * cube)), left + t * (2.0 * square + 3.0 * t * cube)
+
+
+def _integrand(u: FloatArray) -> FloatArray:
+    """Return dS/du."""
+    x = np.sin(0.5 * u) ** 2
+    return np.asarray(0.5 * np.sin(u) / (x ** (0.4 * (1 - x)) * (1 - x) ** (0.4 * x)))
 
 
 class Kinetics:
@@ -59,7 +94,7 @@ class Kinetics:
 
     def __init__(self, steel: Transformation) -> None:
         self._steel = steel
-        self._fraction, self._progress = _tabulate()
+        self._progress = _Progress()
         self._latent = np.array(steel.latent_heat)
         self._starts = (steel.ferrite_start, steel.pearlite_start, steel.bainite_start)
         factors = find_factors(dict(steel.composition))
@@ -94,8 +129,8 @@ class Kinetics:
             if i == 0:
                 capacity = np.minimum(capacity, self._most_ferrite)
             part = np.clip(own / np.maximum(capacity, 1e-300), 0.0, 1.0)
-            gone = np.interp(part, self._fraction, self._progress) + dt * rate
-            grown = np.maximum(np.interp(gone, self._progress, self._fraction) * capacity - own, 0.0)
+            gone = self._progress.at(part) + dt * rate
+            grown = np.maximum(self._progress.part(gone) * capacity - own, 0.0)
             grown = np.minimum(grown, room[forms])
             after[i][forms] += grown
             room[forms] -= grown

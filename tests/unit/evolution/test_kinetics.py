@@ -95,3 +95,16 @@ def test_ferrite_leaves_the_carbon_to_pearlite() -> None:
 def test_without_a_composition_only_martensite_forms() -> None:
     found = cool(Steel(martensite_start=410.0), 0.1)
     assert found == pytest.approx([0.0, 0.0, 0.0, 0.98630], abs=5e-6)
+
+
+def test_a_part_grows_smoothly_with_temperature() -> None:
+    """No corner: central differences over 2e-6 and 2e-4 of the temperature agree, far below the bends of a table."""
+    kinetics = Kinetics(boron_steel())
+    begun = np.zeros((4, 400))
+    begun[2] = np.geomspace(1e-4, 0.9, 400)
+
+    def slope(apart: float) -> np.ndarray:
+        more, less = (kinetics.advance(begun, np.full(400, 500.0 * (1.0 + way)), 0.5)[2] for way in (apart, -apart))
+        return np.asarray((more - less) / (1000.0 * apart))
+
+    np.testing.assert_allclose(slope(1e-6), slope(1e-4), rtol=2e-4, atol=1e-9)
