@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the layers of an explicit stamping go through, row by row (row_history.py)."""
+"""What the layers of an explicit stamping go through, row by row (point_history.py)."""
 
 from __future__ import annotations
 

@@ -3,10 +3,10 @@
 
 import numpy as np
 import pytest
-from presswork.process.implicit.remeshing_in_space import find_reason, measure_left
 
 from presswork.model import CellBlock, Mesh, Remeshing
 from presswork.process.mesh_change.laps import find_laps, mark_laps
+from presswork.process.mesh_change.reasons_in_space import find_reason, measure_left
 from presswork.process.mesh_change.seams import Seams
 from presswork.remesh.space import fill as fill_module
 from presswork.remesh.space import remesh

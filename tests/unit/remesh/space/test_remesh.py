@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from presswork.process.implicit.remeshing_in_space import Left, find_breach, find_reason, measure_left
 from scipy.spatial import cKDTree
 
 from presswork import _core
@@ -14,6 +13,7 @@ from presswork.geometry.pose import SpacePose
 from presswork.geometry.tool_widths import Widths
 from presswork.mesh.checks import MeshError
 from presswork.model import Limits, Remeshing
+from presswork.process.mesh_change.reasons_in_space import Left, find_breach, find_reason, measure_left
 from presswork.remesh.space import fill
 from presswork.remesh.space.body import OldBody
 from presswork.remesh.space.fill import FilledBody, expect_cells, mesh_to_size
