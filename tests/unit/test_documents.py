@@ -14,10 +14,43 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-PARTS = ("tutorials", "howto", "reference", "verification", "performance", "dev")
-LEFT = {DOCS / "dev/architecture.md"}
-"""Pages whose lines and sentences are still longer."""
-PAGES = sorted({page for part in PARTS for page in (DOCS / part).rglob("*.md")} - LEFT | {DOCS / "theory/ranks.md"})
+PARTS = ("tutorials", "howto", "reference", "theory", "verification", "performance", "dev")
+PAGES = sorted([*(page for part in PARTS for page in (DOCS / part).rglob("*.md")), DOCS / "adding_a_law.md"])
+LEFT = {
+    DOCS / "theory" / f"{page}.md"
+    for page in (
+        "contact",
+        "contact_in_space",
+        "contact_of_bodies",
+        "damage",
+        "drawbeads",
+        "elements",
+        "explicit",
+        "explicit_contact",
+        "explicit_shells",
+        "explicit_solids",
+        "explicit_to_implicit",
+        "gradients",
+        "graphics_card",
+        "heat",
+        "hot_flow_curves",
+        "kinematics",
+        "material",
+        "microstructure",
+        "one_step",
+        "phases",
+        "presses",
+        "remeshing",
+        "remeshing_in_space",
+        "sheet_material",
+        "shell_paths",
+        "shells",
+        "solver",
+        "time_steps",
+    )
+}
+"""Pages of theory with sentences that are still longer."""
+READ = [page for page in PAGES if page not in LEFT]
 COMMANDS = re.compile(r"^```sh\n.*?^```\n", re.DOTALL | re.MULTILINE)
 """A command is one line, however long."""
 LINE, ROW, PAGE, WORDS, MEDIAN = 120, 160, 300, 35, 18
@@ -31,7 +64,7 @@ def list_blocks(text: str) -> Iterator[str]:
     """Yield paragraphs and items of lists, each as one line, without code, tables, headings and pictures."""
     block: list[str] = []
     for line in [*re.sub(r"```.*?```", "", text, flags=re.DOTALL).splitlines(), ""]:
-        line = "" if re.match(r" {4}\S", line) and not block else line.strip()
+        line = "" if line.startswith("    ") and not block else line.strip()
         is_item = re.match(r"([-*] |\d+\. )", line)
         if block and (is_item or not line or line.startswith(("|", "#", "!", "$$"))):
             yield " ".join(block)
@@ -59,7 +92,7 @@ def test_lines_and_pages_are_short(page: Path) -> None:
     assert not long, f"{page.name}: lines {long}"
 
 
-@pytest.mark.parametrize("page", PAGES, ids=name)
+@pytest.mark.parametrize("page", READ, ids=name)
 def test_sentences_are_short(page: Path) -> None:
     long = [s for s in list_sentences(page.read_text("utf-8")) if count_words(s) > WORDS]
     assert not long
@@ -67,7 +100,7 @@ def test_sentences_are_short(page: Path) -> None:
 
 @pytest.mark.parametrize("part", PARTS)
 def test_the_median_sentence_is_short(part: str) -> None:
-    pages = [page for page in PAGES if page.is_relative_to(DOCS / part)]
+    pages = [page for page in READ if page.is_relative_to(DOCS / part)]
     assert median(count_words(s) for page in pages for s in list_sentences(page.read_text("utf-8"))) < MEDIAN
 
 

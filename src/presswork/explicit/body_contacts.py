@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Contact of deformable bodies with each other, or of one with itself, in explicit dynamics of solids.
 
-The kernel is cpp/explicit/contact/body_contact.hpp; docs/theory/explicit.md has the formulas.
+The kernel is cpp/explicit/contact/body_contact.hpp; docs/theory/explicit_contact.md has the formulas.
 """
 
 from __future__ import annotations

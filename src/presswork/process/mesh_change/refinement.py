@@ -2,7 +2,7 @@
 """Adaptive refinement of a blank in explicit stamping: which shells are split, and where their new nodes lie.
 
 A shell is split where the sheet turns by more than an angle from it to a neighbour, or where a tool that is nearly
-touched turns by as much along it. docs/theory/explicit.md has the reasons.
+touched turns by as much along it. docs/theory/explicit_shells.md has the reasons.
 """
 
 from __future__ import annotations
