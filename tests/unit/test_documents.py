@@ -5,6 +5,7 @@ The limits are those of a reader: 120 characters a line (160 in tables), 300 lin
 median sentence below 18 words. PARTS lists the folders that keep them; a folder that is rewritten joins it.
 """
 
+import ast
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -130,6 +131,22 @@ def test_tests_that_verification_names_are_there(page: Path) -> None:
     assert named <= tests, named - tests
 
 
+def list_strings(path: Path) -> Iterator[str]:
+    """Yield the strings of a file of Python; a value in one of them is an ellipsis."""
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.JoinedStr):
+            yield "".join(str(part.value) if isinstance(part, ast.Constant) else "…" for part in node.values)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.value
+
+
+def test_messages_that_the_page_of_warnings_explains_are_there() -> None:
+    rows = re.findall(r"^\| (?!message)([^|]+) \|", (DOCS / "howto/warnings.md").read_text("utf-8"), re.MULTILINE)
+    strings = "\n".join(s for path in (ROOT / "src/presswork").rglob("*.py") for s in list_strings(path))
+    parts = {part.strip() for row in rows for part in row.split("…")} - {""}
+    assert not {part for part in parts if part not in strings}
+
+
 QUESTIONS = (
     "How do I import an LS-DYNA",
     "Which element?",
@@ -137,6 +154,7 @@ QUESTIONS = (
     "Why does my run give up",
     "How do I add a material?",
     "Does it split, does it wrinkle?",
+    "What does this warning or error mean?",
 )
 """What a stranger asks, as the titles of pages have it."""
 
