@@ -7,11 +7,14 @@ median sentence below 18 words. PARTS lists the folders that keep them; a folder
 
 import ast
 import re
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 
 import pytest
+
+from presswork import __version__
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -163,3 +166,16 @@ QUESTIONS = (
 def test_a_strangers_question_is_the_title_of_a_page(question: str) -> None:
     titles = [page.read_text("utf-8").partition("\n")[0] for page in PAGES]
     assert [title for title in titles if question in title]
+
+
+def test_the_version_is_that_of_the_last_release() -> None:
+    changes = (ROOT / "CHANGELOG.md").read_text("utf-8")
+    last = re.findall(r"^## \[([\d.]+)\] - [\d-]+$", changes, re.MULTILINE)[0]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    cited = re.findall(r"^version: (.*)$", (ROOT / "CITATION.cff").read_text("utf-8"), re.MULTILINE)
+    assert [last] == [project["version"]] == cited == [__version__]
+
+
+def test_an_entry_of_the_changelog_is_one_line() -> None:
+    lines = (ROOT / "CHANGELOG.md").read_text("utf-8").splitlines()
+    assert all(len(line) <= LINE and not line.startswith("  ") for line in lines)
