@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from presswork.case.errors import Problem
-from presswork.geometry.in_the_way import is_in_the_way, look_at
+from presswork.geometry.blocked_motion import blocks_motion, look_at
 from presswork.mesh.forgotten_planes import find_forgotten_planes
 from presswork.model import FloatArray, Model, Tool, find_direction
 
@@ -96,25 +96,25 @@ def _find_unresisted(model: Model) -> Problem | None:
             motion = stage.tool_motion.get(tool.name)
             if motion is None or not motion.moves:
                 continue
-            way = find_direction(motion, points.shape[1])[: points.shape[1]]
-            if not is_in_the_way(tool, points, -way):
+            direction = find_direction(motion, points.shape[1])[: points.shape[1]]
+            if not blocks_motion(tool, points, -direction):
                 break
-            if _is_resisted(model, tool, points, way):
+            if _is_resisted(model, tool, points, direction):
                 return None
-            first = first or _explain_unresisted(model, tool, number, way)
+            first = first or _explain_unresisted(model, tool, number, direction)
             break
     return first
 
 
-def _is_resisted(model: Model, tool: Tool, points: FloatArray, way: FloatArray) -> bool:
+def _is_resisted(model: Model, tool: Tool, points: FloatArray, direction: FloatArray) -> bool:
     """Say whether anything but the tool itself can hold the workpiece back along a way."""
-    along = np.abs(way) > ACROSS
+    along = np.abs(direction) > ACROSS
     if model.analysis == "axisymmetric" and along[0]:
         return True
     for support in model.supports:
-        if support.normal is not None and abs(np.dot(support.normal, way)) > ACROSS:
+        if support.normal is not None and abs(np.dot(support.normal, direction)) > ACROSS:
             return True
-        if support.normal is None and (np.array(support.fix[: len(way)]) & along).any():
+        if support.normal is None and (np.array(support.fix[: len(direction)]) & along).any():
             return True
     if any(along[p.component] for stage in model.stages for p in stage.prescribed if p.component < len(along)):
         return True
@@ -123,24 +123,26 @@ def _is_resisted(model: Model, tool: Tool, points: FloatArray, way: FloatArray) 
         motions = [stage.tool_motion.get(other.name) for stage in model.stages]
         if any(motion is not None and motion.start is not None for motion in motions):
             return True  # a stage places it, maybe in the way
-        rubs = other.friction.law != "frictionless" and float(look_at(other)(points, np.inf)[0].min()) <= tolerance
-        if rubs or is_in_the_way(other, points, way):
+        has_friction = (
+            other.friction.law != "frictionless" and float(look_at(other)(points, np.inf)[0].min()) <= tolerance
+        )
+        if has_friction or blocks_motion(other, points, direction):
             return True
     return False
 
 
-def _explain_unresisted(model: Model, tool: Tool, stage: int, way: FloatArray) -> Problem:
-    heights = model.mesh.points @ way
+def _explain_unresisted(model: Model, tool: Tool, stage: int, direction: FloatArray) -> Problem:
+    heights = model.mesh.points @ direction
     end = np.flatnonzero(heights >= heights.max() - TOLERANCE * float(np.ptp(heights)))
     sets = [name for name, nodes in model.mesh.node_sets.items() if np.array_equal(np.sort(nodes), end)]
-    axis = int(np.argmax(np.abs(way)))
+    axis = int(np.argmax(np.abs(direction)))
     remedy = "add the tool that stands against it"
-    if sets and abs(way[axis]) > 1.0 - 1e-9 and model.analysis != "stamping":
+    if sets and abs(direction[axis]) > 1.0 - 1e-9 and model.analysis != "stamping":
         remedy += (
             f', or the symmetry plane where the workpiece ends: [boundary.NAME] with set = "{sets[0]}" and '
             f'fix = ["{"xyz"[axis]}"]'
         )
-    arrow = ", ".join(f"{part:g}" for part in way + 0.0)
+    arrow = ", ".join(f"{part:g}" for part in direction + 0.0)
     return Problem(
         f"stages.{stage}.tools.{tool.name}",
         f"the tool pushes the workpiece along ({arrow}), and nothing holds it against that, no other tool, support or "

@@ -57,14 +57,14 @@ def _find_outside(model: Model) -> Iterator[str]:
 
 def _find_kelvin(model: Model) -> Iterator[str]:
     """Yield a warning where a room, two different temperatures, or two of a workshop look like kelvin."""
-    given = dict(_list_temperatures(model))
-    hottest = max((t for key, t in given.items() if not _is_room(key)), default=0.0)
-    rooms = [key for key, t in given.items() if _is_room(key) and _is_room_in_kelvin(t, hottest)]
-    looks = [key for key, t in given.items() if _is_round_in_kelvin(t)]
-    cold = [key for key in looks if given[key] - ZERO_CELSIUS <= HOTTEST_ROOM]
-    if not rooms and len({given[key] for key in looks}) < 2 and len(cold) < 2:
+    temperatures = dict(_list_temperatures(model))
+    hottest = max((t for key, t in temperatures.items() if not _is_room(key)), default=0.0)
+    rooms = [key for key, t in temperatures.items() if _is_room(key) and _is_room_in_kelvin(t, hottest)]
+    looks = [key for key, t in temperatures.items() if _is_round_in_kelvin(t)]
+    cold = [key for key in looks if temperatures[key] - ZERO_CELSIUS <= HOTTEST_ROOM]
+    if not rooms and len({temperatures[key] for key in looks}) < 2 and len(cold) < 2:
         return
-    found = {key: given[key] for key in dict.fromkeys([*rooms, *looks])}
+    found = {key: temperatures[key] for key in dict.fromkeys([*rooms, *looks])}
     listed = ", ".join(f"{key} = {t:g} ({t - ZERO_CELSIUS:.4g} degrees C)" for key, t in found.items())
     yield f'plain numbers are degrees C, and these look like kelvin: {listed}; if so, give the unit, as in "1373 K"'
 

@@ -40,9 +40,9 @@ def warn_of_sheet(case: CaseFile, model: Model) -> Iterator[str]:
     size = float(np.linalg.norm(np.ptp(model.mesh.points, axis=0)))
     yield from warn_of_thickness(model.sheet[0].thickness, size)
     operations = getattr(case, "operations", None) or [case]
-    for number, given in enumerate(operations):
+    for number, operation in enumerate(operations):
         key = f"operations.{number}.tools" if len(operations) > 1 else "tools"
-        yield from warn_of_tools(getattr(given, "tools", {}), model.of_operation(number).tools, size, key)
+        yield from warn_of_tools(getattr(operation, "tools", {}), model.of_operation(number).tools, size, key)
 
 
 def warn_of_tools(drawn: Mapping[str, Any], tools: Sequence[Tool], size: float, key: str = "tools") -> Iterator[str]:

@@ -13,7 +13,7 @@ from presswork.deck.formed import has_past
 from presswork.deck.material import keep_curve
 from presswork.deck.notes import Notes
 from presswork.deck.place import Seat, find_normal, find_planes, seat
-from presswork.deck.stages import find_way, sample_times
+from presswork.deck.stages import find_displacement, sample_times
 from presswork.deck.units import Units
 from presswork.model import FloatArray, IndexArray
 
@@ -47,7 +47,7 @@ class BlankAndTools:
         self.sheet_points, self.sheet_index = self._points_of(self.blank)
         self.has_past = has_past(deck, self.blank)
         self.seat, self.symmetry = self._find_seat()
-        self.times, self.ways = self._find_ways()
+        self.times, self.displacements = self._find_displacements()
 
     def _check_nodes(self) -> None:
         nodes = self.shells.nodes
@@ -167,16 +167,18 @@ class BlankAndTools:
 
     # --- what tools do -----------------------------------------------------------------------------------------------
 
-    def _find_ways(self) -> tuple[FloatArray, dict[int, FloatArray]]:
+    def _find_displacements(self) -> tuple[FloatArray, dict[int, FloatArray]]:
         """Return times [s] and the tools' displacements along z of the case [mm] by part."""
         end = self._find_end()
         own = [m for m in self.deck.motions if m.part in self.tools]
         times = sample_times(end, [self._curve(m) for m in own])
         found: dict[int, FloatArray] = {}
         for motion in own:
-            way = find_way(motion.kind, self._curve(motion), motion.scale, motion.begin, motion.end, times)
-            way = way * self.units.length * self.seat.turn[2, motion.axis]
-            found[motion.part] = found.get(motion.part, 0.0) + way
+            displacement = find_displacement(
+                motion.kind, self._curve(motion), motion.scale, motion.begin, motion.end, times
+            )
+            displacement = displacement * self.units.length * self.seat.turn[2, motion.axis]
+            found[motion.part] = found.get(motion.part, 0.0) + displacement
         return times * self.units.time, found
 
     def _find_end(self) -> float:

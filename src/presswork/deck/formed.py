@@ -53,10 +53,10 @@ def read_past(
     labels = deck.shells.labels[own]
     heights, rule, layers = _read_layers(deck, labels, section, part, notes)
     stress = _turn(layers[:, :, 1:7] * units.stress, seat.turn)
-    given = [deck.strains.get(int(label)) for label in labels]
+    found = [deck.strains.get(int(label)) for label in labels]
     strain = None
-    if any(each is not None for each in given):
-        strain = _turn(np.array([np.zeros(6) if each is None else each for each in given])[:, None], seat.turn)[:, 0]
+    if any(each is not None for each in found):
+        strain = _turn(np.array([np.zeros(6) if each is None else each for each in found])[:, None], seat.turn)[:, 0]
     thickness = deck.shells.thickness[own]
     thickness = np.where(np.isfinite(thickness), thickness, section.thickness) * units.length
     axis = _axis(deck, number, own, placed, cells, seat)
@@ -72,8 +72,8 @@ def _read_layers(
     deck: Deck, labels: IndexArray, section: SectionCard, part: PartCard, notes: Notes
 ) -> tuple[FloatArray, str, FloatArray]:
     """Return heights (k,), their rule, and height, six stresses and plastic strain (n, k, 8); zero without any."""
-    given = [deck.layers.get(int(label)) for label in labels]
-    known = [each for each in given if each is not None]
+    found = [deck.layers.get(int(label)) for label in labels]
+    known = [each for each in found if each is not None]
     if not known:
         heights, rule = thickness_rule(Section(1.0, max(2, section.n_points), "gauss"))[0], "gauss"
         return heights, rule, np.zeros((len(labels), len(heights), 8))
@@ -86,7 +86,7 @@ def _read_layers(
         own = thickness_rule(Section(1.0, len(heights), rule))[0] if len(heights) > 1 else np.array([np.inf])
         if np.abs(own - heights).max() < 1e-3:
             rest = np.zeros((len(own), 8))
-            return own, rule, np.array([rest if each is None else each for each in given])
+            return own, rule, np.array([rest if each is None else each for each in found])
     text = f"stresses at {', '.join(f'{each:.4g}' for each in heights)} of half the thickness"
     raise notes.fail(part.place, f"{text}: the points of no rule", "write those of Gauss's or Lobatto's rule")
 

@@ -19,7 +19,9 @@ _REST = 0.05
 _SAMPLES = 4001
 
 
-def find_way(kind: str, curve: FloatArray, scale: float, begin: float, end: float, times: FloatArray) -> FloatArray:
+def find_displacement(
+    kind: str, curve: FloatArray, scale: float, begin: float, end: float, times: FloatArray
+) -> FloatArray:
     """Return the displacement at times (n,) by a curve (m, 2) of velocity, acceleration or displacement."""
     values = scale * np.interp(times - begin, curve[:, 0], curve[:, 1])
     is_on = (times >= begin) & (times <= end)
@@ -39,13 +41,13 @@ def sample_times(end: float, curves: Sequence[FloatArray]) -> FloatArray:
     return np.unique(own[(own >= 0.0) & (own <= end)])
 
 
-def find_breaks(times: FloatArray, ways: Sequence[FloatArray], own: Sequence[float] = ()) -> list[float]:
+def find_breaks(times: FloatArray, displacements: Sequence[FloatArray], own: Sequence[float] = ()) -> list[float]:
     """Return where stages begin and end: where a tool starts, stops, or turns back, and at the deck's own breaks."""
     whole = float(times[-1])
-    longest = max((float(np.ptp(way)) for way in ways), default=0.0)
+    longest = max((float(np.ptp(displacement)) for displacement in displacements), default=0.0)
     breaks = {0.0, whole, *own}
-    for way in ways:
-        speed = np.diff(way) / np.diff(times)
+    for displacement in displacements:
+        speed = np.diff(displacement) / np.diff(times)
         limit = _STILL * longest / whole
         sense = np.where(np.abs(speed) <= limit, 0, np.sign(speed))
         changed = np.flatnonzero(np.diff(sense)) + 1
@@ -57,14 +59,22 @@ def find_breaks(times: FloatArray, ways: Sequence[FloatArray], own: Sequence[flo
     if len(kept) == 1:
         kept.append(whole)
     kept[-1] = whole
-    return _join_rests(kept, times, ways, _STILL * longest)
+    return _join_rests(kept, times, displacements, _STILL * longest)
 
 
-def _join_rests(breaks: list[float], times: FloatArray, ways: Sequence[FloatArray], still: float) -> list[float]:
+def _join_rests(
+    breaks: list[float], times: FloatArray, displacements: Sequence[FloatArray], still: float
+) -> list[float]:
     """Return breaks without those of short rests: one at the beginning goes on, others end what was before."""
     joined = list(breaks)
     for begin, end in itertools.pairwise(breaks):
-        gone = max((abs(np.interp(end, times, way) - np.interp(begin, times, way)) for way in ways), default=0.0)
+        gone = max(
+            (
+                abs(np.interp(end, times, displacement) - np.interp(begin, times, displacement))
+                for displacement in displacements
+            ),
+            default=0.0,
+        )
         if gone <= still and end - begin < _REST * breaks[-1] and len(joined) > 2:
             joined.remove(end if begin == 0.0 else begin)
     return joined

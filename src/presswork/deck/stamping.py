@@ -78,7 +78,7 @@ def make_stamping(deck: Deck, units: Units, notes: Notes) -> ImportedStamping:
 def _name_tools(reader: BlankAndTools) -> tuple[dict[int, str], dict[int, str]]:
     """Return names and kinds of the tools by part."""
     pushed = {push.part for push in reader.deck.pushes}
-    ways = reader.ways
+    displacements = reader.displacements
     kinds: dict[int, str] = {}
     above = {n: float(reader.surface(n).points[:, 2].mean()) > 0.0 for n in reader.tools}
     for number, part in reader.tools.items():
@@ -90,7 +90,7 @@ def _name_tools(reader: BlankAndTools) -> tuple[dict[int, str], dict[int, str]]:
             kinds[number] = "punch"
     punches = [number for number, kind in kinds.items() if kind == "punch"]
     if len(punches) > 1:  # those that go less far hold
-        longest = max(punches, key=lambda n: float(np.ptp(ways[n])) if n in ways else 0.0)
+        longest = max(punches, key=lambda n: float(np.ptp(displacements[n])) if n in displacements else 0.0)
         kinds |= {number: "holder" for number in punches if number != longest}
     names: dict[int, str] = {}
     for number, kind in kinds.items():
@@ -178,19 +178,21 @@ def _find_rolling(reader: BlankAndTools) -> float:
 
 def _describe_stages(reader: BlankAndTools, names: dict[int, str], kinds: dict[int, str]) -> list[dict[str, Any]]:
     """Return the stages: strokes and forces between the times at which tools start, stop or turn back."""
-    times, ways = reader.times, reader.ways
+    times, displacements = reader.times, reader.displacements
     notes, pushes = reader.notes, {push.part: push for push in reader.deck.pushes if push.part in reader.tools}
-    breaks = find_breaks(times, list(ways.values()), [reader.units.time * each for each in reader.deck.breaks])
+    breaks = find_breaks(times, list(displacements.values()), [reader.units.time * each for each in reader.deck.breaks])
     stages = []
     for number, (begin, end) in enumerate(itertools.pairwise(breaks), start=1):
         tools: dict[str, Any] = {}
         inside = (times >= begin - 1e-12) & (times <= end + 1e-12)
-        for part, way in ways.items():
-            gone = float(way[inside][-1] - way[inside][0])
+        for part, displacement in displacements.items():
+            gone = float(displacement[inside][-1] - displacement[inside][0])
             sense = 1.0 if kinds[part] == "die" else -1.0
             if part not in pushes and abs(gone) > 1e-6:
                 tools[names[part]] = {"stroke": round(sense * gone, 6)}
-        longest = max((w for p, w in ways.items() if p not in pushes), key=np.ptp, default=np.zeros(len(times)))
+        longest = max(
+            (w for p, w in displacements.items() if p not in pushes), key=np.ptp, default=np.zeros(len(times))
+        )
         for part, push in pushes.items():
             sense = 1.0 if kinds[part] == "die" else -1.0
             force = sense * reader.force(push, times[inside])
@@ -208,9 +210,9 @@ def _describe_stages(reader: BlankAndTools, names: dict[int, str], kinds: dict[i
 
 def _describe_force(force: FloatArray, stroke: FloatArray) -> float | list[list[float]]:
     """Return one force, or rows of the punch's stroke in the stage and the force."""
-    settled = force[len(force) // 10 :]
-    last = float(settled[-1])
-    if np.abs(settled - last).max() <= _STEADY * max(abs(last), 1e-9) or np.ptp(stroke) <= 0.0:
+    last_tenth = force[len(force) // 10 :]
+    last = float(last_tenth[-1])
+    if np.abs(last_tenth - last).max() <= _STEADY * max(abs(last), 1e-9) or np.ptp(stroke) <= 0.0:
         return round(last, 6)
     order = np.unique(stroke, return_index=True)[1]
     at = np.linspace(0.0, stroke.max(), _ROWS)

@@ -88,7 +88,7 @@ class DrivenStroke:
     def position(self, time: Array) -> Array:
         """Give the way gone at times (n) [s]."""
         since = np.clip(np.asarray(time, dtype=float) - self.start, 0.0, self.drive.duration)
-        if not self.drive.is_given:
+        if not self.drive.is_prescribed:
             return np.asarray(self.scale * since / self.drive.duration)
         return self.scale * np.array([self.drive.part_at(float(t)) for t in np.atleast_1d(since)]).reshape(since.shape)
 

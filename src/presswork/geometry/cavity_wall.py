@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.geometry.profile_way import ProfileWay
+from presswork.geometry.profile_path import ProfilePath
 from presswork.model import BoolArray, FloatArray
 
 SAMPLES = 400
@@ -37,7 +37,7 @@ class CavityWall:
 
 
 def find_cavity_wall(
-    profile: FloatArray, way: FloatArray, beside: FloatArray, plane: FloatArray | None = None
+    profile: FloatArray, direction: FloatArray, beside: FloatArray, plane: FloatArray | None = None
 ) -> CavityWall | None:
     """Return the wall of a die's cavity; None if the profile has no flash land, or no cavity.
 
@@ -45,14 +45,14 @@ def find_cavity_wall(
     of the workpiece (2,) [mm], in front of which the cavity is; plane: a place on the axis, or on the symmetry plane
     along the way (2,) [mm], if there is one: no land lies between it and the middle.
     """
-    line = ProfileWay(profile)
+    line = ProfilePath(profile)
     piece = line.length / SAMPLES
     at = np.asarray((np.arange(SAMPLES) + 0.5) * piece, dtype=np.float64)
     places = line.at(at)
     along: FloatArray = line.at(at + 0.25 * piece) - line.at(at - 0.25 * piece)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
-    depth, sideways = places @ way, np.array([-way[1], way[0]])
-    is_land = (depth > depth.max() - LAND * np.ptp(depth)) & (np.abs(along @ way) < ACROSS)
+    depth, sideways = places @ direction, np.array([-direction[1], direction[0]])
+    is_land = (depth > depth.max() - LAND * np.ptp(depth)) & (np.abs(along @ direction) < ACROSS)
     across = (places - beside) @ sideways
     start = int(np.argmin(np.abs(across)))
     if is_land[start]:

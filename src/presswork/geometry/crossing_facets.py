@@ -35,8 +35,8 @@ def find_crossing_facets(points: FloatArray, triangles: IntArray) -> CrossingFac
             for k in range(3):
                 hit, place = _pierce(a[:, k], a[:, (k + 1) % 3], b)
                 found += [(int(pair), place[pair]) for pair in np.flatnonzero(hit)[:1]]
-            lies, place = _lie_on(a, b)
-            found += [(int(pair), place[pair]) for pair in np.flatnonzero(lies)[:1]]
+            meets, place = _find_on_triangle(a, b)
+            found += [(int(pair), place[pair]) for pair in np.flatnonzero(meets)[:1]]
         if found:
             pair, place = min(found, key=lambda one: one[0])
             return CrossingFacets(int(pairs[pair, 0]), int(pairs[pair, 1]), place)
@@ -80,7 +80,7 @@ def _pierce(start: FloatArray, end: FloatArray, triangle: FloatArray) -> tuple[F
     return inside & ~flat, start + t[:, None] * along
 
 
-def _lie_on(own: FloatArray, triangle: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _find_on_triangle(own: FloatArray, triangle: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Say which triangles (n, 3, 3) lie in the plane of others with their middles on them, and where."""
     one, two = triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]
     normal = np.cross(one, two)

@@ -16,16 +16,16 @@ class CubicSpline:
     tridiagonal system. SciPy's spline is the same; it takes a quarter of a second to import.
     """
 
-    def __init__(self, way: FloatArray, points: FloatArray) -> None:
+    def __init__(self, length_along: FloatArray, points: FloatArray) -> None:
         """way: parameters of the points, increasing (n,); points: (n, 2) [mm]."""
-        self._way, self._points = way, points
-        self._slope = _find_slopes(np.diff(way), np.diff(points @ np.array([1.0, 1.0j])))
+        self._length_along, self._points = length_along, points
+        self._slope = _find_slopes(np.diff(length_along), np.diff(points @ np.array([1.0, 1.0j])))
 
     def __call__(self, at: FloatArray) -> FloatArray:
         """Return points (m, 2) at parameters (m,)."""
-        piece = np.clip(np.searchsorted(self._way, at, side="right") - 1, 0, len(self._way) - 2)
-        length = self._way[piece + 1] - self._way[piece]
-        t = ((at - self._way[piece]) / length)[:, None]
+        piece = np.clip(np.searchsorted(self._length_along, at, side="right") - 1, 0, len(self._length_along) - 2)
+        length = self._length_along[piece + 1] - self._length_along[piece]
+        t = ((at - self._length_along[piece]) / length)[:, None]
         begin, end = (self._slope[piece + k] * length[:, None] for k in (0, 1))
         step = self._points[piece + 1] - self._points[piece]
         square, cube = 3.0 * step - 2.0 * begin - end, begin + end - 2.0 * step

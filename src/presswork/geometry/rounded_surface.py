@@ -48,8 +48,8 @@ class RoundedSurface:
         if len(near):
             value, slope = self._evaluate(points[near], samples, False)
             steepness = np.linalg.norm(slope, axis=1)
-            tells = steepness > LEAST_STEEP
-            near, value, slope, steepness = near[tells], value[tells], slope[tells], steepness[tells]
+            is_steep = steepness > LEAST_STEEP
+            near, value, slope, steepness = near[is_steep], value[is_steep], slope[is_steep], steepness[is_steep]
             gap[near], normal[near] = value / steepness, slope / steepness[:, None]
         gap[gap > reach] = np.inf
         return gap, normal, None, None
@@ -62,9 +62,9 @@ class RoundedSurface:
         if len(near):
             value, slope, curve = self._evaluate(points[near], samples, True)
             steepness = np.linalg.norm(slope, axis=1)
-            tells = steepness > LEAST_STEEP
-            near, value, slope, curve = near[tells], value[tells], slope[tells], curve[tells]
-            steepness = steepness[tells]
+            is_steep = steepness > LEAST_STEEP
+            near, value, slope, curve = near[is_steep], value[is_steep], slope[is_steep], curve[is_steep]
+            steepness = steepness[is_steep]
             normal = slope / steepness[:, None]
             along = np.eye(3) - normal[:, :, None] * normal[:, None, :]
             bend[near] = along @ curve / steepness[:, None, None]

@@ -146,7 +146,7 @@ def _end_normal(segment: FloatArray, vertex: FloatArray) -> FloatArray:
     return normal / np.linalg.norm(normal)  # type: ignore[no-any-return]
 
 
-def find_touch(nodes: FloatArray, segments: FloatArray, way: FloatArray) -> float | None:
+def find_touch(nodes: FloatArray, segments: FloatArray, direction: FloatArray) -> float | None:
     """Return how far a profile goes along `way` (2,), of length 1, until it touches a node [mm]; None if it never does.
 
     It goes by the least distance of any node again and again: no node can come nearer.
@@ -157,7 +157,7 @@ def find_touch(nodes: FloatArray, segments: FloatArray, way: FloatArray) -> floa
     farthest += float(np.linalg.norm(corners.mean(axis=0) - nodes.mean(axis=0)))
     gone = 0.0
     for _ in range(MOST_STEPS):
-        gap = float(np.abs(measure_distance(nodes - gone * way, segments).distance).min())
+        gap = float(np.abs(measure_distance(nodes - gone * direction, segments).distance).min())
         if gap <= TOUCHING * size:
             return gone
         gone += gap

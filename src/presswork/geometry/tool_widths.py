@@ -84,27 +84,29 @@ def spread_places(shape: Triangulation, spacing: float) -> tuple[FloatArray, Flo
 
 
 def _grow_balls(
-    surface: _core.ToolSurface, place: FloatArray, way: FloatArray, largest: float
+    surface: _core.ToolSurface, place: FloatArray, direction: FloatArray, largest: float
 ) -> tuple[FloatArray, BoolArray]:
     """Return the radii (n,) [mm] of the largest balls that touch places from the side of a way (n, 3), and which of
     them meet the surface before they have the largest radius (n,)."""
     low, high = np.zeros(len(place)), np.full(len(place), largest)
-    fits = _fits(surface, place, way, high)
+    fits = _fits(surface, place, direction, high)
     meets = ~fits
     for _ in range(_HALVINGS):
         middle = 0.5 * (low[meets] + high[meets])
-        fits = _fits(surface, place[meets], way[meets], middle)
+        fits = _fits(surface, place[meets], direction[meets], middle)
         low[meets], high[meets] = np.where(fits, middle, low[meets]), np.where(fits, high[meets], middle)
     return 0.5 * (low + high), meets
 
 
-def _fits(surface: _core.ToolSurface, place: FloatArray, way: FloatArray, radius: FloatArray) -> BoolArray:
+def _fits(surface: _core.ToolSurface, place: FloatArray, direction: FloatArray, radius: FloatArray) -> BoolArray:
     """Say whether balls do not cross the surface."""
-    gap, *_ = surface.nearest(np.ascontiguousarray(place + radius[:, None] * way), np.inf)
+    gap, *_ = surface.nearest(np.ascontiguousarray(place + radius[:, None] * direction), np.inf)
     return np.abs(gap) > (1.0 - _EXACT) * radius
 
 
-def _look_beyond(surface: _core.ToolSurface, place: FloatArray, way: FloatArray, radius: FloatArray) -> FloatArray:
+def _look_beyond(
+    surface: _core.ToolSurface, place: FloatArray, direction: FloatArray, radius: FloatArray
+) -> FloatArray:
     """Return the normals (n, 3) where balls a little larger than these touch the surface: on the other side."""
-    _, normal, *_ = surface.nearest(np.ascontiguousarray(place + (1.0 + _BEYOND) * radius[:, None] * way), np.inf)
+    _, normal, *_ = surface.nearest(np.ascontiguousarray(place + (1.0 + _BEYOND) * radius[:, None] * direction), np.inf)
     return np.asarray(normal)

@@ -24,7 +24,7 @@ Nearest = Callable[[FloatArray, float], tuple[FloatArray, FloatArray]]
 """Returns gap (n,) and normal (n, 3) of a tool at points (n, 3), infinite gaps beyond a reach [mm]."""
 
 
-def find_touch_in_space(nearest: Nearest, nodes: FloatArray, way: FloatArray) -> float | None:
+def find_touch_in_space(nearest: Nearest, nodes: FloatArray, direction: FloatArray) -> float | None:
     """Return how far a tool goes along `way` (3,), of length 1, until it touches a node (n, 3) [mm]; None: never.
 
     Every node is taken towards the tool by its own gap again and again, since the tool can be no nearer, and halves its
@@ -42,8 +42,8 @@ def find_touch_in_space(nearest: Nearest, nodes: FloatArray, way: FloatArray) ->
         late = np.maximum(gone[index] - first, 0.0)  # the last step leads no farther than to the first touch
         gone[index] -= late
         step[index] -= late
-        gap, normal = nearest(nodes[index] - gone[index, None] * way, math.inf)
-        comes = normal @ way > AGAINST
+        gap, normal = nearest(nodes[index] - gone[index, None] * direction, math.inf)
+        comes = normal @ direction > AGAINST
         inside = (gap < -TOUCHING * size) & comes
         gone[index[inside]] -= 0.5 * step[index[inside]]
         step[index[inside]] *= 0.5

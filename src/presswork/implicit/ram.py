@@ -74,7 +74,7 @@ class Ram:
         to_rest: whether the increment is meant to end a blow.
         """
         drive = self._drives[stage]
-        if drive is None or drive.is_given or fraction == fraction_n:
+        if drive is None or drive.is_prescribed or fraction == fraction_n:
             return self._model.stages[stage].time_between(fraction_n, fraction)
         way, force = (fraction - fraction_n) * drive.travel, self.find_force(start, stage)
         if isinstance(drive.motion, Blow):

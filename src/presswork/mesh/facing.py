@@ -63,7 +63,7 @@ def measure_lengths(points: FloatArray, sides: IntArray) -> FloatArray:
     return np.asarray(np.linalg.norm(points[np.roll(sides, -1, axis=1)] - points[sides], axis=2).mean(axis=1))
 
 
-def find_lying(points: FloatArray, own: IntArray, other: IntArray, thickness: float | None) -> Facing:
+def find_touching_faces(points: FloatArray, own: IntArray, other: IntArray, thickness: float | None) -> Facing:
     """Return where straight edges (n, 2), in space faces (n, 3 | 4), of one body lie on those of another."""
     length = measure_lengths(points, own)
     found = find_facing(points, own, other, TOUCH * length, thickness)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.geometry.in_the_way import is_in_the_way
+from presswork.geometry.blocked_motion import blocks_motion
 from presswork.geometry.pose import find_space_pose, start_profile
 from presswork.geometry.segments import sample_points
 from presswork.geometry.tool_surface import list_extreme_points
@@ -109,9 +109,9 @@ def _list_strokes(model: Model) -> FloatArray:
     """Return the unit vectors along which tools move or push (n, d)."""
     d, found = model.mesh.points.shape[1], []
     for motion in (motion for stage in model.stages for motion in stage.tool_motion.values()):
-        way = np.array(motion.push.direction if motion.push else motion.move)[:d]
-        if way.any():
-            found.append(way / np.linalg.norm(way))
+        direction = np.array(motion.push.direction if motion.push else motion.move)[:d]
+        if direction.any():
+            found.append(direction / np.linalg.norm(direction))
     return np.array(found).reshape(-1, d)
 
 
@@ -149,7 +149,7 @@ def _is_bare(model: Model, side: FlatSide) -> bool:
         np.array_equal(side.nodes, sets[name]) for name in (model.cyclic.first, model.cyclic.last)
     ):
         return False
-    return not any(is_in_the_way(tool, mesh.points[side.nodes], side.normal) for tool in model.tools)
+    return not any(blocks_motion(tool, mesh.points[side.nodes], side.normal) for tool in model.tools)
 
 
 def _share_inside(side: FlatSide, nodes: IntArray, model: Model) -> bool:

@@ -30,7 +30,7 @@ def sample_tool(shape: Surface, within: float) -> FloatArray:
 
 
 def find_clearance(
-    one: Surface, other: Surface, between: FloatArray, way: FloatArray, within: float, tolerance: float = 1e-4
+    one: Surface, other: Surface, between: FloatArray, direction: FloatArray, within: float, tolerance: float = 1e-4
 ) -> float:
     """Return how far a tool can go along its way before it strikes another [mm]; infinite where it never does.
 
@@ -42,7 +42,7 @@ def find_clearance(
     past each other. Tools that overlap from the start have no clearance to find: infinite, too.
     """
     points = sample_tool(one, within) + between, sample_tool(other, within) - between
-    surfaces, ways = (make_surface(other), make_surface(one)), (way, -way)
+    surfaces, directions = (make_surface(other), make_surface(one)), (direction, -direction)
     gaps = [surface.nearest(x)[0] for surface, x in zip(surfaces, points, strict=True)]  # later: at least so much
     advance = 0.0
     for _ in range(MOST_ADVANCES):
@@ -52,7 +52,7 @@ def find_clearance(
         if math.isinf(least):
             break
         advance += least
-        for surface, x, along, gap in zip(surfaces, points, ways, gaps, strict=True):
+        for surface, x, along, gap in zip(surfaces, points, directions, gaps, strict=True):
             gap -= least
             near = gap < least
             gap[near] = surface.nearest(x[near] + advance * along)[0]
@@ -70,7 +70,7 @@ class Closing:
 
 
 def find_closing(
-    one: Surface, other: Surface, between: FloatArray, way: FloatArray, within: float, room: float, step: float
+    one: Surface, other: Surface, between: FloatArray, direction: FloatArray, within: float, room: float, step: float
 ) -> Closing | None:
     """Return where a tool, going along its way, first leaves less than `room` [mm] to another; None where it does not.
 
@@ -79,21 +79,21 @@ def find_closing(
     the travel, so only points that may be near are asked again.
     """
     points = sample_tool(one, within) + between, sample_tool(other, within) - between
-    surfaces, ways = (make_surface(other), make_surface(one)), (way, -way)
-    heights = [float(np.ptp(x @ way)) for x in points]
-    farthest = sum(heights) + float(np.abs(between @ way))
+    surfaces, directions = (make_surface(other), make_surface(one)), (direction, -direction)
+    heights = [float(np.ptp(x @ direction)) for x in points]
+    farthest = sum(heights) + float(np.abs(between @ direction))
     at_least = [surface.nearest(x)[0] for surface, x in zip(surfaces, points, strict=True)]
 
     def least_gap(travel: float, near: float) -> tuple[float, FloatArray]:
         """Return the least gap at a travel, and its place, of the points that may be nearer than `near`."""
         found = [(math.inf, np.zeros(3))]
-        for side, (surface, x, along) in enumerate(zip(surfaces, points, ways, strict=True)):
+        for side, (surface, x, along) in enumerate(zip(surfaces, points, directions, strict=True)):
             asked = np.flatnonzero(at_least[side] < near)
             if len(asked):
                 places = x[asked] + travel * along
                 gap = surface.nearest(np.ascontiguousarray(places))[0]
                 worst = int(np.argmin(gap))
-                found.append((float(gap[worst]), places[worst] + (side == 1) * (between + travel * way)))
+                found.append((float(gap[worst]), places[worst] + (side == 1) * (between + travel * direction)))
         return min(found, key=lambda pair: pair[0])
 
     before, travel = 0.0, 0.0
@@ -103,7 +103,7 @@ def find_closing(
             break
         advance = min(max(step, min(float(g.min()) for g in at_least) - room), farthest + step)
         before, travel = travel, travel + advance
-        for side, (surface, x, along) in enumerate(zip(surfaces, points, ways, strict=True)):
+        for side, (surface, x, along) in enumerate(zip(surfaces, points, directions, strict=True)):
             at_least[side] = at_least[side] - advance
             near = at_least[side] < room + step
             at_least[side][near] = surface.nearest(np.ascontiguousarray(x[near] + travel * along))[0]

@@ -24,35 +24,35 @@ class SpeedTable:
     """Way gone [mm], increasing from 0, and speed there [mm/s], above 0 (n, 2); linear between the rows and constant
     after the last."""
 
-    def speed_at(self, way: float) -> float:
+    def speed_at(self, travel: float) -> float:
         """Return the speed [mm/s]."""
-        return float(np.interp(way, *self.rows.T))
+        return float(np.interp(travel, *self.rows.T))
 
-    def time_at(self, way: float) -> float:
+    def time_at(self, travel: float) -> float:
         """Return the time until it has gone so far [s]: the integral of ds/v, exact for a speed linear in s."""
-        ways, speeds, times = self._table()
-        k = min(int(np.searchsorted(ways, way, side="right")) - 1, len(ways) - 1)
-        first, last = float(speeds[k]), self.speed_at(way)
-        return float(times[k]) + (way - float(ways[k])) / _mean_speed(first, last)
+        travels, speeds, times = self._table()
+        k = min(int(np.searchsorted(travels, travel, side="right")) - 1, len(travels) - 1)
+        first, last = float(speeds[k]), self.speed_at(travel)
+        return float(times[k]) + (travel - float(travels[k])) / _mean_speed(first, last)
 
-    def way_at(self, time: float) -> float:
+    def travel_at(self, time: float) -> float:
         """Return how far it has gone after a time [mm]: the inverse of time_at."""
-        ways, speeds, times = self._table()
-        k = min(int(np.searchsorted(times, time, side="right")) - 1, len(ways) - 1)
+        travels, speeds, times = self._table()
+        k = min(int(np.searchsorted(times, time, side="right")) - 1, len(travels) - 1)
         since, speed = time - float(times[k]), float(speeds[k])
         slope = 0.0
-        if k + 1 < len(ways):
-            slope = float((speeds[k + 1] - speeds[k]) / (ways[k + 1] - ways[k]))
+        if k + 1 < len(travels):
+            slope = float((speeds[k + 1] - speeds[k]) / (travels[k + 1] - travels[k]))
         grown = slope * since
         stretch = since if grown == 0.0 else since * math.expm1(grown) / grown
-        return float(ways[k]) + speed * stretch
+        return float(travels[k]) + speed * stretch
 
     def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return ways, speeds and times of the rows."""
-        ways, speeds = self.rows.T
+        travels, speeds = self.rows.T
         means = [_mean_speed(float(a), float(b)) for a, b in itertools.pairwise(speeds)]
-        steps = np.diff(ways) / np.array(means)
-        return ways, speeds, np.concatenate([[0.0], np.cumsum(steps)])
+        steps = np.diff(travels) / np.array(means)
+        return travels, speeds, np.concatenate([[0.0], np.cumsum(steps)])
 
 
 @dataclass(frozen=True)
@@ -72,9 +72,9 @@ class Crank:
     start: float
     """Distance from bottom dead centre where the stage begins [mm], at most the stroke."""
 
-    def angle_at(self, way: float) -> float:
+    def angle_at(self, travel: float) -> float:
         """Return the angle before bottom dead centre [rad], 0 to pi, by the law of cosines."""
-        d, r, ratio = max(self.start - way, 0.0), self.radius, self.rod_ratio
+        d, r, ratio = max(self.start - travel, 0.0), self.radius, self.rod_ratio
         versine = d * (2.0 * r - ratio * d) / (2.0 * r * (r + ratio * (r - d)))  # 1 - cos a
         return 2.0 * math.asin(math.sqrt(min(0.5 * versine, 1.0)))
 
@@ -84,18 +84,18 @@ class Crank:
         sine, half = math.sin(angle), math.sin(0.5 * angle)
         return 2.0 * r * half * half + r * ratio * sine * sine / (1.0 + math.sqrt(1.0 - (ratio * sine) ** 2))
 
-    def speed_at(self, way: float) -> float:
+    def speed_at(self, travel: float) -> float:
         """Return the speed of the ram [mm/s]."""
-        angle = self.angle_at(way)
+        angle = self.angle_at(travel)
         sine, ratio = math.sin(angle), self.rod_ratio
         bent = ratio * math.cos(angle) / math.sqrt(1.0 - (ratio * sine) ** 2)
         return self.speed * self.radius * sine * (1.0 + bent)
 
-    def time_at(self, way: float) -> float:
+    def time_at(self, travel: float) -> float:
         """Return the time until it has gone so far [s]."""
-        return (self.angle_at(0.0) - self.angle_at(way)) / self.speed
+        return (self.angle_at(0.0) - self.angle_at(travel)) / self.speed
 
-    def way_at(self, time: float) -> float:
+    def travel_at(self, time: float) -> float:
         """Return how far it has gone after a time [mm]; it stays at bottom dead centre."""
         return self.start - self.height_at(max(self.angle_at(0.0) - self.speed * time, 0.0))
 
@@ -140,7 +140,7 @@ class Drive:
         return self.motion.time_at(self.travel)
 
     @property
-    def is_given(self) -> bool:
+    def is_prescribed(self) -> bool:
         """Whether the time follows from the way alone."""
         return not isinstance(self.motion, Blow) and math.isinf(self.power)
 
@@ -162,7 +162,7 @@ class Drive:
     def part_at(self, time: float) -> float:
         """Return the part of the way that is gone after a time [s], where it follows from the time alone."""
         assert not isinstance(self.motion, Blow), "the way of a blow follows from its course"
-        return min(self.motion.way_at(time) / self.travel, 1.0)
+        return min(self.motion.travel_at(time) / self.travel, 1.0)
 
 
 def _mean_speed(first: float, last: float) -> float:

@@ -159,8 +159,8 @@ class ToolMotion:
 
 def find_direction(motion: ToolMotion, dimension: int = 3) -> FloatArray:
     """Return the unit vector along which a motion moves or pushes its tool (d,)."""
-    way = np.asarray(motion.push.direction if motion.push else motion.move[:dimension], dtype=np.float64)
-    return np.asarray(way / np.linalg.norm(way))
+    direction = np.asarray(motion.push.direction if motion.push else motion.move[:dimension], dtype=np.float64)
+    return np.asarray(direction / np.linalg.norm(direction))
 
 
 @dataclass(frozen=True)
@@ -219,7 +219,7 @@ class Stage:
 
     def time_between(self, start: float, end: float) -> float:
         """Return the time between two parts of the stage [s]; an estimate where the course of a stage decides."""
-        if self.drive is not None and self.drive.is_given:
+        if self.drive is not None and self.drive.is_prescribed:
             return self.drive.time_between(start, end)
         if self.clock is None:
             return self.duration * (end - start)

@@ -94,7 +94,7 @@ class Tool:
     friction: Friction = Friction()
     kind: ToolKind | None = None
     """Stampings: what the tool is for."""
-    way: tuple[float, float, float] | None = None
+    working_direction: tuple[float, float, float] | None = None
     """Unit vector along which its stroke and its force count; None: that of its first motion or push."""
     centre: tuple[float, ...] = (0.0, 0.0)
     """In its own frame: the point about which it turns and its torque is taken [mm]; in space a point of its axis."""

@@ -131,9 +131,10 @@ def _find_peak(
     of = block.mesh.blocks[block.number]
     first = sum(len(each.connectivity) for each in block.mesh.blocks[: block.number])
     layers, chosen = 1 if of.section is None else of.section.points, block.model.materials[of.material].damage
-    given = None if chosen is None else chosen.length
+    chosen_length = None if chosen is None else chosen.length
     mean, middle, length = block.find_largest_mean(
-        values.reshape(len(values), -1, layers).mean(axis=1), lengths[block.number] if given is None else given
+        values.reshape(len(values), -1, layers).mean(axis=1),
+        lengths[block.number] if chosen_length is None else chosen_length,
     )
     cell, point = (int(i) for i in np.unravel_index(int(np.argmax(values)), values.shape))
     place, around = (

@@ -24,7 +24,7 @@ def find_lengths(model: Model) -> list[float | None]:
     """Return the radius in each block [mm], None in blocks of shells, of a model whose mesh is that before forming."""
     mesh = model.mesh
     faces = mesh.boundary_edges if model.dimension == 2 else mesh.boundary_faces
-    free = faces[~_lies_inside(model, faces)]
+    free = faces[~_find_inside(model, faces)]
     lengths: list[float | None] = []
     for block in mesh.blocks:
         if block.section is not None:
@@ -48,7 +48,7 @@ def _measure_thickness(inside: FloatArray, points: FloatArray, faces: IntArray) 
     return float(2.0 * cKDTree(skin).query(inside)[0].max())
 
 
-def _lies_inside(model: Model, faces: IntArray) -> BoolArray:
+def _find_inside(model: Model, faces: IntArray) -> BoolArray:
     """Return which boundary faces (n, k) lie inside the whole body: on the axis or on a plane of symmetry."""
     points, inside = model.mesh.points, np.zeros(len(faces), dtype=bool)
     tolerance = FLAT * float(np.ptp(points, axis=0).max())

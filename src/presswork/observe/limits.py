@@ -97,10 +97,10 @@ def describe_press(row: Mapping[str, Any]) -> str:
     return "".join(filled) + pressed
 
 
-def tell_full_dies(row: Mapping[str, Any]) -> list[str]:
+def explain_full_dies(row: Mapping[str, Any]) -> list[str]:
     """Say which dies are full where a run gives up; row: of the history.
 
-    >>> tell_full_dies({"upper.fill": 0.995, "lower.fill": 0.7})
+    >>> explain_full_dies({"upper.fill": 0.995, "lower.fill": 0.7})
     ['upper is full (99.5 % of its wall): what is left of the stroke would squeeze out flash']
     """
     full = {name.removesuffix(".fill"): part for name, part in row.items() if name.endswith(".fill") and part >= FULL}

@@ -13,8 +13,8 @@ def find_working_direction(model: Model, tool: Tool) -> FloatArray | None:
 
     Its own, or that of its first motion or push.
     """
-    if tool.way is not None:
-        return np.asarray(tool.way)
+    if tool.working_direction is not None:
+        return np.asarray(tool.working_direction)
     size = 2 if isinstance(tool.shape, Profile) else 3
     for stage in model.stages:
         motion = stage.tool_motion.get(tool.name)

@@ -155,9 +155,9 @@ def tool_columns(model: Model, displacement: Mapping[str, FloatArray], forces: F
     """
     row: Row = {}
     for tool, force in zip(model.tools, forces, strict=True):
-        way = np.asarray(tool.way)
-        row[f"{tool.name}.stroke"] = float(displacement[tool.name] @ way) + 0.0
-        row[f"{tool.name}.force"] = -float(force @ way) + 0.0
+        direction = np.asarray(tool.working_direction)
+        row[f"{tool.name}.stroke"] = float(displacement[tool.name] @ direction) + 0.0
+        row[f"{tool.name}.force"] = -float(force @ direction) + 0.0
         row |= {f"{tool.name}.force_{axis}": float(f) for axis, f in zip("xyz", force, strict=True)}
     return row
 
@@ -193,8 +193,8 @@ def _thin(lines: Sequence[FloatArray]) -> FloatArray:
 
 def way_of(tool: Tool) -> tuple[float, float, float]:
     """Return the unit vector along which a tool of a stamping works."""
-    assert tool.way is not None, f"{tool.name} has no way"
-    return tool.way
+    assert tool.working_direction is not None, f"{tool.name} has no way"
+    return tool.working_direction
 
 
 def is_pushed(model: Model, tool: Tool) -> bool:
@@ -217,7 +217,7 @@ def find_stops(model: Model) -> dict[str, tuple[str, float]]:
     for tool, other in itertools.permutations(model.tools, 2):
         if not is_pushed(model, tool) or {tool.kind, other.kind} != {"holder", "die"}:
             continue
-        between, way = np.subtract(tool.position, other.position), np.array(tool.way)
+        between, way = np.subtract(tool.position, other.position), np.array(tool.working_direction)
         clearance = find_clearance(tool.surface, other.surface, between, way, SHEET_CHORD * model.sheet[0].thickness)
         if clearance < found.get(tool.name, ("", math.inf))[1]:
             found[tool.name] = other.name, clearance

@@ -19,11 +19,11 @@ import numpy as np
 from presswork import _core
 from presswork.geometry.cubic_spline import CubicSpline
 from presswork.geometry.polygon import list_sides
-from presswork.geometry.profile_way import ProfileWay
+from presswork.geometry.profile_path import ProfilePath
 from presswork.mesh.checks import MeshError
 from presswork.model import BoolArray, FloatArray, IndexArray
 from presswork.remesh.fill import SizeField
-from presswork.remesh.volume import enclosed_volume, give_volume_back
+from presswork.remesh.volume import enclosed_volume, restore_volume
 
 CORNER = np.radians(30.0)
 VOID = 1.05
@@ -119,7 +119,7 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
     points, is_free = curve.at(places), curve.is_free(places)
     curve.extend_contact(places, points, is_free)
     target = enclosed_volume(old.points, ring=old.ring) * (1.0 + old.lost)
-    points, is_free, offset = give_volume_back(points, is_free, target, old.profiles, ring=old.ring)
+    points, is_free, offset = restore_volume(points, is_free, target, old.profiles, ring=old.ring)
     seams = []
     for _ in range(MOST_LAPS):
         folds = find_folds(list_sides(points))
@@ -128,7 +128,7 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
         kept, seam = _close_lap(points, folds, is_free)
         seams.append(seam)
         places = places[kept]
-        points, is_free, offset = give_volume_back(points[kept], is_free[kept], target, old.profiles, ring=old.ring)
+        points, is_free, offset = restore_volume(points[kept], is_free[kept], target, old.profiles, ring=old.ring)
     else:
         refuse_fold(list_sides(points))
     return NewLine(points, places, is_free, offset, tuple(seams))
@@ -191,7 +191,7 @@ class _Curve:
 
     def __init__(self, old: OldLine) -> None:
         self.old, self.n = old, len(old.points)
-        self._ways = [ProfileWay(profile) for profile in old.profiles]
+        self._ways = [ProfilePath(profile) for profile in old.profiles]
         self._way = np.zeros((len(self._ways), self.n))
         for t, way in enumerate(self._ways):
             self._way[t] = way.find(old.points)[0]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from presswork.geometry.profile_way import ProfileWay
+from presswork.geometry.profile_path import ProfilePath
 from presswork.model import BoolArray, FloatArray, IndexArray
 from presswork.remesh.fill import measure_thickness
 
@@ -85,7 +85,7 @@ def join_sources(*sources: SizeSources) -> SizeSources:
 
 def tool_curvature(sides: FloatArray, profile: FloatArray, largest: float, corner_size: float) -> SizeSources:
     """Return sizes asked for by the arcs and corners of a placed profile near the sides of a boundary (k, 2, 2)."""
-    way = ProfileWay(profile)
+    way = ProfilePath(profile)
     places, sizes = [np.zeros((0, 2))], [np.zeros(0)]
     for i in np.flatnonzero(OF_RADIUS * way.radius < largest):
         least = max(OF_RADIUS * float(way.radius[i]), corner_size)
@@ -105,7 +105,7 @@ def tool_curvature(sides: FloatArray, profile: FloatArray, largest: float, corne
 
 def along_tool(sides: FloatArray, profile: FloatArray, largest: float, size: float) -> SizeSources:
     """Return a size all along a placed profile, where it is near the sides of a boundary (k, 2, 2)."""
-    way = ProfileWay(profile)
+    way = ProfilePath(profile)
     place = way.at(np.linspace(0.0, way.length, max(2, int(np.ceil(2.0 * way.length / size)) + 1))[:-1])
     distance, _ = scipy.spatial.cKDTree(_refine(sides, largest)).query(place)
     near = distance < REACH * largest

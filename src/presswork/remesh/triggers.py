@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from presswork import _core
-from presswork.geometry.profile_way import ProfileWay
+from presswork.geometry.profile_path import ProfilePath
 from presswork.model import FloatArray, IndexArray, find_cell
 from presswork.remesh.fill import SizeField, measure_quality
 
@@ -60,7 +60,7 @@ def find_cut_edge(
     length = np.linalg.norm(after - line, axis=1)
     for profile in profiles:
         gap, *_ = _core.touch_profile(np.ascontiguousarray(profile), middle)
-        way = ProfileWay(profile)
+        way = ProfilePath(profile)
         corners, turns = way.corners()
         depth = np.where(gap < -deepest * length, -gap / length, 0.0)
         if (turns < 0.0).any() and not corners_count:

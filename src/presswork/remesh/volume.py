@@ -26,7 +26,7 @@ def enclosed_volume(line: FloatArray, *, ring: bool) -> float:
     return float(0.5 * ((line[:, 0] + after[:, 0]) * rise).sum())
 
 
-def give_volume_back(
+def restore_volume(
     points: FloatArray, is_free: BoolArray, target: float, profiles: Sequence[FloatArray], *, ring: bool
 ) -> tuple[FloatArray, BoolArray, float]:
     """Return nodes (n, 2), which are free (n,) and the offset [mm] with which the line encloses a target volume.

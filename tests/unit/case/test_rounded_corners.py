@@ -8,7 +8,7 @@ import pytest
 
 from presswork import Case, build_model
 from presswork.case.tools.rounded import round_outer_corners
-from presswork.geometry.profile_way import ProfileWay
+from presswork.geometry.profile_path import ProfilePath
 from presswork.model import Friction, Profile, Tool
 
 
@@ -49,4 +49,4 @@ def test_a_case_with_new_meshes_rounds_sharp_corners_by_half_its_smallest_cell(r
         remesh=remesh,
     )
     (tool,) = build_model(case).plane_tools
-    assert ProfileWay(tool.shape.segments).radius.min() == pytest.approx(radius)
+    assert ProfilePath(tool.shape.segments).radius.min() == pytest.approx(radius)

@@ -46,7 +46,7 @@ def test_model_holds_what_the_case_says() -> None:
     assert punch.position == (0, 0, 0.4), "tools just touch the sheet's faces"
     assert die.position == (0, 0, -0.4)
     assert holder.position == (0, 0, 0.4)
-    assert (punch.way, die.way, die.friction.mu) == ((0, 0, -1), (0, 0, 1), 0.05)
+    assert (punch.working_direction, die.working_direction, die.friction.mu) == ((0, 0, -1), (0, 0, 1), 0.05)
     stage = model.stages[0]
     assert stage.duration == pytest.approx(0.01 / 0.9)
     assert stage.ramp == pytest.approx(0.1 * stage.duration)

@@ -13,7 +13,7 @@ from presswork import CaseError, build_model, read_case
 from presswork.cli import app
 from presswork.deck.dyna.read import DynaDeck
 from presswork.deck.notes import Notes
-from presswork.deck.stages import find_breaks, find_way
+from presswork.deck.stages import find_breaks, find_displacement
 from presswork.deck.stamping import make_stamping
 from presswork.deck.units import SYSTEMS, find_units
 from tests.problems.dyna_deck import TAIL, write_deck
@@ -128,12 +128,14 @@ def test_units_are_found_by_the_sheet(tmp_path, name) -> None:
 def test_strokes_are_what_velocities_come_to() -> None:
     times = np.linspace(0.0, 2.0, 2001)
     curve = np.array([[0.0, 0.0], [1.0, 10.0], [2.0, 0.0]])
-    assert find_way("velocity", curve, 2.0, 0.0, 9.0, times)[-1] == pytest.approx(20.0)
-    assert find_way("displacement", curve, 1.0, 0.0, 1.0, times)[-1] == pytest.approx(10.0)
+    assert find_displacement("velocity", curve, 2.0, 0.0, 9.0, times)[-1] == pytest.approx(20.0)
+    assert find_displacement("displacement", curve, 1.0, 0.0, 1.0, times)[-1] == pytest.approx(10.0)
     constant = np.array([[0.0, 3.0], [2.0, 3.0]])
-    assert find_way("acceleration", constant, 1.0, 0.0, 9.0, times)[-1] == pytest.approx(6.0, rel=1e-5)
-    to_and_fro = find_way("displacement", curve, 1.0, 0.0, 9.0, times)
-    later = find_way("displacement", np.array([[0.0, 0.0], [0.5, 0.0], [1.0, 4.0], [2.0, 4.0]]), 1.0, 0.0, 9.0, times)
+    assert find_displacement("acceleration", constant, 1.0, 0.0, 9.0, times)[-1] == pytest.approx(6.0, rel=1e-5)
+    to_and_fro = find_displacement("displacement", curve, 1.0, 0.0, 9.0, times)
+    later = find_displacement(
+        "displacement", np.array([[0.0, 0.0], [0.5, 0.0], [1.0, 4.0], [2.0, 4.0]]), 1.0, 0.0, 9.0, times
+    )
     np.testing.assert_allclose(find_breaks(times, [to_and_fro, later]), [0.0, 0.5, 1.0, 2.0], atol=2e-3)
 
 

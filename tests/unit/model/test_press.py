@@ -38,9 +38,9 @@ def test_crank_follows_the_slider_crank_formula(ratio: float) -> None:
 def test_way_and_time_of_a_crank_are_inverse(ratio: float) -> None:
     crank = Crank(100.0, ratio, 2.0 * math.pi, 60.0)
     for way in (0.0, 10.0, 35.0, 59.9, 60.0):
-        assert crank.way_at(crank.time_at(way)) == pytest.approx(way, abs=1e-9)
+        assert crank.travel_at(crank.time_at(way)) == pytest.approx(way, abs=1e-9)
     assert crank.speed_at(60.0) == 0.0
-    assert crank.way_at(10.0) == 60.0, "it stays at bottom dead centre"
+    assert crank.travel_at(10.0) == 60.0, "it stays at bottom dead centre"
 
 
 def test_crank_with_an_infinite_rod_takes_the_time_of_a_cosine() -> None:
@@ -54,7 +54,7 @@ def test_speed_table_takes_the_integral_of_the_way_over_the_speed() -> None:
     assert table.time_at(20.0) == pytest.approx(0.1 + math.log(4.0) / 7.5, rel=1e-14)  # ds/(100 - 7.5 s)
     assert table.time_at(30.0) - table.time_at(20.0) == pytest.approx(10.0 / 25.0, rel=1e-14)
     for way in (0.0, 3.0, 10.0, 14.0, 20.0, 27.0):
-        assert table.way_at(table.time_at(way)) == pytest.approx(way, abs=1e-12)
+        assert table.travel_at(table.time_at(way)) == pytest.approx(way, abs=1e-12)
 
 
 def test_parts_of_the_way_add_up_to_the_time_of_the_stage() -> None:

@@ -41,7 +41,7 @@ def test_points_between_nodes_lie_on_the_bent_sheet(ridge) -> None:
 def lay_post(state: SheetState, edge_radius: float, *, with_edges: bool) -> float:
     """Return the height of the face of a post, 0.5 mm and its edge wide, that has come up under the ridge [mm]."""
     shape = draw_ring((0.0, 0.0), (0.5 + edge_radius, edge_radius), 10.0, works_up=True)
-    post = Tool("post", shape, position=(0.0, 6.0, 0.0), kind="die", way=(0.0, 0.0, 1.0))
+    post = Tool("post", shape, position=(0.0, 6.0, 0.0), kind="die", working_direction=(0.0, 0.0, 1.0))
     operation = Operation("flange", (post,), (), (), laid=("post",))
     return lay_tools(operation, state, with_edges=with_edges)[0].position[2]
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from presswork.geometry.polygon import list_sides
-from presswork.geometry.profile_way import ProfileWay
+from presswork.geometry.profile_path import ProfilePath
 from presswork.mesh.checks import MeshError
 from presswork.remesh.boundary import OldLine, find_folds, resample
-from presswork.remesh.volume import enclosed_volume, give_volume_back
+from presswork.remesh.volume import enclosed_volume, restore_volume
 
 FLAT = np.array([[60, 10, -5, 10, 0, 0, 0.0]])
 
@@ -76,7 +76,7 @@ def test_nodes_lie_on_the_arc_of_a_tool_and_its_corner_becomes_one():
         ],
         dtype=float,
     )
-    way = ProfileWay(profile)
+    way = ProfilePath(profile)
     touched = way.at(np.arange(8.0, 18.3, 0.7))  # from 2 above the sharp corner, round both, past the arc
     rest = np.array([[0.0, 14], [0, 7], [0, 0], [5, 0], [10, 0], [10, 7], [10, 14], [8, 14]])
     points = np.concatenate([touched[touched[:, 1] < 13], rest])
@@ -128,7 +128,7 @@ def test_free_nodes_that_the_offset_puts_into_a_tool_lie_on_it():
     points[pocket, 1] -= 0.01
     is_free[pocket] = True
     target = 1.01 * enclosed_volume(points, ring=True)
-    new, still_free, offset = give_volume_back(points, is_free, target, [FLAT], ring=True)
+    new, still_free, offset = restore_volume(points, is_free, target, [FLAT], ring=True)
     assert offset > 0.01
     assert new[:, 1].max() <= 10.0
     assert not still_free[pocket].any()

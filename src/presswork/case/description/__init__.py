@@ -189,8 +189,8 @@ def _describe_stage(stage: model.Stage, dimension: int) -> Iterator[str]:
             x, y, *_ = motion.push.direction
             yield f"tool {name} pushes along ({x:g}, {y:g}), with {motion.push.force[-1, 1]:g} N at the end"
         if any(motion.move):
-            way = ", ".join(f"{part:g}" for part in motion.move[:dimension])
-            yield f"tool {name} moves by ({way}) mm"
+            components = ", ".join(f"{part:g}" for part in motion.move[:dimension])
+            yield f"tool {name} moves by ({components}) mm"
         if motion.turn:
             yield f"tool {name} turns by {np.degrees(motion.turn):g} degrees counter-clockwise"
     for entry in stage.prescribed:

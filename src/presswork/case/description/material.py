@@ -32,8 +32,8 @@ def describe_material(material: model.Material, *, starts: bool = True) -> str:
     if material.kinematic:
         parts += [_describe_kinematic(material.kinematic)]
     if material.rate:
-        told = ", ".join(f"{name.replace('_', ' ')} = {value:g}" for name, value in material.rate.parameters.items())
-        parts += [f"{material.rate.law} rate: {told}"]
+        values = ", ".join(f"{name.replace('_', ' ')} = {value:g}" for name, value in material.rate.parameters.items())
+        parts += [f"{material.rate.law} rate: {values}"]
     if material.heating:
         h = material.heating
         if h.melting is None:

@@ -300,14 +300,14 @@ def _describe_shape(shape: SweptProfile) -> str:
 def _describe_stage(problem: Model, stage: Stage, closing: Mapping[str, Closing]) -> Iterator[str]:
     """Say what moves and pushes in a stage; closing: of the tools that go on until they leave a given room, by name."""
     holders = {tool.name: tool for tool in problem.tools if tool.kind == "holder"}
-    ways = {tool.name: tool.way for tool in problem.tools}
+    directions = {tool.name: tool.working_direction for tool in problem.tools}
     if stage.drive is not None:
         yield describe_drive(stage.drive)
     for name, motion in stage.tool_motion.items():
         if name in closing:
             yield f"{name} goes on until it leaves {closing[name].gap:g} mm to {' and '.join(closing[name].dies)}"
         elif motion.push is None:
-            stroke = float(np.dot(motion.move, ways[name] or (0.0, 0.0, 0.0)))
+            stroke = float(np.dot(motion.move, directions[name] or (0.0, 0.0, 0.0)))
             speed = f", at {abs(stroke) / (stage.duration - stage.ramp):.4g} mm/s" if stage.drive is None else ""
             yield f"{name} moves by {stroke:g} mm{speed}"
         else:

@@ -18,7 +18,7 @@ from presswork.case.space.mesh import MadeMesh
 from presswork.case.space.mesh_builder import check_space_mesh, mesh_space_body
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import fitting_patterns
-from presswork.mesh.facing import find_lying
+from presswork.mesh.facing import find_touching_faces
 from presswork.mesh.joined import join_meshes
 
 _FAMILY = {"plane": "plane", "axisymmetric": "plane", "solid": "space"}
@@ -199,7 +199,7 @@ def _check_touching(case: HeatCase, built: model.Model) -> Iterator[Problem]:
     edges = built.mesh.boundary_faces if case.geometry == "solid" else built.mesh.boundary_edges
     for name, entry in case.contacts.items():
         own, other = (edges[body.owns(edges)] for body in built.bodies if body.name in entry.between)
-        if not len(find_lying(built.mesh.points, own, other, 1.0).area):
+        if not len(find_touching_faces(built.mesh.points, own, other, 1.0).area):
             fault = f"{entry.between[0]} and {entry.between[1]} do not lie on each other"
             yield Problem(
                 f"contacts.{name}.between", fault, "move one of them: straight edges, in space faces, must coincide"

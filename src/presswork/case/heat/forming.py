@@ -96,14 +96,14 @@ class ToolHeat(ContactHeat):
 
     @model_validator(mode="after")
     def _check_steel(self) -> Self:
-        given = [key for key in ("conductivity", "specific_heat", "density") if getattr(self, key) is not None]
-        if len(given) in (1, 2):
+        present = [key for key in ("conductivity", "specific_heat", "density") if getattr(self, key) is not None]
+        if len(present) in (1, 2):
             remedy = "give conductivity, specific_heat and density, or none: friction heat is then halved"
-            raise fault("stands without the others", remedy, key=given[0])
-        if self.warms_up and not given:
+            raise fault("stands without the others", remedy, key=present[0])
+        if self.warms_up and not present:
             remedy = "give conductivity, specific_heat and density of its steel"
             raise fault("a tool that warms up needs a steel", remedy, key="warms_up")
-        if self.mesh is not None and not given:
+        if self.mesh is not None and not present:
             remedy = "give conductivity, specific_heat and density of its steel"
             raise fault("a tool that conducts heat needs a steel", remedy, key="mesh")
         if self.mesh is not None and self.warms_up:

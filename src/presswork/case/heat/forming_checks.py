@@ -65,7 +65,7 @@ def _check_explicit(case: schema.Case) -> Iterator[Problem]:
         yield Problem("heat.max_change", "is for the implicit procedure", "take more rows: output.rows")
 
 
-def _gives_thermal(material: object) -> bool:
+def _has_thermal(material: object) -> bool:
     """Say whether the case itself, and not the library, gives thermal properties."""
     return getattr(material, "thermal", None) is not None and getattr(material, "library", None) is None
 
@@ -75,7 +75,7 @@ def _check_no_heat(case: schema.Case) -> Iterator[Problem]:
     remedy = "add [heat] with initial_temperature, or remove it"
     keys = [f"tools.{name}.heat" for name, tool in case.tools.items() if tool.heat is not None]
     keys += [f"contacts.{name}.heat" for name, contact in case.contacts.items() if contact.heat is not None]
-    keys += [f"materials.{name}.thermal" for name, m in case.materials.items() if _gives_thermal(m)]
+    keys += [f"materials.{name}.thermal" for name, m in case.materials.items() if _has_thermal(m)]
     keys += [
         f"materials.{name}.transformation" for name, m in case.materials.items() if getattr(m, "transformation", None)
     ]

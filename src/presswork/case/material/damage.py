@@ -27,9 +27,9 @@ class _Damage(Part):
 
     def to_model(self) -> model.Damage:
         """Return the Model's criterion."""
-        given = self.model_dump()
-        criterion, critical, length = (given.pop(key) for key in ("criterion", "critical", "length"))
-        return model.Damage(criterion, given, critical, length)
+        values = self.model_dump()
+        criterion, critical, length = (values.pop(key) for key in ("criterion", "critical", "length"))
+        return model.Damage(criterion, values, critical, length)
 
 
 class CockcroftLatham(_Damage):

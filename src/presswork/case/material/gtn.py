@@ -35,9 +35,9 @@ class Gtn(Part):
     @model_validator(mode="after")
     def _check(self) -> Self:
         for group in (("coalescence", "failure"), ("nucleation_strain", "nucleation_deviation", "nucleated")):
-            given = [name for name in group if getattr(self, name) is not None]
-            missing = [name for name in group if name not in given]
-            if given and missing:
+            present = [name for name in group if getattr(self, name) is not None]
+            missing = [name for name in group if name not in present]
+            if present and missing:
                 raise fault("missing key", f"give {', '.join(group)} together, or none", key=missing[0])
         if self.coalescence is not None and self.failure is not None:
             if not self.coalescence < min(self.failure, 1.0 / self.q1):

@@ -63,5 +63,5 @@ class Heating(Part):
     def to_model(self) -> model.Heating:
         """Return the Model's heating."""
         start = self.reference if self.start is None else self.start
-        given = {name: value for name, value in self.model_dump().items() if value is not None}
-        return model.Heating(**{**given, "start": start})
+        values = {name: value for name, value in self.model_dump().items() if value is not None}
+        return model.Heating(**{**values, "start": start})

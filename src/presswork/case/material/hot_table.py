@@ -130,13 +130,13 @@ def _fill(path: Path, rows: FloatArray, numbers: list[int], axes: list[FloatArra
 
 def _check_order(path: Path, stress: FloatArray, axes: list[FloatArray]) -> None:
     """Refuse a flow stress that rises with temperature or falls with the rate: curves that cross."""
-    for axis, sign, told in ((2, 1.0, "rises with temperature"), (1, -1.0, "falls as the rate rises")):
+    for axis, sign, text in ((2, 1.0, "rises with temperature"), (1, -1.0, "falls as the rate rises")):
         wrong = np.argwhere(sign * np.diff(stress, axis=axis) > 0.0)
         if len(wrong):
             before = wrong[0]
             after = before + np.eye(3, dtype=int)[axis]
             raise fault(
-                f"{path.name}: the flow stress {told}, from {stress[tuple(before)]:g} MPa at {_place(axes, before)} to "
+                f"{path.name}: the flow stress {text}, from {stress[tuple(before)]:g} MPa at {_place(axes, before)} to "
                 f"{stress[tuple(after)]:g} MPa at {_place(axes, after)}",
                 "smooth the curves, or leave out the test that crosses the others",
                 key="file",

@@ -121,12 +121,12 @@ class Transformation(Part):
         return made if delay is None else replace(made, delay=delay)
 
 
-def check_austenite(given: Transformation, key: str, start: float) -> Iterator[Problem]:
+def check_austenite(transformation: Transformation, key: str, start: float) -> Iterator[Problem]:
     """Yield a problem where a body is no austenite at the start, or hotter than in any furnace.
 
     key: of the temperature at the start [degrees C].
     """
-    austenite = given.to_model().ferrite_start
+    austenite = transformation.to_model().ferrite_start
     remedy = 'plain numbers are degrees C; with a unit: "1223 K"'
     if start < austenite:
         text = f"it is no austenite at {start:g} degrees C: Ae3 is {austenite:.0f} degrees C"

@@ -55,14 +55,14 @@ class Hill1948(Part):
     @model_validator(mode="after")
     def _check(self) -> Self:
         r_values, stresses = ("r00", "r45", "r90"), ("stress_45", "stress_90", "stress_biaxial")
-        given = [name for name in r_values + stresses if getattr(self, name) is not None]
-        wanted = stresses if given and given[0] in stresses else r_values
+        present = [name for name in r_values + stresses if getattr(self, name) is not None]
+        wanted = stresses if present and present[0] in stresses else r_values
         remedy = "give r00, r45 and r90, or stress_45, stress_90 and stress_biaxial"
         for name in wanted:
-            if name not in given:
+            if name not in present:
                 raise fault("missing key", remedy, key=name)
-        if len(given) > 3:
-            raise fault(f"{', '.join(given)} are two ways of saying it", remedy, key=given[-1])
+        if len(present) > 3:
+            raise fault(f"{', '.join(present)} are two ways of saying it", remedy, key=present[-1])
         check_surface(self.build(), "stress_biaxial" if wanted is stresses else "r00")
         return self
 

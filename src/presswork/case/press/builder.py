@@ -26,7 +26,7 @@ class Timing:
     velocity: Speeds | None
     press: StagePress | None
     has_duration: bool
-    way: float
+    travel: float
     """Of the tool that moves farthest [mm]; 0 where none moves."""
 
 
@@ -60,7 +60,7 @@ def check_timing(timing: Timing, presses: Mapping[str, Press]) -> Iterator[Probl
         yield Problem(f"{key}.velocity", "the press gives the speed", "leave velocity or press out")
     if timing.has_duration:
         yield Problem(f"{key}.duration", f"its time follows from {name}", f"leave duration or {name} out")
-    if timing.way == 0.0:
+    if timing.travel == 0.0:
         yield Problem(f"{key}.{name}", "no tool moves in this stage", "give a tool a stroke or move")
     if press is None:
         return
@@ -70,19 +70,19 @@ def check_timing(timing: Timing, presses: Mapping[str, Press]) -> Iterator[Probl
     kind = presses[press.name].kind
     of_cranks = [k for k in ("before_bottom", "angle_before_bottom") if getattr(press, k) is not None]
     of_blows = [k for k in ("blows", "pause") if k in press.model_fields_set]
-    for given, fits in ((of_cranks, kind == "crank"), (of_blows, kind in ("hammer", "screw"))):
-        for k in given if not fits else ():
+    for keys, fits in ((of_cranks, kind == "crank"), (of_blows, kind in ("hammer", "screw"))):
+        for k in keys if not fits else ():
             yield Problem(f"{key}.press.{k}", f"has no meaning for a press of kind {kind}", "leave it out")
 
 
-def check_in_explicit(key: str, press: Press, given: StagePress, *, blows: bool) -> list[Problem]:
+def check_in_explicit(key: str, press: Press, stage_press: StagePress, *, blows: bool) -> list[Problem]:
     """Return the problem of a press in an explicit stage; blows: whether a single blow can be computed."""
-    remedy, name = 'take a crank or a given speed, or procedure = "implicit"', given.name
+    remedy, name = 'take a crank or a given speed, or procedure = "implicit"', stage_press.name
     if isinstance(press, EnergyPress) and not blows:
         return [Problem(f"{key}.press", "the explicit procedure of sheets has no blows by energy", remedy, name)]
-    if isinstance(press, EnergyPress) and given.blows > 1:
+    if isinstance(press, EnergyPress) and stage_press.blows > 1:
         fault = "in the explicit procedure a tool goes on from where it is, so there is one blow"
-        return [Problem(f"{key}.press.blows", fault, 'leave it out, or set procedure = "implicit"', given.blows)]
+        return [Problem(f"{key}.press.blows", fault, 'leave it out, or set procedure = "implicit"', stage_press.blows)]
     if isinstance(press, HydraulicPress) and (press.force or press.power):
         return [Problem(f"{key}.press", "the explicit procedure has no limits of force and power", remedy, name)]
     return []
@@ -90,9 +90,9 @@ def check_in_explicit(key: str, press: Press, given: StagePress, *, blows: bool)
 
 def build_drive(timing: Timing, presses: Mapping[str, Press], halves: Halves) -> model.Drive | Problem | None:
     """Return the ram that drives a stage; None of a stage that has none."""
-    travel = timing.way * halves.across
+    travel = timing.travel * halves.across
     if timing.velocity is not None:  # of the tool itself
-        return model.Drive(tabulate(timing.velocity), timing.way, halves.whole)
+        return model.Drive(tabulate(timing.velocity), timing.travel, halves.whole)
     if timing.press is None:
         return None
     name, whole = timing.press.name, halves.whole
@@ -109,21 +109,21 @@ def _place_crank(
     timing: Timing, placed: StagePress, press: CrankPress, travel: float, whole: float
 ) -> model.Drive | Problem:
     """Return the ram of a crank press, or say that it does not come so far."""
-    start, given = travel, "press"
+    start, key = travel, "press"
     if placed.before_bottom is not None:
-        start, given = placed.before_bottom, "press.before_bottom"
+        start, key = placed.before_bottom, "press.before_bottom"
     elif placed.angle_before_bottom is not None:
         start = press.place(0.0).height_at(math.radians(placed.angle_before_bottom))
-        given = "press.angle_before_bottom"
+        key = "press.angle_before_bottom"
     if start > press.stroke * (1.0 + 1e-12):
         text = f"the stroke of the press is {press.stroke:g} mm, too short for a ram {start:.6g} mm before the bottom"
         remedy = "shorten the tools' way, or take a press with a longer stroke"
-        return Problem(f"{timing.key}.{given}", text, remedy, placed.name)
+        return Problem(f"{timing.key}.{key}", text, remedy, placed.name)
     if start < travel * (1.0 - 1e-12):
-        twice = ", twice the tool's for the mirror image beyond the symmetry plane" if travel > timing.way else ""
+        twice = ", twice the tool's for the mirror image beyond the symmetry plane" if travel > timing.travel else ""
         text = f"the ram turns round at bottom dead centre after {start:.6g} mm, and its way is {travel:.6g} mm{twice}"
         remedy = "begin farther from bottom dead centre, or shorten the tools' way"
-        return Problem(f"{timing.key}.{given}", text, remedy)
+        return Problem(f"{timing.key}.{key}", text, remedy)
     return model.Drive(press.place(min(start, press.stroke)), travel, whole, placed.name)
 
 

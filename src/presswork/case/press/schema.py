@@ -103,12 +103,12 @@ class EnergyPress(Part):
             key = "height" if self.height is not None else "mass"
             raise fault("a screw press stores its energy in the flywheel", "give energy and velocity", key=key)
         speed = self.velocity if self.velocity is not None else self.height
-        given = [name for name, value in (("energy", self.energy), ("velocity", speed), ("mass", self.mass)) if value]
-        if len(given) != 2:
+        present = [name for name, value in (("energy", self.energy), ("velocity", speed), ("mass", self.mass)) if value]
+        if len(present) != 2:
             remedy = "give two of: energy, velocity (or height), mass"
             if self.kind == "screw":
                 remedy = "give energy and velocity"
-            raise fault(f"expected two quantities, and found {', '.join(given) or 'none'}", remedy, key="energy")
+            raise fault(f"expected two quantities, and found {', '.join(present) or 'none'}", remedy, key="energy")
         return self
 
     def strike(self, number: int) -> model.Blow:

@@ -100,7 +100,7 @@ class ShellBoundary(StagedBoundary):
     )
 
     @model_validator(mode="after")
-    def _check_one_way_of_holding(self) -> Self:
+    def _check_single_hold(self) -> Self:
         if (self.hold is None) == (not self.fix):
             raise fault("give either hold or fix", 'for instance hold = "clamped", or fix = ["z"]', key="hold")
         return self

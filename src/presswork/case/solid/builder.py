@@ -29,7 +29,7 @@ from presswork.case.solid.references import check_references, check_sets
 from presswork.case.solid.remesh import OF_SMALLEST
 from presswork.case.solid.remesh_builder import build_remeshing, check_places, check_sizes, check_tools
 from presswork.case.tool_sizes import warn_of_tools
-from presswork.case.tools.builder import build_tool, check_motions, find_way
+from presswork.case.tools.builder import build_tool, check_motions, find_first_direction
 from presswork.case.tools.close_fits import close_fits
 from presswork.case.tools.die_mesh import build_dies
 from presswork.case.tools.rounded import round_outer_corners
@@ -224,7 +224,7 @@ def _build_tools(
     is_ring = case.analysis == "axisymmetric"
     of_tools = (np.zeros(0), np.zeros(0)) if is_ring else planes
     built = [
-        build_tool(name, tool, mesh, of_tools, _folder(case), find_way(case, name), is_axisymmetric=is_ring)
+        build_tool(name, tool, mesh, of_tools, _folder(case), find_first_direction(case, name), is_axisymmetric=is_ring)
         for name, tool in case.tools.items()
     ]
     tools = tuple(tool for tool in built if isinstance(tool, model.Tool))
@@ -246,17 +246,17 @@ def _build_stages(
     def area_of(edge_set: str) -> float:
         return float(edge_areas(mesh.points, mesh.edge_sets[edge_set], None if is_ring else case.depth).sum())
 
-    for number, given in enumerate(case.stages):
-        stage = _build_stage(given, case, area_of)
-        drive = build_drive(given.find_timing(number), case.presses, find_halves(stage, mirrors))
+    for number, stage_case in enumerate(case.stages):
+        stage = _build_stage(stage_case, case, area_of)
+        drive = build_drive(stage_case.find_timing(number), case.presses, find_halves(stage, mirrors))
         if isinstance(drive, Problem):
             problems.append(drive)
         elif drive is not None:
             stage = replace(stage, drive=drive, duration=drive.duration)
-        struck = blows.get(given.press.name, 0) if given.press else 0
-        listed = list_blows(stage, given.press, struck + 1)
-        if given.press is not None:
-            blows[given.press.name] = struck + given.press.blows
+        struck = blows.get(stage_case.press.name, 0) if stage_case.press else 0
+        listed = list_blows(stage, stage_case.press, struck + 1)
+        if stage_case.press is not None:
+            blows[stage_case.press.name] = struck + stage_case.press.blows
         stages += listed
     return tuple(stages), problems
 

@@ -92,10 +92,15 @@ def _check_stage(key: str, stage: schema.Stage) -> list[Problem]:
         if motion.position is not None:
             fault = "in the explicit procedure a tool goes on from where it is"
             problems.append(Problem(f"{key}.tools.{name}.position", fault, "leave it out", motion.position))
-        for way in ("force", "turn"):
-            if getattr(motion, way):
+        for key_of_motion in ("force", "turn"):
+            if getattr(motion, key_of_motion):
                 fault = "in the explicit procedure a tool can be moved only"
                 problems.append(
-                    Problem(f"{key}.tools.{name}.{way}", fault, "give stroke or move", getattr(motion, way))
+                    Problem(
+                        f"{key}.tools.{name}.{key_of_motion}",
+                        fault,
+                        "give stroke or move",
+                        getattr(motion, key_of_motion),
+                    )
                 )
     return problems

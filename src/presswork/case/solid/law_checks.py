@@ -34,8 +34,8 @@ def check_laws(case: schema.Case) -> list[Problem]:
             problems += material.check_in_solids(f"materials.{name}")
             if isinstance(material.rolling_direction, tuple):
                 fault, remedy = "expected an angle from x in the plane [degrees]", "e.g. 45"
-                given = list(material.rolling_direction)
-                problems.append(Problem(f"materials.{name}.rolling_direction", fault, remedy, given))
+                direction = list(material.rolling_direction)
+                problems.append(Problem(f"materials.{name}.rolling_direction", fault, remedy, direction))
     used = sorted({body.material for _, body in list_bodies(case).values()} & set(case.materials))
     problems += check_needs(case.materials, used, case.stages, heated=case.heat is not None)
     for name in used:
@@ -54,9 +54,9 @@ def check_friction_of_elastic(case: schema.Case | SpaceCase) -> list[Problem]:
     fault = f"friction by shear is a part of the flow stress, and {name} is elastic: it has no hardening"
     remedy = f"take coulomb, with mu, or give materials.{name}.hardening"
     return [
-        Problem(f"tools.{tool}.contact", fault, remedy, given.contact)
-        for tool, given in case.tools.items()
-        if given.contact == "shear" and given.m > 0.0
+        Problem(f"tools.{tool}.contact", fault, remedy, entry.contact)
+        for tool, entry in case.tools.items()
+        if entry.contact == "shear" and entry.m > 0.0
     ]
 
 
@@ -97,14 +97,14 @@ def _check_pores_in(case: schema.Case, name: str, material: schema.Material) -> 
 
 def check_integrator(name: str, material: schema.Material, solver: Solver) -> list[Problem]:
     """Return the problems of an integrator or a tangent that is of von Mises with isotropic hardening alone."""
-    given = [key for key in BESIDE if getattr(material, key) is not None]
+    present = [key for key in BESIDE if getattr(material, key) is not None]
     if isinstance(material.hardening, HotLaw):
-        given.append(material.hardening.law)
+        present.append(material.hardening.law)
     if material.yield_function.law != "von_mises":
-        given.insert(0, "yield_function")
-    if not given:
+        present.insert(0, "yield_function")
+    if not present:
         return []
-    fault, problems = f"it is for von Mises with isotropic hardening alone, and {name} has {', '.join(given)}", []
+    fault, problems = f"it is for von Mises with isotropic hardening alone, and {name} has {', '.join(present)}", []
     if solver.integrator != "backward_euler":
         problems.append(Problem("solver.integrator", fault, 'take "backward_euler"', solver.integrator))
     if solver.tangent == "thesis":

@@ -130,10 +130,10 @@ def _find_meetings(
 
 def _explain_room(tool: Tool, stage: int, node: FloatArray, part: float, move: FloatArray) -> Problem:
     """Say where a tool meets a held node, and how far it can go until then."""
-    (x, y), way = node, float(np.linalg.norm(move))
+    (x, y), stroke = node, float(np.linalg.norm(move))
     return Problem(
         f"stages.{stage}.tools.{tool.name}",
-        f"after {part * way:.4g} of its {way:.4g} mm the tool meets nodes that are held against it, at "
+        f"after {part * stroke:.4g} of its {stroke:.4g} mm the tool meets nodes that are held against it, at "
         f"({x:.4g}, {y:.4g}): no metal fits between",
         "shorten the stroke, or let these nodes go",
     )

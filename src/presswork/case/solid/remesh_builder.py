@@ -13,7 +13,7 @@ from presswork import model
 from presswork.case.errors import Problem, suggest
 from presswork.case.solid.remesh import OF_RADIUS, BodyRemesh, Remesh
 from presswork.geometry.pose import start_profile
-from presswork.geometry.profile_way import ProfileWay
+from presswork.geometry.profile_path import ProfilePath
 
 if TYPE_CHECKING:
     from presswork.case.solid.schema import Case
@@ -105,7 +105,7 @@ def check_tools(remesh: Remesh, mesh: model.Mesh, tools: Sequence[model.Tool]) -
     problems, smallest = [], remesh.build(mesh).smallest_size
     key = "remesh.smallest_size" if remesh.smallest_size is not None else "remesh.size"
     for tool in tools if remesh.smallest_size is not None or remesh.size is not None else ():
-        radius = float(ProfileWay(start_profile(tool)).radius.min())
+        radius = float(ProfilePath(start_profile(tool)).radius.min())
         if smallest > radius:
             fault_text = f"cells of {smallest:.3g} mm cannot follow the radius of {radius:.3g} mm of {tool.name}"
             problems.append(Problem(key, fault_text, f"give smallest_size = {OF_RADIUS * radius:.2g} or less"))

@@ -104,11 +104,11 @@ class Material(PlasticLaws):
 
     def find_rolling_direction(self) -> tuple[float, float, float]:
         """Return it at length 1."""
-        given = self.rolling_direction
-        if not isinstance(given, tuple):
-            return (math.cos(math.radians(given)), math.sin(math.radians(given)), 0.0)
-        length = math.hypot(*given)
-        return (given[0] / length, given[1] / length, given[2] / length)
+        direction = self.rolling_direction
+        if not isinstance(direction, tuple):
+            return (math.cos(math.radians(direction)), math.sin(math.radians(direction)), 0.0)
+        length = math.hypot(*direction)
+        return (direction[0] / length, direction[1] / length, direction[2] / length)
 
     @model_validator(mode="after")
     def _check_density(self) -> Self:
@@ -164,7 +164,7 @@ class ToolMotion(Part):
     )
 
     @model_validator(mode="after")
-    def _check_one_way_of_moving(self) -> Self:
+    def _check_single_motion(self) -> Self:
         check_motion(self)
         if self.direction is not None:
             require_direction(self.direction)
@@ -266,8 +266,8 @@ class Stage(Part):
     def find_timing(self, number: int) -> Timing:
         """Return what this stage, with its number from 0, says of its time."""
         moves = [motion.build().move for motion in self.tools.values()]
-        way = max((math.hypot(*move) for move in moves), default=0.0)
-        return Timing(f"stages.{number}", self.velocity, self.press, self.holds, way)
+        travel = max((math.hypot(*move) for move in moves), default=0.0)
+        return Timing(f"stages.{number}", self.velocity, self.press, self.holds, travel)
 
 
 class Case(CaseFile):

@@ -48,7 +48,7 @@ class Rectangle(Part):
     )
 
     @model_validator(mode="after")
-    def _check_one_way_of_sizing(self) -> Self:
+    def _check_single_size(self) -> Self:
         zones = [name for name in ("zones_x", "zones_y") if getattr(self, name) is not None]
         sizes = [name for name in ("size", "cells") if getattr(self, name) is not None]
         if zones and (len(zones) == 1 or sizes):

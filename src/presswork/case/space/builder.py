@@ -37,7 +37,7 @@ from presswork.case.space.heat import build_space_heat, check_space_heat
 from presswork.case.space.remesh_builder import build_space_remeshing, check_space_remesh
 from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
 from presswork.case.space.symmetry import Symmetry, build_supports, check_symmetry, find_symmetry
-from presswork.case.space.tool_builder import build_tool, check_motions, find_way
+from presswork.case.space.tool_builder import build_tool, check_motions, find_first_direction
 from presswork.case.space.tool_checks import mean_edge, warn_of_facets, warn_of_widths
 from presswork.case.tool_sizes import warn_of_tools
 from presswork.mesh.faces import face_areas
@@ -107,7 +107,8 @@ def _build_tools(
     """Return the Model's tools, and the problems of others."""
     folder = case.source.parent if case.source is not None else Path()
     built = [
-        build_tool(name, tool, mesh, symmetry.planes, folder, find_way(case, name)) for name, tool in case.tools.items()
+        build_tool(name, tool, mesh, symmetry.planes, folder, find_first_direction(case, name))
+        for name, tool in case.tools.items()
     ]
     for name, tool in zip(case.tools, built, strict=True):
         if isinstance(tool, model.Tool):
@@ -255,19 +256,19 @@ def _build_stages(
     stages: list[model.Stage] = []
     problems: list[Problem] = []
     blows: dict[str, int] = {}
-    for number, given in enumerate(case.stages):
-        stage = _build_stage(given, case, mesh)
+    for number, stage_case in enumerate(case.stages):
+        stage = _build_stage(stage_case, case, mesh)
         halves = find_halves(stage, symmetry.planes)
         halves = replace(halves, whole=halves.whole * symmetry.sectors)
-        drive = build_drive(given.find_timing(number), case.presses, halves)
+        drive = build_drive(stage_case.find_timing(number), case.presses, halves)
         if isinstance(drive, Problem):
             problems.append(drive)
         elif drive is not None:
             stage = replace(stage, drive=drive, duration=drive.duration)
-        struck = blows.get(given.press.name, 0) if given.press else 0
-        stages += list_blows(stage, given.press, struck + 1)
-        if given.press is not None:
-            blows[given.press.name] = struck + given.press.blows
+        struck = blows.get(stage_case.press.name, 0) if stage_case.press else 0
+        stages += list_blows(stage, stage_case.press, struck + 1)
+        if stage_case.press is not None:
+            blows[stage_case.press.name] = struck + stage_case.press.blows
     return tuple(stages), problems
 
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from presswork.case.space.tool_checks import mean_edge
-from presswork.case.tools.close_fits import CLOSE, PARALLEL, PAST, find_middle, find_way, move_side
+from presswork.case.tools.close_fits import CLOSE, PARALLEL, PAST, find_middle, find_relative_direction, move_side
 from presswork.geometry.pose import SpacePose, find_space_pose
 from presswork.geometry.segments import X1
 from presswork.geometry.swept_tool import triangulate
@@ -53,8 +53,12 @@ def close_fits_in_space(
         for other in tools:
             if other is tool or isinstance(tool.surface, Plane):
                 continue
-            way = find_way(tool, other, stages, 3)
-            closed = _close(found[number], _Wall(other, way, middle, edge), way, edge) if way.any() else None
+            direction = find_relative_direction(tool, other, stages, 3)
+            closed = (
+                _close(found[number], _Wall(other, direction, middle, edge), direction, edge)
+                if direction.any()
+                else None
+            )
             if closed is not None:
                 shape, gap = closed
                 found[number] = replace(found[number], shape=shape)
@@ -68,9 +72,9 @@ def close_fits_in_space(
 class _Wall:
     """A tool along which another one slides."""
 
-    def __init__(self, tool: Tool, way: FloatArray, middle: FloatArray, edge: float) -> None:
+    def __init__(self, tool: Tool, direction: FloatArray, middle: FloatArray, edge: float) -> None:
         self._surface, self._pose = make_surface(tool.surface), find_space_pose(tool, np.zeros(3))
-        self._way, self._middle, self._reach = way, middle, CLOSE * edge
+        self._direction, self._middle, self._reach = direction, middle, CLOSE * edge
 
     def look(self, places: FloatArray, outwards: FloatArray) -> tuple[BoolArray, FloatArray]:
         """Say which places of a side (n, 3) go along the wall towards the workpiece, and return their gaps (n,) [mm].
@@ -80,25 +84,25 @@ class _Wall:
         gap, normal, *_ = self._surface.nearest(np.ascontiguousarray(self._pose.to_frame(places)))
         normal = self._pose.turn(normal)
         faces = np.einsum("ni,ni->n", normal, outwards) < FACES
-        comes = (self._middle - places) @ self._way > 0.0
-        return (np.abs(gap) <= self._reach) & (np.abs(normal @ self._way) < PARALLEL) & faces & comes, gap
+        comes = (self._middle - places) @ self._direction > 0.0
+        return (np.abs(gap) <= self._reach) & (np.abs(normal @ self._direction) < PARALLEL) & faces & comes, gap
 
 
-def _close(tool: Tool, wall: _Wall, way: FloatArray, edge: float) -> tuple[Surface, float] | None:
+def _close(tool: Tool, wall: _Wall, direction: FloatArray, edge: float) -> tuple[Surface, float] | None:
     """Return a tool's shape with its side past a wall, and the gap that was [mm]; None where no side is close."""
     pose, shape = find_space_pose(tool, np.zeros(3)), tool.surface
     if isinstance(shape, SweptProfile):
-        own_way = pose.turn(np.eye(3)[2:])[0] @ way
-        swept = _close_swept(shape, wall, pose, own_way, edge) if abs(own_way) > 1.0 - PARALLEL**2 else None
+        own_direction = pose.turn(np.eye(3)[2:])[0] @ direction
+        swept = _close_swept(shape, wall, pose, own_direction, edge) if abs(own_direction) > 1.0 - PARALLEL**2 else None
         if swept is not None or not np.isfinite(shape.half_widths).all():
             return swept
         shape = Triangulation(*triangulate(shape, CHORD * edge), False)
     assert isinstance(shape, Triangulation)
-    return _close_facets(shape, wall, pose, way, edge)
+    return _close_facets(shape, wall, pose, direction, edge)
 
 
 def _close_swept(
-    shape: SweptProfile, wall: _Wall, pose: SpacePose, own_way: float, edge: float
+    shape: SweptProfile, wall: _Wall, pose: SpacePose, own_direction: float, edge: float
 ) -> tuple[SweptProfile, float] | None:
     """Close a swept profile along whose side the wall goes all round; own_way: z of the tool's way in its frame."""
     for corner, (s, z) in enumerate(shape.segments[:-1, X1]):
@@ -108,7 +112,9 @@ def _close_swept(
             if not near.all():
                 continue
             by, most = np.array([side, 0.0]), max(float(gap.max()), 0.0)
-            moved = move_side(Profile(shape.segments), corner, np.array([0.0, own_way]), (most + PAST * edge) * by)
+            moved = move_side(
+                Profile(shape.segments), corner, np.array([0.0, own_direction]), (most + PAST * edge) * by
+            )
             if moved is not None:
                 return replace(shape, segments=moved.segments), most
     return None
@@ -124,14 +130,14 @@ def _go_round(shape: SweptProfile, s: float, z: float) -> tuple[FloatArray, Floa
 
 
 def _close_facets(
-    shape: Triangulation, wall: _Wall, pose: SpacePose, way: FloatArray, edge: float
+    shape: Triangulation, wall: _Wall, pose: SpacePose, direction: FloatArray, edge: float
 ) -> tuple[Triangulation, float] | None:
     """Close the side of a tool of facets where it meets the tool's face at the wall."""
     areas = pose.turn(double_areas(shape.points, shape.triangles))
     normals = areas / np.maximum(np.linalg.norm(areas, axis=1, keepdims=True), 1e-300)
     of_face = np.zeros(len(shape.points), dtype=bool)
-    of_face[shape.triangles[normals @ way > AHEAD]] = True
-    sides = np.flatnonzero((np.abs(normals @ way) < PARALLEL) & of_face[shape.triangles].any(axis=1))
+    of_face[shape.triangles[normals @ direction > AHEAD]] = True
+    sides = np.flatnonzero((np.abs(normals @ direction) < PARALLEL) & of_face[shape.triangles].any(axis=1))
     if not len(sides):
         return None
     corners, outwards = shape.triangles[sides], np.repeat(normals[sides], 3, axis=0)

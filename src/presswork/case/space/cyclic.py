@@ -27,9 +27,9 @@ def check_cyclic(case: SpaceCase, mesh: model.Mesh) -> list[Problem]:
     ties = {name: entry for name, entry in case.boundary.items() if entry.cyclic is not None}
     problems = []
     for name, entry in ties.items():
-        key, told = f"boundary.{name}.cyclic", _find_obstacles(case)
-        told += ["two entries are cyclic"] if len(ties) > 1 else []
-        problems += [Problem(key, fault, "model the whole", entry.cyclic) for fault in told]
+        key, obstacles = f"boundary.{name}.cyclic", _find_obstacles(case)
+        obstacles += ["two entries are cyclic"] if len(ties) > 1 else []
+        problems += [Problem(key, fault, "model the whole", entry.cyclic) for fault in obstacles]
         assert entry.cyclic is not None
         if entry.cyclic not in mesh.node_sets:
             problems.append(

@@ -23,7 +23,7 @@ def check_space_heat(case: SpaceCase) -> Iterator[Problem]:
     """Yield the problems of heat that show without the mesh."""
     if case.heat is None:
         remedy = "add [heat] with initial_temperature, or remove it"
-        for key in (name for name, given in case.materials.items() if given.thermal is not None):
+        for key in (name for name, material in case.materials.items() if material.thermal is not None):
             yield Problem(f"materials.{key}.thermal", "has no meaning without [heat]", remedy)
         keys = [f"tools.{name}.heat" for name, tool in case.tools.items() if tool.heat is not None]
         keys += [f"contacts.{name}.heat" for name, contact in case.contacts.items() if contact.heat is not None]

@@ -140,11 +140,13 @@ def _mesh_turned(mesh: Cylinder | Ring | Turned, element: model.SpaceElement, ma
 
 def _divide_heights(heights: FloatArray, cells: int) -> FloatArray:
     """Return z of so many cells + 1 lines; every height is one, and cells are shared out by the ways between them."""
-    ways = np.diff(heights)
-    counts = np.ones(len(ways), dtype=int)
+    lengths = np.diff(heights)
+    counts = np.ones(len(lengths), dtype=int)
     while counts.sum() < cells:
-        counts[np.argmax(ways / counts)] += 1
-    return grade_line(float(heights[0]), [(float(way), int(n), 1.0) for way, n in zip(ways, counts, strict=True)])
+        counts[np.argmax(lengths / counts)] += 1
+    return grade_line(
+        float(heights[0]), [(float(length), int(n), 1.0) for length, n in zip(lengths, counts, strict=True)]
+    )
 
 
 def _mesh_plan(

@@ -162,8 +162,8 @@ class SpaceStage(Part):
 
     def find_timing(self, number: int) -> Timing:
         """Return what this stage, with its number from 0, says of its time."""
-        way = max((math.hypot(*motion.build().move) for motion in self.tools.values()), default=0.0)
-        return Timing(f"stages.{number}", self.velocity, self.press, self.holds, way)
+        travel = max((math.hypot(*motion.build().move) for motion in self.tools.values()), default=0.0)
+        return Timing(f"stages.{number}", self.velocity, self.press, self.holds, travel)
 
 
 class SpaceSolver(Solver):

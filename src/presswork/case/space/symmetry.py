@@ -105,7 +105,7 @@ def _count_sectors(mesh: model.Mesh, normals: list[FloatArray]) -> float:
         return 1.0
     along = [np.cross(normal, (0.0, 0.0, 1.0)) for normal in normals]
     middle = mesh.points[:, :2].mean(axis=0)
-    along = [way if way[:2] @ middle > 0 else -way for way in along]
+    along = [direction if direction[:2] @ middle > 0 else -direction for direction in along]
     angle = float(np.degrees(np.arccos(np.clip(along[0] @ along[1], -1.0, 1.0))))
     return 360.0 / angle
 

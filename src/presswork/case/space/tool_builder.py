@@ -68,7 +68,7 @@ BEYOND = 5.0
 
 
 def build_tool(
-    name: str, tool: SpaceTool, mesh: Mesh, mirrors: tuple[FloatArray, ...], folder: Path, way: FloatArray
+    name: str, tool: SpaceTool, mesh: Mesh, mirrors: tuple[FloatArray, ...], folder: Path, direction: FloatArray
 ) -> Tool | Problem:
     """Build a tool, or say why it cannot be.
 
@@ -77,15 +77,15 @@ def build_tool(
     """
     nodes = mesh.points[np.unique(mesh.boundary_faces)]
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    shape = _make_shape(name, tool, mesh, way, folder)
+    shape = _make_shape(name, tool, mesh, direction, folder)
     if isinstance(shape, Problem):
         return shape
     drawn = _place(name, tool, shape)
     if tool.position == "touch":
         for places in (nodes, np.concatenate([nodes, look_inside_faces(mesh)[0]])):
-            position = _come_from_afar(drawn, places, way)
+            position = _come_from_afar(drawn, places, direction)
             if position is None:
-                return _explain_no_touch(name, way)
+                return _explain_no_touch(name, direction)
             touching = replace(drawn, position=position)
             if _check_clear(name, mesh, size, _look_at(touching)) is None:  # else it is between the nodes of a face
                 break
@@ -146,28 +146,28 @@ def _look_at(tool: Tool) -> Nearest:
     return nearest
 
 
-def _come_from_afar(tool: Tool, places: FloatArray, way: FloatArray) -> tuple[float, float, float] | None:
+def _come_from_afar(tool: Tool, places: FloatArray, direction: FloatArray) -> tuple[float, float, float] | None:
     """Return the position of a tool that comes from afar along `way` until it touches a place (n, 3); None: never."""
-    if not way.any():
+    if not direction.any():
         return None
     shape, pose = tool.surface, find_space_pose(tool, np.zeros(3))
     corners = np.zeros((1, 3)) if isinstance(shape, Plane) else pose.carry(list_extreme_points(shape))
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
     afar = size + float(np.linalg.norm(corners, axis=1).max() + np.linalg.norm(places, axis=1).max())
-    gone = find_touch_in_space(_look_at(tool), places + afar * way, way)
+    gone = find_touch_in_space(_look_at(tool), places + afar * direction, direction)
     if gone is None:
         return None
-    x, y, z = (float(part) for part in (gone - afar) * way)
+    x, y, z = (float(part) for part in (gone - afar) * direction)
     return x, y, z
 
 
-def _explain_no_touch(name: str, way: FloatArray) -> Problem:
+def _explain_no_touch(name: str, direction: FloatArray) -> Problem:
     """Say why a tool cannot be put where it touches the workpiece."""
     key = f"tools.{name}.position"
-    if not way.any():
+    if not direction.any():
         remedy = "give a stage in which the tool has a stroke, move or force, or position = [x, y, z]"
         return Problem(key, "the tool never moves, so it is not known from where it comes", remedy, "touch")
-    x, y, z = way
+    x, y, z = direction
     fault = f"along its first motion, ({x:g}, {y:g}, {z:g}), the tool passes beside the workpiece"
     return Problem(key, fault, "draw it in line with the workpiece, or give position = [x, y, z]", "touch")
 
@@ -181,9 +181,9 @@ def _check_clear(name: str, mesh: Mesh, size: float, nearest: Nearest) -> Proble
     on_faces, face = look_inside_faces(mesh)
     own, places = len(nodes), np.concatenate([mesh.points[nodes], on_faces])
     gap, normal = nearest(places, size)
-    lies = np.zeros(len(mesh.points), dtype=bool)
-    lies[nodes] = np.abs(gap[:own]) <= TOLERANCE * size
-    is_chord = lies[mesh.boundary_faces].sum(axis=1) >= 2
+    touches = np.zeros(len(mesh.points), dtype=bool)
+    touches[nodes] = np.abs(gap[:own]) <= TOLERANCE * size
+    is_chord = touches[mesh.boundary_faces].sum(axis=1) >= 2
     allowed = np.full(len(places), TOLERANCE * size)
     allowed[own:][is_chord[face]] += CHORD_OF_FACE * mean_edge(mesh)
     is_inside = gap < -allowed
@@ -200,7 +200,7 @@ def _check_clear(name: str, mesh: Mesh, size: float, nearest: Nearest) -> Proble
     )
 
 
-def find_way(case: SpaceCase, name: str) -> FloatArray:
+def find_first_direction(case: SpaceCase, name: str) -> FloatArray:
     """Return the direction of a tool's first motion (3,), of length 1; zero where it has none."""
     for stage in case.stages:
         motion = stage.tools[name].build() if name in stage.tools else None
@@ -249,14 +249,14 @@ def _draw_block(tool: CylinderTool | SphereTool | BoxTool) -> SweptProfile:
     return draw_block((r, r), r, tool.length, tool.edge_radius)
 
 
-def _make_shape(name: str, tool: SpaceTool, mesh: Mesh, way: FloatArray, folder: Path) -> Surface | Problem:
+def _make_shape(name: str, tool: SpaceTool, mesh: Mesh, direction: FloatArray, folder: Path) -> Surface | Problem:
     nodes = mesh.points[np.unique(mesh.boundary_faces)]
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     if isinstance(tool, PlaneTool):
         x, y, z = (part / math.hypot(*tool.normal) + 0.0 for part in tool.normal)
         return Plane((x, y, z))
     if isinstance(tool, ProfileTool):
-        return _draw(name, tool, nodes, size, way)
+        return _draw(name, tool, nodes, size, direction)
     if isinstance(tool, CylinderTool | SphereTool | BoxTool):
         return _draw_block(tool)
     try:
@@ -269,14 +269,14 @@ def _make_shape(name: str, tool: SpaceTool, mesh: Mesh, way: FloatArray, folder:
     for note in notes:
         _warn_once(folder / tool.path, f"tools.{name}.path = {tool.path}: {note}")
     if tool.position == "touch":
-        read = _face(name, tool, read, way)
+        read = _face(name, tool, read, direction)
     return check_facets(name, tool.path, read, mean_edge(mesh)) or read
 
 
-def _face(name: str, tool: ToolFile, shape: Triangulation, way: FloatArray) -> Triangulation:
+def _face(name: str, tool: ToolFile, shape: Triangulation, direction: FloatArray) -> Triangulation:
     """Return a tool's surface, turned over where it is open and faces against the tool's way (3,)."""
     areas = find_space_pose(_place(name, tool, shape), np.zeros(3)).turn(double_areas(shape.points, shape.triangles))
-    if shape.is_closed or areas.sum(axis=0) @ way >= -FACING * float(np.linalg.norm(areas, axis=1).sum()):
+    if shape.is_closed or areas.sum(axis=0) @ direction >= -FACING * float(np.linalg.norm(areas, axis=1).sum()):
         return shape
     logger.warning(
         "tools.%s.path = %s: the open surface faces against the tool's motion, into its metal: turned over",
@@ -292,7 +292,7 @@ def _warn_once(path: Path, note: str) -> None:
     logger.warning("%s", note, extra={"path": path})
 
 
-def _draw(name: str, tool: ProfileTool, nodes: FloatArray, size: float, way: FloatArray) -> Surface | Problem:
+def _draw(name: str, tool: ProfileTool, nodes: FloatArray, size: float, direction: FloatArray) -> Surface | Problem:
     """Draw a profile with the workpiece on its left, where it starts, and turn or draw it out."""
     try:
         segments = draw_outline(tool.profile, False).segments
@@ -311,7 +311,7 @@ def _draw(name: str, tool: ProfileTool, nodes: FloatArray, size: float, way: Flo
         ends = np.insert(segments[:, 0:4].reshape(-1, 2), 1, 0.0, axis=1)
         if tool.shape == "round":
             ends = list_extreme_points(_turn(segments))
-        ahead = (float((pose.carry(ends) @ way).max() - (nodes @ way).min()) + size) * way
+        ahead = (float((pose.carry(ends) @ direction).max() - (nodes @ direction).min()) + size) * direction
     seen = pose.to_frame(nodes + ahead)
     across = np.hypot(seen[:, 0], seen[:, 1]) if tool.shape == "round" else seen[:, 0]
     backwards = is_backwards(name, tool.free_side, np.column_stack([across, seen[:, 2]]), segments)

@@ -135,7 +135,7 @@ def warn_of_radius(name: str, segments: FloatArray, edge: float) -> None:
     """Say where cells with such edges [mm] are too coarse for the smallest radius of a tool's profile (n, 7)."""
     arcs = segments[segments[:, TURN] != 0.0]
     radii = np.linalg.norm(arcs[:, X0] - arcs[:, CENTRE], axis=1)
-    _tell_radius(name, float(radii.min(initial=np.inf)), edge, "the cells of the workpiece have edges")
+    _warn_of_sharp_radius(name, float(radii.min(initial=np.inf)), edge, "the cells of the workpiece have edges")
 
 
 def warn_of_facets(name: str, tool: Tool, mesh: Mesh, edge: float, key: str) -> None:
@@ -149,10 +149,10 @@ def warn_of_facets(name: str, tool: Tool, mesh: Mesh, edge: float, key: str) -> 
     reach = 0.5 * float(np.linalg.norm(np.ptp(nodes, axis=0)))
     beside = ((corners > nodes.min(axis=0) - reach) & (corners < nodes.max(axis=0) + reach)).all(axis=1)
     own = tool.surface.triangles[beside[tool.surface.triangles].all(axis=1)]
-    _tell_radius(name, find_least_radius(corners, own, EDGES * edge, sharp_counts=False), edge, key)
+    _warn_of_sharp_radius(name, find_least_radius(corners, own, EDGES * edge, sharp_counts=False), edge, key)
 
 
-def _tell_radius(name: str, radius: float, edge: float, what: str) -> None:
+def _warn_of_sharp_radius(name: str, radius: float, edge: float, what: str) -> None:
     if edge > COARSE * radius:
         logger.warning(
             "tools.%s: its smallest radius is %.3g mm, and %s of %.3g mm, too coarse to follow it; cells of %.2g mm "

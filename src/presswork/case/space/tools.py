@@ -240,7 +240,7 @@ class SpaceToolMotion(Part):
     )
 
     @model_validator(mode="after")
-    def _check_one_way_of_moving(self) -> Self:
+    def _check_single_motion(self) -> Self:
         check_motion(self, "[x, y, z]")
         if self.direction is not None:
             require_direction3(self.direction, "direction")

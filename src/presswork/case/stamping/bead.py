@@ -66,6 +66,6 @@ def _arc(segment: FloatArray) -> FloatArray:
     centre, turn = segment[4:6], float(segment[TURN])
     first, last = (segment[i : i + 2] - centre for i in (0, 2))
     begin, end = (math.atan2(v[1], v[0]) for v in (first, last))
-    way = (end - begin) % (2 * math.pi) if turn > 0 else -((begin - end) % (2 * math.pi))
-    angle = begin + np.linspace(0.0, way, max(2, math.ceil(abs(way) / CHORD) + 1))[1:-1]
+    sweep = (end - begin) % (2 * math.pi) if turn > 0 else -((begin - end) % (2 * math.pi))
+    angle = begin + np.linspace(0.0, sweep, max(2, math.ceil(abs(sweep) / CHORD) + 1))[1:-1]
     return np.asarray(centre + float(np.linalg.norm(first)) * np.column_stack([np.cos(angle), np.sin(angle)]))

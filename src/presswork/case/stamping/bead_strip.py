@@ -80,7 +80,7 @@ def read_forces(case: StampingCase) -> dict[str, dict[str, Any]]:
 def put_forces(case: StampingCase, forces: Mapping[str, tuple[float, float]]) -> StampingCase:
     """Return a case whose beads have the restraining and closing forces [N/mm] of their keys; others stay."""
 
-    def give(key: str, beads: tuple[StampingBead, ...]) -> tuple[StampingBead, ...]:
+    def set_forces(key: str, beads: tuple[StampingBead, ...]) -> tuple[StampingBead, ...]:
         return tuple(
             bead.model_copy(update=dict(zip(("force", "closing_force"), found, strict=True)) | {"geometry": None})
             if (found := forces.get(f"{key}.{i}.geometry"))
@@ -89,10 +89,10 @@ def put_forces(case: StampingCase, forces: Mapping[str, tuple[float, float]]) ->
         )
 
     operations = tuple(
-        each.model_copy(update={"beads": give(f"operations.{number}.beads", each.beads)})
+        each.model_copy(update={"beads": set_forces(f"operations.{number}.beads", each.beads)})
         for number, each in enumerate(case.operations)
     )
-    return case.model_copy(update={"beads": give("beads", case.beads), "operations": operations})
+    return case.model_copy(update={"beads": set_forces("beads", case.beads), "operations": operations})
 
 
 def refuse_unknown(case: StampingCase) -> None:

@@ -58,7 +58,7 @@ def _opens_or_closes(stage: StampingStage, case: StampingCase) -> bool:
     """Say whether strokes move a holder to or from a die."""
     stroke = {
         kind: [
-            action.way if (action := stage.tools.get(name)) else 0.0
+            action.travel if (action := stage.tools.get(name)) else 0.0
             for name, tool in case.tools.items()
             if tool.kind == kind
         ]
@@ -76,7 +76,7 @@ def build_beads(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> tupl
     for index, bead in enumerate(case.beads):
         line = bead.polyline()
         modelled = cut_line(line, spacing, ["x" in case.blank.symmetry, "y" in case.blank.symmetry])
-        over = lies_over(mesh, modelled[0])
+        over = find_over_mesh(mesh, modelled[0])
         if not over.any():
             low, high = line.min(axis=0), line.max(axis=0)
             text = (
@@ -127,7 +127,7 @@ def cut_line(line: FloatArray, spacing: float, symmetry: list[bool]) -> tuple[Fl
     return np.concatenate(places), np.concatenate(normals), np.concatenate(lengths)
 
 
-def lies_over(mesh: Mesh, places: FloatArray) -> BoolArray:
+def find_over_mesh(mesh: Mesh, places: FloatArray) -> BoolArray:
     """Say which places (n, 2) lie over a mesh of shells, seen from above (n,)."""
     cells = mesh.blocks[0].connectivity
     sheet = _core.SheetUnder([np.ascontiguousarray(cells, dtype=np.int32)])
@@ -139,7 +139,9 @@ def check_closing(case: StampingCase, beads: tuple[Drawbead, ...], whole: int) -
     """Return a problem where a holder's force does not close the beads."""
     problems = []
     for index, stage in enumerate(case.stages):
-        closed = (b for b, given in zip(beads, case.beads, strict=True) if stage.name in closed_stages(given, case))
+        closed = (
+            b for b, bead_case in zip(beads, case.beads, strict=True) if stage.name in closed_stages(bead_case, case)
+        )
         needed = whole * sum(b.closing_force * float(b.length.sum()) for b in closed)
         for name, action in stage.tools.items():
             if action.force is None or case.tools[name].kind != "holder":

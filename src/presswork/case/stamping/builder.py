@@ -31,7 +31,7 @@ from presswork.case.stamping.checks import (
     check_speeds,
     check_target_step,
     check_tools,
-    check_ways,
+    check_travel,
     explain_too_many,
 )
 from presswork.case.stamping.clashes import check_clashes
@@ -44,7 +44,7 @@ from presswork.case.stamping.line import (
     name_parts,
     view_operation,
 )
-from presswork.case.stamping.place import build_tools, way_of_tool
+from presswork.case.stamping.place import build_tools, find_tool_direction
 from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.stage import VELOCITY, StampingStage
@@ -87,10 +87,10 @@ def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> m
         first = _build_first(views[0], checked[0], run_user_code)
     following, before = [], _sum_strokes(views[0])
     for number in range(1, len(views)):
-        view, given = views[number], case.operations[number]
+        view, operation = views[number], case.operations[number]
         with name_operation(number):
-            parts = _build_parts(view, checked[number], first.mesh, before, is_moved=given.place is not None)
-        following.append(build_operation(given, name_parts(replace(first, **parts), given.name)))
+            parts = _build_parts(view, checked[number], first.mesh, before, is_moved=operation.place is not None)
+        following.append(build_operation(operation, name_parts(replace(first, **parts), operation.name)))
         before += _sum_strokes(view)
     return replace(name_parts(first, case.operations[0].name), following=tuple(following))
 
@@ -103,7 +103,7 @@ def _check_first(case: StampingCase, number: int | None) -> tuple[model.Stage, .
     """Raise CaseError for what shows without geometry; return the stages. number: of the operation of a line."""
     _stop_at(check_names(case) + check_bead_stages(case), case)
     _stop_at(check_sheet_heat(case), case)
-    _stop_at(check_tools(case) + check_ways(case) + check_closings(case, number), case)
+    _stop_at(check_tools(case) + check_travel(case) + check_closings(case, number), case)
     stages, problems = _build_stages(case)
     _stop_at(problems, case)
     _stop_at(check_target_step(case, stages) + check_speeds(case, stages), case)
@@ -349,9 +349,9 @@ def _name_nodes(case: StampingCase, blank: BlankFile, mesh: model.Mesh, symmetry
 def _build_stages(case: StampingCase) -> tuple[tuple[model.Stage, ...], list[Problem]]:
     """Return the Model's stages, and the problems of presses."""
     stages, problems = [], []
-    for number, given in enumerate(case.stages):
-        stage = build_stage(given, case)
-        drive = build_drive(given.find_timing(number), case.presses, Halves())
+    for number, stage_case in enumerate(case.stages):
+        stage = build_stage(stage_case, case)
+        drive = build_drive(stage_case.find_timing(number), case.presses, Halves())
         if isinstance(drive, Problem):
             problems.append(drive)
         elif drive is not None:
@@ -362,7 +362,7 @@ def _build_stages(case: StampingCase) -> tuple[tuple[model.Stage, ...], list[Pro
 
 def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
     """Turn a stage of a case into the Model's."""
-    moved = [action.way for action in stage.tools.values() if action.way]
+    moved = [action.travel for action in stage.tools.values() if action.travel]
     moved += [e.value for e in stage.displacement]
     farthest = max((abs(m) for m in moved), default=0.0)
     if stage.dwell is not None:
@@ -377,7 +377,7 @@ def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
     way = max((abs(a.stroke) for a in stage.tools.values() if a.stroke), default=0.0)
     motions = {}
     for name, action in stage.tools.items():
-        x, y, z = way_of_tool(case.tools[name])
+        x, y, z = find_tool_direction(case.tools[name])
         if isinstance(action.force, tuple):
             rows = np.array(action.force, dtype=float)
             push = model.Push((x, y, z), np.column_stack([rows[:, 0] / way, rows[:, 1]]))
@@ -385,7 +385,7 @@ def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
         elif action.force is not None:
             motions[name] = model.ToolMotion(push=model.Push((x, y, z), np.array([[0.0, action.force]])))
         else:
-            stroke = action.way
+            stroke = action.travel
             motions[name] = model.ToolMotion((stroke * x, stroke * y, stroke * z))
     prescribed = [(e.set, FREEDOMS.index(e.component), e.value) for e in stage.displacement]
     shares = {f"bead_{i + 1}": float(stage.name in closed_stages(bead, case)) for i, bead in enumerate(case.beads)}

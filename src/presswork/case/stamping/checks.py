@@ -192,13 +192,13 @@ def _explain_clearance(case: StampingCase, punch: str, die: str, kind: str, gap:
     return Problem(f"tools.{punch}", text, f"make the punch smaller or the opening of the {kind} larger{swapped}")
 
 
-def check_ways(case: StampingCase) -> list[Problem]:
+def check_travel(case: StampingCase) -> list[Problem]:
     """Return a problem for each tool laid on the blank whose strokes only take it away from there."""
     problems = []
     for name, tool in case.tools.items():
         if tool.position is not None:
             continue
-        strokes = [stage.tools[name].way if name in stage.tools else 0.0 for stage in case.stages]
+        strokes = [stage.tools[name].travel if name in stage.tools else 0.0 for stage in case.stages]
         first = next((index for index, stroke in enumerate(strokes) if stroke), None)
         if first is None or max(itertools.accumulate(strokes)) > 0:
             continue
@@ -269,16 +269,16 @@ def check_speeds(case: StampingCase, stages: tuple[Stage, ...]) -> list[Problem]
         return []  # its elasticity is known once the library is open
     sound = float(np.sqrt(material.young / material.find_density()))
     problems = []
-    for index, (given, stage) in enumerate(zip(case.stages, stages, strict=True)):
-        ways = [max(abs(part) for part in motion.move) for motion in stage.tool_motion.values()]
-        farthest = max([*ways, *(abs(each.value) for each in stage.prescribed)], default=0.0)
+    for index, (stage_case, stage) in enumerate(zip(case.stages, stages, strict=True)):
+        distances = [max(abs(part) for part in motion.move) for motion in stage.tool_motion.values()]
+        farthest = max([*distances, *(abs(each.value) for each in stage.prescribed)], default=0.0)
         speed = farthest / (stage.duration - stage.ramp)
         if speed <= FASTEST * sound:
             continue
-        key = "duration" if given.duration is not None else "velocity"
+        key = "duration" if stage_case.duration is not None else "velocity"
         fault = f"{farthest:.4g} mm at {speed:.3g} mm/s: waves in the sheet, of {sound:.2g} mm/s, cannot spread it"
         remedy = 'plain numbers are mm/s and s; "2 m/s" is usual, and slow enough for inertia to be small'
-        problems.append(Problem(f"stages.{index}.{key}", fault, remedy, getattr(given, key)))
+        problems.append(Problem(f"stages.{index}.{key}", fault, remedy, getattr(stage_case, key)))
     return problems
 
 
@@ -332,9 +332,9 @@ def _check_clear(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
         f"the tool starts in the blank: {int((gap < 0).sum())} nodes lie in it, half the thickness counted, the "
         f"deepest {-gap[worst]:.4g} mm at ({x:.4g}, {y:.4g}, {z:.4g})"
     )
-    given = case.tools[tool.name].position
-    key = f"tools.{tool.name}.position" if given is not None else f"tools.{tool.name}"
-    return Problem(key, text, "move it off, or leave position out: then it just touches the blank", _written(given))
+    position = case.tools[tool.name].position
+    key = f"tools.{tool.name}.position" if position is not None else f"tools.{tool.name}"
+    return Problem(key, text, "move it off, or leave position out: then it just touches the blank", _written(position))
 
 
 def _written(position: tuple[float, float, float] | None) -> list[float] | None:

@@ -119,27 +119,29 @@ def _check_pushed(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
         return None
     fault = f"the tool is pushed by a force, but starts {gap:.4g} mm off the blank, which it would hit"
     remedy = "leave position out: then it just touches the blank"
-    given = case.tools[tool.name].position
-    if given is None:
+    position = case.tools[tool.name].position
+    if position is None:
         fault = f"the tool is pushed by a force, but no part of it lies over the blank: the nearest is {gap:.4g} mm off"
         remedy = "make the blank larger, or check the unit and the place of the tool"
         return Problem(f"tools.{tool.name}", fault, remedy)
-    return Problem(f"tools.{tool.name}.position", fault, remedy, list(given) if given is not None else None)
+    return Problem(f"tools.{tool.name}.position", fault, remedy, list(position) if position is not None else None)
 
 
 def _check_reach(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     """Return a problem where a tool placed off the blank never comes to it, whatever moves."""
-    given = case.tools[tool.name].position
-    if given is None or any(_is_pushed(case, name) for name in (tool.name, *_names_of(case, "die"))):
+    position = case.tools[tool.name].position
+    if position is None or any(_is_pushed(case, name) for name in (tool.name, *_names_of(case, "die"))):
         return None
     gap = _gap(case, mesh, tool)
-    ways = {name: max([0.0, *_strokes(case, name)]) for name in case.tools}
+    strokes = {name: max([0.0, *_strokes(case, name)]) for name in case.tools}
     lifted = sum(abs(e.value) for s in case.stages for e in s.displacement if e.component == "z")
-    if gap <= sum(ways.values()) + lifted:
+    if gap <= sum(strokes.values()) + lifted:
         return None
-    fault = f"the {tool.kind} starts {gap:.4g} mm off the blank and moves {ways[tool.name]:.4g} mm: it never touches it"
+    fault = (
+        f"the {tool.kind} starts {gap:.4g} mm off the blank and moves {strokes[tool.name]:.4g} mm: it never touches it"
+    )
     remedy = "leave position out: then it just touches the blank; or give it a longer stroke"
-    return Problem(f"tools.{tool.name}.position", fault, remedy, list(given))
+    return Problem(f"tools.{tool.name}.position", fault, remedy, list(position))
 
 
 def _names_of(case: StampingCase, kind: str) -> list[str]:
@@ -224,29 +226,29 @@ def _check_pair(case: StampingCase, one: Tool, other: Tool, moved: dict[str, lis
     closing = find_closing_stroke(one, other, case.blank.thickness)
     if closing is None or _is_pushed(case, one.name) or (other.kind == "die" and _is_pushed(case, other.name)):
         return None
-    along = float(np.dot(np.array(other.way), np.array(one.way)))
+    along = float(np.dot(np.array(other.working_direction), np.array(one.working_direction)))
     if abs(along) < 1.0 - 1e-9 and any(moved[other.name]):
         return None  # how two that move aslant to each other meet is not looked for
     before = {tool.name: 0.0 for tool in (one, other)}
     for index, _ in enumerate(case.stages):
         after = {tool.name: moved[tool.name][index] for tool in (one, other)}
-        start, end = (ways[one.name] - along * ways[other.name] for ways in (before, after))
+        start, end = (travel[one.name] - along * travel[other.name] for travel in (before, after))
         if end <= closing.travel:
             before = after
             continue
         part = (closing.travel - start) / (end - start)
-        way = {name: before[name] + part * (after[name] - before[name]) for name in before}
+        travel = {name: before[name] + part * (after[name] - before[name]) for name in before}
         mover = one.name if one.name in case.stages[index].tools else other.name
-        x, y, z = closing.place + np.asarray(other.position) + way[other.name] * np.asarray(other.way)
+        x, y, z = closing.place + np.asarray(other.position) + travel[other.name] * np.asarray(other.working_direction)
         beyond = end - closing.travel
         room = "strikes" if other.kind != "die" else f"leaves less than the blank's {case.blank.thickness:g} mm to"
         fault = (
-            f"after {abs(way[one.name]):.4g} mm of stroke {one.name} {room} {other.name} at ({x:.4g}, {y:.4g}, "
+            f"after {abs(travel[one.name]):.4g} mm of stroke {one.name} {room} {other.name} at ({x:.4g}, {y:.4g}, "
             f"{z:.4g}) mm, and goes {beyond:.3g} mm further"
         )
         remedy = (
-            f"shorten the stroke to {way[mover] - before[mover]:.4g}, or see that {one.name} and {other.name} fit and "
-            "are not swapped; limits.stop = false lets it run all the same"
+            f"shorten the stroke to {travel[mover] - before[mover]:.4g}, or see that {one.name} and {other.name} fit, "
+            "not swapped; limits.stop = false lets it run all the same"
         )
         return Problem(f"stages.{index}.tools.{mover}.stroke", fault, remedy, after[mover] - before[mover])
     return None
@@ -262,5 +264,7 @@ def find_closing_stroke(one: Tool, other: Tool, thickness: float) -> Closing | N
     if drawn and tuple(one.position[:2]) == tuple(other.position[:2]):
         return None
     room = CLOSED * thickness if other.kind == "die" else 0.0
-    between, way = np.subtract(one.position, other.position), np.array(one.way)
-    return find_closing(one.surface, other.surface, between, way, DRAWN_WITHIN * thickness, room, STEP * thickness)
+    between, direction = np.subtract(one.position, other.position), np.array(one.working_direction)
+    return find_closing(
+        one.surface, other.surface, between, direction, DRAWN_WITHIN * thickness, room, STEP * thickness
+    )

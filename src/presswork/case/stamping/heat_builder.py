@@ -49,13 +49,13 @@ def build_sheet_heat(case: StampingCase) -> model.Heat | None:
 
 def add_heat(material: model.Material, case: StampingCase) -> model.Material:
     """Return a material of the Model with what it conducts, stores and becomes."""
-    given = case.materials[material.name]
-    if case.heat is None or isinstance(given, UmatMaterial) or given.thermal is None:
+    entry = case.materials[material.name]
+    if case.heat is None or isinstance(entry, UmatMaterial) or entry.thermal is None:
         return material
     return replace(
         start_hot(material, case.heat),
-        thermal=given.thermal.to_thermal(given.find_density()),
-        transformation=given.transformation.to_model() if given.transformation else None,
+        thermal=entry.thermal.to_thermal(entry.find_density()),
+        transformation=entry.transformation.to_model() if entry.transformation else None,
     )
 
 
@@ -123,13 +123,13 @@ def _check_process(case: StampingCase) -> Iterator[Problem]:
             yield Problem(f"tools.{name}.heat.temperature", text, remedy, tool.heat.temperature)
     for index, stage in enumerate(case.stages):
         if stage.dwell is not None:
-            given = [
+            present = [
                 key
                 for key in ("velocity", "duration", "ramp", "process_time", "press")
                 if getattr(stage, key) is not None
             ]
-            given += [key for key in ("tools", "displacement") if getattr(stage, key)]
-            for key in given:
+            present += [key for key in ("tools", "displacement") if getattr(stage, key)]
+            for key in present:
                 yield Problem(f"stages.{index}.{key}", "nothing moves in a dwell", "leave it out, or the dwell")
             if index == 0 and stage.dwell.place == "tools":
                 text = "no stage before has closed the tools"

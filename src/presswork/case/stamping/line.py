@@ -19,8 +19,8 @@ Value = TypeVar("Value")
 
 def view_operation(case: StampingCase, number: int) -> StampingCase:
     """Return the case of an operation alone, as of one operation."""
-    given = case.operations[number]
-    return case.model_copy(update={"operations": (), **{key: getattr(given, key) for key in OWN}})
+    operation = case.operations[number]
+    return case.model_copy(update={"operations": (), **{key: getattr(operation, key) for key in OWN}})
 
 
 @contextmanager
@@ -41,16 +41,18 @@ def check_operations(case: StampingCase) -> list[Problem]:
     """Return the problems of operations beside each other."""
     problems = []
     names = [each.name for each in case.operations]
-    for number, given in enumerate(case.operations):
+    for number, operation in enumerate(case.operations):
         key = f"operations.{number}"
-        if given.name in names[:number]:
-            problems.append(Problem(f"{key}.name", "two operations have this name", "give each its own", given.name))
-        if number == 0 and given.place is not None:
+        if operation.name in names[:number]:
+            problems.append(
+                Problem(f"{key}.name", "two operations have this name", "give each its own", operation.name)
+            )
+        if number == 0 and operation.place is not None:
             fault = "the first operation takes the flat blank, as it is meshed"
             problems.append(Problem(f"{key}.place", fault, "leave it out, or place the tools"))
-        if given.place is not None:
-            problems += _check_place(f"{key}.place", given.place, case)
-            problems += _check_tip(key, given)
+        if operation.place is not None:
+            problems += _check_place(f"{key}.place", operation.place, case)
+            problems += _check_tip(key, operation)
     if case.heat is not None:
         fault = "heat is not carried from one operation to the next"
         problems.append(Problem("heat", fault, "leave it out, or compute one operation alone"))
@@ -61,10 +63,10 @@ def check_operations(case: StampingCase) -> list[Problem]:
         fault = "draw-in is not followed from one operation to the next"
         problems.append(Problem("draw_in", fault, "leave it out, or compute one operation alone"))
     taken: dict[str, str] = {}
-    for number, given in enumerate(case.operations):
-        beads = {f"bead_{i + 1}": f"beads.{i}" for i in range(len(given.beads))}
-        for name, key in {**{tool: f"tools.{tool}" for tool in given.tools}, **beads}.items():
-            whole = f"{given.name}_{name}"
+    for number, operation in enumerate(case.operations):
+        beads = {f"bead_{i + 1}": f"beads.{i}" for i in range(len(operation.beads))}
+        for name, key in {**{tool: f"tools.{tool}" for tool in operation.tools}, **beads}.items():
+            whole = f"{operation.name}_{name}"
             if whole in taken:
                 fault, remedy = f"is called {whole} in the results, as {taken[whole]} is", "give it another name"
                 problems.append(Problem(f"operations.{number}.{key}", fault, remedy))
@@ -86,10 +88,10 @@ def _check_place(key: str, place: Place, case: StampingCase) -> list[Problem]:
     return problems
 
 
-def _check_tip(key: str, given: Operation) -> list[Problem]:
+def _check_tip(key: str, operation: Operation) -> list[Problem]:
     """Return the problem of a part that tips onto dies whose heights beside each other nobody says."""
-    dies = {name: tool for name, tool in given.tools.items() if tool.kind == "die"}
-    if given.place is None or not given.place.tip:
+    dies = {name: tool for name, tool in operation.tools.items() if tool.kind == "die"}
+    if operation.place is None or not operation.place.tip:
         return []
     if not dies:
         return [Problem(f"{key}.place.tip", "there is no die to rest on", "add one, or leave tip out")]
@@ -101,22 +103,22 @@ def _check_tip(key: str, given: Operation) -> list[Problem]:
     ]
 
 
-def build_operation(given: Operation, own: model.Model) -> model.Operation:
+def build_operation(operation: Operation, own: model.Model) -> model.Operation:
     """Return the Model's operation. own: the Model of this operation alone, as `name_parts` gives it."""
     laid, spaced = [], {}
-    dies = [name for name, tool in given.tools.items() if tool.kind == "die"]
+    dies = [name for name, tool in operation.tools.items() if tool.kind == "die"]
     shapes = {tool.name: tool.surface for tool in own.tools}
-    for name, tool in given.tools.items():
-        whole = f"{given.name}_{name}"
+    for name, tool in operation.tools.items():
+        whole = f"{operation.name}_{name}"
         if tool.position is None and tool.gap is not None:
-            die = f"{given.name}_{dies[0]}"
-            above = tool.gap + find_face(given.tools[dies[0]], shapes[die]) - find_face(tool, shapes[whole])
+            die = f"{operation.name}_{dies[0]}"
+            above = tool.gap + find_face(operation.tools[dies[0]], shapes[die]) - find_face(tool, shapes[whole])
             spaced[whole] = (die, above)
         elif tool.position is None:
             laid.append(whole)
-    place = given.place or Place()
+    place = operation.place or Place()
     return model.Operation(
-        name=given.name,
+        name=operation.name,
         tools=own.tools,
         supports=own.supports,
         stages=own.stages,
@@ -127,16 +129,16 @@ def build_operation(given: Operation, own: model.Model) -> model.Operation:
         place=place.build(),
         laid=tuple(laid),
         spaced=spaced,
-        closings=tuple(_list_closings(given, [f"{given.name}_{die}" for die in dies])),
+        closings=tuple(_list_closings(operation, [f"{operation.name}_{die}" for die in dies])),
     )
 
 
-def _list_closings(given: Operation, dies: list[str]) -> Iterator[model.Closing]:
-    for number, stage in enumerate(given.stages):
+def _list_closings(operation: Operation, dies: list[str]) -> Iterator[model.Closing]:
+    for number, stage in enumerate(operation.stages):
         for name, action in stage.tools.items():
             if action.close is not None:
                 is_timed = stage.duration is not None
-                yield model.Closing(number, f"{given.name}_{name}", tuple(dies), action.close, is_timed)
+                yield model.Closing(number, f"{operation.name}_{name}", tuple(dies), action.close, is_timed)
 
 
 def check_closings(case: StampingCase, number: int | None) -> list[Problem]:

@@ -52,19 +52,19 @@ def build_tools(
         if isinstance(position, Problem):
             problems.append(position)
             continue
-        tools.append(ToolModel(name, shape, position, Friction(mu=tool.mu), tool.kind, way_of_tool(tool)))
+        tools.append(ToolModel(name, shape, position, Friction(mu=tool.mu), tool.kind, find_tool_direction(tool)))
     return tuple(tools), problems
 
 
-def find_way(kind: ToolKind) -> tuple[float, float, float]:
+def find_kind_direction(kind: ToolKind) -> tuple[float, float, float]:
     """Return the unit vector along which a tool works: a die upwards, punch and holder downwards."""
     return 0.0, 0.0, 1.0 if kind == "die" else -1.0
 
 
-def way_of_tool(tool: Tool) -> tuple[float, float, float]:
+def find_tool_direction(tool: Tool) -> tuple[float, float, float]:
     """Return the unit vector along which a tool's strokes and forces count: its direction, or that of its kind."""
     if tool.direction is None:
-        return find_way(tool.kind)
+        return find_kind_direction(tool.kind)
     x, y, z = (each / math.hypot(*tool.direction) for each in tool.direction)
     return x, y, z
 
@@ -79,7 +79,7 @@ def _make_shape(name: str, tool: Tool, depth: float, radius: float, folder: Path
         read, notes = read_tool(
             folder / tool.path,
             scale=scale,
-            facing=find_way(tool.kind),
+            facing=find_kind_direction(tool.kind),
             usual_size=2.0 * radius,
             tolerance=tool.tolerance,
         )

@@ -52,9 +52,11 @@ class ToolAction(Part):
 
     @model_validator(mode="after")
     def _check_one_action(self) -> Self:
-        given = [key for key in ACTIONS if getattr(self, key) is not None]
-        if len(given) > 1:
-            raise fault(f"{given[0]} and {given[1]} both say what it does", f"leave {given[1]} out", key=given[1])
+        present = [key for key in ACTIONS if getattr(self, key) is not None]
+        if len(present) > 1:
+            raise fault(
+                f"{present[0]} and {present[1]} both say what it does", f"leave {present[1]} out", key=present[1]
+            )
         rows = self.force if isinstance(self.force, tuple) else ((0.0, self.force or 0.0),)
         if not rows or min(force for _, force in rows) < 0:
             raise fault("expected forces >= 0", "a tool pushes, it does not pull", key="force")
@@ -63,7 +65,7 @@ class ToolAction(Part):
         return self
 
     @property
-    def way(self) -> float:
+    def travel(self) -> float:
         """How far it moves [mm]; 1 where that shows once the part lies in its tools."""
         return 1.0 if self.close is not None else self.stroke or 0.0
 
@@ -96,7 +98,7 @@ class StampingStage(Part):
     dwell: Dwell | None = Field(default=None, description="nothing moves, and heat alone flows")
 
     @model_validator(mode="after")
-    def _check_one_way_of_timing(self) -> Self:
+    def _check_single_timing(self) -> Self:
         if self.velocity is not None and self.duration is not None:
             raise fault("velocity and duration both time the stage", "give one of them", key="duration")
         if self.press is not None and self.ramp is not None:
@@ -108,8 +110,8 @@ class StampingStage(Part):
     def find_timing(self, number: int) -> Timing:
         """Return what this stage, with its number from 0, says of its press."""
         has_time = self.duration is not None or self.velocity is not None
-        way = max((abs(action.stroke) for action in self.tools.values() if action.stroke), default=0.0)
-        return Timing(f"stages.{number}", None, self.press, has_time, way)
+        travel = max((abs(action.stroke) for action in self.tools.values() if action.stroke), default=0.0)
+        return Timing(f"stages.{number}", None, self.press, has_time, travel)
 
 
 class StampingBead(Bead):
@@ -135,11 +137,11 @@ class StampingBead(Bead):
 
     @model_validator(mode="after")
     def _check_one_source(self) -> Self:
-        given = self.model_fields_set
-        if self.geometry is None and "force" not in given:
+        present = self.model_fields_set
+        if self.geometry is None and "force" not in present:
             raise fault("a bead needs a force", 'give it, "50 N/mm", or geometry', key="force")
-        if self.geometry is not None and given & {"force", "closing_force"}:
-            key = "force" if "force" in given else "closing_force"
+        if self.geometry is not None and present & {"force", "closing_force"}:
+            key = "force" if "force" in present else "closing_force"
             raise fault("the geometry gives the forces", "leave it out, or leave geometry out", key=key)
         return self
 

@@ -59,8 +59,8 @@ def _check_timing(key: str, stage: StampingStage) -> list[Problem]:
     if stage.dwell is not None:
         return []
     strokes = [abs(a.stroke) for a in stage.tools.values() if a.stroke]
-    ways = [abs(action.way) for action in stage.tools.values()]
-    farthest = max([*ways, *(abs(e.value) for e in stage.displacement)], default=0.0)
+    distances = [abs(action.travel) for action in stage.tools.values()]
+    farthest = max([*distances, *(abs(e.value) for e in stage.displacement)], default=0.0)
     problems = []
     for name, action in stage.tools.items():
         if isinstance(action.force, tuple) and not strokes:

@@ -31,14 +31,14 @@ def build_tool(
     mesh: Mesh,
     symmetry_planes: tuple[FloatArray, FloatArray],
     folder: Path,
-    way: tuple[float, float] = (0.0, 0.0),
+    first_direction: tuple[float, float] = (0.0, 0.0),
     *,
     is_axisymmetric: bool = False,
 ) -> Tool | Problem:
     """Build a tool, or say why it cannot be.
 
     symmetry_planes: positions [mm] of the symmetry planes normal to x and to y; both empty in axisymmetry. folder: what
-    the path of a profile file is relative to. way: direction of the tool's first motion, zero where it has none.
+    the path of a profile file is relative to. first_direction: of the tool's first motion, zero where it has none.
     is_axisymmetric: of the section of a model in STEP the half r >= 0 counts.
     """
     outline = _draw(name, tool, folder, is_axisymmetric)
@@ -48,7 +48,7 @@ def build_tool(
     if problem is not None:
         return problem
     nodes = mesh.points[np.unique(mesh.boundary_edges)]
-    place = _find_place(name, tool, outline.segments, nodes, np.array(way))
+    place = _find_place(name, tool, outline.segments, nodes, np.array(first_direction))
     if isinstance(place, Problem):
         return place
     segments = shift_segments(outline.segments, place)
@@ -83,13 +83,13 @@ def build_tool(
 
 
 def _find_place(
-    name: str, tool: CaseTool, segments: FloatArray, nodes: FloatArray, way: FloatArray
+    name: str, tool: CaseTool, segments: FloatArray, nodes: FloatArray, direction: FloatArray
 ) -> FloatArray | Problem:
     """Return how far a tool is moved from where it is drawn to where it starts (2) [mm]."""
     if tool.position != "touch":
         return np.array(tool.position or (0.0, 0.0))
     key = f"tools.{name}.position"
-    if not way.any():
+    if not direction.any():
         remedy = "give a stage in which the tool has a stroke, move or force, or position = [x, y]"
         return Problem(key, "the tool never moves, so it is not known from where it comes", remedy, "touch")
     drawn = measure_distance(nodes, segments)
@@ -98,15 +98,16 @@ def _find_place(
     back = 0.0
     if len(sides) and sides.min() < -TOLERANCE * size and sides.max() > TOLERANCE * size:
         # drawn where it closes, through the workpiece: it comes from where all of it lies before that
-        back = max(float((segments[:, 0:4].reshape(-1, 2) @ way).max() - (nodes @ way).min()), 0.0) + size
-    gone = find_touch(nodes, shift_segments(segments, -back * way), way)
+        back = max(float((segments[:, 0:4].reshape(-1, 2) @ direction).max() - (nodes @ direction).min()), 0.0) + size
+    gone = find_touch(nodes, shift_segments(segments, -back * direction), direction)
     if gone is not None:
-        return np.asarray((gone - back) * way)
-    fault = f"along its first motion, ({way[0]:g}, {way[1]:g}), the tool passes the workpiece or never comes to it"
+        return np.asarray((gone - back) * direction)
+    x, y = direction
+    fault = f"along its first motion, ({x:g}, {y:g}), the tool passes the workpiece or never touches it"
     return Problem(key, fault, "draw it on the side that it comes from, or give position = [x, y]", "touch")
 
 
-def find_way(case: schema.Case, name: str) -> tuple[float, float]:
+def find_first_direction(case: schema.Case, name: str) -> tuple[float, float]:
     """Return the direction of a tool's first motion, of length 1; zero where it has none."""
     for stage in case.stages:
         motion = stage.tools[name].build() if name in stage.tools else None

@@ -40,7 +40,7 @@ def check_cavity(model: Model) -> list[Problem]:
     """Return a problem for the first stage in which tools whose way is known leave too little room, if any does."""
     if model.analysis in ("shell", "stamping") or (model.heat is not None and model.heat.alone):
         return []
-    tools = [tool for tool in model.tools if _has_known_way(tool, model.stages)]
+    tools = [tool for tool in model.tools if _has_known_motion(tool, model.stages)]
     d, slack = model.dimension, SLACK if model.dimension == 2 else SLACK_IN_SPACE
     moves = [{tool.name: np.array(_motion(stage, tool).move[:d]) for tool in tools} for stage in model.stages]
     if not any(move.any() for stage in moves for move in stage.values()):
@@ -56,7 +56,7 @@ def check_cavity(model: Model) -> list[Problem]:
         def is_closed(part: float, at: Mapping[str, FloatArray] = at, move: Mapping[str, FloatArray] = move) -> bool:
             return cavity.part_of_volume({name: at[name] + part * move[name] for name in at}) < 1.0 - slack
 
-        parts = np.linspace(0.0, 1.0, SAMPLES + 1) if any(way.any() for way in move.values()) else np.zeros(1)
+        parts = np.linspace(0.0, 1.0, SAMPLES + 1) if any(each.any() for each in move.values()) else np.zeros(1)
         closed = next((i for i in range(1, len(parts)) if is_closed(float(parts[i]))), None)
         if closed is not None:
             part = _find_first(is_closed, float(parts[closed - 1]), float(parts[closed]))
@@ -68,12 +68,12 @@ def check_cavity(model: Model) -> list[Problem]:
 
 def _explain(index: int, stage: Stage, move: Mapping[str, FloatArray], part: float, left: float) -> Problem:
     mover = max(move, key=lambda name: float(np.linalg.norm(move[name])))
-    way = float(np.linalg.norm(move[mover]))
+    stroke = float(np.linalg.norm(move[mover]))
     room = "no room" if left == 0.0 else f"room for {100.0 * left:.3g} % of the workpiece"
     return Problem(
         f"stages.{index}.tools.{mover}",
-        f"after about {part * way:.3g} of its {way:.4g} mm the tools close on the workpiece: at the end of the stage "
-        f'"{stage.name}" they leave {room}',
+        f"after about {part * stroke:.3g} of its {stroke:.4g} mm the tools close on the workpiece: when the stage "
+        f'"{stage.name}" ends, they leave {room}',
         "shorten the stroke, make the workpiece smaller, or open the die; limits.stop = false lets it run all the same",
     )
 
@@ -89,7 +89,7 @@ def _motion(stage: Stage, tool: Tool) -> ToolMotion:
     return stage.tool_motion.get(tool.name, ToolMotion())
 
 
-def _has_known_way(tool: Tool, stages: Sequence[Stage]) -> bool:
+def _has_known_motion(tool: Tool, stages: Sequence[Stage]) -> bool:
     """Say whether neither forces nor springs place the tool, it does not turn, and no stage places it anew."""
     motions = [_motion(stage, tool) for stage in stages]
     return tool.spring is None and all(

@@ -36,10 +36,10 @@ def close_fits(
     found, warnings = list(tools), []
     for number, tool in enumerate(tools):
         for other in tools:
-            if other is tool or not (way := find_way(tool, other, stages, 2)).any():
+            if other is tool or not (direction := find_relative_direction(tool, other, stages, 2)).any():
                 continue
-            for corner, gap, normal in _find_close_corners(found[number], other, way, middle, CLOSE * edge):
-                closed = move_side(found[number].profile, corner, way, -(gap + PAST * edge) * normal)
+            for corner, gap, normal in _find_close_corners(found[number], other, direction, middle, CLOSE * edge):
+                closed = move_side(found[number].profile, corner, direction, -(gap + PAST * edge) * normal)
                 if closed is not None:
                     found[number] = replace(found[number], shape=closed)
                     warnings.append(
@@ -49,9 +49,11 @@ def close_fits(
     return tuple(found), warnings
 
 
-def find_way(tool: model.Tool, other: model.Tool, stages: Sequence[model.Stage], dimension: int) -> FloatArray:
+def find_relative_direction(
+    tool: model.Tool, other: model.Tool, stages: Sequence[model.Stage], dimension: int
+) -> FloatArray:
     """Return the one direction (dimension,) in which a tool moves past another; zero if there is none or several."""
-    still, way = model.ToolMotion(), np.zeros(dimension)
+    still, direction = model.ToolMotion(), np.zeros(dimension)
     for stage in stages:
         own, its = (stage.tool_motion.get(t.name, still) for t in (tool, other))
         if own.turn or its.turn or its.push is not None:
@@ -60,10 +62,10 @@ def find_way(tool: model.Tool, other: model.Tool, stages: Sequence[model.Stage],
         if not move.any():
             continue
         move = move / np.linalg.norm(move)
-        if way.any() and np.linalg.norm(move - (move @ way) * way) > PARALLEL:
+        if direction.any() and np.linalg.norm(move - (move @ direction) * direction) > PARALLEL:
             return np.zeros(dimension)
-        way = move
-    return way
+        direction = move
+    return direction
 
 
 def find_middle(points: FloatArray) -> FloatArray:
@@ -72,7 +74,7 @@ def find_middle(points: FloatArray) -> FloatArray:
 
 
 def _find_close_corners(
-    tool: model.Tool, other: model.Tool, way: FloatArray, middle: FloatArray, nearest: float
+    tool: model.Tool, other: model.Tool, direction: FloatArray, middle: FloatArray, nearest: float
 ) -> Iterator[tuple[int, float, FloatArray]]:
     """Yield the corners of a tool that go along another tool's wall, towards the middle (2,) of the workpiece.
 
@@ -82,28 +84,30 @@ def _find_close_corners(
     if not len(corners):
         return
     gap, normal, *_ = _core.touch_profile(start_profile(other), np.ascontiguousarray(corners))
-    goes_along = (np.abs(gap) <= nearest) & (np.abs(normal @ way) < PARALLEL) & ((middle - corners) @ way > 0.0)
+    goes_along = (
+        (np.abs(gap) <= nearest) & (np.abs(normal @ direction) < PARALLEL) & ((middle - corners) @ direction > 0.0)
+    )
     for corner in np.flatnonzero(goes_along):
         if gap[corner] > -1e-9 * nearest:
             yield int(corner), float(max(gap[corner], 0.0)), normal[corner]
 
 
-def move_side(profile: model.Profile, corner: int, way: FloatArray, by: FloatArray) -> model.Profile | None:
+def move_side(profile: model.Profile, corner: int, direction: FloatArray, by: FloatArray) -> model.Profile | None:
     """Return a profile whose side at a corner is moved; None where that is not a side between two straight pieces.
 
     corner: number of the segment that ends there. way: of the tool; by: move of the side (2,) [mm], across the way.
     """
     segments = profile.segments.copy()
-    along = [abs(float(_cross(_direction(s), way))) < PARALLEL for s in segments[corner : corner + 2]]
+    along = [abs(float(_cross(_direction(s), direction))) < PARALLEL for s in segments[corner : corner + 2]]
     if along[0] == along[1] or segments[corner : corner + 2, TURN].any():
         return None
     side, face = (corner, corner + 1) if along[0] else (corner + 1, corner)
     beyond = side + (1 if side > face else -1)
     if 0 <= beyond < len(segments) and segments[beyond, TURN] != 0.0:
         return None
-    face_way = _direction(segments[face])
-    reach = float(by @ by) / float(face_way @ by)
-    at = segments[corner, X1] + reach * face_way
+    face_direction = _direction(segments[face])
+    reach = float(by @ by) / float(face_direction @ by)
+    at = segments[corner, X1] + reach * face_direction
     segments[corner, X1], segments[corner + 1, X0] = at, at
     far = X1 if side > face else X0
     segments[side, far] += by
@@ -113,8 +117,8 @@ def move_side(profile: model.Profile, corner: int, way: FloatArray, by: FloatArr
 
 
 def _direction(segment: FloatArray) -> FloatArray:
-    way = segment[X1] - segment[X0]
-    return np.asarray(way / np.linalg.norm(way))
+    direction = segment[X1] - segment[X0]
+    return np.asarray(direction / np.linalg.norm(direction))
 
 
 def _cross(one: FloatArray, other: FloatArray) -> float:

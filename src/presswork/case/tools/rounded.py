@@ -37,8 +37,8 @@ def _round_tool(tool: Tool, radius: float) -> Tool:
 def _round_rows(segments: FloatArray, radius: float) -> tuple[list[FloatArray], list[int]]:
     """Return the segments with arcs between them, and the segment before that each comes from."""
     rows, of = [segments[0].copy()], [0]
-    for i, given in enumerate(segments[1:], start=1):
-        after = given.copy()
+    for i, segment in enumerate(segments[1:], start=1):
+        after = segment.copy()
         if rows[-1][TURN] == 0.0 and after[TURN] == 0.0 and _turn(rows[-1], after) < -SHARP:
             try:
                 arc = round_corner(rows[-1], after, radius, i)

@@ -195,12 +195,12 @@ def _modulus(young: float, tangent: float) -> float:
     return young * tangent / (young - tangent) if 0.0 < tangent < young else 0.0
 
 
-def _swift_start(young: float, k: float, n: float, given: float) -> float:
+def _swift_start(young: float, k: float, n: float, value: float) -> float:
     """Return e0 of Swift's law: where it meets the elastic line; from a yield strain or stress where given."""
-    if given > 0.02:  # a stress
-        return float((given / k) ** (1.0 / n))
-    if given > 0.0:
-        return given
+    if value > 0.02:  # a stress
+        return float((value / k) ** (1.0 / n))
+    if value > 0.0:
+        return value
     return float((young / k) ** (1.0 / (n - 1.0)))
 
 

@@ -16,7 +16,7 @@ from presswork import _core
 from presswork.body.heat import sum_at_nodes
 from presswork.mesh.edges import edge_areas
 from presswork.mesh.faces import face_areas
-from presswork.mesh.facing import find_lying, sum_pairs
+from presswork.mesh.facing import find_touching_faces, sum_pairs
 from presswork.model import (
     STEFAN_BOLTZMANN,
     Convection,
@@ -159,7 +159,9 @@ def make_contacts(model: Model) -> list[PairFilm]:
     sides = model.mesh.boundary_faces if model.analysis == "solid" else model.mesh.boundary_edges
     for entry in model.heat.contacts:
         own, other = (sides[model.bodies[i].owns(sides)] for i in entry.between)
-        found = find_lying(model.mesh.points, own, other, None if model.analysis == "axisymmetric" else model.depth)
+        found = find_touching_faces(
+            model.mesh.points, own, other, None if model.analysis == "axisymmetric" else model.depth
+        )
         conductance, _ = interpolate(entry.conductance, np.zeros(len(found.area)))
         pairs, (conducted,) = sum_pairs(found, own, other, conductance * found.area)
         films.append(PairFilm("contact", pairs, conducted))

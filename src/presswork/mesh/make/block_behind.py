@@ -47,19 +47,19 @@ def outline_block(segments: FloatArray, size: float, depth: float, corners: Floa
     if np.allclose(start, end, atol=1e-9 * max(1.0, float(np.ptp(on_profile)))):
         return Block(on_profile[:-1], len(on_profile) - 1, (0, 0))
     behind = _square_corners(on_profile, depth) if len(corners) == 0 else corners
-    for way in (behind, behind[::-1]):
-        if not _crosses(np.concatenate([on_profile, way])):
+    for outline in (behind, behind[::-1]):
+        if not _crosses(np.concatenate([on_profile, outline])):
             break
     else:
         raise MeshError("the block behind the profile crosses itself", "give other corners, or a mesh file")
-    coarse = max(size, float(np.linalg.norm(np.ptp(np.concatenate([on_profile, way]), axis=0))) / COARSEST / 2)
-    stations = [end, *way, start]
+    coarse = max(size, float(np.linalg.norm(np.ptp(np.concatenate([on_profile, outline]), axis=0))) / COARSEST / 2)
+    stations = [end, *outline, start]
     line, places = [on_profile], []
     for a, b in itertools.pairwise(stations):
         places.append(sum(len(part) for part in line) - 1)
         line.append(_divide_side(a, b, on_profile, size, coarse)[1:])
     nodes = np.concatenate(line)[:-1]
-    back = (places[1], places[-1]) if len(way) > 1 else (0, 0)
+    back = (places[1], places[-1]) if len(outline) > 1 else (0, 0)
     return Block(nodes, len(on_profile), back)
 
 
@@ -72,14 +72,14 @@ def _divide_arc(segment: FloatArray, size: float) -> FloatArray:
     """Return an odd number of nodes along a line or arc, so that there are pairs of edges between its ends."""
     radius = float(np.linalg.norm(segment[:2] - segment[4:6]))
     fine = sample_arc(segment, 1e-4 * radius) if segment[6] else segment[:4].reshape(2, 2)
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=1))])
+    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=1))])
     edge = min(size, radius * 2 * math.acos(1 - _ARC)) if segment[6] else size
-    n = 2 * max(1, math.ceil(way[-1] / (2 * edge)))
-    at = np.linspace(0.0, way[-1], n + 1)
+    n = 2 * max(1, math.ceil(length[-1] / (2 * edge)))
+    at = np.linspace(0.0, length[-1], n + 1)
     if not segment[6]:
-        return np.column_stack([np.interp(at, way, fine[:, k]) for k in (0, 1)])
+        return np.column_stack([np.interp(at, length, fine[:, k]) for k in (0, 1)])
     angles = np.unwrap(np.arctan2(*(fine - segment[4:6]).T[::-1]))
-    angle = np.interp(at, way, angles)
+    angle = np.interp(at, length, angles)
     nodes = segment[4:6] + radius * np.column_stack([np.cos(angle), np.sin(angle)])
     nodes[0], nodes[-1] = segment[:2], segment[2:4]
     return nodes

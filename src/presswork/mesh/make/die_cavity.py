@@ -36,7 +36,7 @@ class CavityFacets:
 def find_cavity(
     points: FloatArray,
     triangles: IntArray,
-    way: FloatArray,
+    direction: FloatArray,
     middle: FloatArray,
     planes: Sequence[tuple[int, float, float]] = (),
 ) -> CavityFacets | None:
@@ -49,15 +49,15 @@ def find_cavity(
     centre = corners.mean(axis=1)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     doubled = np.linalg.norm(normal, axis=1)
-    depth = centre @ way
-    across = normal @ way > np.sqrt(1.0 - ACROSS**2) * doubled
+    depth = centre @ direction
+    across = normal @ direction > np.sqrt(1.0 - ACROSS**2) * doubled
     if not across.any():
         return None
     land = across & (depth > depth[across].max() - LAND * np.ptp(depth))
     rest = np.flatnonzero(~land)
     _, part = find_triangle_parts(len(rest), pair_triangles(triangles[rest]))
     aside = centre[rest] - middle
-    aside -= np.outer(aside @ way, way)
+    aside -= np.outer(aside @ direction, direction)
     own = rest[part == part[np.argmin((aside**2).sum(axis=1))]] if len(rest) else rest
     if not len(own) or _is_open(points, triangles, own, planes):
         return None

@@ -139,9 +139,9 @@ class _Line:
             turned = np.roll(np.arange(len(polygon)), -(int(begin[0]) + 1))
             self.points = polygon[turned[: int((~in_plane).sum()) + 1]]
         sides = np.diff(self.points, axis=0)
-        self.way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(sides, axis=1))])
+        self.length_at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(sides, axis=1))])
         is_corner = self._turns(sides) > _CORNER
-        self.corners = self.way[:-1][is_corner]
+        self.corners = self.length_at[:-1][is_corner]
         unit = sides / np.linalg.norm(sides, axis=1, keepdims=True)
         along = (unit + np.roll(unit, 1, axis=0))[is_corner]
         self.inwards = np.stack([-along[:, 1], along[:, 0]], axis=1)
@@ -157,18 +157,18 @@ class _Line:
 
     def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return how far points lie from the line, and the way along it to the nearest place (n,) [mm]."""
-        best, way = np.full(len(points), np.inf), np.zeros(len(points))
-        for a, b, start in zip(self.points[:-1], self.points[1:], self.way[:-1], strict=True):
+        best, along = np.full(len(points), np.inf), np.zeros(len(points))
+        for a, b, start in zip(self.points[:-1], self.points[1:], self.length_at[:-1], strict=True):
             side = b - a
             t = np.clip((points - a) @ side / (side @ side), 0.0, 1.0)
             distance = np.linalg.norm(points - a - t[:, None] * side, axis=1)
             nearer = distance < best
-            best[nearer], way[nearer] = distance[nearer], (start + t * np.linalg.norm(side))[nearer]
-        return best, way
+            best[nearer], along[nearer] = distance[nearer], (start + t * np.linalg.norm(side))[nearer]
+        return best, along
 
-    def at(self, way: FloatArray) -> FloatArray:
+    def at(self, along: FloatArray) -> FloatArray:
         """Return the places at a way along the line (n, 2)."""
-        return np.stack([np.interp(way, self.way, self.points[:, axis]) for axis in (0, 1)], axis=1)
+        return np.stack([np.interp(along, self.length_at, self.points[:, axis]) for axis in (0, 1)], axis=1)
 
     def spread(self, points: FloatArray, near: float) -> FloatArray:
         """Return a place on the line for each of a chain of points, in their order and evenly.
@@ -176,34 +176,36 @@ class _Line:
         A corner gets the point that lies most along its bisector, of those not farther along the line than the nearest
         by `near` [mm]: before a hollow corner several are equally near.
         """
-        length = float(self.way[-1])
-        _, way = self.nearest(points)
-        n = len(way)
+        length = float(self.length_at[-1])
+        _, along = self.nearest(points)
+        n = len(along)
         if self.is_closed:
-            way = way[0] + np.concatenate([[0.0], np.cumsum((np.diff(way) + 0.5 * length) % length - 0.5 * length)])
+            along = along[0] + np.concatenate(
+                [[0.0], np.cumsum((np.diff(along) + 0.5 * length) % length - 0.5 * length)]
+            )
             turns = length
         else:
-            way[0], way[-1], turns = 0.0, length, 0.0
-        way = np.maximum.accumulate(way)
+            along[0], along[-1], turns = 0.0, length, 0.0
+        along = np.maximum.accumulate(along)
         held = np.zeros(n, dtype=bool)
         if not self.is_closed:
             held[[0, -1]] = True
         for corner, inwards, place in zip(self.corners.tolist(), self.inwards, self.at(self.corners), strict=True):
-            apart = (way - corner + 0.5 * length) % length - 0.5 * length if self.is_closed else way - corner
+            apart = (along - corner + 0.5 * length) % length - 0.5 * length if self.is_closed else along - corner
             off = np.where(held, np.inf, np.abs(apart))
             away = points - place
             cosine = (away @ inwards) / np.linalg.norm(away, axis=1)
             chosen = int(np.argmax(np.where(off <= off.min() + near, cosine, -np.inf)))
-            way[chosen] -= apart[chosen]
+            along[chosen] -= apart[chosen]
             held[chosen] = True
         for _ in range(_ROUNDS):
-            before, after = np.roll(way, 1), np.roll(way, -1)
+            before, after = np.roll(along, 1), np.roll(along, -1)
             before[0] -= turns
             after[-1] += turns
-            way = np.where(held, way, 0.5 * way + 0.25 * (before + after))
-        if (np.diff(way) <= 0.0).any():
+            along = np.where(held, along, 0.5 * along + 0.25 * (before + after))
+        if (np.diff(along) <= 0.0).any():
             raise MeshError("the outline turns back on itself too sharply", "smooth it, or use smaller elements")
-        return self.at(way % length if self.is_closed else way)
+        return self.at(along % length if self.is_closed else along)
 
 
 def _keep_squares(line: _Line, size: float, symmetry: Sequence[bool]) -> tuple[FloatArray, IntArray]:

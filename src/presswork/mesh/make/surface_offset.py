@@ -43,10 +43,10 @@ def find_offsets(points: FloatArray, triangles: IntArray, distance: FloatArray) 
         angle = np.arccos(np.clip(cosine, -1.0, 1.0))
         np.add.at(matrix, triangles[:, k], angle[:, None, None] * normals[:, :, None] * normals[:, None, :])
         np.add.at(right, triangles[:, k], angle[:, None] * normals)
-    way = np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=_SINGULAR, hermitian=True), right)
-    length = np.linalg.norm(way, axis=1)
-    way *= (np.minimum(length, _LONGEST) / np.maximum(length, 1e-300))[:, None]
-    return np.asarray(way * distance[:, None])
+    offset = np.einsum("nij,nj->ni", np.linalg.pinv(matrix, rcond=_SINGULAR, hermitian=True), right)
+    length = np.linalg.norm(offset, axis=1)
+    offset *= (np.minimum(length, _LONGEST) / np.maximum(length, 1e-300))[:, None]
+    return np.asarray(offset * distance[:, None])
 
 
 def move_surface(surface: Triangulation, distance: float) -> Triangulation:

@@ -111,8 +111,8 @@ def _outer_corner(angle: float) -> FloatArray:
     inner = (2 * math.pi - angle) / 3  # the angle of the three corners
     up = math.pi - inner  # direction from the corner on the x axis to the outer one
     half = math.tan(angle / 2)
-    way = half / (math.sin(up) - half * math.cos(up))
-    return np.array([1 + way * math.cos(up), way * math.sin(up)])
+    distance = half / (math.sin(up) - half * math.cos(up))
+    return np.array([1 + distance * math.cos(up), distance * math.sin(up)])
 
 
 def _grid_cells(numbers: IntArray) -> IntArray:

@@ -157,24 +157,26 @@ def find_level(sides: Iterable[Side], axis: int) -> float | None:
 def list_closing(model: Model, tools: Iterable[Tool]) -> Iterator[tuple[Tool, FloatArray, int]]:
     """Yield the tools that close as dies, with their directions (dimension,) and the axis that these follow."""
     for tool in tools:
-        way = find_way_of_die(model, tool)
-        if way is not None:
-            yield tool, way, int(np.argmax(np.abs(way)))
+        direction = find_closing_direction(model, tool)
+        if direction is not None:
+            yield tool, direction, int(np.argmax(np.abs(direction)))
 
 
-def find_way_of_die(model: Model, tool: Tool) -> FloatArray | None:
+def find_closing_direction(model: Model, tool: Tool) -> FloatArray | None:
     """Return the direction in which a tool closes as a die (dimension,), None if it does not close or turns.
 
     A die that stands closes against the first tool that moves.
     """
-    ways = [(other, find_working_direction(model, other)) for other in model.tools if not _turns(model, other)]
-    own = next((way for other, way in ways if other is tool), None)
+    directions = [(other, find_working_direction(model, other)) for other in model.tools if not _turns(model, other)]
+    own = next((direction for other, direction in directions if other is tool), None)
     if own is not None or _turns(model, tool):
         return own
-    return next((-way for other, way in ways if other is not tool and way is not None), None)
+    return next((-direction for other, direction in directions if other is not tool and direction is not None), None)
 
 
-def faces_others(model: Model, tool: Tool, land: FloatArray, way: FloatArray, rims: Mapping[str, FloatArray]) -> bool:
+def faces_others(
+    model: Model, tool: Tool, land: FloatArray, direction: FloatArray, rims: Mapping[str, FloatArray]
+) -> bool:
     """Return whether a die closes on another tool with its flash land, as a container does not on a punch inside it.
 
     land: places (m, dimension) [mm]; rims: points of the other tools where they begin, by name (n, dimension) [mm]; of
@@ -182,7 +184,7 @@ def faces_others(model: Model, tool: Tool, land: FloatArray, way: FloatArray, ri
     """
     if find_working_direction(model, tool) is not None:
         return True
-    across = np.abs(way) < np.abs(way).max()
+    across = np.abs(direction) < np.abs(direction).max()
     for other in model.tools:
         if other.name == tool.name:
             continue

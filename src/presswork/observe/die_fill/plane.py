@@ -51,13 +51,13 @@ def _find_dies(model: Model) -> Iterator[Die]:
     middle, sides = model.mesh.points.mean(axis=0), find_sides(model)
     profiles = {tool.name: start_profile(tool) for tool in model.plane_tools}
     rims = {name: segments[:, :4].reshape(-1, 2) for name, segments in profiles.items()}
-    for tool, way, axis in list_closing(model, model.plane_tools):
+    for tool, direction, axis in list_closing(model, model.plane_tools):
         side, plane = find_level(sides, 1 - axis), find_level(sides, axis)
         beside = middle.copy()
         if side is not None:
             beside[1 - axis] = side
-        wall = find_cavity_wall(profiles[tool.name], way, middle, None if side is None else beside)
-        if wall is None or not (plane is not None or faces_others(model, tool, wall.land, way, rims)):
+        wall = find_cavity_wall(profiles[tool.name], direction, middle, None if side is None else beside)
+        if wall is None or not (plane is not None or faces_others(model, tool, wall.land, direction, rims)):
             continue
         places = wall.places[hold_places([each for each in sides if each.axis != axis], wall.places)]
         n, ring = len(places), model.analysis == "axisymmetric"

@@ -59,15 +59,15 @@ def _find_dies(model: Model) -> Iterator[Die]:
         for tool in model.space_tools
         if isinstance(tool.surface, Triangulation)
     }
-    for tool, way, axis in list_closing(model, model.space_tools):
+    for tool, direction, axis in list_closing(model, model.space_tools):
         if not isinstance(tool.surface, Triangulation):
             continue
         cut = [(side.axis, side.level, side.sign) for side in sides if tool.mirrored_across[side.axis]]
-        wall = find_cavity(rims[tool.name], tool.surface.triangles, way, beside, cut)
+        wall = find_cavity(rims[tool.name], tool.surface.triangles, direction, beside, cut)
         if wall is None:
             continue
         across = find_level(sides, axis)
-        if across is None and not faces_others(model, tool, wall.land, way, rims):
+        if across is None and not faces_others(model, tool, wall.land, direction, rims):
             continue
         here = hold_places([side for side in sides if side.axis != axis], wall.places)
         here &= _in_sector(model, wall.places)

@@ -27,7 +27,7 @@ def find_pushes(force: FloatArray, start: float, stage: Stage, begin: float) -> 
     force: rows of part of the stage and force (n, 2); start: force as the stage begins [N].
     """
     rows = force if force[0, 0] == 0.0 else np.vstack([(0.0, start), force])
-    if stage.drive is None or not stage.drive.is_given:
+    if stage.drive is None or not stage.drive.is_prescribed:
         return begin + stage.duration * rows[:, 0], rows[:, 1]
     since = np.linspace(0.0, stage.duration, SAMPLES)
     parts = [stage.drive.part_at(float(t)) for t in since]

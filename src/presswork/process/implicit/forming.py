@@ -37,9 +37,9 @@ from presswork.observe.contract import Row
 from presswork.observe.heat import show_dies
 from presswork.observe.limits import (
     Watched,
+    explain_full_dies,
     measure_hydrostatic_stress,
     measure_mean_pressure,
-    tell_full_dies,
     watch_sheet,
 )
 from presswork.observe.penetration import Penetration, measure_bodies
@@ -199,7 +199,7 @@ class ImplicitForming(IncrementRun):
 
     def _find_hints(self) -> list[str]:
         """Name tools whose profiles end on the metal and dies that are full, and say where new meshes would help."""
-        full = tell_full_dies(self.observers.row(self))
+        full = explain_full_dies(self.observers.row(self))
         kept = [NEW_MESHES] if self._keeps_its_mesh() else []
         return [*self._find_passed_ends(), *full, *kept, *super()._find_hints()]
 

@@ -138,10 +138,10 @@ def close_tools(operation: Operation, tools: Sequence[Tool], thickness: float) -
     """
     placed, stages = {tool.name: tool for tool in tools}, list(operation.stages)
     for closing in operation.closings:
-        tool, way = placed[closing.tool], np.asarray(placed[closing.tool].way)
+        tool, direction = placed[closing.tool], np.asarray(placed[closing.tool].working_direction)
         begin = np.asarray(tool.position) + gone_before(stages, closing.tool, closing.stage)
         travels = [
-            find_closing(tool.surface, placed[die].surface, begin - np.asarray(placed[die].position), way,
+            find_closing(tool.surface, placed[die].surface, begin - np.asarray(placed[die].position), direction,
                          FACETS * closing.gap, closing.gap, STEP * thickness)
             for die in closing.dies
         ]  # fmt: skip
@@ -153,7 +153,7 @@ def close_tools(operation: Operation, tools: Sequence[Tool], thickness: float) -
                 "start: check the tools and where they stand"
             )
         stage = stages[closing.stage]
-        motions = {**stage.tool_motion, closing.tool: ToolMotion(tuple(float(travel * each) for each in way))}
+        motions = {**stage.tool_motion, closing.tool: ToolMotion(tuple(float(travel * each) for each in direction))}
         slower = 1.0
         if not closing.is_timed:
             slower = _farthest(motions) / _farthest(stage.tool_motion)
@@ -203,21 +203,21 @@ def _mean_edge(state: SheetState) -> float:
 
 def _touch(operation: Operation, tool: Tool, points: FloatArray, half: FloatArray) -> Tool:
     """Return a tool moved along its way, from beyond the part, until it touches it."""
-    way = np.asarray(tool.way)
-    ahead, own = points @ way - half, sample_tool(tool.surface, 2.0 * float(half.max())) @ way
-    begin = np.asarray(tool.position) * (way == 0.0) + float(ahead.min() - own.max() - half.max()) * way
-    travel = find_touch(make_surface(tool.surface), points - begin, half, way, float(np.ptp(ahead) + np.ptp(own)))
+    direction = np.asarray(tool.working_direction)
+    ahead, own = points @ direction - half, sample_tool(tool.surface, 2.0 * float(half.max())) @ direction
+    begin = np.asarray(tool.position) * (direction == 0.0) + float(ahead.min() - own.max() - half.max()) * direction
+    travel = find_touch(make_surface(tool.surface), points - begin, half, direction, float(np.ptp(ahead) + np.ptp(own)))
     if travel is None:
         raise LayingError(
             f"{key_of(operation, tool.name)}: the {tool.kind} goes past the part without touching it, so its height is "
             "not known: give it a position = [x, y, z], or move the part (place.move)"
         )
-    x, y, z = (float(each) for each in begin + travel * way)
+    x, y, z = (float(each) for each in begin + travel * direction)
     return replace(tool, position=(x, y, z))
 
 
 def find_touch(
-    surface: _core.ToolSurface, points: FloatArray, half: FloatArray, way: FloatArray, farthest: float
+    surface: _core.ToolSurface, points: FloatArray, half: FloatArray, direction: FloatArray, farthest: float
 ) -> float | None:
     """Return how far a tool goes along `way` until it touches a sheet; None where it does not within `farthest`.
 
@@ -236,7 +236,7 @@ def find_touch(
             return None
         gaps = gaps - least
         near = gaps < least
-        gaps[near] = surface.nearest(np.ascontiguousarray(points[near] - travel * way))[0] - half[near]
+        gaps[near] = surface.nearest(np.ascontiguousarray(points[near] - travel * direction))[0] - half[near]
     return None
 
 

@@ -15,7 +15,7 @@ from presswork.remesh.space.inside import improve_cells, spread_moves
 from presswork.remesh.space.notches import fill_notches, list_planes
 from presswork.remesh.space.size_field import EdgeSizes, measure_sizes
 from presswork.remesh.space.sliding import slide_on_tools
-from presswork.remesh.space.surface import give_volume_back, locate_on_skin, place_skin
+from presswork.remesh.space.surface import locate_on_skin, place_skin, restore_volume
 from presswork.remesh.space.tetrahedra import measure_quality, nodal_areas
 
 AWAY = 0.1
@@ -76,7 +76,7 @@ def _try_mesh(body: OldBody, sizes: EdgeSizes) -> tuple[NewBody, float]:
         worst = float(measure_quality(points, made.cells).min())
         if worst < LEAST_QUALITY:
             points = slide_on_tools(points, made.cells, skin, placed.on_tool, in_plane, body.obstacles, LEAST_QUALITY)
-            placed = give_volume_back(body, points, made.faces, placed.on_tool, in_plane)
+            placed = restore_volume(body, points, made.faces, placed.on_tool, in_plane)
             points = improve_cells(placed.points, made.cells, skin, WANTED)
             worst = float(measure_quality(points, made.cells).min())
         first_set = len(body.planes)

@@ -139,7 +139,7 @@ def place_skin(
     points = _put_on_tools(body, points, faces, on_tool, in_plane, inside, longest)
     points = _keep_sharp_edges(body.obstacles, points, edges, around, on_tool, in_plane)
     points = put_on_tools(points, body.obstacles, on_tool, in_plane, longest)  # sharp edges may be rounded a little
-    return give_volume_back(body, points, faces, on_tool, in_plane)
+    return restore_volume(body, points, faces, on_tool, in_plane)
 
 
 def _put_on_tools(
@@ -227,7 +227,7 @@ def nearest_on_segments(segments: FloatArray, points: FloatArray, reach: float) 
     return foot, away
 
 
-def give_volume_back(
+def restore_volume(
     body: OldBody, points: FloatArray, faces: IndexArray, on_tool: BoolArray, in_plane: BoolArray
 ) -> NewSkin:
     """Return the skin with its free nodes offset along their normals, so that it holds the volume of the old one.

@@ -41,9 +41,9 @@ def keeler_curve(thickness: float, n: float) -> FormingLimitCurve:
     return FormingLimitCurve(np.concatenate([left, right]), major, f"Keeler, t = {thickness:g} mm, n = {n:g}")
 
 
-def _thickness_problems(given: Mapping[str, float]) -> list[Problem]:
+def _thickness_problems(thicknesses: Mapping[str, float]) -> list[Problem]:
     expected = "expected a thickness from 0.1 to 4 mm: the formula was measured on sheets to 3 mm"
-    return [Problem(key, expected, "give it in mm", t) for key, t in given.items() if not 0.1 <= t <= 4.0]
+    return [Problem(key, expected, "give it in mm", t) for key, t in thicknesses.items() if not 0.1 <= t <= 4.0]
 
 
 def scale_with_thickness(curve: FormingLimitCurve, measured: float, thickness: float) -> FormingLimitCurve:

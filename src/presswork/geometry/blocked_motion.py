@@ -36,9 +36,9 @@ def look_at(tool: Tool) -> Callable[[FloatArray, float], tuple[FloatArray, Float
     return nearest_in_space
 
 
-def is_in_the_way(tool: Tool, points: FloatArray, way: FloatArray) -> bool:
+def blocks_motion(tool: Tool, points: FloatArray, direction: FloatArray) -> bool:
     """Say whether points (n, d) that go along a unit vector (d,), however far, come upon a tool where it starts."""
     if isinstance(tool.shape, Plane):  # without end: reached, however far, by all that does not glide along it
         _, normal = look_at(tool)(points[:1], np.inf)
-        return bool(normal[0] @ -way > AGAINST)
-    return find_touch_in_space(look_at(tool), points, -way) is not None
+        return bool(normal[0] @ -direction > AGAINST)
+    return find_touch_in_space(look_at(tool), points, -direction) is not None

@@ -12,7 +12,7 @@ CORNER = np.radians(10.0)
 """Turn between two segments from which on their meeting is a corner."""
 
 
-class ProfileWay:
+class ProfilePath:
     """A directed profile (n_segments, 7), as model.Profile has it; closed where it ends at its beginning."""
 
     def __init__(self, segments: FloatArray) -> None:
@@ -33,14 +33,14 @@ class ProfileWay:
 
     def find(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the way to the nearest place, and its distance, of points (n, 2) (n,) [mm]."""
-        best, way = np.full(len(points), np.inf), np.zeros(len(points))
+        best, place = np.full(len(points), np.inf), np.zeros(len(points))
         for i, segment in enumerate(self._segments):
             part = self._nearest_part(i, segment, points)
             distance = np.linalg.norm(points - self._on_segment(i, part), axis=1)
             nearer = distance < best
             best = np.where(nearer, distance, best)
-            way = np.where(nearer, self.begin[i] + part * (self.begin[i + 1] - self.begin[i]), way)
-        return way, best
+            place = np.where(nearer, self.begin[i] + part * (self.begin[i + 1] - self.begin[i]), place)
+        return place, best
 
     def _nearest_part(self, i: int, segment: FloatArray, points: FloatArray) -> FloatArray:
         """Return which part of a segment lies before its nearest place (n,), 0 to 1."""
@@ -60,14 +60,14 @@ class ProfileWay:
         angle = self._first[i] + segment[TURN] * self._sweep[i] * part
         return np.asarray(segment[CENTRE] + self.radius[i] * np.column_stack([np.cos(angle), np.sin(angle)]))
 
-    def at(self, way: FloatArray) -> FloatArray:
+    def at(self, place: FloatArray) -> FloatArray:
         """Return the places at a way along the profile (n, 2) [mm]."""
-        way = np.mod(way, self.length) if self.is_closed else way
-        which = np.clip(np.searchsorted(self.begin, way, side="right") - 1, 0, len(self._segments) - 1)
-        places = np.empty((len(way), 2))
+        place = np.mod(place, self.length) if self.is_closed else place
+        which = np.clip(np.searchsorted(self.begin, place, side="right") - 1, 0, len(self._segments) - 1)
+        places = np.empty((len(place), 2))
         for i in np.unique(which):
             own = which == i
-            part = (way[own] - self.begin[i]) / (self.begin[i + 1] - self.begin[i])
+            part = (place[own] - self.begin[i]) / (self.begin[i + 1] - self.begin[i])
             places[own] = self._on_segment(int(i), part)
         return places
 
