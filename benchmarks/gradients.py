@@ -18,7 +18,7 @@ from typing import Any
 
 from presswork.case import build_model
 from presswork.case.case_file import CaseFile
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.process.begin import begin
 from tests.problems.differentiated import upset_block, upset_cylinder

@@ -16,7 +16,7 @@ from pathlib import Path
 from time import process_time
 
 from presswork.case import build_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.implicit.stepping import ImplicitProcedure
 
 DIES = {

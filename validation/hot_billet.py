@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 
 RADIUS, HEIGHT, STROKE = 10.0, 15.0, 3.0
 """Of the billet, half of its height, and of the die [mm]."""

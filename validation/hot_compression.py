@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from presswork.case import build_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.material.compression import CompressionTest, read_compression
 from presswork.material.identify_hot import HotFit, fit_hot
 from presswork.model import FloatArray

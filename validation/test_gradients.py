@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.implicit import ram

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from presswork import read_case
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.examples import copy_example
 from presswork.results import Result
 from presswork.study import run_sweep

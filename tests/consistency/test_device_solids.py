@@ -12,7 +12,7 @@ import pytest
 from presswork import _core
 from presswork.body.laws_of_solids import make_law
 from presswork.case import CaseError, build_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.evolution.damage import DamageLaw
 from presswork.explicit.device import Device

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from presswork.case import build_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.model import FloatArray, Mesh, Model

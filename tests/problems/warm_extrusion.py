@@ -4,7 +4,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.results import Result
 
 BEARING_END = -11.33

@@ -11,7 +11,7 @@ import tomli_w
 from typer.testing import CliRunner
 
 from presswork.case import CaseError
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.cli import app
 from presswork.implicit import sensitivities
 from presswork.implicit.progress import Progress

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from presswork.case import build_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.model import Model
 from presswork.recorder import run_model
 from presswork.view import plot_all

@@ -11,7 +11,7 @@ import pytest
 
 from presswork import _core, build_model
 from presswork.body.laws_of_solids import make_law
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.explicit.space_material import SpaceMaterial
 from presswork.explicit.space_solids import ExplicitSpaceSolids

@@ -15,7 +15,7 @@ import pytest
 
 from presswork import build_model
 from presswork.case.errors import CaseError
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.process.begin import begin
 from tests.problems import sectors

@@ -11,8 +11,8 @@ import pytest
 from scipy.optimize import brentq
 
 from presswork.case import build_model
+from presswork.case.plane.schema import Case
 from presswork.case.shell.schema import ShellCase
-from presswork.case.solid.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.implicit import ram

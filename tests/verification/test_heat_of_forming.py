@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, build_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.evolution.points import EvolvedArrays
 from presswork.implicit.energy import Work
 from presswork.implicit.heat_of_forming import HeatArrays

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from presswork.case import build_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.process.explicit.begin_forming import begin_explicit_forming
 from presswork.process.explicit.forming import ExplicitForming

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from presswork.case import build_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.outcome import GaveUpError
 from presswork.process.begin import begin

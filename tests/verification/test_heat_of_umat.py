@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from presswork.case import CaseError, build_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.law.umat import compile_law

@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import quad
 
 from presswork.case import build_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.case.stamping.schema import StampingCase
 from presswork.recorder import Outcome, run_model
 from tests.regression.whole_runs import assert_same_bits, stop_after

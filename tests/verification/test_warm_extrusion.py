@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from presswork import build_model, read_case, run_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.examples import copy_example
 from presswork.results import Result
 from tests.problems.warm_extrusion import find_enthalpy, find_exit_temperatures, find_pressure

@@ -30,8 +30,8 @@ from .shell.schema import (
     ShellStage,
     ShellWorkpiece,
 )
-from .solid.contact import Contact
-from .solid.schema import (
+from .plane.contact import Contact
+from .plane.schema import (
     Boundary,
     Case,
     Displacement,
@@ -41,8 +41,8 @@ from .solid.schema import (
     Stage,
     ToolMotion,
 )
-from .solid.tool import ProfilePoint, Tool
-from .solid.workpiece import MeshFile, Rectangle, Workpiece, Zone
+from .plane.tool import ProfilePoint, Tool
+from .plane.workpiece import MeshFile, Rectangle, Workpiece, Zone
 from .stamping.schema import StampingCase
 
 __all__ = [

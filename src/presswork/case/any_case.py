@@ -16,8 +16,8 @@ from presswork.model import Model, OneStepModel
 if TYPE_CHECKING:
     from presswork.case.heat.schema import HeatCase
     from presswork.case.onestep.schema import OneStepCase
+    from presswork.case.plane.schema import Case
     from presswork.case.shell.schema import ShellCase
-    from presswork.case.solid.schema import Case
     from presswork.case.space.schema import SpaceCase
     from presswork.case.stamping.schema import StampingCase
 

@@ -12,9 +12,9 @@ from presswork.case.errors import Problem
 from presswork.case.material.umat import UmatMaterial
 
 if TYPE_CHECKING:
-    from presswork.case.solid.schema import Case, Stage
-    from presswork.case.solid.tool import Tool
-    from presswork.case.solid.workpiece import Workpiece
+    from presswork.case.plane.schema import Case, Stage
+    from presswork.case.plane.tool import Tool
+    from presswork.case.plane.workpiece import Workpiece
     from presswork.case.space.schema import SpaceCase, SpaceStage, SpaceWorkpiece
     from presswork.case.space.tools import SpaceTool
 

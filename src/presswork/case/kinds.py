@@ -32,8 +32,8 @@ class Kind:
 KINDS = {
     "plane": Kind(
         ("axisymmetric", "plane_strain"),
-        "presswork.case.solid.schema:Case",
-        "presswork.case.solid.builder:build_solid_model",
+        "presswork.case.plane.schema:Case",
+        "presswork.case.plane.builder:build_plane_model",
     ),
     "solid": Kind(
         ("solid",), "presswork.case.space.schema:SpaceCase", "presswork.case.space.builder:build_space_model"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from presswork.case import Case, CaseError, build_model, describe
-from presswork.case.solid.bodies import measure_distance_to_body
+from presswork.case.plane.bodies import measure_distance_to_body
 from presswork.implicit.stepping import ImplicitProcedure, NotHeldError
 from presswork.mesh import mesh_rectangle
 

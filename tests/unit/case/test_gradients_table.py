@@ -13,7 +13,7 @@ import pytest
 
 from presswork.case import build_model
 from presswork.case.errors import CaseError
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.implicit.progress import Progress

@@ -10,7 +10,7 @@ from presswork.case import CaseError, build_model
 from presswork.case.description import describe
 from presswork.case.heat.quantities import to_temperature
 from presswork.case.heat.schema import HeatCase
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 
 CASE: dict[str, Any] = {
     "title": "heat",

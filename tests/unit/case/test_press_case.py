@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from presswork.case import CaseError, build_model
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.model import Blow, Crank, Model
 from tests.unit.case.test_heat_case import change
 

@@ -10,7 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from presswork.case import ProfilePoint
-from presswork.case.solid.tool import Tool
+from presswork.case.plane.tool import Tool
 from presswork.case.tools.profile import ProfileError, draw_outline
 from presswork.geometry.segments import measure_distance, reverse_segments
 

@@ -74,7 +74,7 @@ OTHER_KINDS = {f"presswork.case.{kind}.schema" for kind in ("shell", "stamping",
 def test_check_loads_the_schema_of_its_own_kind_and_no_solver(tmp_path: Path) -> None:
     case = copy_example("upsetting_4cst", tmp_path)
     loaded = loaded_by("check", str(case))
-    assert "presswork.case.solid.schema" in loaded
+    assert "presswork.case.plane.schema" in loaded
     assert not (SLOW | OTHER_KINDS | {"pypardiso", "rich"}) & loaded
 
 
@@ -86,7 +86,7 @@ def test_run_loads_what_it_computes_and_draws_with(tmp_path: Path) -> None:
     assert not ({"pint", "matplotlib", "scipy.stats", "scipy.ndimage", "scipy.optimize"} | OTHER_KINDS) & loaded
     drawn = loaded_by("plot", str(case.with_suffix("")))
     assert "matplotlib" in drawn
-    assert not {"matplotlib.pyplot", "scipy.stats", "presswork.case.solid.schema"} & drawn
+    assert not {"matplotlib.pyplot", "scipy.stats", "presswork.case.plane.schema"} & drawn
 
 
 def test_an_example_that_cannot_be_written_is_told(tmp_path) -> None:

@@ -15,7 +15,7 @@ from presswork.case.material.forming_limit.build import build_curve
 from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.library import FOLDER
 from presswork.case.material.sheet import check_sheet_material
-from presswork.case.solid.schema import Case
+from presswork.case.plane.schema import Case
 from presswork.material import find_sheet, list_sheets, read_sheet
 from presswork.material.hot_plot import draw_hot_law
 

@@ -10,10 +10,10 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.heat.schema import HeatBody, HeatCase, HeatStage
+from presswork.case.plane.bodies import WORKPIECE, mesh_body
+from presswork.case.plane.references import check_set_names
+from presswork.case.plane.workpiece import MeshFile, Rectangle
 from presswork.case.settings import build_output
-from presswork.case.solid.bodies import WORKPIECE, mesh_body
-from presswork.case.solid.references import check_set_names
-from presswork.case.solid.workpiece import MeshFile, Rectangle
 from presswork.case.space.mesh import MadeMesh
 from presswork.case.space.mesh_builder import check_space_mesh, mesh_space_body
 from presswork.case.units import LENGTH, unit_factor

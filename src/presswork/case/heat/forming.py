@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from presswork import model
 from presswork.case.heat.quantities import HeatTransferByPressure, Temperature, to_array
 from presswork.case.part import Part
-from presswork.case.solid.workpiece import MeshFile
+from presswork.case.plane.workpiece import MeshFile
 from presswork.case.units import Conductivity, Density, HeatCapacity, HeatTransfer, Length, Number, Point, fault
 
 if TYPE_CHECKING:

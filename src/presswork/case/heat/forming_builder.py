@@ -16,7 +16,7 @@ from presswork.case.material.umat import UmatMaterial
 from presswork.law.elastic_plastic import depends_on_temperature
 
 if TYPE_CHECKING:
-    from presswork.case.solid import schema
+    from presswork.case.plane import schema
     from presswork.case.space.schema import SpaceCase
 
 

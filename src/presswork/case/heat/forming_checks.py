@@ -11,7 +11,7 @@ from presswork.case.material.transformation import check_austenite
 from presswork.case.material.umat import UmatMaterial
 
 if TYPE_CHECKING:
-    from presswork.case.solid import schema
+    from presswork.case.plane import schema
 
 
 def check_heat(case: schema.Case) -> Iterator[Problem]:

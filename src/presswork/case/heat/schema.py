@@ -15,8 +15,8 @@ from presswork.case.heat.thermal import Thermal
 from presswork.case.material.heating import require_density
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
+from presswork.case.plane.workpiece import MeshFile, Rectangle
 from presswork.case.settings import Output
-from presswork.case.solid.workpiece import MeshFile, Rectangle
 from presswork.case.space.mesh import MadeMesh
 from presswork.case.units import Density, HeatTransfer, Length, Number, Time
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from presswork.case.errors import Problem
 
 if TYPE_CHECKING:
-    from presswork.case.solid.schema import Case
+    from presswork.case.plane.schema import Case
 
 
 def check_series(case: Case) -> Iterator[Problem]:

@@ -17,11 +17,11 @@ from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.library import find_material_problem
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.plane.grid import grid_lines
+from presswork.case.plane.references import check_cells, check_set_names
+from presswork.case.plane.workpiece import MeshFile
 from presswork.case.settings import build_output, build_solver, check_small_displacements
 from presswork.case.shell.schema import FREEDOMS, ShellCase, ShellRectangle, ShellStage
-from presswork.case.solid.grid import grid_lines
-from presswork.case.solid.references import check_cells, check_set_names
-from presswork.case.solid.workpiece import MeshFile
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError
 from presswork.mesh.directors import WARPED, Directors, find_directors

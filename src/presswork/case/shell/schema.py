@@ -20,9 +20,9 @@ from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.library import add_library_materials
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
+from presswork.case.plane.workpiece import MeshFile, Rectangle, assume_rectangle
 from presswork.case.settings import Output, Solver
 from presswork.case.shell.material import SheetTable
-from presswork.case.solid.workpiece import MeshFile, Rectangle, assume_rectangle
 from presswork.case.units import (
     Angle,
     BodyForceVector,

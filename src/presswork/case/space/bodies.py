@@ -9,7 +9,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import Problem
-from presswork.case.solid.bodies import OVERLAP, WORKPIECE, check_contacts, make_contacts
+from presswork.case.plane.bodies import OVERLAP, WORKPIECE, check_contacts, make_contacts
 from presswork.case.space.explicit_checks import choose_element
 from presswork.case.space.mesh_builder import check_space_mesh, mesh_space_body
 from presswork.case.space.schema import SpaceCase, SpaceWorkpiece

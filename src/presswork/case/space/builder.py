@@ -17,13 +17,13 @@ from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.library import find_material_problem
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.plane.builder import build_materials
+from presswork.case.plane.law_checks import check_friction_of_elastic, check_integrator, check_pores
+from presswork.case.plane.reach import check_reach
+from presswork.case.plane.references import check_set_names
+from presswork.case.plane.schema import Material
 from presswork.case.press.builder import build_drive, check_timing, find_halves, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver, check_small_displacements
-from presswork.case.solid.builder import build_materials
-from presswork.case.solid.law_checks import check_friction_of_elastic, check_integrator, check_pores
-from presswork.case.solid.reach import check_reach
-from presswork.case.solid.references import check_set_names
-from presswork.case.solid.schema import Material
 from presswork.case.space.bodies import (
     build_space_bodies,
     build_space_contacts,

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from presswork.case.names import FileName
 from presswork.case.part import Part
-from presswork.case.solid.workpiece import Count, MeshFile
+from presswork.case.plane.workpiece import Count, MeshFile
 from presswork.case.units import Angle, Length, Number, Point, Point3, fault
 
 Sector = Annotated[Angle, Field(gt=0, le=360)]

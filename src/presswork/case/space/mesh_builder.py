@@ -11,7 +11,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem
-from presswork.case.solid.workpiece import MeshFile
+from presswork.case.plane.workpiece import MeshFile
 from presswork.case.space.mesh import Box, ClosedSurface, Cylinder, Extruded, MadeMesh, Revolved, Ring, Turned
 from presswork.case.stamping.plan_line import LineFile, PolygonLine, draw_line
 from presswork.case.units import LENGTH, unit_factor

@@ -11,9 +11,9 @@ from pydantic import Field
 
 from presswork import model
 from presswork.case.names import Name
+from presswork.case.plane.bodies import WORKPIECE
 from presswork.case.settings import Whole
 from presswork.case.sizes_of_cells import SizesOfCells
-from presswork.case.solid.bodies import WORKPIECE
 from presswork.case.units import Number
 from presswork.mesh.joined import split_mesh
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from presswork import model
 from presswork.case.errors import Problem, suggest
-from presswork.case.solid.bodies import WORKPIECE
+from presswork.case.plane.bodies import WORKPIECE
 from presswork.case.space.remesh import SpaceBodyRemesh, SpaceRemesh
 from presswork.model import ELEMENTS
 

@@ -19,12 +19,12 @@ from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.library import add_library_materials
 from presswork.case.names import Name, Title
 from presswork.case.part import Part
+from presswork.case.plane.contact import Contact
+from presswork.case.plane.explicit import ExplicitSolver
+from presswork.case.plane.schema import MaterialTable
 from presswork.case.press.builder import Timing
 from presswork.case.press.schema import Press, Speeds, StagePress, check_speeds
 from presswork.case.settings import Output, Solver
-from presswork.case.solid.contact import Contact
-from presswork.case.solid.explicit import ExplicitSolver
-from presswork.case.solid.schema import MaterialTable
 from presswork.case.space.mesh import SpaceMesh
 from presswork.case.space.remesh import SpaceRemesh
 from presswork.case.space.tools import SpaceTool, SpaceToolMotion

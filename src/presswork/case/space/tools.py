@@ -13,8 +13,8 @@ from presswork import model
 from presswork.case.heat.forming import ToolHeat
 from presswork.case.names import FileName
 from presswork.case.part import Part
-from presswork.case.solid.contact import require_friction
-from presswork.case.solid.tool import ProfilePoint, check_motion
+from presswork.case.plane.contact import require_friction
+from presswork.case.plane.tool import ProfilePoint, check_motion
 from presswork.case.units import Angle, Direction3, Force, Length, Number, Place3, Point3, Stiffness, fault
 from presswork.mesh.files.cad import is_cad
 

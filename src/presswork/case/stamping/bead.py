@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from presswork.case.part import Part
-from presswork.case.solid.tool import ProfilePoint
+from presswork.case.plane.tool import ProfilePoint
 from presswork.case.tools.profile import ProfileError, draw_outline
 from presswork.case.units import Length, LineForce, Point, fault
 from presswork.geometry.segments import TURN

@@ -17,10 +17,10 @@ from presswork.case.held_stages import check_held_stages, list_released
 from presswork.case.marked_points import build_points
 from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.plane.references import check_set_names
 from presswork.case.press.builder import Halves, build_drive
 from presswork.case.settings import RAMP
 from presswork.case.shell.schema import FREEDOMS, HOLDS
-from presswork.case.solid.references import check_set_names
 from presswork.case.stamping.bead_strip import refuse_unknown
 from presswork.case.stamping.beads import build_beads, check_bead_stages, check_closing, closed_stages
 from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank

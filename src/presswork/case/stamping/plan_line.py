@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from presswork.case.errors import Problem
 from presswork.case.names import FileName
 from presswork.case.part import Part
-from presswork.case.solid.tool import ProfilePoint
+from presswork.case.plane.tool import ProfilePoint
 from presswork.case.tools.dxf import read_drawing
 from presswork.case.tools.profile import ProfileError, draw_outline
 from presswork.case.tools.profile_file import is_drawing, read_points

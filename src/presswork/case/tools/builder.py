@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 
 from presswork.case.errors import Problem
-from presswork.case.solid import schema
-from presswork.case.solid.tool import Tool as CaseTool
-from presswork.case.solid.tool import unit_vector
+from presswork.case.plane import schema
+from presswork.case.plane.tool import Tool as CaseTool
+from presswork.case.plane.tool import unit_vector
 from presswork.case.tools.profile import Outline, ProfileError, draw_outline
 from presswork.case.tools.profile_file import read_outline
 from presswork.geometry.chain import ProfileFileError

@@ -10,8 +10,8 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import Problem
 from presswork.case.heat.forming import DieBlock, ToolHeat
-from presswork.case.solid import schema
-from presswork.case.solid.workpiece import MeshFile
+from presswork.case.plane import schema
+from presswork.case.plane.workpiece import MeshFile
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.pose import start_profile
 from presswork.geometry.segments import measure_distance

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.case.solid.tool import ProfilePoint
+from presswork.case.plane.tool import ProfilePoint
 from presswork.geometry.segments import TURN, X0, X1
 from presswork.geometry.smooth import BulgeError, fit_smooth
 from presswork.model import FloatArray

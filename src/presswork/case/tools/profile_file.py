@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from presswork.case.solid.tool import ProfilePoint, Tool
+from presswork.case.plane.tool import ProfilePoint, Tool
 from presswork.case.tools.dxf import read_drawing
 from presswork.case.tools.profile import MEETING, Outline, ProfileError, draw_outline
 from presswork.case.tools.step_section import read_section

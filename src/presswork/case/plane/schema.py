@@ -41,14 +41,14 @@ from presswork.case.material.transformation import Transformation
 from presswork.case.material.umat import UmatMaterial, kind_of_material
 from presswork.case.names import FileName, Name, Title
 from presswork.case.part import Part
+from presswork.case.plane.contact import Contact
+from presswork.case.plane.explicit import ExplicitSolver
+from presswork.case.plane.remesh import Remesh
+from presswork.case.plane.tool import Axis, Tool, check_motion, require_direction, unit_vector
+from presswork.case.plane.workpiece import Workpiece
 from presswork.case.press.builder import Timing
 from presswork.case.press.schema import Press, Speeds, StagePress, check_speeds
 from presswork.case.settings import Output, Solver
-from presswork.case.solid.contact import Contact
-from presswork.case.solid.explicit import ExplicitSolver
-from presswork.case.solid.remesh import Remesh
-from presswork.case.solid.tool import Axis, Tool, check_motion, require_direction, unit_vector
-from presswork.case.solid.workpiece import Workpiece
 from presswork.case.units import (
     Angle,
     Density,

@@ -14,10 +14,10 @@ from presswork.case.explicit_checks import (
     check_target_step,
     check_time,
 )
+from presswork.case.plane import schema
+from presswork.case.plane.bodies import list_bodies
+from presswork.case.plane.tool import Tool
 from presswork.case.press.builder import check_in_explicit
-from presswork.case.solid import schema
-from presswork.case.solid.bodies import list_bodies
-from presswork.case.solid.tool import Tool
 
 
 def check_procedure(case: schema.Case) -> list[Problem]:

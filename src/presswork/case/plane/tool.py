@@ -12,7 +12,7 @@ from presswork import model
 from presswork.case.heat.forming import ToolHeat
 from presswork.case.names import FileName
 from presswork.case.part import Part, ShortForm
-from presswork.case.solid.contact import require_friction
+from presswork.case.plane.contact import require_friction
 from presswork.case.units import (
     Direction,
     Force,

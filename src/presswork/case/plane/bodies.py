@@ -11,10 +11,10 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.solid import schema
-from presswork.case.solid.contact import Contact
-from presswork.case.solid.grid import grid_lines
-from presswork.case.solid.workpiece import MeshFile, Rectangle, Workpiece
+from presswork.case.plane import schema
+from presswork.case.plane.contact import Contact
+from presswork.case.plane.grid import grid_lines
+from presswork.case.plane.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.case.units import LENGTH, unit_factor
 from presswork.mesh import MeshError, mesh_rectangle, read_mesh
 from presswork.mesh.joined import join_meshes

@@ -11,12 +11,12 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import Problem, suggest
-from presswork.case.solid.remesh import OF_RADIUS, BodyRemesh, Remesh
+from presswork.case.plane.remesh import OF_RADIUS, BodyRemesh, Remesh
 from presswork.geometry.pose import start_profile
 from presswork.geometry.profile_path import ProfilePath
 
 if TYPE_CHECKING:
-    from presswork.case.solid.schema import Case
+    from presswork.case.plane.schema import Case
 
 
 def check_remesh(case: Case) -> list[Problem]:

@@ -20,14 +20,14 @@ from presswork.case.heat.forming_builder import build_heat, start_hot
 from presswork.case.held_stages import list_released
 from presswork.case.marked_points import build_points
 from presswork.case.material.umat import UmatMaterial, build_umat
+from presswork.case.plane import schema
+from presswork.case.plane.bodies import build_bodies, build_contacts, list_bodies
+from presswork.case.plane.reach import check_reach, check_room
+from presswork.case.plane.references import check_references, check_sets
+from presswork.case.plane.remesh import OF_SMALLEST
+from presswork.case.plane.remesh_builder import build_remeshing, check_places, check_sizes, check_tools
 from presswork.case.press.builder import build_drive, find_halves, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver
-from presswork.case.solid import schema
-from presswork.case.solid.bodies import build_bodies, build_contacts, list_bodies
-from presswork.case.solid.reach import check_reach, check_room
-from presswork.case.solid.references import check_references, check_sets
-from presswork.case.solid.remesh import OF_SMALLEST
-from presswork.case.solid.remesh_builder import build_remeshing, check_places, check_sizes, check_tools
 from presswork.case.tool_sizes import warn_of_tools
 from presswork.case.tools.builder import build_tool, check_motions, find_first_direction
 from presswork.case.tools.close_fits import close_fits
@@ -40,7 +40,7 @@ logger = logging.getLogger(__name__)
 _AXES = ("x", "y")
 
 
-def build_solid_model(case: schema.Case, *, run_user_code: bool = True) -> model.Model:
+def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model.Model:
     """Build the Model of a solid's case, as kinds.build_model says."""
     _stop_at(check_references(case), case)
     mesh, bodies = build_bodies(case)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from presswork.case.solid.workpiece import Rectangle
+from presswork.case.plane.workpiece import Rectangle
 from presswork.mesh import grade_line
 from presswork.model import FloatArray
 

@@ -11,14 +11,14 @@ from presswork.case.heat.forming_checks import check_heat
 from presswork.case.heat.series_checks import check_series
 from presswork.case.held_stages import check_held_stages, releases
 from presswork.case.material.library import find_material_problem
+from presswork.case.plane import schema
+from presswork.case.plane.bodies import check_bodies, list_bodies
+from presswork.case.plane.explicit_checks import check_procedure
+from presswork.case.plane.law_checks import check_laws
+from presswork.case.plane.remesh_builder import check_remesh
+from presswork.case.plane.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.case.press.builder import check_timing
 from presswork.case.settings import check_small_displacements
-from presswork.case.solid import schema
-from presswork.case.solid.bodies import check_bodies, list_bodies
-from presswork.case.solid.explicit_checks import check_procedure
-from presswork.case.solid.law_checks import check_laws
-from presswork.case.solid.remesh_builder import check_remesh
-from presswork.case.solid.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.case.units import LENGTH, unit_factor
 from presswork.memory import available_memory, estimate_rectangle, explain_shortage
 from presswork.mesh import fitting_patterns

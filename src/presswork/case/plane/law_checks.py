@@ -7,9 +7,9 @@ from presswork.case.errors import Problem
 from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.plane import schema
+from presswork.case.plane.bodies import list_bodies
 from presswork.case.settings import Solver
-from presswork.case.solid import schema
-from presswork.case.solid.bodies import list_bodies
 from presswork.case.space.schema import SpaceCase
 
 PORE_HARDENING = ("linear", "swift", "ludwik", "voce", "linear_voce", "hockett_sherby", "swift_voce")
