@@ -14,6 +14,19 @@ from .material.hardening import (
     Voce,
 )
 from .onestep.schema import OneStepCase
+from .plane.contact import Contact
+from .plane.schema import (
+    Boundary,
+    Case,
+    Displacement,
+    Material,
+    NodeForce,
+    Pressure,
+    Stage,
+    ToolMotion,
+)
+from .plane.tool import ProfilePoint, Tool
+from .plane.workpiece import MeshFile, Rectangle, Workpiece, Zone
 from .settings import Output, Solver, Terms
 from .shell.material import ShellMaterial
 from .shell.schema import (
@@ -30,19 +43,6 @@ from .shell.schema import (
     ShellStage,
     ShellWorkpiece,
 )
-from .plane.contact import Contact
-from .plane.schema import (
-    Boundary,
-    Case,
-    Displacement,
-    Material,
-    NodeForce,
-    Pressure,
-    Stage,
-    ToolMotion,
-)
-from .plane.tool import ProfilePoint, Tool
-from .plane.workpiece import MeshFile, Rectangle, Workpiece, Zone
 from .stamping.schema import StampingCase
 
 __all__ = [
