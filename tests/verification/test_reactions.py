@@ -182,7 +182,10 @@ def test_nominal_stress_and_strain_come_from_the_undeformed_ends(tmp_path):
 
 @pytest.mark.parametrize("procedure", ["implicit", "explicit"])
 def test_the_force_of_a_standing_ring_is_what_the_press_feels(procedure):
-    """A cone that a billet is pressed into bears the ram's force; what it holds round itself loads no press."""
+    """A cone that a billet is pressed into bears the ram's force; what it holds round itself loads no press.
+
+    Explicitly, in the mean of the last ten output intervals: the billet vibrates between the tools.
+    """
     explicit = procedure == "explicit"
     data = bar("axisymmetric", "quad4_1pt" if explicit else "quad4_fbar").model_dump(exclude_unset=True)
     data["boundary"] = {"axis": {"set": "left", "fix": ["x"]}}
@@ -197,8 +200,11 @@ def test_the_force_of_a_standing_ring_is_what_the_press_feels(procedure):
         del data["solver"]
         data["output"] = {"rows": 40, "steps": 1}
         impact = begin_explicit_forming(build_model(Case(**data)), threads=1)
-        last = [impact.row(report) for report in impact.advance()][-1]
+        late = [impact.row(report) for report in impact.advance()][-10:]
+        names = ("ram.force", "cone.force", "cone.force_x", "cone.force_y")
+        last = {name: float(np.mean([row[name] for row in late])) for name in names}
     else:
         last = record(Case(**data))[0][-1]
     assert abs(last["cone.force_x"]) > 0.1 * last["ram.force"]
-    assert last["cone.force"] == abs(last["cone.force_y"]) == pytest.approx(last["ram.force"], rel=0.01)
+    assert last["cone.force"] == pytest.approx(abs(last["cone.force_y"]), rel=1e-12)
+    assert last["cone.force"] == pytest.approx(last["ram.force"], rel=0.01)
