@@ -9,7 +9,7 @@ import numpy as np
 
 from presswork.model import BoolArray, FloatArray, list_bodies
 from presswork.process.explicit.forming import ExplicitForming
-from presswork.process.implicit.lost_volume import MOST_GIVEN_BACK
+from presswork.process.mesh_change.given_back import limit_lost
 
 NEAR = 0.02
 """Gap of a node that counts as on a tool, over the smallest size of cells."""
@@ -52,5 +52,4 @@ class PlasticVolumes:
         """Return the part of a body's volume that is lost and can be given back."""
         if self._run.has_pores:  # they grow
             return 0.0
-        lost = self._first[number] / self.measure()[number] - 1.0
-        return float(np.clip(lost, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
+        return limit_lost(self._first[number], self.measure()[number])

@@ -7,9 +7,7 @@ import numpy as np
 
 from presswork.model import list_bodies
 from presswork.process.implicit.increments import IncrementRun
-
-MOST_GIVEN_BACK = 1e-3
-"""Part of the volume, lost by cells before, that one remesh gives back at most."""
+from presswork.process.mesh_change.given_back import limit_lost
 
 
 class LostVolume:
@@ -32,5 +30,4 @@ class LostVolume:
             unloaded += float((volume * np.exp(-dilatation)).sum())
         if unloaded <= 0.0:  # products of its lengths vanish
             return 0.0
-        lost = self._first[number] / unloaded - 1.0
-        return float(np.clip(lost, -MOST_GIVEN_BACK, MOST_GIVEN_BACK))
+        return limit_lost(self._first[number], unloaded)
