@@ -157,6 +157,23 @@ def test_run_resumed_between_new_meshes_in_space_has_the_same_derivatives_to_the
     assert_same_bits(tmp_path / "cut", whole.folder)
 
 
+def test_derivatives_end_where_a_body_in_space_folds_on_its_first_mesh(tmp_path: Path) -> None:
+    """Its run goes on with contact with itself, as it does without derivatives, and resumes to the same bits."""
+    data = upset_block_with_new_meshes(stroke=0.6)
+    del data["remesh"]
+    data |= {"solver": {**data["solver"], "force_tolerance": 1e-6}, "output": {"steps": 1, "checkpoint_every": 1}}
+    data["gradients"] = {"of": ["rim.x"], "by": ["tools.punch.mu"]}
+    model = build_model(SpaceCase.model_validate(data))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(folding, "find_folding", fold_in_increment_two)
+        whole = run_model(model, tmp_path / "whole").result
+        run_in_two_parts(model, tmp_path / "cut", 3)
+    found = np.asarray(whole.history["d(rim.x)/d(tools.punch.mu)"])
+    assert np.isfinite(found).tolist() == [i < 2 for i in range(len(found))]
+    assert len(found) > 3
+    assert_same_bits(tmp_path / "cut", whole.folder)
+
+
 def test_neighbours_have_the_slaves_of_the_run() -> None:
     """Of two bodies that are as fine the softer one is the slave: here a number of its own decides."""
     data = upset_two_bodies({"contact": "frictionless"})
