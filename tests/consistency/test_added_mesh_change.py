@@ -12,16 +12,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
-from presswork import run_model
+from presswork import build_model, run_model
+from presswork.case.stamping.schema import StampingCase
 from presswork.explicit.arrays import MotionArrays, SolidArrays
+from presswork.fields.instant import Instant
 from presswork.model import Model
 from presswork.observe.contract import History, Observed, Row
 from presswork.process.begin import begin
 from presswork.process.explicit.forming import ExplicitForming
 from presswork.process.mesh_change.contract import MeshChange
 from tests.consistency.test_added_observer import make_model
+from tests.problems.hot_strip import bent_strip
 
 AFTER = 2
 
@@ -61,6 +65,49 @@ class Rebased(MeshChange):
 
     def arrays(self) -> Mapping[str, NDArray[Any]]:
         return {"rebased": np.ones(1)}
+
+
+class Onlooker(MeshChange):
+    """Changes nothing, and says so everywhere."""
+
+    def __init__(self) -> None:
+        self.looks = self.shown = 0
+
+    def look(self, failure: str = "") -> bool:
+        self.looks += 1
+        return False
+
+    def columns(self, run: Observed) -> list[str]:
+        return ["looks"]
+
+    def row(self, run: Observed, *, is_released: bool = False) -> Row:
+        return {"looks": self.looks}
+
+    def begin_log(self) -> str:
+        return "; an onlooker"
+
+    def show(self, now: Instant) -> None:
+        self.shown += 1
+
+
+@pytest.mark.parametrize("procedure", ["implicit", "explicit"])
+@pytest.mark.parametrize("family", ["solid", "sheet"])
+def test_every_procedure_asks_and_shows_it(family: str, procedure: str, tmp_path: Path) -> None:
+    onlooker = Onlooker()
+    if family == "solid":
+        model = make_model(procedure)
+    else:
+        model = build_model(StampingCase.model_validate(bent_strip(("procedure", procedure))))
+
+    def begin_beside(model: Model, threads: int) -> Any:
+        run = begin(model, threads)
+        run.add_mesh_change(onlooker)  # type: ignore[attr-defined]
+        return run
+
+    found = run_model(model, tmp_path / "out", procedure=begin_beside).result
+    assert "; an onlooker" in (tmp_path / "out" / "run.log").read_text()
+    assert found.history["looks"][-1] == onlooker.looks > 0
+    assert onlooker.shown > 0
 
 
 def begin_rebased(model: Model, threads: int) -> Any:

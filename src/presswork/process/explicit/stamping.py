@@ -296,6 +296,7 @@ class ExplicitStamping(IntervalRun):
             f"explicit: {len(self.model.cells)} shells in {self._precision} precision"
             f"{name_device(self.settings.device)}, stable step "
             f"{self.shells.stable_step():.3g} s, added mass {self.added_mass:.3g} %"
+            + "".join(change.begin_log() for change in self.mesh_changes)
         )
 
     def log_lines(self, report: IntervalReport) -> list[str]:
@@ -361,7 +362,7 @@ class ExplicitStamping(IntervalRun):
 
     def show(self) -> Instant:
         """Return what the fields of the present state are computed from."""
-        return Instant(
+        now = Instant(
             self.model,
             self.shells.position - self.model.mesh.points,
             reaction=self._reaction,
@@ -371,6 +372,9 @@ class ExplicitStamping(IntervalRun):
             judged=self.model.sheet[1].formability,
             **(self.heat.show() if self.heat else {}),
         )
+        for change in self.mesh_changes:
+            change.show(now)
+        return now
 
     def snapshot(self, now: Instant | None = None) -> Snapshot:
         """Return the fields of the present state. now: what they are computed from, of `show`."""

@@ -144,7 +144,9 @@ class ImplicitStamping(IncrementRun):
 
     def begin_log(self) -> str:
         """Name the procedure and the linear solver."""
-        return f"implicit: {len(self.model.cells)} shells, linear solver: {self.procedure.equilibrium.solver.name}"
+        solver = self.procedure.equilibrium.solver.name
+        changes = "".join(change.begin_log() for change in self.mesh_changes)
+        return f"implicit: {len(self.model.cells)} shells, linear solver: {solver}{changes}"
 
     def progress_text(self, report: IncrementReport) -> str:
         """Name stage and increment, and the tools that have moved."""
@@ -216,6 +218,8 @@ class ImplicitStamping(IncrementRun):
         if (heat := self.procedure.sheet_heat) is not None:
             arrays = state[SheetHeatArrays]
             now.temperature, now.heated = heat.sheet.mean_at_nodes(arrays), heat.sheet.fields(arrays)
+        for change in self.mesh_changes:
+            change.show(now)
         return now
 
     def snapshot(self, now: Instant | None = None) -> Snapshot:
