@@ -10,7 +10,7 @@ from pathlib import Path
 
 from presswork.text_file import UnreadableError, read_bytes
 
-_LARGEST = 4 << 30
+LARGEST = 4 << 30
 """Bytes of a deck."""
 _DEEPEST = 20
 """Files within files: beyond it they include each other."""
@@ -63,7 +63,7 @@ def read_keyword_lines(
     Raises KeywordFileError for a file that cannot be read, that holds no keyword, or that includes itself.
     """
     try:
-        data = read_bytes(path, most=_LARGEST)
+        data = read_bytes(path, most=LARGEST)
     except FileNotFoundError as error:
         raise KeywordFileError(path, "no such file", "check the path") from error
     except UnreadableError as error:

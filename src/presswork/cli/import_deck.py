@@ -79,7 +79,7 @@ def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
     notes.check()
     case = write_case(imported, notes, folder)
     for note in sorted(notes.notes, key=lambda note: note.place):
-        if note.fate != "dropped":
+        if note.fate != "dropped" or note.is_datum:
             typer.echo(str(note))
     counts = Counter(note.fate for note in notes.in_order())
     typer.echo(

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,11 +13,9 @@ from presswork.deck.material import keep_curve
 from presswork.deck.notes import Notes
 from presswork.deck.place import Seat, find_normal, find_planes, seat
 from presswork.deck.stages import find_displacement, sample_times
+from presswork.deck.titles import is_punch
 from presswork.deck.units import Units
 from presswork.model import FloatArray, IndexArray
-
-PUNCH = re.compile(r"punch|stamp|post", re.IGNORECASE)
-"""Titles of parts that are punches."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +41,8 @@ class BlankAndTools:
         self._check_nodes()
         self.blank, self.material = self._find_blank()
         self.tools = self._find_tools()
+        self.offset = np.zeros(3)
+        self.offset = self._find_offset()
         self.sheet_points, self.sheet_index = self._points_of(self.blank)
         self.has_past = has_past(deck, self.blank)
         self.seat, self.symmetry = self._find_seat()
@@ -103,7 +102,32 @@ class BlankAndTools:
         labels = np.unique(self.shells.nodes[self.shells.part == part])
         index = np.full(len(self.row_of), -1, dtype=np.intp)
         index[labels] = np.arange(len(labels))
-        return self.deck.points[self.row_of[labels]] * self.units.length, index
+        points = self.deck.points[self.row_of[labels]] * self.units.length
+        return points + self.offset if part == self.blank else points, index
+
+    def _find_offset(self) -> FloatArray:
+        """Return how far the blank's middle lies from its nodes (3,) [mm]: half its thickness, where a section says."""
+        section = self.deck.sections.get(self.deck.parts[self.blank].section)
+        if section is None or not section.offset:
+            return np.zeros(3)
+        points, index = self._points_of(self.blank)
+        own = self.shells.part == self.blank
+        a, b, c, d = (points[index[self.shells.nodes[own, i]]] for i in range(4))
+        normals = np.cross(c - a, d - b)
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+        mean = normals.mean(axis=0)
+        thickness = self.shells.thickness[own]
+        is_even = not np.isfinite(thickness).any() or np.ptp(thickness) < 1e-9 * thickness.max()
+        if np.linalg.norm(mean) < 1.0 - 1e-6 or not is_even:
+            text = f"nodes off the middle by {section.offset:g} of the thickness, in shells that look several ways"
+            remedy = "turn the shells alike, or lay the nodes into the middle of a flat sheet of one thickness"
+            self.notes.refuse(section.place, section.keyword, text, remedy)
+            return np.zeros(3)
+        own_thickness = float(thickness[0]) if np.isfinite(thickness).any() else section.thickness
+        offset = np.asarray(-section.offset * own_thickness * self.units.length * mean)
+        text = "offset: the sheet's middle lies ({:.6g}, {:.6g}, {:.6g}) mm from its nodes".format(*offset)
+        self.notes.keep(section.place, section.keyword, text)
+        return offset
 
     @property
     def angle(self) -> FloatArray:
@@ -156,7 +180,7 @@ class BlankAndTools:
         """Say whether the punch comes from the side of the positive normal: named so, or pushed, or with most tools."""
         level = float(self.sheet_points[:, normal].mean())
         side = {number: float(np.sign(self._points_of(number)[0][:, normal].mean() - level)) for number in self.tools}
-        named = [number for number, part in self.tools.items() if PUNCH.search(part.title)]
+        named = [number for number, part in self.tools.items() if is_punch(part.title)]
         if len(named) == 1:
             return side[named[0]] > 0
         total = sum(side.values())

@@ -50,6 +50,8 @@ class SectionCard:
     """Whether shells have more than one point in their plane."""
     place: Place
     keyword: str = "*SECTION_SHELL"
+    offset: float = 0.0
+    """Of the nodes from the middle, along the shells' normals, in thicknesses."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,8 @@ class Hardening:
     parameters: dict[str, float] = field(default_factory=dict)
     curve: int = 0
     curve_scale: float = 1.0
+    ends_flat: bool = False
+    """Whether the stress of the last row holds beyond it; otherwise its last slope goes on."""
 
 
 @dataclass(frozen=True)

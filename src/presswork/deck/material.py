@@ -12,6 +12,8 @@ from presswork.deck.notes import Notes
 from presswork.deck.units import Units
 from presswork.model import FloatArray
 
+_BEYOND = 0.1
+"""Plastic strain from the last row to one of the same stress, whose slope goes on."""
 _STRESSES = {"K", "yield_stress", "saturation_stress", "modulus"}
 
 
@@ -58,7 +60,11 @@ def _describe_hardening(
     else:
         points = np.array(list(hardening.parameters.values())).reshape(-1, 2)
     points[:, 1] *= units.stress * hardening.curve_scale
-    return {"law": "table", "points": _clean(points, card, notes).tolist()}
+    points = _clean(points, card, notes)
+    if hardening.ends_flat and len(points) > 1 and points[-1, 1] > points[-2, 1]:
+        notes.keep(card.place, card.keyword, f"beyond a plastic strain of {points[-1, 0]:g} the last stress holds")
+        points = np.vstack([points, points[-1] + [_BEYOND, 0.0]])
+    return {"law": "table", "points": points.tolist()}
 
 
 def keep_curve(deck: Deck, number: int, keyword: str, notes: Notes) -> None:

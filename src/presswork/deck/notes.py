@@ -25,6 +25,8 @@ class Note:
     fate: Fate
     keyword: str
     text: str
+    is_datum: bool = False
+    """Whether it tells of one datum of a keyword, whose others have notes of their own."""
 
     def __str__(self) -> str:
         return f"{self.place}  {self.fate:8}{self.keyword}: {self.text}"
@@ -64,6 +66,10 @@ class Notes:
         """Note what was left out, and changes nothing that the engineer asks for."""
         self.notes.append(Note(place, "dropped", keyword, text))
 
+    def leave(self, place: Place, keyword: str, datum: str, why: str = "") -> None:
+        """Note one datum that is left out of a keyword that is taken over."""
+        self.notes.append(Note(place, "dropped", keyword, f"{datum} is left out{why and f': {why}'}", is_datum=True))
+
     def refuse(self, place: Place, keyword: str, text: str, remedy: str = "") -> None:
         """Note what carries physics and has no counterpart: a fault, unless it may be dropped."""
         if keyword in self.accepted:
@@ -83,7 +89,7 @@ class Notes:
 
     def in_order(self) -> list[Note]:
         """Return what became of every line that was seen, by file and line."""
-        noted = {note.place for note in self.notes}
+        noted = {note.place for note in self.notes if not note.is_datum}
         others = (note for place, note in self.seen.items() if place not in noted and place not in self.belonging)
         found = [*dict.fromkeys(self.notes), *others]
         fates: dict[Place, Fate] = {}

@@ -3,27 +3,21 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from presswork.deck.actions import describe_stages
 from presswork.deck.blank_and_tools import BlankAndTools, Surface
 from presswork.deck.contents import Deck
 from presswork.deck.formed import read_past
 from presswork.deck.material import describe_material
 from presswork.deck.notes import Notes
-from presswork.deck.stages import find_breaks
+from presswork.deck.titles import is_holder
 from presswork.deck.units import Units
-from presswork.model import FloatArray, FormedSheet
-
-_HOLDER = re.compile(r"hold|bind|pad|ring|clamp", re.IGNORECASE)
-_STEADY = 0.01
-"""Part by which a force may change in a stage and yet be one number."""
-_ROWS = 9
-"""Of a force that changes with the stroke."""
+from presswork.model import FormedSheet
 
 
 @dataclass(frozen=True)
@@ -66,7 +60,7 @@ def make_stamping(deck: Deck, units: Units, notes: Notes) -> ImportedStamping:
         "blank": blank,
         "materials": {"sheet": material},
         "tools": tools,
-        "stages": _describe_stages(reader, names, kinds),
+        "stages": describe_stages(reader, names, kinds),
     }
     if deck.sections[deck.parts[reader.blank].section].is_full:
         case["explicit"] = {"element": "shell4_mitc_plus"}
@@ -84,7 +78,7 @@ def _name_tools(reader: BlankAndTools) -> tuple[dict[int, str], dict[int, str]]:
     for number, part in reader.tools.items():
         if not above[number]:
             kinds[number] = "die"
-        elif number in pushed or _HOLDER.search(part.title):
+        elif number in pushed or is_holder(part.title):
             kinds[number] = "holder"
         else:
             kinds[number] = "punch"
@@ -174,49 +168,3 @@ def _find_rolling(reader: BlankAndTools) -> float:
         return round(float(np.degrees(0.5 * np.angle(mean))), 3) % 180.0
     direction = reader.seat.turn @ np.array(rolling, dtype=float)
     return round(float(np.degrees(np.arctan2(direction[1], direction[0]))), 6) % 180.0
-
-
-def _describe_stages(reader: BlankAndTools, names: dict[int, str], kinds: dict[int, str]) -> list[dict[str, Any]]:
-    """Return the stages: strokes and forces between the times at which tools start, stop or turn back."""
-    times, displacements = reader.times, reader.displacements
-    notes, pushes = reader.notes, {push.part: push for push in reader.deck.pushes if push.part in reader.tools}
-    breaks = find_breaks(times, list(displacements.values()), [reader.units.time * each for each in reader.deck.breaks])
-    stages = []
-    for number, (begin, end) in enumerate(itertools.pairwise(breaks), start=1):
-        tools: dict[str, Any] = {}
-        inside = (times >= begin - 1e-12) & (times <= end + 1e-12)
-        for part, displacement in displacements.items():
-            gone = float(displacement[inside][-1] - displacement[inside][0])
-            sense = 1.0 if kinds[part] == "die" else -1.0
-            if part not in pushes and abs(gone) > 1e-6:
-                tools[names[part]] = {"stroke": round(sense * gone, 6)}
-        longest = max(
-            (w for p, w in displacements.items() if p not in pushes), key=np.ptp, default=np.zeros(len(times))
-        )
-        for part, push in pushes.items():
-            sense = 1.0 if kinds[part] == "die" else -1.0
-            force = sense * reader.force(push, times[inside])
-            tools[names[part]] = {"force": _describe_force(force, np.abs(longest[inside] - longest[inside][0]))}
-        stages.append({"name": f"stage_{number}", "tools": tools, "duration": float(end - begin)})
-    for motion in reader.deck.motions:
-        if motion.part in names:
-            text = f"{names[motion.part]}: strokes of the stages; within each it starts and stops smoothly"
-            notes.change(motion.place, motion.keyword, text)
-    for push in pushes.values():
-        whole = f", of the whole part ({2 ** len(reader.symmetry)} times the deck's)" if reader.symmetry else ""
-        notes.keep(push.place, push.keyword, f"{names[push.part]}: force{whole}")
-    return stages
-
-
-def _describe_force(force: FloatArray, stroke: FloatArray) -> float | list[list[float]]:
-    """Return one force, or rows of the punch's stroke in the stage and the force."""
-    last_tenth = force[len(force) // 10 :]
-    last = float(last_tenth[-1])
-    if np.abs(last_tenth - last).max() <= _STEADY * max(abs(last), 1e-9) or np.ptp(stroke) <= 0.0:
-        return round(last, 6)
-    order = np.unique(stroke, return_index=True)[1]
-    at = np.linspace(0.0, stroke.max(), _ROWS)
-    return [
-        [round(float(s), 6), round(float(f), 6)]
-        for s, f in zip(at, np.interp(at, stroke[order], force[order]), strict=True)
-    ]

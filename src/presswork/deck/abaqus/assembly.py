@@ -9,6 +9,7 @@ import numpy as np
 
 from presswork.deck.abaqus.drawn import KINDS, DrawnSurface, read_drawn
 from presswork.mesh.files.abaqus_blocks import Block, DataError, read_labels
+from presswork.mesh.files.abaqus_places import GLOBAL, Frame, make_pose, read_nodes, read_system
 from presswork.model import FloatArray, IndexArray
 
 Name = tuple[str, str]
@@ -39,12 +40,16 @@ class PartMesh:
     """Analytical surfaces."""
     others: dict[str, Block] = field(default_factory=dict)
     """Kinds of elements that are not read."""
+    frame: Frame = GLOBAL
+    """What coordinates of nodes below a *SYSTEM are given in."""
 
     def take(self, block: Block) -> bool:
         """Take nodes, elements, sets and surfaces; return whether the block was one. Raises DataError."""
         match block.name:
+            case "SYSTEM":
+                self.frame = read_system(block)
             case "NODE":
-                table = block.table(4)
+                table = read_nodes(block, self.frame)
                 self.nodes.append(table)
                 self._add(self.node_sets, block.name_of("NSET"), table[:, 0].astype(int).tolist())
             case "ELEMENT":
@@ -112,22 +117,6 @@ class Instance:
     """What is added to its labels."""
 
 
-def make_pose(rows: list[list[str]]) -> tuple[FloatArray, FloatArray]:
-    """Return rotation (3, 3) and shift (3,) of an instance by its rows of data: x -> turn x + shift.
-
-    The first row is a translation, the second two points of an axis and an angle [degree], which turns what was moved.
-    """
-    values = [[float(word) for word in row if word] for row in rows]
-    shift = np.array((values[0] + [0.0, 0.0, 0.0])[:3]) if values else np.zeros(3)
-    if len(values) < 2:
-        return np.eye(3), shift
-    a, b, angle = np.array(values[1][:3]), np.array(values[1][3:6]), np.radians(values[1][6])
-    x, y, z = (b - a) / np.linalg.norm(b - a)
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    turn = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
-    return turn, turn @ (shift - a) + a
-
-
 class Assembly:
     """All instances, and the nodes, shells and sets that are in none."""
 
@@ -138,11 +127,13 @@ class Assembly:
         self._sets: dict[tuple[str, str], list[int]] = {}
 
     def add(self, name: str, part: str, rows: list[list[str]]) -> bool:
-        """Put an instance of a part in its place. Raises KeyError for an unknown part.
+        """Put an instance of a part in its place. Raises KeyError for an unknown part, DataError.
 
         One of an empty part has a part of its own, of its name, as analytical surfaces stand in instances; return
         whether it has.
         """
+        if name in self.instances:
+            raise DataError(f"a second instance {name}")
         mesh = self.parts[part]
         is_empty = not mesh.nodes and not mesh.drawn
         if is_empty:
@@ -187,12 +178,16 @@ class Assembly:
         sets = instance.mesh.node_sets if kind == "NSET" else instance.mesh.cell_sets
         return [first + label for label in sets[own]]
 
-    def sets_in_instances(self, part: str, name: str) -> list[int]:
-        """Return the cells of a part's set in all instances of it; of the assembly's own set for an empty part."""
+    def sets_in_instances(self, part: str, name: str) -> dict[str, list[int]]:
+        """Return the cells of a part's set in each instance of it; for an empty part those of the assembly's own set.
+
+        Raises KeyError.
+        """
         if not part:
-            return self.cells_of(name)
+            return {"": self.cells_of(name)}
         own = self.parts[part]
-        return [i.first_cell + label for i in self.instances.values() if i.mesh is own for label in own.cell_sets[name]]
+        labels = own.cell_sets[name]
+        return {n: [i.first_cell + label for label in labels] for n, i in self.instances.items() if i.mesh is own}
 
     def all_nodes(self) -> tuple[IndexArray, FloatArray]:
         """Return labels (n,) and points (n, 3)."""

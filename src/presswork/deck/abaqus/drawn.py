@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.mesh.files.abaqus_blocks import Block, DataError
+from presswork.mesh.files.abaqus_places import to_float
 from presswork.model import FloatArray, IndexArray
 
 KINDS = ("CYLINDER", "REVOLUTION", "SEGMENTS")
@@ -34,7 +35,7 @@ class DrawnSurface:
         """Return points (n, 2) of the profile; chords lie within a tolerance of arcs. Raises DataError."""
         points = [np.array([float(word) for word in self.rows[0][1:3]])]
         for word, *values in self.rows[1:]:
-            start, numbers = points[-1], np.array([float(value) for value in values if value])
+            start, numbers = points[-1], _numbers(values)
             match word.upper(), len(numbers):
                 case "LINE", 2:
                     points.append(numbers)
@@ -95,7 +96,7 @@ def read_drawn(block: Block) -> DrawnSurface:
     starts = [number for number, row in enumerate(rows) if row[0].upper() == "START"]
     if not starts or len(rows) < starts[0] + 2:
         raise DataError("a profile has START and at least one piece")
-    frame = [np.array([float(word) for word in row if word]) for row in rows[: starts[0]]]
+    frame = [_numbers(row) for row in rows[: starts[0]]]
     kind, origin, axes = block.name_of("TYPE"), np.zeros(3), np.array([[1.0, 0, 0], [0, 1.0, 0], [0, 0, -1.0]])
     if frame:
         if len(frame[0]) != 6 or (kind == "CYLINDER" and (len(frame) < 2 or len(frame[1]) != 3)):
@@ -111,6 +112,12 @@ def read_drawn(block: Block) -> DrawnSurface:
             x /= np.linalg.norm(x)
             axes = np.array([x, along, np.cross(x, along)])
     return DrawnSurface(kind, origin, axes, rows[starts[0] :])
+
+
+def _numbers(words: list[str]) -> FloatArray:
+    """Return the numbers of a row without blanks at its end; others are 0. Raises DataError."""
+    n = max((i for i, word in enumerate(words, 1) if word), default=0)
+    return np.array([to_float(word) for word in words[:n]])
 
 
 def _arc(start: FloatArray, end: FloatArray, centre: FloatArray, tolerance: float) -> FloatArray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from presswork.deck.abaqus.parameters import leave_columns
 from presswork.deck.contents import Hardening, MaterialCard
 from presswork.deck.notes import Notes
 from presswork.keyword_file import Place
@@ -14,6 +15,16 @@ from presswork.mesh.files.abaqus_blocks import Block, DataError
 from presswork.model import FloatArray
 
 _KEYWORDS = ("MATERIAL", "DENSITY", "ELASTIC", "PLASTIC", "POTENTIAL", "RATE DEPENDENT", "DAMPING")
+
+
+_TAKEN = {
+    "DENSITY": (1, 1),
+    "ELASTIC": (1, 2),
+    "PLASTIC": (0, 2),
+    "POTENTIAL": (1, 4),
+    "RATE DEPENDENT": (1, 2),
+}
+"""Rows and columns that are read; 0: all."""
 
 
 @dataclass
@@ -46,6 +57,8 @@ class MaterialReader:
         if block.name not in _KEYWORDS:
             return False
         if block.name == "MATERIAL":
+            if block.name_of("NAME") in self._found:
+                raise DataError(f"a second material {block.name_of('NAME')}")
             self._now = self._found.setdefault(block.name_of("NAME"), _Material(block.place))
             self._notes.see(block.place, "*MATERIAL", "of no sheet that is taken over", "dropped")
         elif self._now is not None:
@@ -57,6 +70,12 @@ class MaterialReader:
 
     def _take(self, block: Block, material: _Material) -> None:
         rows = block.table(6)
+        n_rows, n_columns = _TAKEN.get(block.name, (0, 0))
+        if n_rows and len(rows) > n_rows:
+            text = f"{len(rows)} rows of data, of several temperatures or fields"
+            self._notes.refuse(block.place, f"*{block.name}", text, "give the values of one temperature")
+        if n_columns:
+            leave_columns(block, n_columns, "temperature, fields and further columns", self._notes)
         match block.name:
             case "DENSITY":
                 material.density = float(rows[0, 0])
@@ -97,7 +116,8 @@ class MaterialReader:
             points = material.points if material.points is not None else np.array([[0.0, 1e12]])
             if material.ratios is not None:  # the table is the reference stress, R11 times it that along 1
                 points = points * [1.0, material.ratios[0]]
-            hardening = Hardening("table", {f"{i}": float(value) for i, value in enumerate(points.ravel())})
+            table = {f"{i}": float(value) for i, value in enumerate(points.ravel())}
+            hardening = Hardening("table", table, ends_flat=True)
             cards[number] = MaterialCard(
                 "*MATERIAL",
                 material.density,

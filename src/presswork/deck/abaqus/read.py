@@ -10,23 +10,23 @@ from pathlib import Path
 import numpy as np
 
 from presswork.deck.abaqus.assembly import POINTS, Assembly, PartMesh
+from presswork.deck.abaqus.contacts import Contacts
 from presswork.deck.abaqus.materials import MaterialReader, read_orientation
+from presswork.deck.abaqus.parameters import check_parameters
+from presswork.deck.abaqus.sections import read_section
 from presswork.deck.abaqus.steps import Steps
-from presswork.deck.contents import Contact, Deck, PartCard, SectionCard, Shells
+from presswork.deck.contents import Deck, PartCard, Shells
 from presswork.deck.keyword_file import explain_unreadable
 from presswork.deck.notes import DROPPED, KEPT, Fate, Notes
 from presswork.keyword_file import Place
 from presswork.mesh.files.abaqus_blocks import Block, DataError, read_blocks
-from presswork.model import FloatArray
+from presswork.model import FloatArray, IndexArray
 
 _SILENT = (
     "PREPRINT",
     "END PART",
     "END ASSEMBLY",
     "ASSEMBLY",
-    "SYSTEM",
-    "CONTACT",
-    "CONTACT INCLUSIONS",
 )
 _NUMERICS = (
     "OUTPUT",
@@ -52,11 +52,9 @@ _NUMERICS = (
     "DIAGNOSTICS",
     "MASS",
     "ROTARY INERTIA",
-    "SURFACE BEHAVIOR",
     "TRANSVERSE SHEAR STIFFNESS",
 )
-"""What steers numerics and output; hard contact."""
-_USUAL_POINTS = 5
+"""What steers numerics and output."""
 _CHORD = 1e-4
 """Of the sheet's size: how far chords lie off the arcs of analytical surfaces."""
 
@@ -77,11 +75,7 @@ class AbaqusDeck:
         self._axes: dict[tuple[str, str], FloatArray | None] = {}
         """By part and name: what shells project as their axis 1."""
         self._rigid: list[tuple[str, Block]] = []
-        self._pairs: list[tuple[Block, list[str]]] = []
-        self._general: Block | None = None
-        self._frictions: dict[str, float] = {}
-        self._interaction = ""
-        self._assigned = ""
+        self._contacts = Contacts(notes)
         self._node_place: Place | None = None
 
     def read(self) -> Deck:
@@ -104,6 +98,7 @@ class AbaqusDeck:
         if block.name in _SEEN:
             fate, text = _SEEN[block.name]
             self.notes.see(block.place, f"*{block.name}", text, fate)
+        check_parameters(block, self.notes)
         handler = _HANDLERS.get(block.name)
         if handler is not None:
             handler(self, block)
@@ -111,7 +106,7 @@ class AbaqusDeck:
             self._assembly.add_set(block)
         elif self._mesh().take(block):
             self._see_mesh(block)
-        elif self._materials.take(block) or self._steps.take(block):
+        elif self._materials.take(block) or self._steps.take(block) or self._contacts.take(block):
             return
         elif block.name in _NUMERICS:
             self.notes.drop(block.place, f"*{block.name}", "steers numerics or output: presswork has its own")
@@ -123,9 +118,15 @@ class AbaqusDeck:
     def _see_mesh(self, block: Block) -> None:
         """Say what became of nodes, elements, sets and surfaces."""
         text, kind, fate = "a set or surface, for keywords that name it", block.name_of("TYPE"), KEPT
-        if block.name == "NODE":
+        if block.name == "SYSTEM":
+            text = "the system of the nodes below it"
+        elif block.name == "SURFACE":
+            text = f"a surface, for contacts that name it: {'; '.join(', '.join(row) for row in block.rows()[:3])}"
+        elif block.name == "NODE":
             text = f"{len(self._mesh().nodes[-1])} nodes"
             self._node_place = self._node_place or block.place
+            if len(block.first_row()) > 4:
+                self.notes.leave(block.place, "*NODE", "the normals of nodes")
         elif block.name == "ELEMENT" and kind in POINTS:
             text, fate = "masses of points: tools move as stages say", DROPPED
         elif block.name == "ELEMENT" and kind in self._mesh().others:
@@ -151,6 +152,8 @@ class AbaqusDeck:
 
     def _begin_part(self, block: Block) -> None:
         self._part = block.name_of("NAME")
+        if self._part in self._assembly.parts:
+            raise DataError(f"a second part {self._part}")
         self._assembly.parts[self._part] = PartMesh()
 
     def _end_part(self, block: Block) -> None:
@@ -176,23 +179,6 @@ class AbaqusDeck:
 
     def _rigid_body(self, block: Block) -> None:
         self._rigid.append((self._part, block))
-
-    def _surface_interaction(self, block: Block) -> None:
-        self._interaction = block.name_of("NAME")
-        self._frictions.setdefault(self._interaction, 0.0)
-
-    def _friction(self, block: Block) -> None:
-        rows = block.rows()
-        self._frictions[self._interaction] = float(rows[0][0]) if rows and rows[0][0] else 0.0
-        if len(rows) > 1 or "TAUMAX" in block.parameters:
-            self.notes.change(block.place, "*FRICTION", "one coefficient of friction: the first")
-
-    def _contact_pair(self, block: Block) -> None:
-        self._pairs += [(block, row) for row in block.rows()]
-
-    def _property(self, block: Block) -> None:
-        self._general = block
-        self._assigned = next((row[2].upper() for row in block.rows() if len(row) > 2), "")
 
     # --- the whole ---------------------------------------------------------------------------------------------------
 
@@ -244,27 +230,28 @@ class AbaqusDeck:
             raise self.notes.fail(None, "shells of nodes that the deck does not have", "the deck is cut short")
         own = part > 0
         deck.shells = Shells(part[own], nodes[own], np.full(int(own.sum()), np.nan))
-        self._add_contacts(deck, shells[:, 0], part)
+        self._contacts.finish(deck, self._assembly, shells[:, 0], part)
         self._steps.finish(deck, self._assembly, bodies, labels)
         return deck
 
-    def _number_sheets(self, deck: Deck, cells: np.ndarray, part: np.ndarray, numbers: dict[str, int]) -> None:
+    def _number_sheets(self, deck: Deck, cells: IndexArray, part: IndexArray, numbers: dict[str, int]) -> None:
+        """Give each section, in each instance of its part, a number of a part of the deck."""
         for owner, block in self._sections:
-            number = len(deck.parts) + 1
             try:
                 own = self._assembly.sets_in_instances(owner, block.name_of("ELSET"))
                 material = numbers[block.name_of("MATERIAL")]
-                first = block.table(2)[0]
+                section = read_section(block, self.notes)
             except (DataError, IndexError, KeyError) as error:
                 raise self._explain(block.place, block.name, error) from error
-            part[np.isin(cells, own)] = number
             if deck.materials[material].yield_function:
                 rolling = self._find_rolling(owner, block)
                 deck.materials[material] = replace(deck.materials[material], rolling=rolling)
-            n_points = int(first[1]) or _USUAL_POINTS
-            title = owner or block.name_of("ELSET")
-            deck.parts[number] = PartCard(title.lower(), number, material, block.place, f"*{block.name}")
-            deck.sections[number] = SectionCard(float(first[0]), n_points, False, block.place, f"*{block.name}")
+            for labels in own.values():
+                number = len(deck.parts) + 1
+                part[np.isin(cells, labels)] = number
+                title = owner or block.name_of("ELSET")
+                deck.parts[number] = PartCard(title.lower(), number, material, block.place, f"*{block.name}")
+                deck.sections[number] = section
 
     def _find_rolling(self, owner: str, block: Block) -> tuple[float, float, float]:
         """Return what shells of a section project as their axis 1, in the assembly."""
@@ -282,50 +269,40 @@ class AbaqusDeck:
         x, y, z = (float(each) for each in (own if own is not None else (1.0, 0.0, 0.0)))
         return (x, y, z)
 
-    def _number_tools(self, deck: Deck, cells: np.ndarray, part: np.ndarray) -> dict[int, list[int]]:
+    def _number_tools(self, deck: Deck, cells: IndexArray, part: IndexArray) -> dict[int, list[int]]:
         """Give rigid bodies numbers of parts; return the labels of their reference nodes by number."""
         rigid = self._materials.rigid
         deck.materials[rigid] = self._materials.make_rigid(self._rigid[0][1].place if self._rigid else Place("", 0))
         bodies: dict[int, list[int]] = {}
+        number = max(deck.parts, default=0)  # parts that become rigid leave gaps
         for owner, block in self._rigid:
-            number = len(deck.parts) + 1
             try:
-                name = block.name_of("ELSET") or block.name_of("ANALYTICAL SURFACE")
-                own = self._assembly.sets_in_instances(owner, name)
-                reference = block.name_of("REF NODE")
-                if owner:
-                    mesh = self._assembly.parts[owner]
-                    instances = [(n, i) for n, i in self._assembly.instances.items() if i.mesh is mesh]
-                    bodies[number] = [
-                        node for n, _ in instances for node in self._assembly.nodes_of(f"{n}.{reference}")
-                    ]
-                    title = self._titles.get(owner, owner) if len(instances) == 1 else instances[0][0]
-                else:
-                    bodies[number] = self._assembly.nodes_of(reference)
-                    title = name.rpartition(".")[2]
+                found = self._list_bodies(owner, block)
             except KeyError as error:
                 raise self._explain(block.place, block.name, error) from error
-            is_own = np.isin(cells, own)
-            for replaced in np.unique(part[is_own]):
-                deck.parts.pop(int(replaced), None)
-            part[is_own] = number
-            deck.parts[number] = PartCard(title.lower(), 0, rigid, block.place, f"*{block.name}")
+            for title, own, reference in found:
+                number += 1
+                bodies[number] = reference
+                is_own = np.isin(cells, own)
+                replaced = {int(each) for each in np.unique(part[is_own]) if each}
+                part[is_own] = number
+                card = PartCard(title.lower(), 0, rigid, block.place, f"*{block.name}")
+                for each in replaced - {int(left) for left in np.unique(part)}:
+                    card = replace(card, section=deck.parts.pop(each).section)
+                deck.parts[number] = card
         return bodies
 
-    def _add_contacts(self, deck: Deck, cells: np.ndarray, part: np.ndarray) -> None:
-        for block, row in self._pairs:
-            try:
-                sides = [np.unique(part[np.isin(cells, self._assembly.cells_of(name.upper()))]) for name in row[:2]]
-            except KeyError as error:
-                raise self._explain(block.place, block.name, error) from error
-            friction = self._frictions.get(block.name_of("INTERACTION"), 0.0)
-            parts = (tuple(sides[0].tolist()), tuple(sides[1].tolist()))
-            deck.contacts.append(Contact(parts, (friction, 0.0), block.place, "*CONTACT PAIR"))
-        if self._general is not None:
-            everything = tuple(deck.parts)
-            friction = self._frictions.get(self._assigned, 0.0)
-            contact = Contact((everything, everything), (friction, 0.0), self._general.place, f"*{self._general.name}")
-            deck.contacts.append(contact)
+    def _list_bodies(self, owner: str, block: Block) -> list[tuple[str, list[int], list[int]]]:
+        """Return title, cells and reference nodes of a rigid body, in each instance of its part. Raises KeyError."""
+        name = block.name_of("ELSET") or block.name_of("ANALYTICAL SURFACE")
+        reference, found = block.name_of("REF NODE"), self._assembly.sets_in_instances(owner, name)
+        if not owner:
+            return [(name.rpartition(".")[2], found[""], self._assembly.nodes_of(reference))]
+        bodies = []
+        for instance, own in found.items():
+            title = self._titles.get(owner, owner) if len(found) == 1 else instance
+            bodies.append((title, own, self._assembly.nodes_of(f"{instance}.{reference}")))
+        return bodies
 
 
 _HANDLERS: dict[str, Callable[[AbaqusDeck, Block], None]] = {
@@ -340,10 +317,6 @@ _HANDLERS: dict[str, Callable[[AbaqusDeck, Block], None]] = {
     "SHELL GENERAL SECTION": AbaqusDeck._section,
     "ORIENTATION": AbaqusDeck._orientation,
     "RIGID BODY": AbaqusDeck._rigid_body,
-    "SURFACE INTERACTION": AbaqusDeck._surface_interaction,
-    "FRICTION": AbaqusDeck._friction,
-    "CONTACT PAIR": AbaqusDeck._contact_pair,
-    "CONTACT PROPERTY ASSIGNMENT": AbaqusDeck._property,
 }
 _SEEN: dict[str, tuple[Fate, str]] = {
     "HEADING": ("kept", "the case's title"),

@@ -13,6 +13,7 @@ from presswork.deck.contents import Deck, Held, Motion, Push
 from presswork.deck.notes import Notes
 from presswork.keyword_file import Place
 from presswork.mesh.files.abaqus_blocks import Block, DataError
+from presswork.mesh.files.abaqus_places import to_float
 from presswork.model import FloatArray, IndexArray
 
 _NAMED = {
@@ -39,17 +40,33 @@ class _Entry:
     block: Block
 
 
+@dataclass(frozen=True)
+class _Step:
+    """How long a step takes, and whether loads without amplitude rise over it."""
+
+    duration: float
+    rises: bool
+
+
 @dataclass
 class Steps:
     """Gathers steps, and what is prescribed in them."""
 
     notes: Notes
-    _times: list[float] = field(default_factory=list)
+    _steps: list[_Step] = field(default_factory=list)
     _boundaries: list[_Entry] = field(default_factory=list)
     _forces: list[_Entry] = field(default_factory=list)
-    _named: list[tuple[Block, str, tuple[bool, ...]]] = field(default_factory=list)
+    _named: list[tuple[int, Block, str, tuple[bool, ...]]] = field(default_factory=list)
     _amplitudes: dict[str, tuple[FloatArray, bool, Place]] = field(default_factory=dict)
+    _smooth: set[str] = field(default_factory=set)
+    """Amplitudes that are smooth between their points."""
     _last: Block | None = None
+    _renewed: dict[tuple[int, str], Block] = field(default_factory=dict)
+    """Steps, and keywords in them, at which what was given before ends (OP=NEW)."""
+
+    @property
+    def _times(self) -> list[float]:
+        return [step.duration for step in self._steps]
 
     def take(self, block: Block) -> bool:
         """Take a keyword of steps; return whether it was one. Raises DataError."""
@@ -57,34 +74,77 @@ class Steps:
             return False
         match block.name:
             case "STEP":
-                self._times.append(0.0)
-                self._last = block
-                self.notes.see(block.place, "*STEP", "ends a stage, unless tools go on alike")
+                self._begin(block)
             case "STATIC" | "DYNAMIC":
-                rows = block.rows()
-                words = [word for word in rows[0][1:2] if word] if rows else []
-                self._times[-1] = float(words[0]) if words else 1.0
-                self.notes.see(block.place, f"*{block.name}", f"the step takes {self._times[-1]:g}")
+                self._time(block)
             case "END STEP":
                 self.notes.see(block.place, "*END STEP", "how the deck is put together")
             case "AMPLITUDE":
-                if block.name_of("DEFINITION") not in ("", "TABULAR", "SMOOTH STEP"):
-                    self.notes.refuse(block.place, "*AMPLITUDE", "an amplitude that is no table", "give it as a table")
-                    return True
-                values = [float(word) for word in block.labels()]
-                if len(values) < 2 or len(values) % 2:
-                    raise DataError("pairs of time and value are cut short")
-                is_total = block.name_of("TIME") == "TOTAL TIME"
-                self._amplitudes[block.name_of("NAME")] = np.array(values).reshape(-1, 2), is_total, block.place
-                text = "no motion and no force of a tool names it"
-                self.notes.see(block.place, "*AMPLITUDE", text, "dropped")
+                self._take_amplitude(block)
             case "BOUNDARY" | "CLOAD":
                 text = "holds tools, which move as stages say" if block.name == "BOUNDARY" else "pushes no tool"
                 self.notes.see(block.place, f"*{block.name}", text, "dropped")
                 self._take_rows(block)
         return True
 
+    def _begin(self, block: Block) -> None:
+        words = block.name_of("AMPLITUDE")
+        self._steps.append(_Step(0.0, words == "RAMP"))
+        self._last = block
+        name = block.parameters.get("NAME", "")
+        self.notes.see(block.place, "*STEP", f"{name or 'it'} ends a stage, unless tools go on alike")
+        if block.name_of("NLGEOM") == "NO":
+            self.notes.change(block.place, "*STEP", "displacements are large here, whatever NLGEOM = NO says")
+        if "PERTURBATION" in block.parameters:
+            self.notes.refuse(block.place, "*STEP", "a linear perturbation (PERTURBATION)")
+        if words not in ("", "RAMP", "STEP"):
+            self.notes.refuse(block.place, "*STEP", f"AMPLITUDE = {words}", "give RAMP or STEP")
+        rows = [", ".join(row) for row in block.rows()]
+        if rows:
+            self.notes.leave(block.place, "*STEP", f"the text {'; '.join(rows)}")
+
+    def _time(self, block: Block) -> None:
+        """Take how long a step takes; in statics loads rise over it, unless *STEP says STEP."""
+        words = block.first_row()
+        duration = to_float(words[1]) if len(words) > 1 and words[1] else 1.0
+        if duration <= 0.0:
+            raise DataError(f"a time of {duration:g}")
+        is_static = block.name == "STATIC"
+        asked = self._last.name_of("AMPLITUDE") if self._last else ""
+        self._steps[-1] = _Step(duration, is_static if not asked else asked == "RAMP")
+        self.notes.see(block.place, f"*{block.name}", f"the step takes {duration:g}")
+        others = [word for word in (*words[:1], *words[2:]) if word]
+        if others:
+            self.notes.leave(block.place, f"*{block.name}", f"increments: {', '.join(others)}", "numerics")
+
+    def _take_amplitude(self, block: Block) -> None:
+        kind, place = block.name_of("DEFINITION"), block.place
+        if kind not in ("", "TABULAR", "SMOOTH STEP"):
+            self.notes.refuse(place, "*AMPLITUDE", f"an amplitude that is no table ({kind})", "give it as a table")
+            return
+        if block.name_of("VALUE") not in ("", "RELATIVE"):
+            self.notes.refuse(place, "*AMPLITUDE", f"VALUE = {block.name_of('VALUE')}", "give VALUE=RELATIVE")
+        if kind == "SMOOTH STEP":
+            self._smooth.add(block.name_of("NAME"))
+        values = [to_float(word) for word in block.labels()]
+        if len(values) < 2 or len(values) % 2:
+            raise DataError("pairs of time and value are cut short")
+        table = np.array(values).reshape(-1, 2)
+        if (np.diff(table[:, 0]) < 0).any():
+            raise DataError("times that do not increase")
+        if block.name_of("TIME") not in ("", "STEP TIME", "TOTAL TIME"):
+            raise DataError(f"TIME = {block.name_of('TIME')}")
+        name = block.name_of("NAME")
+        if name in self._amplitudes:
+            raise DataError(f"a second amplitude {name}")
+        self._amplitudes[name] = table, block.name_of("TIME") == "TOTAL TIME", place
+        self.notes.see(place, "*AMPLITUDE", "no motion and no force of a tool names it", "dropped")
+
     def _take_rows(self, block: Block) -> None:
+        if block.name_of("OP") == "NEW":
+            self._renewed.setdefault((len(self._steps) - 1, block.name), block)
+        if "FOLLOWER" in block.parameters:
+            self.notes.refuse(block.place, f"*{block.name}", "a force that turns with its node (FOLLOWER)")
         for row in block.rows():
             kind = "force" if block.name == "CLOAD" else block.name_of("TYPE").lower() or "displacement"
             if kind not in ("force", "displacement", "velocity"):
@@ -92,23 +152,34 @@ class Steps:
                     block.place, "*BOUNDARY", f"prescribed by {kind}", "give TYPE=DISPLACEMENT or VELOCITY"
                 )
                 continue
-            target, word = row[0].upper(), row[1].upper()
-            if word in _NAMED:
-                self._named.append((block, target, _NAMED[word]))
-                continue
-            if not word.isdigit():
-                self.notes.refuse(block.place, "*BOUNDARY", f"a support of another kind: {word}")
-                continue
-            first = int(word)
-            if block.name == "CLOAD":
-                last, value = first, float(row[2])
-            else:
-                last = int(row[2]) if len(row) > 2 and row[2] else first
-                value = float(row[3]) if len(row) > 3 and row[3] else 0.0
-            entries = self._forces if block.name == "CLOAD" else self._boundaries
-            for freedom in range(first, last + 1):
-                step = len(self._times) - 1
-                entries.append(_Entry(step, target, freedom, value, kind, block.name_of("AMPLITUDE"), block))
+            self._take_row(block, row, kind)
+
+    def _take_row(self, block: Block, row: list[str], kind: str) -> None:
+        target, word = row[0].upper(), row[1].upper()
+        if word in _NAMED and block.name == "BOUNDARY":
+            self._named.append((len(self._steps) - 1, block, target, _NAMED[word]))
+            return
+        if not word.isdigit():
+            self.notes.refuse(block.place, f"*{block.name}", f"a support or load of another kind: {word}")
+            return
+        first = last = int(word)
+        if block.name == "CLOAD":
+            value, more = to_float(row[2]), row[3:]
+        else:
+            last = int(row[2]) if len(row) > 2 and row[2] else first
+            value, more = to_float(row[3] if len(row) > 3 else ""), row[4:]
+        if any(more):
+            self.notes.leave(block.place, f"*{block.name}", f"fields after the value: {', '.join(more)}")
+        if not 1 <= first <= last <= 6:
+            bad = first if first < 1 or first > 6 else last
+            text = f"{target}: freedom {bad} is no displacement and no rotation"
+            remedy = "freedoms are 1 to 6; take temperatures and pressures out of the deck"
+            self.notes.refuse(block.place, f"*{block.name}", text, remedy)
+            return
+        entries = self._forces if block.name == "CLOAD" else self._boundaries
+        for freedom in range(first, last + 1):
+            step = len(self._steps) - 1
+            entries.append(_Entry(step, target, freedom, value, kind, block.name_of("AMPLITUDE"), block))
 
     # --- over the whole time -----------------------------------------------------------------------------------------
 
@@ -121,18 +192,26 @@ class Steps:
         deck.end = float(sum(self._times)) or None
         deck.breaks = np.cumsum(self._times).tolist()
         deck.end_place = self._last.place if self._last else None
+        released = self._end_by_renewal()
         part_of = {node: part for part, nodes in bodies.items() for node in nodes}
         held: dict[tuple[int, ...], list[bool]] = {}
         blocks: dict[tuple[int, ...], Block] = {}
         driven: dict[tuple[int, int, str], list[_Entry]] = {}
+        for step, target, _ in released:
+            block = self._renewed[step, "BOUNDARY"]
+            if not any(node in part_of for node in self._nodes_of(assembly, block, target)):
+                text = f"OP=NEW releases {target}, which is no tool, while the sheet is formed"
+                self.notes.refuse(block.place, "*BOUNDARY", text, "give its supports again, or OP=MOD")
         for entry in (*self._boundaries, *self._forces):
             nodes = self._nodes_of(assembly, entry.block, entry.target)
             parts = {part_of[node] for node in nodes if node in part_of}
+            if entry.kind == "force" and len(nodes) > 1:
+                self.notes.refuse(entry.block.place, "*CLOAD", f"{entry.target}: a force on each of {len(nodes)} nodes")
             for part in parts:
                 driven.setdefault((part, entry.freedom, entry.kind), []).append(entry)
             if not parts:
                 self._hold(entry, tuple(nodes), held, blocks)
-        for block, target, fixed in self._named:
+        for _, block, target, fixed in self._named:
             nodes = self._nodes_of(assembly, block, target)
             if not any(node in part_of for node in nodes):
                 own = np.searchsorted(labels, np.array(nodes)) + 1
@@ -141,7 +220,26 @@ class Steps:
             own = np.searchsorted(labels, np.array(key)) + 1
             deck.held.append(Held(own, tuple(fixed_list), blocks[key].place, "*BOUNDARY"))
         for (part, freedom, kind), entries in driven.items():
-            self._drive(deck, part, freedom, kind, entries)
+            targets = {entry.target for entry in entries}
+            ends = [step for step, target, own in released if own == freedom and target in targets]
+            end = float(np.cumsum([0.0, *self._times])[min(ends)]) if ends and kind != "force" else _FOREVER
+            if any(entry.value for entry in entries) or (part, freedom, "force") in driven:
+                self._drive(deck, part, freedom, kind, entries, end)
+
+    def _end_by_renewal(self) -> list[tuple[int, str, int]]:
+        """Return step, target and freedom of supports and motions that OP=NEW releases; forces that end become 0."""
+        named = [(s, t, i + 1) for s, _, t, fixed in self._named for i, is_fixed in enumerate(fixed) if is_fixed]
+        released = []
+        for (step, keyword), block in self._renewed.items():
+            entries = self._forces if keyword == "CLOAD" else self._boundaries
+            given = [(e.step, e.target, e.freedom) for e in entries] + (named if keyword == "BOUNDARY" else [])
+            now = {(target, freedom) for s, target, freedom in given if s == step}
+            for target, freedom in sorted({(target, freedom) for s, target, freedom in given if s < step} - now):
+                if keyword == "CLOAD":
+                    entries.append(_Entry(step, target, freedom, 0.0, "force", "", block))
+                else:
+                    released.append((step, target, freedom))
+        return released
 
     def _nodes_of(self, assembly: Assembly, block: Block, target: str) -> list[int]:
         try:
@@ -163,11 +261,14 @@ class Steps:
         held.setdefault(nodes, [False] * 6)[entry.freedom - 1] = True
         blocks.setdefault(nodes, entry.block)
 
-    def _drive(self, deck: Deck, part: int, freedom: int, kind: str, entries: list[_Entry]) -> None:
-        """Add the motion or the push of a tool along a freedom, as a curve over the whole time."""
-        if not any(entry.value for entry in entries):
-            return
+    def _drive(self, deck: Deck, part: int, freedom: int, kind: str, entries: list[_Entry], end: float) -> None:
+        """Add the motion or the push of a tool along a freedom until a time, as a curve over the whole time."""
         first = entries[0].block
+        for step in {entry.step for entry in entries}:
+            own = {(e.value, e.amplitude, e.target if kind == "force" else "") for e in entries if e.step == step}
+            if len({each for each in own if each[0]}) > 1:
+                text = f"several {kind}s along freedom {freedom} of one tool in one step"
+                self.notes.refuse(first.place, f"*{first.name}", text, "give one")
         for entry in entries:
             if entry.block.place != first.place:
                 self.notes.belong(entry.block.place, f"*{first.name}", first.place)
@@ -179,7 +280,7 @@ class Steps:
             deck.pushes.append(Push(part, axis, number, 1.0, first.place, keyword))
             return
         shown: Literal["velocity", "displacement"] = "velocity" if kind == "velocity" else "displacement"
-        deck.motions.append(Motion(part, axis, shown, number, 1.0, 0.0, _FOREVER, first.place, keyword))
+        deck.motions.append(Motion(part, axis, shown, number, 1.0, 0.0, end, first.place, keyword))
 
     def _join(self, entries: list[_Entry], kind: str) -> FloatArray:
         """Return the curve (n, 2) over the whole time of one freedom, step after step."""
@@ -199,13 +300,15 @@ class Steps:
                 self.notes.belong(place, "*AMPLITUDE", entry.block.place)
                 times = table[:, 0] if is_total else table[:, 0] + begin
                 inside = (times >= begin - tiny) & (times <= begin + duration + tiny)
+                if not inside.any() or times[inside][0] > begin + tiny:
+                    rows.append((begin + tiny, entry.value * float(np.interp(begin, times, table[:, 1]))))
                 rows += [
                     (float(t), entry.value * float(v)) for t, v in zip(times[inside], table[inside, 1], strict=True)
                 ]
                 end = begin + duration
                 value = entry.value * float(np.interp(end, times, table[:, 1]))
                 rows.append((end, value))
-            elif kind == "displacement":
+            elif kind == "displacement" or (kind == "force" and self._steps[step].rises):
                 rows += [(begin + tiny, value), (begin + duration, entry.value)]
                 value = entry.value
             else:
@@ -220,4 +323,7 @@ class Steps:
         if entry.amplitude not in self._amplitudes:
             fault = f"*{entry.block.name}: there is no amplitude {entry.amplitude}"
             raise self.notes.fail(entry.block.place, fault, "add *AMPLITUDE")
-        return self._amplitudes[entry.amplitude]
+        found = self._amplitudes[entry.amplitude]
+        if entry.amplitude in self._smooth:
+            self.notes.change(found[2], "*AMPLITUDE", "straight lines between its points (DEFINITION = SMOOTH STEP)")
+        return found

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from presswork.keyword_file import Place, decode, read_keyword_lines
+from presswork.keyword_file import LARGEST, KeywordFileError, Place, decode, read_keyword_lines
 from presswork.model import FloatArray
+from presswork.text_file import UnreadableError, read_bytes
 
 _KEYWORD = re.compile(rb"^\*[^*\r\n](?:[^\r\n]*,[ \t]*\r?\n[ \t]*(?=[A-Za-z]))*[^\r\n]*", re.MULTILINE)
 """A keyword line, and lines of further parameters after a comma at its end."""
@@ -36,6 +37,14 @@ class Block:
         """Return the fields of each row of data."""
         lines = (line.strip() for line in decode(self.data).splitlines())
         return [[word.strip() for word in line.split(",")] for line in lines if line and not line.startswith("**")]
+
+    def first_row(self) -> list[str]:
+        """Return the fields of the first row of data without blanks at its end; none where there is no row."""
+        for line in self.data.split(b"\n", 20)[:20]:
+            text = decode(line).strip()
+            if text and not text.startswith("**"):
+                return [word.strip() for word in text.rstrip(", ").split(",")]
+        return []
 
     def table(self, width: int) -> FloatArray:
         """Return rows of `width` numbers, missing ones 0 (n, width). Raises DataError."""
@@ -64,10 +73,23 @@ def read_blocks(path: Path, depth: int = 0) -> Iterator[Block]:
         words = [word.strip() for word in line.text.split(",")]
         pairs = [word.partition("=") for word in words[1:] if word]
         parameters = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
-        block = Block(" ".join(words[0].upper().split()), parameters, line.place, line.data[line.after : line.end])
+        name, data = " ".join(words[0].upper().split()), line.data[line.after : line.end]
+        if "INPUT" in parameters and name != "INCLUDE":
+            data = _read_rows(path, path.parent / parameters["INPUT"], f"{line.place} *{name}")
+        block = Block(name, parameters, line.place, data)
         yield block
         if block.name == "INCLUDE":
             yield from read_blocks(path.parent / parameters.get("INPUT", ""), depth + 1)
+
+
+def _read_rows(deck: Path, file: Path, key: str) -> bytes:
+    """Return the rows of data that a keyword has in a file of their own. Raises KeywordFileError."""
+    try:
+        return read_bytes(file, most=LARGEST)
+    except FileNotFoundError as error:
+        raise KeywordFileError(deck, f"INPUT={file.name}: no such file", "check the path", key) from error
+    except UnreadableError as error:
+        raise KeywordFileError(deck, f"INPUT={file.name}: {error.fault}", error.remedy, key) from error
 
 
 def read_labels(block: Block, sets: Mapping[str, list[int]]) -> tuple[list[int], list[str]]:
