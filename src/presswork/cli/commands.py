@@ -31,6 +31,7 @@ COMMANDS = {
     "onestep": "Find the flat blank of a finished part: outline, thinning, formability, punch force.",
     "calibrate": "Find a parameter from measured tests.",
     "material": "Sheet materials at a point.",
+    "export": "Write the formed part for other programs, with thickness, stress and plastic strain.",
     "import": "Make a case of another program's deck, and say line by line what was kept, changed and dropped.",
 }
 """First paragraph of each command's help by its name. A command is the function of that name in the module of that name

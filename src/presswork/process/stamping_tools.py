@@ -15,6 +15,7 @@ from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.tools import RigidTool
 from presswork.formability import Info
 from presswork.geometry.tool_surface import make_surface
+from presswork.mesh.thickness_rule import thickness_rule
 from presswork.mesh.tool_clearance import find_clearance
 from presswork.model import (
     Drawbead,
@@ -182,7 +183,18 @@ def describe_stamping(model: Model) -> Info:
     if beads:
         told["beads"] = "\n".join(bead.name for bead in beads)
         told["bead_points"] = _thin([bead.place for bead in beads])
-    return {**told, "whole": float(model.whole), **judged.to_info()}
+    return {**told, **describe_sheet(model), "whole": float(model.whole), **judged.to_info()}
+
+
+def describe_sheet(model: Model) -> Info:
+    """Return what results say of a sheet: where its layers lie, its rolling direction and elasticity."""
+    section, material = model.sheet
+    return {
+        "layers": thickness_rule(section)[0],
+        "rolling": np.array(model.rolling_direction, dtype=float),
+        "young": float(material.young),
+        "poisson": float(material.poisson),
+    }
 
 
 def _thin(lines: Sequence[FloatArray]) -> FloatArray:

@@ -43,10 +43,16 @@ def first_sides(points: FloatArray, cells: IntArray) -> tuple[FloatArray, FloatA
     return side / np.linalg.norm(side, axis=1, keepdims=True), normal
 
 
+def material_angle(sheet: FormedSheet) -> FloatArray:
+    """Return the angle from the first side of each shell to x of its material (n,) [degree]."""
+    side, normal = first_sides(sheet.points, sheet.cells)
+    across = (np.cross(side, sheet.axis) * normal).sum(axis=1)
+    return np.degrees(np.arctan2(across, (side * sheet.axis).sum(axis=1)))
+
+
 def write_dynain(sheet: FormedSheet, title: str) -> str:
     """Return the text of a dynain."""
-    side, normal = first_sides(sheet.points, sheet.cells)
-    angle = np.degrees(np.arctan2((np.cross(side, sheet.axis) * normal).sum(axis=1), (side * sheet.axis).sum(axis=1)))
+    angle = material_angle(sheet)
     lines = ["*KEYWORD", "$ presswork; mm, t, s, N, MPa", "*TITLE", title[:80], "*NODE"]
     lines += [f"{i + 1:8d}" + "".join(f"{v:16.9e}" for v in x) for i, x in enumerate(sheet.points)]
     lines.append("*ELEMENT_SHELL_THICKNESS")
