@@ -18,7 +18,8 @@ def export(
     files: Annotated[
         list[Path],
         typer.Argument(
-            help="Files to write, their format by the ending: .k or .dynain LS-DYNA, .inp Abaqus, .bdf Nastran.",
+            help="Files to write, their format by the ending: .k or .dynain LS-DYNA, .inp Abaqus, .rad OpenRadioss, "
+            ".bdf Nastran.",
             show_default=False,
         ),
     ],
@@ -26,7 +27,7 @@ def export(
 ) -> None:
     """Write the formed part for other programs, with thickness, stress and plastic strain.
 
-    A sheet as LS-DYNA, Abaqus and Nastran shells; units are mm, t, s, N, MPa.
+    A sheet as LS-DYNA, Abaqus, OpenRadioss and Nastran shells; units are mm, t, s, N, MPa.
     """
     from presswork.mesh.files.formed.layers import elastic_energy
     from presswork.mesh.files.formed.writers import find_format

@@ -10,6 +10,8 @@ import meshio
 import numpy as np
 import pytest
 
+from presswork.deck.notes import Notes
+from presswork.deck.rad.read import RadDeck
 from presswork.mesh.checks import MeshError
 from presswork.mesh.files.abaqus import read_abaqus
 from presswork.mesh.files.dynain import first_sides, read_dynain
@@ -19,7 +21,9 @@ from presswork.mesh.files.formed.writers import FORMATS, find_format
 from presswork.model import FormedSheet
 from presswork.process.line.formed_sheet import TO
 from tests.problems.formed_sheets import as_matrix, random_sheet
+from tests.problems.rad_deck import MATERIAL, PROPERTY
 
+CURVE = "/FUNCT/1\nflow stress\n                 0.0               200.0\n                 0.5               400.0\n"
 RULES = [("gauss", 5), ("simpson", 7), ("lobatto", 6)]
 
 
@@ -107,6 +111,35 @@ def test_nastran_has_mesh_thickness_and_material_angle_in_the_manuals_columns(tm
     np.testing.assert_allclose(rows[:, 2:8], sheet.stress.reshape(-1, 6), rtol=1e-6, atol=1e-6)
     np.testing.assert_allclose(rows[:, 8], sheet.plastic_strain.ravel(), rtol=1e-6)
     assert max(len(row) for row in lines if not row.startswith("$")) <= 80
+
+
+def test_radioss_has_the_columns_of_its_manual_and_is_imported(tmp_path: Path) -> None:
+    sheet = random_sheet(7)
+    text = find_format(Path("part.rad")).write(sheet, "a part")
+    (tmp_path / "part_0000.rad").write_text(text)
+    rows = text.split("/INISHE/STRS_F/GLOB\n")[1].split("/INISH3/STRS_F/GLOB\n")
+    table = [row for part in rows for row in part.splitlines() if not row.startswith("/")]
+    each = 2 + 2 * len(sheet.heights)
+    heads = [table[i] for i in range(0, len(table), each)]
+    assert [[int(head[i : i + 10]) for i in (0, 10, 20)] for head in heads] == [
+        [i + 1, 5, 1] for i in range(len(sheet.cells))
+    ]
+    np.testing.assert_allclose([float(head[30:50]) for head in heads], sheet.thickness, rtol=1e-11)
+    layers = [row for i, row in enumerate(table) if i % each > 1]
+    values = np.array([[float(row[i : i + 20]) for row in pair for i in range(0, len(row), 20)] for pair in
+                       zip(layers[::2], layers[1::2], strict=True)])  # fmt: skip
+    np.testing.assert_allclose(values[:, :6], sheet.stress.reshape(-1, 6), atol=1e-6)
+    np.testing.assert_allclose(values[:, 6], sheet.plastic_strain.ravel(), rtol=1e-9)
+    np.testing.assert_allclose(values[:, 7], np.tile(sheet.heights, len(sheet.cells)), atol=1e-9)
+    whole = text.replace("/END\n", MATERIAL + PROPERTY.format(thickness=1.0) + CURVE + "/END\n")
+    (tmp_path / "part_0000.rad").write_text(whole)
+    deck = RadDeck(tmp_path / "part_0000.rad", Notes(tmp_path / "part_0000.rad", frozenset())).read()
+    assert deck.units is not None
+    assert (deck.units.length, deck.units.stress) == (1.0, 1.0)
+    np.testing.assert_allclose(deck.points, sheet.points, atol=1e-9)
+    assert deck.shells is not None
+    np.testing.assert_array_equal(deck.shells.nodes - 1, sheet.cells)
+    np.testing.assert_allclose(deck.shells.thickness, sheet.thickness, rtol=1e-11)
 
 
 def test_dyna_reads_back(tmp_path: Path) -> None:

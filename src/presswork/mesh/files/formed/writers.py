@@ -11,6 +11,7 @@ from presswork.mesh.checks import MeshError
 from presswork.mesh.files.dynain import is_dynain, write_dynain
 from presswork.mesh.files.formed.abaqus import write_abaqus
 from presswork.mesh.files.formed.nastran import write_nastran
+from presswork.mesh.files.formed.radioss import write_radioss
 from presswork.model import FormedSheet
 
 
@@ -27,6 +28,7 @@ class Format:
 FORMATS = (
     Format("LS-DYNA", (".dynain", ".k", ".key"), write_dynain),
     Format("Abaqus", (".inp",), write_abaqus),
+    Format("OpenRadioss", (".rad",), write_radioss),
     Format("Nastran", (".bdf", ".nas", ".dat"), write_nastran),
 )
 
