@@ -43,7 +43,8 @@ def read_formed_part(result: Result, step: int = -1) -> FormedPart:
     """
     if not result.is_shell:
         raise ResultError(f"{result.folder} is no sheet: it has no thickness")
-    info, notes = result.info, []
+    info = result.info
+    notes: list[str] = []
     sheet = _read_own_dynain(result, step)
     if sheet is None:
         sheet, notes = _read_fields(result, step)
@@ -119,4 +120,4 @@ def carry_direction(start: FloatArray, now: FloatArray, cells: IntArray, directi
     cos, sin = np.cos(angle), np.sin(angle)
     turned = np.stack([cos * along[:, 0] - sin * along[:, 1], sin * along[:, 0] + cos * along[:, 1]], axis=1)
     turned /= np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-300)
-    return np.einsum("ck,cki->ci", turned, frames[1])
+    return np.asarray(np.einsum("ck,cki->ci", turned, frames[1]))

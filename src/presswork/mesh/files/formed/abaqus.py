@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from presswork.mesh.files.formed.layers import in_layers, lamina_frames, lamina_stress
+from presswork.mesh.files.formed.layers import Rule, in_layers, lamina_frames, lamina_stress
 from presswork.model import FloatArray, FormedSheet
 
 _RULES = {"simpson": "SIMPSON", "gauss": "GAUSS"}
@@ -22,7 +22,7 @@ _MOST_GAUSS = 15
 
 def write_abaqus(sheet: FormedSheet, title: str) -> str:
     """Return the text of an input file without material, steps and supports."""
-    rules = ("simpson", "gauss") if len(sheet.heights) <= _MOST_GAUSS else ("simpson",)
+    rules: tuple[Rule, ...] = ("simpson", "gauss") if len(sheet.heights) <= _MOST_GAUSS else ("simpson",)
     sheet, rule = in_layers(sheet, rules)
     frames = lamina_frames(sheet)
     lines = ["*HEADING", title[:80] or "presswork", "** mm, t, s, N, MPa; give *MATERIAL, NAME=SHEET and the steps"]

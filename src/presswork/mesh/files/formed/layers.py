@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal, cast
+from typing import Literal
 
 import numpy as np
 
@@ -67,7 +67,7 @@ def in_layers(sheet: FormedSheet, rules: Sequence[Rule]) -> tuple[FormedSheet, R
     the first rule, and stresses get a constant and a linear part so that every force and moment stays.
     """
     own = find_rule(sheet.heights)
-    if own in rules:
+    if own is not None and own in rules:
         return sheet, own
     rule = rules[0]
     points = len(sheet.heights) + (rule == "simpson" and len(sheet.heights) % 2 == 0)
@@ -77,7 +77,7 @@ def in_layers(sheet: FormedSheet, rules: Sequence[Rule]) -> tuple[FormedSheet, R
     unit = resultants(heights, np.broadcast_to(heights[None, :, None], (1, len(heights), 1)))[1].item()
     stress = stress + mean[:, None] + bending[:, None] * heights[:, None] / unit
     plastic = np.maximum(_interpolate(sheet.heights, sheet.plastic_strain[..., None], heights)[..., 0], 0.0)
-    return replace(sheet, heights=heights, stress=stress, plastic_strain=plastic), cast(Rule, rule)
+    return replace(sheet, heights=heights, stress=stress, plastic_strain=plastic), rule
 
 
 def _interpolate(heights: FloatArray, values: FloatArray, at: FloatArray) -> FloatArray:
