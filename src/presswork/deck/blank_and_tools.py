@@ -7,14 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswork.deck.contents import Deck, MaterialCard, Motion, PartCard, Push
+from presswork.deck.contents import Contact, Deck, MaterialCard, Motion, PartCard, Push
 from presswork.deck.formed import has_past
 from presswork.deck.material import keep_curve
 from presswork.deck.notes import Notes
 from presswork.deck.place import Seat, find_normal, find_planes, seat
 from presswork.deck.stages import find_displacement, sample_times
+from presswork.deck.thick_tools import move_to_face
 from presswork.deck.titles import is_punch
 from presswork.deck.units import Units
+from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray, IndexArray
 
 
@@ -45,6 +47,7 @@ class BlankAndTools:
         self.offset = self._find_offset()
         self.sheet_points, self.sheet_index = self._points_of(self.blank)
         self.has_past = has_past(deck, self.blank)
+        self._surfaces: dict[int, Surface] = {}
         self.seat, self.symmetry = self._find_seat()
         self.times, self.displacements = self._find_displacements()
 
@@ -136,9 +139,48 @@ class BlankAndTools:
         return np.zeros(int(own.sum())) if self.shells.angle is None else np.radians(self.shells.angle[own])
 
     def surface(self, part: int) -> Surface:
-        """Return the shells of a part in the frame of the case."""
-        points, index = self._points_of(part)
-        return Surface(self.seat.place(points), index[self.shells.nodes[self.shells.part == part]])
+        """Return the shells of a part in the frame of the case; those of a tool lie where it touches."""
+        if part not in self._surfaces:
+            points, index = self._points_of(part)
+            found = Surface(self.seat.place(points), index[self.shells.nodes[self.shells.part == part]])
+            self._surfaces[part] = found if part == self.blank else self._touching(part, found)
+        return self._surfaces[part]
+
+    def _touching(self, part: int, mesh: Surface) -> Surface:
+        """Return a tool's mesh, moved to its face where its shells touch with their thickness."""
+        distance, contact = self._half_thickness(part)
+        if not distance or contact is None:
+            return mesh
+        card = self.deck.parts[part]
+        try:
+            points = move_to_face(mesh.points, mesh.cells, distance, bool(mesh.points[:, 2].mean() < 0.0))
+        except MeshError as error:
+            text = f"part {part} ({card.title}) touches with half the thickness of its shells, {distance:.4g} mm"
+            remedy = f"{error.remedy}, or take a contact in which its mesh is its face (*CONTACT_FORMING)"
+            self.notes.refuse(contact.place, contact.keyword, f"{text}: {error.fault}", remedy)
+            return mesh
+        text = (
+            f"part {part} ({card.title}): its face lies half its shells' thickness from their mesh, {distance:.4g} mm"
+        )
+        self.notes.change(contact.place, contact.keyword, text)
+        return Surface(points, mesh.cells)
+
+    def _half_thickness(self, part: int) -> tuple[float, Contact | None]:
+        """Return half the thickness [mm] with which a tool touches the sheet, and the contact that says so."""
+        for contact in self.deck.contacts:
+            for side, other in ((0, 1), (1, 0)):
+                if part not in contact.parts[side] or self.blank not in contact.parts[other]:
+                    continue
+                if contact.thickness is None:
+                    return 0.0, None
+                given, scale = contact.thickness[side]
+                section = self.deck.sections.get(self.deck.parts[part].section)
+                own = self.shells.thickness[self.shells.part == part]
+                thickness = given or (section.thickness if section else 0.0)
+                if not given and np.isfinite(own).all():
+                    thickness = float(own.mean())
+                return 0.5 * thickness * scale * self.units.length, contact
+        return 0.0, None
 
     # --- the frame ---------------------------------------------------------------------------------------------------
 

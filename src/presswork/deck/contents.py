@@ -126,6 +126,11 @@ class Contact:
     """Static and dynamic."""
     place: Place
     keyword: str
+    thickness: tuple[tuple[float, float], tuple[float, float]] | None = None
+    """Of the shells of rigid bodies on each side, as they touch, and a factor; 0: that of their section.
+
+    None: the mesh of a rigid body is its face.
+    """
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,6 +26,8 @@ _KEYWORDS = (
     "CONTACT PROPERTY ASSIGNMENT",
 )
 _COEFFICIENT = "give a constant coefficient: *FRICTION without parameters, mu below 1"
+_OWN = ((0.0, 1.0), (0.0, 1.0))
+"""Rigid shells touch with the thickness of their section."""
 Sides = tuple[tuple[int, ...], tuple[int, ...]]
 
 
@@ -108,8 +110,10 @@ class Contacts:
 
     # --- the whole ---------------------------------------------------------------------------------------------------
 
-    def finish(self, deck: Deck, assembly: Assembly, cells: IndexArray, part: IndexArray) -> None:
+    def finish(self, deck: Deck, assembly: Assembly, cells: IndexArray, part: IndexArray, explicit: bool) -> None:
         """Add the contacts to the deck; cells: labels of shells (n,), part: number of each one's part (n,).
+
+        explicit: whether steps are those of Abaqus/Explicit, where pairs touch with the thickness of rigid shells.
 
         Raises CaseError for surfaces and interactions that the deck does not have.
         """
@@ -127,7 +131,11 @@ class Contacts:
         for block, row in self._pairs:
             sides = (parts_of(block, row[0]), parts_of(block, row[1] if len(row) > 1 else ""))
             friction = self._find(block, block.name_of("INTERACTION"))
-            deck.contacts.append(Contact(sides, (friction, 0.0), block.place, "*CONTACT PAIR"))
+            is_thick = (explicit or block.name_of("TYPE") == "SURFACE TO SURFACE") and (
+                "NO THICKNESS" not in block.parameters
+            )
+            thickness = _OWN if is_thick else None
+            deck.contacts.append(Contact(sides, (friction, 0.0), block.place, "*CONTACT PAIR", thickness))
         self._finish_general(deck, parts_of)
 
     def _finish_general(self, deck: Deck, parts_of: Callable[[Block, str], tuple[int, ...]]) -> None:
@@ -144,7 +152,7 @@ class Contacts:
                     for each, sides, name in assigned:
                         if _joins(sides, one, other):
                             mu, at = self._find(each, name.upper()), each
-                    contact = Contact(((one,), (other,)), (mu, 0.0), at.place, f"*{at.name}")
+                    contact = Contact(((one,), (other,)), (mu, 0.0), at.place, f"*{at.name}", _OWN)
                     deck.contacts.append(contact)
 
     def _find(self, block: Block, interaction: str) -> float:

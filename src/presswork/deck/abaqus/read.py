@@ -230,7 +230,7 @@ class AbaqusDeck:
             raise self.notes.fail(None, "shells of nodes that the deck does not have", "the deck is cut short")
         own = part > 0
         deck.shells = Shells(part[own], nodes[own], np.full(int(own.sum()), np.nan))
-        self._contacts.finish(deck, self._assembly, shells[:, 0], part)
+        self._contacts.finish(deck, self._assembly, shells[:, 0], part, self._steps.is_explicit)
         self._steps.finish(deck, self._assembly, bodies, labels)
         return deck
 

@@ -64,6 +64,9 @@ class Steps:
     _renewed: dict[tuple[int, str], Block] = field(default_factory=dict)
     """Steps, and keywords in them, at which what was given before ends (OP=NEW)."""
 
+    is_explicit: bool = False
+    """Whether a step is one of Abaqus/Explicit."""
+
     @property
     def _times(self) -> list[float]:
         return [step.duration for step in self._steps]
@@ -110,6 +113,7 @@ class Steps:
         if duration <= 0.0:
             raise DataError(f"a time of {duration:g}")
         is_static = block.name == "STATIC"
+        self.is_explicit |= "EXPLICIT" in block.parameters
         asked = self._last.name_of("AMPLITUDE") if self._last else ""
         self._steps[-1] = _Step(duration, is_static if not asked else asked == "RAMP")
         self.notes.see(block.place, f"*{block.name}", f"the step takes {duration:g}")

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork.deck.contents import Hardening, MaterialCard
 from presswork.deck.dyna.blocks import Block
+from presswork.deck.dyna.cards import leave_fields, leave_rows
 from presswork.deck.notes import Notes
 
 Cards = list[list[float]]
@@ -40,7 +41,66 @@ def read_material(block: Block, name: str, has_title: bool, notes: Notes) -> tup
     cards = [block.numbers(row) for row in rows]
     cards += [[0.0] * 8 for _ in range(8 - len(cards))]
     material = read(block, cards, notes)
+    layouts = _list_layouts(number, cards)
+    for row, layout in zip(rows, layouts, strict=False):
+        leave_fields(block, row, layout, notes)
+    leave_rows(block, rows[len(layouts) :], "a further row", notes)
     return int(cards[0][0]), material
+
+
+def _list_layouts(number: int, cards: Cards) -> list[str]:
+    """Return the fields of each card of a law, those that are not read with a dash (cards.py)."""
+    first, second, third = cards[0], cards[1], cards[2]
+    axes = ["-xp -yp -zp", "-v1 -v2 -v3 -d1 -d2 -d3 beta -"]
+    match number:
+        case 18:
+            return ["mid ro e pr k n src srp", "sigy -vp -epsf"]
+        case 24:
+            has_rows = any(cards[3])
+            straight = "-sigy -etan" if second[2] or has_rows else "sigy etan"
+            points = [""] * 2 if has_rows and not second[2] else [_names("-eps", 8), _names("-es", 8)]
+            fail = "-fail" if first[6] < 0.0 else "fail"
+            return [f"mid ro e pr {straight} {fail} -tdel", f"{_rate_names(second)} lcss lcsr -vp", *points]
+        case 36:
+            rule = int(first[4])
+            p = "-p1 -p2" if rule == 3 else "p1 p2"
+            rest = {2: "-lcid e0 spi -p3", 3: "lcid -e0 -spi -p3", 4: "-lcid -e0 -spi p3"}
+            rolling = f"{axes[0]} {_vector(third[0])} -macf -"
+            return [
+                f"mid ro e pr hr {p} -iter",
+                f"m r00 r45 r90 {rest.get(rule, '-lcid -e0 -spi -p3')}",
+                f"aopt {_rate_names(third[1:])} -vlcid - -pb -nlp -",
+                rolling,
+                axes[1],
+            ]
+        case 37:
+            straight = "-sigy -etan" if first[7] else "sigy etan"
+            return [f"mid ro e pr {straight} r hlcid", "idscale -ea -coe -icfld"]
+        case 133:
+            law = "-k -e0 -n" if second[5] < 0 else "k e0 n"
+            rolling = f"{axes[0]} {_vector(cards[3][0])} - -"
+            return [
+                "mid ro e pr fit beta -iter -iscale",
+                f"{law} {_rate_names(second[3:])} hard a",
+                _names("alpha", 8),
+                "aopt -offang -p4 -htflag -hta -htb -htc -htd",
+                rolling,
+                axes[1],
+            ]
+    return ["mid -ro -e -pr -n -couple -m -alias"]
+
+
+def _names(name: str, n: int) -> str:
+    return " ".join(f"{name}{i}" for i in range(1, n + 1))
+
+
+def _rate_names(values: Sequence[float]) -> str:
+    """Return C and P, which are read where both are given."""
+    return "c p" if values[0] > 0.0 and values[1] > 0.0 else "-c -p"
+
+
+def _vector(option: float) -> str:
+    return "a1 a2 a3" if round(option) == 2 else "-a1 -a2 -a3"
 
 
 def _rigid(block: Block, cards: Cards, notes: Notes) -> MaterialCard:

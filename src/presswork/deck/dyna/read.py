@@ -6,18 +6,20 @@ What only steers numerics or output is dropped and noted; what carries physics a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
 
-from presswork.deck.contents import Contact, Deck, Held, Motion, PartCard, Push, SectionCard, Shells
+from presswork.deck.contents import Contact, Deck, Held, Motion, PartCard, Push, SectionCard
 from presswork.deck.dyna.blocks import Block, BlocksOfDeck
+from presswork.deck.dyna.cards import leave_fields, leave_rows
+from presswork.deck.dyna.contacts import ContactCard, SideCard, read_contact
 from presswork.deck.dyna.materials import read_material
+from presswork.deck.dyna.mesh import MeshReader
 from presswork.deck.fields import FieldError, read_table
 from presswork.deck.notes import Fate, Notes
 from presswork.mesh.files.dynain import read_layers, read_strains
-from presswork.model import IndexArray
 
 _SILENT = ("KEYWORD", "COMMENT")
 _NUMERICS = ("CONTROL_", "DATABASE_", "HOURGLASS", "INTERFACE_", "TITLE", "DAMPING_", "DEFINE_BOX", "CASE", "SENSOR_")
@@ -36,12 +38,8 @@ class DynaDeck:
         self.deck = Deck()
         self.notes = notes
         self._path = path
-        self._labels: list[IndexArray] = []
-        self._points: list[np.ndarray] = []
-        self._shells: list[np.ndarray] = []
-        self._own_thickness: list[np.ndarray] = []
-        self._own_angle: list[np.ndarray] = []
-        self._set_contacts: list[tuple[Block, list[float], list[float]]] = []
+        self._mesh = MeshReader(self.deck, notes)
+        self._contacts: list[ContactCard] = []
         self._set_supports: list[tuple[Block, int, tuple[bool, ...]]] = []
 
     def read(self) -> Deck:
@@ -77,41 +75,6 @@ class DynaDeck:
             return
         self.notes.refuse(block.place, f"*{block.name}", "carries physics that has no counterpart here")
 
-    # --- the mesh ----------------------------------------------------------------------------------------------------
-
-    def _nodes(self, block: Block) -> None:
-        self.deck.node_place = self.deck.node_place or block.place
-        n = 0
-        label, number = (20, 20) if block.is_long else (10 if block.has_wide_labels else 8, 16)
-        for rows in block.pieces():
-            table = read_table(rows, (label, number, number, number), block.parameters)
-            self._labels.append(table[:, 0].astype(np.intp))
-            self._points.append(table[:, 1:])
-            n += len(table)
-        self.notes.see(block.place, f"*{block.name}", f"{n} nodes")
-
-    def _shell_elements(self, block: Block) -> None:
-        options = block.name.removeprefix("ELEMENT_SHELL").split("_")[1:]
-        if unknown := set(options) - {"THICKNESS"}:
-            what = ", ".join(sorted(unknown))
-            self.notes.refuse(block.place, f"*{block.name}", f"shells with options of their own: {what}")
-            return
-        width = 20 if block.is_long else 10 if block.has_wide_labels else 8
-        n = 0
-        for rows in block.pieces():
-            thickness, angle = np.full(len(rows), np.nan), np.zeros(len(rows))
-            if "THICKNESS" in options:
-                first = read_table(rows[1::2], (16,) * 5, block.parameters)
-                rows, thickness, angle = rows[::2], first[:, :4].mean(axis=1), first[:, 4]
-                thickness[thickness == 0.0] = np.nan
-            table = read_table(rows, (width,) * 6, block.parameters).astype(np.intp)
-            table[:, 5] = np.where(table[:, 5] == 0, table[:, 4], table[:, 5])
-            self._shells.append(table)
-            self._own_thickness.append(thickness[: len(rows)])
-            self._own_angle.append(angle[: len(rows)])
-            n += len(rows)
-        self.notes.see(block.place, f"*{block.name}", f"{n} shells")
-
     # --- parts -------------------------------------------------------------------------------------------------------
 
     def _part(self, block: Block) -> None:
@@ -124,32 +87,49 @@ class DynaDeck:
         for i in range(0, len(rows) - 1, 2 + more):
             title = rows[i].decode("latin-1").strip()
             number, section, material, state, *_ = (int(value) for value in block.numbers(rows[i + 1]))
+            leave_fields(block, rows[i + 1], "pid secid mid eosid -hgid -grav -adpopt -tmid", self.notes)
+            leave_rows(block, rows[i + 2 : i + 2 + more], "a row of an option", self.notes)
+            self._refuse_second(block, "part", number, self.deck.parts)
             self.deck.parts[number] = PartCard(title or f"part {number}", section, material, block.place)
             if state:
                 self.notes.refuse(block.place, f"*{block.name}", f"an equation of state in part {number}")
 
     def _section(self, block: Block) -> None:
         rows = block.rows()
+        if block.name not in ("SECTION_SHELL", "SECTION_SHELL_TITLE"):
+            self.notes.refuse(block.place, f"*{block.name}", "a section of another kind", "give it by *SECTION_SHELL")
+            return
         step = 3 if block.name.endswith("_TITLE") else 2
         for i in range(step - 2, len(rows) - 1, step):
             number, form, _, n_points, _, _, by_layer, _ = block.numbers(rows[i])
             if by_layer:
                 self.notes.refuse(block.place, f"*{block.name}", "layers with angles of their own (ICOMP = 1)")
                 return
-            sides = block.numbers(rows[i + 1])[:4]
+            leave_fields(block, rows[i], "secid -elform -shrf nip -propt -qr icomp -setyp", self.notes)
+            leave_fields(block, rows[i + 1], "t1 t2 t3 t4 nloc -marea -idof -edgset", self.notes)
+            *sides, offset = block.numbers(rows[i + 1])[:5]
             thickness = sides[0]
             if any(side and abs(side - thickness) > 1e-9 * thickness for side in sides[1:]):
                 self.notes.refuse(block.place, f"*{block.name}", "a thickness that differs from corner to corner")
             is_full = int(form) in _FULL
-            self.deck.sections[int(number)] = SectionCard(thickness, int(n_points) or 2, is_full, block.place)
+            self._refuse_second(block, "section", int(number), self.deck.sections)
+            self.deck.sections[int(number)] = SectionCard(
+                thickness, int(n_points) or 2, is_full, block.place, f"*{block.name}", offset=0.5 * offset
+            )
 
     def _material(self, block: Block) -> None:
         name = block.name.removeprefix("MAT_").removesuffix("_TITLE")
         found = read_material(block, name, block.name.endswith("_TITLE"), self.notes)
         if found is not None:
+            self._refuse_second(block, "material", found[0], self.deck.materials)
             self.deck.materials[found[0]] = found[1]
             if found[1].is_rigid:
                 self.notes.see(block.place, f"*{block.name}", "makes its parts rigid")
+
+    def _refuse_second(self, block: Block, what: str, number: int, known: Mapping[int, object]) -> None:
+        if number in known:
+            text = f"a second {what} {number}"
+            self.notes.refuse(block.place, f"*{block.name}", text, "give each its own number, or take one out")
 
     def _curve(self, block: Block) -> None:
         if block.name not in ("DEFINE_CURVE", "DEFINE_CURVE_TITLE"):
@@ -157,6 +137,8 @@ class DynaDeck:
             return
         rows = block.rows()[block.name.endswith("_TITLE") :]
         number, _, x_scale, y_scale, x_offset, y_offset, *_ = block.numbers(rows[0])
+        leave_fields(block, rows[0], "lcid !sidr sfa sfo offa offo -dattyp -lcint", self.notes)
+        self._refuse_second(block, "curve", int(number), self.deck.curves)
         points = read_table([row for row in rows[1:] if row.strip()], (20, 20), block.parameters)
         scale, offset = (x_scale or 1.0, y_scale or 1.0), (x_offset, y_offset)
         self.deck.curves[int(number)] = (points + np.array(offset)) * np.array(scale)
@@ -175,6 +157,7 @@ class DynaDeck:
         kinds = {_VELOCITY: "velocity", _ACCELERATION: "acceleration", _DISPLACEMENT: "displacement"}
         for row in rows:
             part, freedom, kind, curve, scale, _, death, birth = block.numbers(row)
+            leave_fields(block, row, "pid dof vad lcid sf -vid death birth", self.notes)
             axis = {1: 0, 2: 1, 3: 2, 5: 3, 6: 4, 7: 5}.get(int(freedom))
             if axis is None or int(kind) not in kinds:
                 text = "a motion along a vector, of a node, or in a frame of its own"
@@ -197,6 +180,7 @@ class DynaDeck:
     def _push(self, block: Block) -> None:
         for row in block.rows():
             part, freedom, curve, scale, frame, *_ = block.numbers(row)
+            leave_fields(block, row, "pid dof lcid sf cid -m1 -m2 -m3", self.notes)
             if frame:
                 self.notes.refuse(block.place, f"*{block.name}", f"a force in a frame of its own (CID = {frame:g})")
                 continue
@@ -210,16 +194,9 @@ class DynaDeck:
             )
 
     def _contact(self, block: Block) -> None:
-        if "FORMING" not in block.name and "SURFACE_TO_SURFACE" not in block.name:
-            self.notes.refuse(
-                block.place, f"*{block.name}", "a contact of another kind", "take one of *CONTACT_FORMING"
-            )
-            return
-        options = block.name.split("_")
-        rows = block.rows()[any(option in options for option in ("ID", "TITLE")) :]
-        if "MPP" in options:  # how ranks search: a row, and a second one that begins with &
-            rows = rows[2 if rows[1].lstrip().startswith(b"&") else 1 :]
-        self._set_contacts.append((block, block.numbers(rows[0]), block.numbers(rows[1])))
+        found = read_contact(block, self.notes)
+        if found is not None:
+            self._contacts.append(found)
 
     # --- what holds --------------------------------------------------------------------------------------------------
 
@@ -230,6 +207,7 @@ class DynaDeck:
         rows = block.rows()
         for row in rows[1::2] if block.name.endswith("_ID") else rows:
             number, frame, *fixed = block.numbers(row)
+            leave_fields(block, row, "nsid cid dofx dofy dofz dofrx dofry dofrz", self.notes)
             if frame:
                 self.notes.refuse(block.place, f"*{block.name}", "a support in a frame of its own")
                 continue
@@ -259,20 +237,27 @@ class DynaDeck:
             raise self.notes.fail(block.place, f"*{block.name}: a set by {', '.join(sorted(unknown))}", remedy)
         rows = block.rows()[block.name.endswith("_TITLE") :]
         number = int(block.numbers(rows[0])[0])
+        leave_fields(block, rows[0], "sid -da1 -da2 -da3 -da4 -solver", self.notes)
         values = [int(value) for row in rows[1:] for value in block.numbers(row) if value]
+        known: Mapping[int, object] = self.deck.node_sets if "SET_NODE" in block.name else self.deck.part_sets
+        self._refuse_second(block, "set", number, known)
         if "GENERATE" in block.name:
             pairs = zip(values[::2], values[1::2], strict=True)
             values = [label for first, last in pairs for label in range(first, last + 1)]
         return number, values
 
     def _end(self, block: Block) -> None:
-        self.deck.end = block.numbers(block.rows()[0])[0]
+        rows = block.rows()
+        self.deck.end = block.numbers(rows[0])[0]
+        leave_fields(block, rows[0], "endtim -endcyc -dtmin -endeng -endmas -nosol", self.notes)
         self.deck.end_place = block.place
         self.notes.see(block.place, f"*{block.name}", f"the last stage ends at {self.deck.end:g}")
 
     def _adaptive(self, block: Block) -> None:
-        cards = [block.numbers(row) for row in block.rows()]
-        self.deck.levels = max(0, int(cards[0][3]) - 1)
+        rows = block.rows()
+        self.deck.levels = max(0, int(block.numbers(rows[0])[3]) - 1)
+        leave_fields(block, rows[0], "-adpfreq -adptol -adpopt maxlvl -tbirth -tdeath -lcadp -ioflag", self.notes)
+        leave_rows(block, rows[1:], "a further row", self.notes)
         self.notes.change(block.place, f"*{block.name}", "shells are split where tools bend them (blank.refine)")
 
     def _title(self, block: Block) -> None:
@@ -299,37 +284,38 @@ class DynaDeck:
 
     def _finish(self) -> None:
         deck, notes = self.deck, self.notes
-        if not self._labels:
-            raise notes.fail(None, "no *NODE in it", "give the whole deck, with the files that it includes")
-        deck.labels, deck.points = np.concatenate(self._labels), np.concatenate(self._points)
-        if self._shells:
-            table = np.concatenate(self._shells)
-            thickness, angle = np.concatenate(self._own_thickness), np.concatenate(self._own_angle)
-            deck.shells = Shells(table[:, 1], table[:, 2:], thickness, table[:, 0], angle)
-        for block, first, second in self._set_contacts:
-            a, b, a_kind, b_kind, *_ = first
-            parts = (self._parts_of(block, int(a), int(a_kind)), self._parts_of(block, int(b), int(b_kind)))
-            deck.contacts.append(Contact(parts, (second[0], second[1]), block.place, f"*{block.name}"))
+        self._mesh.finish()
+        for card in self._contacts:
+            one, other = card.sides
+            parts = (self._parts_of(card.block, one), self._parts_of(card.block, other))
+            thickness = ((one.thickness, one.scale), (other.thickness, other.scale)) if card.is_thick else None
+            keyword = f"*{card.block.name}"
+            deck.contacts.append(Contact(parts, card.friction, card.block.place, keyword, thickness))
         for block, number, held in self._set_supports:
             nodes = deck.node_sets.get(number)
             if nodes is None:
                 raise notes.fail(block.place, f"*{block.name}: there is no set of nodes {number}", "check its number")
             deck.held.append(Held(nodes, held, block.place, f"*{block.name}"))
 
-    def _parts_of(self, block: Block, number: int, kind: int) -> tuple[int, ...]:
+    def _parts_of(self, block: Block, side: SideCard) -> tuple[int, ...]:
         """Return the parts of a side of a contact: a set of parts (2), or a part (3)."""
-        if kind == 3:
-            return (number,)
-        if kind == 2:
-            return self.deck.part_sets.get(number, ())
+        used = self.deck.shells.part if self.deck.shells is not None else ()
+        if side.kind == 3 and (side.number in self.deck.parts or side.number in used):
+            return (side.number,)
+        if side.kind == 2 and side.number in self.deck.part_sets:
+            return self.deck.part_sets[side.number]
+        if side.kind in (2, 3):
+            what = "part" if side.kind == 3 else "set of parts"
+            self.notes.refuse(block.place, f"*{block.name}", f"there is no {what} {side.number}", "check its number")
+            return ()
         remedy = "give parts or sets of parts (SSTYP, MSTYP = 3 or 2)"
         self.notes.refuse(block.place, f"*{block.name}", "sides that are segments or nodes", remedy)
         return ()
 
 
 _HANDLERS: dict[str, Callable[[DynaDeck, Block], None]] = {
-    "NODE": DynaDeck._nodes,
-    "ELEMENT_SHELL": DynaDeck._shell_elements,
+    "NODE": lambda deck, block: deck._mesh.take_nodes(block),
+    "ELEMENT_SHELL": lambda deck, block: deck._mesh.take_shells(block),
     "PART": DynaDeck._part,
     "SECTION_SHELL": DynaDeck._section,
     "MAT": DynaDeck._material,
