@@ -119,3 +119,76 @@ def write_dyna(tail: str = DYNA_TAIL) -> str:
         ]
         first += len(grid.points)
     return "\n".join(lines) + "\n" + tail
+
+
+RAD_HEAD = """#RADIOSS STARTER
+/BEGIN
+plates
+      2022         0
+                  Mg                  mm                   s
+                  Mg                  mm                   s
+/TITLE
+plates
+/MAT/PLAS_TAB/1
+steel
+            7.85E-09
+            207000.0                 0.3
+         1
+         0                 0.0         0                 0.0                 0.0
+         1
+                 1.0
+                 0.0
+/PROP/SHELL/1
+the sheet
+        24         0         0         0
+
+         5         0                 1.0                 0.0
+/FUNCT/1
+flow stress
+                 0.0               200.0
+                 0.1               300.0
+/FUNCT/2
+the punch
+                 0.0                 0.0
+                0.02                 4.0
+"""
+RAD_TAIL = """/IMPDISP/1
+the punch
+         2         Z         0         0      2002
+                 1.0                -1.0                 0.0                 0.0
+/BCS/1
+the die
+   111 111         0      2003
+/RUN/plates/1
+                0.02
+/END
+"""
+RAD_CONTACT = """/INTER/TYPE7/{0}
+contact
+      1001       10{0}         0         0         0                   0         0         0         0
+
+
+                 1.0                 0.1                 0.0                 0.0                 0.0
+   000
+         0         0                 0.0         0         0         0                 0.0         0
+"""
+
+
+def write_rad() -> str:
+    """Return the starter's deck of OpenRadioss."""
+    lines, first = [], 1
+    for number, (name, grid) in enumerate(make_plates().items(), start=1):
+        lines += [f"/PART/{number}", name, row(1, 1, 0), "/NODE"]
+        lines += [f"{first + i:10d}" + "".join(f"{x:20.12E}" for x in p) for i, p in enumerate(grid.points)]
+        lines += [f"/SHELL/{number}"]
+        lines += [f"{first + i:10d}" + "".join(f"{first + n:10d}" for n in cell) for i, cell in enumerate(grid.cells)]
+        lines += [f"/GRNOD/PART/{1000 + number}", name, f"{number:10d}"]
+        lines += [f"/SURF/PART/{100 + number}", name, f"{number:10d}"]
+        if name != "sheet":
+            main = 900 + number
+            lines += ["/NODE", f"{main:10d}" + f"{0.0:20}" * 3]
+            lines += [f"/GRNOD/NODE/{2000 + number}", "main", f"{main:10d}"]
+            lines += [f"/RBODY/{number}", name, row(main, 0, 0, 0) + f"{0.0:20}" + row(1000 + number, 0, 0, 0)]
+        first += len(grid.points)
+    contacts = "".join(RAD_CONTACT.format(number) for number in (2, 3))
+    return RAD_HEAD + "\n".join(lines) + "\n" + contacts + RAD_TAIL

@@ -243,6 +243,10 @@ class BlankAndTools:
             displacement = find_displacement(
                 motion.kind, self._curve(motion), motion.scale, motion.begin, motion.end, times
             )
+            start = motion.scale * float(np.interp(times[0] - motion.begin, *self._curve(motion).T))
+            if motion.kind == "displacement" and start:
+                text = f"displacements begin at {start:g}: the way from there is taken"
+                self.notes.change(motion.place, motion.keyword, text)
             displacement = displacement * self.units.length * self.seat.turn[2, motion.axis]
             found[motion.part] = found.get(motion.part, 0.0) + displacement
         return times * self.units.time, found

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -40,6 +41,10 @@ class PartMesh:
     """Analytical surfaces."""
     others: dict[str, Block] = field(default_factory=dict)
     """Kinds of elements that are not read."""
+    sets: list[tuple[Block, list[int]]] = field(default_factory=list)
+    """Keywords of sets, with the labels that they list."""
+    other_cells: set[int] = field(default_factory=set)
+    """Labels of elements that are not read."""
     frame: Frame = GLOBAL
     """What coordinates of nodes below a *SYSTEM are given in."""
 
@@ -55,12 +60,14 @@ class PartMesh:
             case "ELEMENT":
                 self._take_elements(block)
             case "NSET":
-                self._add(self.node_sets, block.name_of("NSET"), _read_set(block, self.node_sets))
+                self._add(self.node_sets, block.name_of("NSET"), self.read_set(block))
             case "ELSET":
-                self._add(self.cell_sets, block.name_of("ELSET"), _read_set(block, self.cell_sets))
+                self._add(self.cell_sets, block.name_of("ELSET"), self.read_set(block))
             case "SURFACE" if block.name_of("TYPE") in KINDS:
                 self.drawn[block.name_of("NAME")] = read_drawn(block)
             case "SURFACE":
+                if block.name_of("TYPE") not in ("", "ELEMENT"):
+                    raise DataError(f"a surface of TYPE={block.name_of('TYPE')}: give one of elements")
                 names = [row[0].upper() for row in block.rows() if row[0]]
                 self.surfaces.setdefault(block.name_of("NAME"), []).extend(names)
             case _:
@@ -73,7 +80,11 @@ class PartMesh:
             return
         if kind not in _SHELLS:
             self.others.setdefault(kind, block)
+            self.other_cells |= set(block.table(1)[:, 0].astype(int).tolist())
+            self._add(self.cell_sets, block.name_of("ELSET"), [])
             return
+        if block.widest() > 5:
+            raise DataError(f"more than four nodes of a shell {kind}")
         table = block.table(5)
         table[:, 4] = np.where(table[:, 4] == 0, table[:, 3], table[:, 4])
         self.shells.append(table)
@@ -90,17 +101,41 @@ class PartMesh:
         self.shells.append(np.column_stack([labels[: len(cells)], labels[cells]]).astype(np.float64))
         self.cell_sets[name] = labels[: len(cells)].tolist()
 
+    def read_set(self, block: Block) -> list[int]:
+        """Return the labels of a set of nodes or cells of this mesh. Raises DataError."""
+        labels, unknown = read_labels(block, self.node_sets if block.name == "NSET" else self.cell_sets)
+        if unknown:
+            raise DataError(f"there is no set {unknown[0]}")
+        self.sets.append((block, labels))
+        return labels
+
+    def known(self, keyword: str) -> set[int]:
+        """Return the labels of all nodes, or of all elements, for NSET or ELSET."""
+        tables = self.nodes if keyword == "NSET" else self.shells
+        own = {int(label) for table in tables for label in table[:, 0]}
+        return own if keyword == "NSET" else own | self.other_cells
+
+    def used_nodes(self) -> FloatArray:
+        """Return the labels of nodes of shells (n,)."""
+        return np.concatenate([np.empty(0), *(table[:, 1:].ravel() for table in self.shells)])
+
+    def find_double(self) -> str:
+        """Say which label two nodes at different places, or two shells have; empty where there is none."""
+        if self.shells:
+            labels, count = np.unique(np.concatenate(self.shells)[:, 0], return_counts=True)
+            if (count > 1).any():
+                return f"a second element {labels[count > 1][0]:.0f}"
+        if self.nodes:
+            rows = np.unique(np.concatenate(self.nodes), axis=0)
+            same = rows[1:, 0] == rows[:-1, 0]
+            if same.any():
+                return f"a second node {rows[1:, 0][same][0]:.0f}, at another place"
+        return ""
+
     @staticmethod
     def _add(sets: dict[str, list[int]], name: str, labels: list[int]) -> None:
         if name:
             sets.setdefault(name, []).extend(labels)
-
-
-def _read_set(block: Block, sets: dict[str, list[int]]) -> list[int]:
-    labels, unknown = read_labels(block, sets)
-    if unknown:
-        raise DataError(f"there is no set {unknown[0]}")
-    return labels
 
 
 @dataclass(frozen=True)
@@ -149,9 +184,8 @@ class Assembly:
         """Take a set of the assembly whose labels are those of an instance. Raises DataError, KeyError."""
         instance = self.instances[block.name_of("INSTANCE")]
         is_nodes = block.name == "NSET"
-        sets = instance.mesh.node_sets if is_nodes else instance.mesh.cell_sets
         first = instance.first_node if is_nodes else instance.first_cell
-        labels = [first + label for label in _read_set(block, sets)]
+        labels = [first + label for label in instance.mesh.read_set(block)]
         self._sets.setdefault((block.name, block.name_of(block.name)), []).extend(labels)
 
     def nodes_of(self, name: str) -> list[int]:
@@ -188,6 +222,13 @@ class Assembly:
         own = self.parts[part]
         labels = own.cell_sets[name]
         return {n: [i.first_cell + label for label in labels] for n, i in self.instances.items() if i.mesh is own}
+
+    def list_sets(self) -> Iterator[tuple[Block, list[int], set[int]]]:
+        """Yield the keywords of sets, the labels that they list, and all labels of their kind in their mesh."""
+        for mesh in (self.loose, *self.parts.values()):
+            known = {keyword: mesh.known(keyword) for keyword in ("NSET", "ELSET")} if mesh.sets else {}
+            for block, labels in mesh.sets:
+                yield block, labels, known[block.name]
 
     def all_nodes(self) -> tuple[IndexArray, FloatArray]:
         """Return labels (n,) and points (n, 3)."""

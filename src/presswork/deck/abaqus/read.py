@@ -77,6 +77,7 @@ class AbaqusDeck:
         self._rigid: list[tuple[str, Block]] = []
         self._contacts = Contacts(notes)
         self._node_place: Place | None = None
+        self._node_blocks: list[tuple[Block, PartMesh, FloatArray]] = []
 
     def read(self) -> Deck:
         """Read it all. Raises CaseError."""
@@ -111,7 +112,9 @@ class AbaqusDeck:
         elif block.name in _NUMERICS:
             self.notes.drop(block.place, f"*{block.name}", "steers numerics or output: presswork has its own")
         elif block.name in _SILENT:
-            self.notes.see(block.place, f"*{block.name}", "how the deck is put together")
+            self.notes.see(
+                block.place, f"*{block.name}", f"how the deck is put together {block.name_of('NAME')}".strip()
+            )
         else:
             self.notes.refuse(block.place, f"*{block.name}", "carries physics that has no counterpart here")
 
@@ -125,8 +128,9 @@ class AbaqusDeck:
         elif block.name == "NODE":
             text = f"{len(self._mesh().nodes[-1])} nodes"
             self._node_place = self._node_place or block.place
-            if len(block.first_row()) > 4:
-                self.notes.leave(block.place, "*NODE", "the normals of nodes")
+            self._node_blocks.append((block, self._mesh(), self._mesh().nodes[-1][:, 0]))
+            if block.widest() > 4:
+                self.notes.leave(block.place, "*NODE", "fields after the coordinates (normals)")
         elif block.name == "ELEMENT" and kind in POINTS:
             text, fate = "masses of points: tools move as stages say", DROPPED
         elif block.name == "ELEMENT" and kind in self._mesh().others:
@@ -214,6 +218,7 @@ class AbaqusDeck:
             self._assembly.all_nodes()
         except ValueError as error:
             raise self.notes.fail(None, "no *NODE in it", "give the whole deck, with its files") from error
+        self._check_meshes()
         self._draw_surfaces()
         labels, points = self._assembly.all_nodes()
         order = np.argsort(labels)
@@ -233,6 +238,24 @@ class AbaqusDeck:
         self._contacts.finish(deck, self._assembly, shells[:, 0], part, self._steps.is_explicit)
         self._steps.finish(deck, self._assembly, bodies, labels)
         return deck
+
+    def _check_meshes(self) -> None:
+        """Note nodes of no shell and members of sets that are not there. Raises CaseError for labels given twice."""
+        for block, mesh, labels in self._node_blocks:
+            if not np.isin(labels, mesh.used_nodes()).any():
+                text = (
+                    f"{len(labels)} nodes of no shell: reference points of tools, which move as stages say, or unused"
+                )
+                self.notes.see(block.place, "*NODE", text, "dropped")
+        for mesh in (self._assembly.loose, *self._assembly.parts.values()):
+            fault = mesh.find_double()
+            if fault:
+                raise self.notes.fail(self._node_place, fault, "give each its own number in its part")
+        for block, labels, known in self._assembly.list_sets():
+            missing = sorted(set(labels) - known)
+            if missing:
+                text = f"labels that are not there: {', '.join(map(str, missing[:5]))}"
+                self.notes.leave(block.place, f"*{block.name}", text)
 
     def _number_sheets(self, deck: Deck, cells: IndexArray, part: IndexArray, numbers: dict[str, int]) -> None:
         """Give each section, in each instance of its part, a number of a part of the deck."""

@@ -98,6 +98,8 @@ class Steps:
         self.notes.see(block.place, "*STEP", f"{name or 'it'} ends a stage, unless tools go on alike")
         if block.name_of("NLGEOM") == "NO":
             self.notes.change(block.place, "*STEP", "displacements are large here, whatever NLGEOM = NO says")
+        if block.name_of("NLGEOM") not in ("", "YES", "NO"):
+            raise DataError(f"NLGEOM = {block.name_of('NLGEOM')}")
         if "PERTURBATION" in block.parameters:
             self.notes.refuse(block.place, "*STEP", "a linear perturbation (PERTURBATION)")
         if words not in ("", "RAMP", "STEP"):
@@ -201,6 +203,7 @@ class Steps:
         held: dict[tuple[int, ...], list[bool]] = {}
         blocks: dict[tuple[int, ...], Block] = {}
         driven: dict[tuple[int, int, str], list[_Entry]] = {}
+        idle: dict[tuple[Place, str, str], list[int]] = {}
         for step, target, _ in released:
             block = self._renewed[step, "BOUNDARY"]
             if not any(node in part_of for node in self._nodes_of(assembly, block, target)):
@@ -211,6 +214,8 @@ class Steps:
             parts = {part_of[node] for node in nodes if node in part_of}
             if entry.kind == "force" and len(nodes) > 1:
                 self.notes.refuse(entry.block.place, "*CLOAD", f"{entry.target}: a force on each of {len(nodes)} nodes")
+            if parts and not entry.value:
+                idle.setdefault((entry.block.place, entry.block.name, entry.target), []).append(entry.freedom)
             for part in parts:
                 driven.setdefault((part, entry.freedom, entry.kind), []).append(entry)
             if not parts:
@@ -223,6 +228,9 @@ class Steps:
         for key, fixed_list in held.items():
             own = np.searchsorted(labels, np.array(key)) + 1
             deck.held.append(Held(own, tuple(fixed_list), blocks[key].place, "*BOUNDARY"))
+        for (place, keyword, target), freedoms in idle.items():
+            text = f"{target}: freedoms {', '.join(map(str, freedoms))} held or without load"
+            self.notes.leave(place, f"*{keyword}", text, "tools move as stages say")
         for (part, freedom, kind), entries in driven.items():
             targets = {entry.target for entry in entries}
             ends = [step for step, target, own in released if own == freedom and target in targets]

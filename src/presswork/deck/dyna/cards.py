@@ -19,14 +19,15 @@ def leave_fields(block: Block, row: bytes, layout: str, notes: Notes, why: str =
     layout: names of the fields; one that begins with a dash is left out, with ! refused, others are read. Fields beyond
     the layout are left out.
     """
-    keyword = f"*{block.name}"
-    names = layout.split()
+    keyword, names, left = f"*{block.name}", layout.split(), []
     for place, text in enumerate(_given(block, row)):
         name = names[place] if place < len(names) else f"-field {place + 1}"
         if text and name.startswith("!"):
             notes.refuse(block.place, keyword, f"{name[1:].upper()} = {text} has no counterpart here")
         elif text and name.startswith("-"):
-            notes.leave(block.place, keyword, f"{name[1:].upper()} = {text}", why)
+            left.append(f"{name[1:].upper()} = {text}")
+    if left:
+        notes.leave(block.place, keyword, ", ".join(left), why)
 
 
 def leave_rows(block: Block, rows: Sequence[bytes], what: str, notes: Notes) -> None:

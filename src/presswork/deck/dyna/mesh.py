@@ -56,6 +56,9 @@ class MeshReader:
     def _hold(self, block: Block, rows: list[bytes], widths: tuple[int, ...]) -> None:
         """Take what the rows of nodes themselves hold (TC, RC)."""
         width = 20 if block.is_long else 8
+        more = [text for row in rows if (text := row[sum(widths) + 2 * width :].strip(b" 0")) and b"," not in row]
+        if more:
+            self.notes.leave(block.place, f"*{block.name}", f"fields after RC: {more[0].decode('latin-1')}")
         codes = read_table(rows, (*widths, width, width), block.parameters)[:, [0, 4, 5]].astype(np.intp)
         for tc, rc in np.unique(codes[codes[:, 1:].any(axis=1)][:, 1:], axis=0).tolist():
             if tc not in _HELD or rc not in _HELD:

@@ -285,6 +285,10 @@ class DynaDeck:
     def _finish(self) -> None:
         deck, notes = self.deck, self.notes
         self._mesh.finish()
+        for part in deck.parts.values():
+            if part.section not in deck.sections:
+                text = f"a part of section {part.section}, which is missing"
+                notes.refuse(part.place, part.keyword, text, "give it by *SECTION_SHELL")
         for card in self._contacts:
             one, other = card.sides
             parts = (self._parts_of(card.block, one), self._parts_of(card.block, other))

@@ -13,6 +13,7 @@ from presswork.deck.contents import Contact, Deck, Held, Motion, Push, Shells
 from presswork.deck.fields import FieldError
 from presswork.deck.notes import Notes
 from presswork.deck.rad.blocks import Block, read_row
+from presswork.deck.rad.cards import leave_fields, leave_rows
 from presswork.deck.rad.groups import Groups
 from presswork.model import IndexArray
 
@@ -129,20 +130,30 @@ class Conditions:
             self.notes.refuse(block.place, block.keyword, "a contact of another kind", "take TYPE7 or TYPE21")
             return
         rows = block.titled()[1]
-        second, main, _, heat, _, _, _, _, curved, _ = (int(each) for each in read_row(rows[0], *[10] * 10))
+        leave_fields(block, rows[0], "s m -Istf !Ithe -Igap - -Ibag -Idel Icurv -Iadm", self.notes)
+        second, main, _, _, _, _, _, _, curved, _ = (int(each) for each in read_row(rows[0], *[10] * 10))
         last = 4 if kind == "TYPE7" and curved in (1, 2) else 3
+        leave_rows(block, rows[1:last], "gaps and stiffnesses", self.notes)
+        leave_fields(block, rows[last], "-Stfac:20 Fric:20 Gap:20 Tstart:20 Tstop:20", self.notes)
+        leave_rows(block, rows[last + 1 : last + 2], "numerics", self.notes)
+        if len(rows) > last + 2:
+            layout = "Ifric -Ifiltr -Xfreq:20 -Iform sens_ID fct_ID -AscaleF:20 fric_ID"
+            leave_fields(block, rows[last + 2], layout, self.notes)
+        leave_rows(block, rows[last + 3 :], "factors of friction", self.notes)
         _, friction, gap, begin, end = read_row(rows[last], *[20] * 5)
         law, sensor, table = 0.0, 0.0, 0.0
         if len(rows) > last + 2:
             law, _, _, _, sensor, curve, _, named = read_row(rows[last + 2], 10, 10, 20, 10, 10, 10, 20, 10)
             table = curve or named
-        if heat or sensor or table or begin or 0.0 < end < (self.deck.end or 0.0):
-            text = "a contact with heat, for a part of the time, by a sensor, or with a table of friction"
+        if sensor or table or begin or 0.0 < end < (self.deck.end or 0.0):
+            text = "a contact for a part of the time, by a sensor, or with a table of friction"
             self.notes.refuse(block.place, block.keyword, text)
         if law:
             self.notes.change(
                 block.place, block.keyword, f"one coefficient of friction, Fric; Ifric = {law:g} is left out"
             )
+        if not 0.0 <= friction < 1.0:
+            self.notes.refuse(block.place, block.keyword, f"friction by Fric = {friction:g}", "give one below 1")
         if gap:
             self.notes.change(block.place, block.keyword, f"a gap of {gap:g}: the sheet touches with its faces")
         room = "GRNOD" if kind == "TYPE7" else "SURF"

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from presswork.deck.contents import Shells
+from presswork.deck.fields import FieldError
 from presswork.deck.rad.blocks import Block, read_labels, read_row
 from presswork.model import IndexArray
 
@@ -45,6 +46,8 @@ class Groups:
         if room not in _ROOMS or not kinds or kinds[0] not in _KINDS:
             return False
         kind = _KINDS[kinds[0]]
+        if (room, block.number) in self._groups:
+            raise FieldError(f"a second group {block.number} of {room}")
         rows = block.titled()[1]
         if kind == "segments":
             members = [int(value) for row in rows for value in read_row(row, *[10] * 5)[1:] if value]

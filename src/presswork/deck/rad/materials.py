@@ -9,6 +9,7 @@ from dataclasses import replace
 from presswork.deck.contents import Hardening, MaterialCard
 from presswork.deck.notes import Notes
 from presswork.deck.rad.blocks import Block, read_row
+from presswork.deck.rad.cards import leave_fields
 
 _NAMES = {
     "PLAS_JOHNS": "LAW2",
@@ -43,7 +44,35 @@ def read_material(block: Block, version: int, notes: Notes) -> MaterialCard | No
     density = read_row(rows[0], 20)[0]
     young, poisson = read_row(rows[1], 20, 20)
     card = MaterialCard(block.keyword, density, young, poisson, block.place)
+    leave_fields(block, rows[0], "rho:20 -rho0:20", notes)
+    for row, layout in zip(rows[1:], _list_layouts(_NAMES.get(name, name), version), strict=False):
+        if layout:
+            leave_fields(block, row, layout, notes)
     return read(card, rows[1:], version, notes)
+
+
+def _list_layouts(law: str, version: int) -> list[str]:
+    """Return the fields of the rows of a law from that of Young's modulus on; those that are not read have a dash."""
+    young = "fct_IDE - Einf:20 CE:20"
+    failure = "EPSP_max:20 -EPS_t:20 -EPS_m:20"
+    ratios = "r00:20 r45:20 r90:20 C_hard:20"
+    match law:
+        case "LAW2":
+            rate = "c:20 rate:20 -ICC -Fsmooth -Fcut:20 C_hard:20"
+            heat = "m:20 T_melt:20 -rhoCp:20 -T_r:20"
+            return ["E:20 nu:20 Iflag", "a:20 b:20 n:20 EPSP_max:20 SIG_max:20", rate, heat]
+        case "LAW32":
+            last = "Iyield0" if version >= _WITH_DIRECTION else "-Iyield0"
+            hill = f"r00:20 r45:20 r90:20 -:20 {last}"
+            return ["E:20 nu:20", "a:20 e0:20 n:20 EPSP_max:20 SIG_max:20", "-eps0:20 m:20", hill]
+        case "LAW36":
+            falls = "fct_IDE Einf:20 CE:20" if version >= _WITH_YOUNG else "-fct_IDE -Einf:20 -CE:20"
+            head = ["E:20 nu:20 EPSP_max:20 -EPS_t:20 -EPS_m:20", "N -Fsmooth C_hard:20 -Fcut:20 -EPS_f:20"]
+            return [*head, f"fct_IDp -Fscale:20 {falls}", "fct_ID1", "Fscale1:20", "-rate1:20"]
+    head = ["E:20 nu:20", *([young] if version >= _WITH_YOUNG else [])]
+    last = "Iyield0" if version >= _WITH_DIRECTION else "-Iyield0"
+    both = f"{ratios} {last}" if law == "LAW43" else f"{ratios} m:20"
+    return [*head, both, failure, "fct_ID1 - Fscale1:20 -rate1:20"]
 
 
 def _johnson_cook(card: MaterialCard, rows: list[bytes], version: int, notes: Notes) -> MaterialCard:
@@ -56,7 +85,7 @@ def _johnson_cook(card: MaterialCard, rows: list[bytes], version: int, notes: No
     if kinematic:
         notes.refuse(card.place, card.keyword, f"kinematic hardening (C_hard = {kinematic:g})")
     if m and melting:
-        notes.change(card.place, card.keyword, "the metal stays cold: m and T_melt are left out")
+        notes.change(card.place, card.keyword, f"the metal stays cold: m = {m:g} and T_melt = {melting:g} are left out")
     if 0.0 < largest < 1e20:
         notes.refuse(card.place, card.keyword, f"a largest stress (SIG_max0 = {largest:g})", "give the curve by LAW36")
     _note_failure(card, fails, notes)

@@ -17,6 +17,7 @@ from presswork.deck.fields import FieldError, read_table
 from presswork.deck.keyword_file import explain_unreadable
 from presswork.deck.notes import Notes
 from presswork.deck.rad.blocks import Block, read_blocks, read_row
+from presswork.deck.rad.cards import leave_fields, leave_rows, refuse_second
 from presswork.deck.rad.conditions import Conditions, RigidBody
 from presswork.deck.rad.engine import read_engine, take_engine_block
 from presswork.deck.rad.groups import Groups
@@ -167,35 +168,44 @@ class RadDeck:
             table[:, 4] = np.where(table[:, 4] == 0, table[:, 3], table[:, 4])
             if table[:, 6].any():
                 self.notes.refuse(block.place, block.keyword, "axes of the material turned cell by cell (Phi)")
-            self._rows.append((block.number, table[:, [1, 2, 3, 4, 7]]))
+            self._rows.append((block.number, table[:, [1, 2, 3, 4, 7, 0]]))
             n += len(table)
         self.notes.see(block.place, block.keyword, f"{n} shells of part {block.number}")
 
     def _part(self, block: Block) -> None:
         title, rows = block.titled()
         section, material, _, thickness = read_row(rows[0], 10, 10, 10, 20)
+        leave_fields(block, rows[0], "prop_ID mat_ID -subset_ID Thick:20", self.notes)
+        refuse_second(block, "part", self._parts, self.notes)
         name = title or f"part {block.number}"
         self._parts[block.number] = _Part(name, int(section), int(material), thickness, block)
 
     def _property(self, block: Block) -> None:
         self._check_units(block, 1)
+        refuse_second(block, "property", self._properties, self.notes)
         self._properties[block.number] = block
 
     def _material(self, block: Block) -> None:
         self._check_units(block, 1)
+        refuse_second(block, "material", self._materials, self.notes)
         self._materials[block.number] = block
 
     def _failure(self, block: Block) -> None:
-        self.notes.change(block.place, block.keyword, "deletes no cells: look at the forming limit")
+        rows = " / ".join(" ".join(row.decode("latin-1").split()) for row in block.rows() if row.strip())
+        self.notes.change(block.place, block.keyword, f"deletes no cells: look at the forming limit ({rows})")
 
     def _curve(self, block: Block) -> None:
         rows = [row for row in block.titled()[1] if row.strip()]
+        refuse_second(block, "curve", self.deck.curves, self.notes)
         self.deck.curves[block.number] = read_table(rows, (20, 20), {})
         self.deck.curve_lines[block.number] = (block.place, block.keyword)
 
     def _adaptive(self, block: Block) -> None:
         if "GLOBAL" in block.words:
-            self.deck.levels = int(read_row(block.rows()[0], 10)[0])
+            rows = block.rows()
+            self.deck.levels = int(read_row(rows[0], 10)[0])
+            leave_fields(block, rows[0], "Levelmax", self.notes)
+            leave_rows(block, rows[1:], "further rows", self.notes)
             self.notes.change(block.place, block.keyword, "shells are split where tools bend them (blank.refine)")
 
     # --- the whole ---------------------------------------------------------------------------------------------------
@@ -203,11 +213,15 @@ class RadDeck:
     def _finish(self) -> None:
         deck = self.deck
         deck.labels, deck.points = np.concatenate(self._labels), np.concatenate(self._points)
+        numbers, count = np.unique(deck.labels, return_counts=True)
+        if (count > 1).any():
+            text = f"a second node {numbers[count > 1][0]}"
+            raise self.notes.fail(deck.node_place, text, "give nodes of all files numbers of their own")
         table = np.concatenate([rows for _, rows in self._rows])
         part = np.concatenate([np.full(len(rows), number, dtype=np.intp) for number, rows in self._rows])
         self._labels, self._points, self._rows = [], [], []  # a million nodes are not kept twice
         own = np.where(table[:, 4] > 0.0, table[:, 4], np.nan)
-        self._all = Shells(part, table[:, :4].astype(np.intp), own)
+        self._all = Shells(part, table[:, :4].astype(np.intp), own, table[:, 5].astype(np.intp))
         for block in self._later:
             if block.words[0] == "RBODY":
                 self._try(self._body, block)
@@ -224,7 +238,11 @@ class RadDeck:
 
     def _body(self, block: Block) -> None:
         """Find the part that a rigid body is; several parts become one."""
-        row = block.titled()[1][0]
+        rows = block.titled()[1]
+        row = rows[0]
+        layout = "node_ID sens_ID -skew_ID -Ispher -Mass:20 grnd_ID -Ikrem -ICoG surf_ID"
+        leave_fields(block, row, layout, self.notes)
+        leave_rows(block, rows[1:], "inertia", self.notes)
         main, sensor, _, _, _, group, _, _, surface = (
             int(each) for each in read_row(row, 10, 10, 10, 10, 20, *[10] * 4)
         )

@@ -10,6 +10,7 @@ import numpy as np
 from presswork.deck.contents import SectionCard
 from presswork.deck.notes import Notes
 from presswork.deck.rad.blocks import Block, read_row
+from presswork.deck.rad.cards import leave_fields, leave_rows
 from presswork.model import FloatArray
 
 _KINDS = {"SHELL": 1, "TYPE1": 1, "SH_ORTH": 9, "TYPE9": 9, "SH_SANDW": 11, "TYPE11": 11}
@@ -52,9 +53,16 @@ def read_property(block: Block, notes: Notes) -> Property | None:
     if not n_points:
         n_points = _USUAL_POINTS
         notes.change(block.place, block.keyword, f"no points through the thickness (N = 0): {_USUAL_POINTS}")
+    thin = "" if form == _FULL else "-"
+    leave_fields(block, rows[0], f"{thin}Ishell -Ismstr -Ish3n -Idrill", notes)
+    leave_rows(block, rows[1:2], "hourglass and damping", notes)
+    leave_fields(block, rows[2], "N -Istrain Thick:20 -Ashear:20 - -Ithick -Iplas", notes)
     material, axis, angle = 0, None, 0.0
     if kind != 1:
         *vector, angle = read_row(rows[3], 20, 20, 20, 20 if kind == 9 else 0)
+        leave_fields(
+            block, rows[3], f"Vx:20 Vy:20 Vz:20 {'Phi:20' if kind == 9 else 'skew_ID -Iorth !Ipos -Ip'}", notes
+        )
         axis = np.array(vector) if any(vector) else np.array([1.0, 0.0, 0.0])
     if kind == 11:
         if read_row(rows[3][60:], 10)[0]:

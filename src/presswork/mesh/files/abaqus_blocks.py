@@ -46,6 +46,13 @@ class Block:
                 return [word.strip() for word in text.rstrip(", ").split(",")]
         return []
 
+    def widest(self) -> int:
+        """Return how many fields the longest row of data has, without blanks at its end."""
+        rows = self.data.replace(b"\r", b"").split(b"\n")
+        return max(
+            (row.rstrip(b", \t").count(b",") + 1 for row in rows if row and not row.startswith(b"**")), default=0
+        )
+
     def table(self, width: int) -> FloatArray:
         """Return rows of `width` numbers, missing ones 0 (n, width). Raises DataError."""
         rows = [row for row in self.data.replace(b"\r", b"").split(b"\n") if row.strip() and not row.startswith(b"**")]
