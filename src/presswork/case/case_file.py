@@ -107,10 +107,13 @@ def _tables_with_paths(data: dict[str, Any]) -> list[tuple[dict[str, Any], str]]
     tables += [(tool, key) for tool in tools for key in ("profile_file", "path")]
     tables += [(tool["cut"], "path") for tool in tools if "cut" in tool]
     tables += [(line, "path") for operation in operations for line in operation.get("trim", {}).values()]
-    materials = data.get("materials", {}).values()
-    tables += [(m, "library") for m in materials if m.get("library", "").endswith(".toml")]
-    tables += [(m, "umat") for m in materials]
-    tables += [(m["hardening"], "file") for m in materials if "hardening" in m]
+    materials = data.get("materials", {})
+    pieces = [*bodies, data.get("blank", {})]
+    named = [(piece, str(piece.get("material", ""))) for piece in pieces]
+    tables += [(piece, "material") for piece, name in named if name.endswith(".toml") and name not in materials]
+    tables += [(m, "library") for m in materials.values() if m.get("library", "").endswith(".toml")]
+    tables += [(m, "umat") for m in materials.values()]
+    tables += [(m["hardening"], "file") for m in materials.values() if "hardening" in m]
     return [(table, key) for table, key in tables if key in table]
 
 

@@ -4,12 +4,16 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
+import tomli_w
 
 from presswork.case import build_model
+from presswork.case.any_case import read_case
+from presswork.case.case_file import write_as_run
 from presswork.case.errors import CaseError
 from presswork.case.material.forming_limit.build import build_curve
 from presswork.case.material.hot_hardening import HotLaw
@@ -19,6 +23,7 @@ from presswork.case.plane.schema import Case
 from presswork.material import find_sheet, list_sheets, read_sheet
 from presswork.material.hot_plot import draw_hot_law
 
+EXAMPLES = FOLDER.parents[1] / "examples"
 GUIDE = Path(__file__).parents[3] / "docs" / "howto" / "sheet_materials.md"
 GOOD = (FOLDER / "numisheet93_mild_steel.toml").read_text("utf-8")
 
@@ -183,3 +188,25 @@ def test_imperfection_and_swift_hill_change_the_curve() -> None:
 def test_a_material_without_a_forming_limit_says_how_to_add_one() -> None:
     with pytest.raises(CaseError, match=r"forming_limit: missing table; add \[material.forming_limit\]"):
         build_curve(find_sheet("aa1100_o").material)
+
+
+@pytest.mark.parametrize(
+    ("example", "part"),
+    [("square_cup", "blank"), ("scordelis_lo_roof", "workpiece"), ("upsetting_q4", "workpiece"),
+     ("gear_blank", "workpiece"), ("two_bodies", "bodies")],
+)  # fmt: skip
+def test_a_material_file_is_named_where_a_part_names_its_material(example: str, part: str, tmp_path: Path) -> None:
+    """Directly, without a table, beside the case; and a copy of the case that runs elsewhere names the whole path."""
+    (tmp_path / "mine.toml").write_text(GOOD.replace("206 GPa", "191 GPa"), encoding="utf-8")
+    data = tomllib.loads((EXAMPLES / f"{example}.toml").read_text("utf-8"))
+    body = data[part] if part != "bodies" else next(iter(data["bodies"].values()))
+    body["material"] = "mine.toml"
+    (tmp_path / "case.toml").write_text(tomli_w.dumps(data), encoding="utf-8")
+    case = read_case(tmp_path / "case.toml")
+    assert str(case.materials["mine"].young) == "191000.0"
+    piece = getattr(case, part)
+    assert (piece if part != "bodies" else next(iter(piece.values()))).material == "mine"
+    assert str(tmp_path / "mine.toml") in write_as_run(data, tmp_path)
+    (tmp_path / "mine.toml").unlink()
+    with pytest.raises(CaseError, match=r"there is no material file .*mine\.toml"):
+        read_case(tmp_path / "case.toml")

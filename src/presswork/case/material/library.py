@@ -24,6 +24,8 @@ from presswork.case.reader import read_toml
 from presswork.case.units import fault
 
 FOLDER = Path(__file__).parents[2] / "material" / "data"
+ENDING = ".toml"
+"""Of a material file; a name that ends so is a path."""
 THICKEST = 100.0
 """Largest thickness of a sheet that was tested [mm]; more is a slip of units."""
 
@@ -58,8 +60,12 @@ def list_keys() -> list[str]:
 
 def find_sheet(name: str, folder: Path | None = None) -> NamedSheet:
     """Read a material that ships by its key, or a user's file by its path, from `folder` on. Raises CaseError."""
-    if name.endswith(".toml"):
-        return read_sheet((folder or Path()) / name)
+    if name.endswith(ENDING):
+        path = (folder or Path()) / name
+        if not path.exists():
+            fault = f"there is no material file {path}"
+            raise CaseError([Problem("", fault, "its path is relative to the case file")], "materials")
+        return read_sheet(path)
     if name not in list_keys():
         remedy = f"{suggest(name, list_keys(), 'materials')}; or the path of a file of your own, which ends with .toml"
         problem = Problem("", f"`{name}` is no material of the library", remedy)
@@ -83,19 +89,36 @@ def take_named(data: object, info: ValidationInfo) -> NamedSheet | None:
 
 
 def add_library_materials(data: Mapping[str, Any], part: str = "workpiece") -> dict[str, Any]:
-    """Return a case's data in which materials that only the library knows are among the materials.
+    """Return a case's data in which materials that a part names of the library, or by a file, are among the materials.
 
-    part: the table that names a material, as other bodies do.
+    part: the table that names a material, as other bodies do. A file's material gets the name of the file.
     """
     materials, bodies = data.get("materials", {}), data.get("bodies", {})
     if not isinstance(materials, Mapping):
         return dict(data)
-    added = {}
-    for piece in (data.get(part), *(bodies.values() if isinstance(bodies, Mapping) else ())):
-        name = piece.get("material") if isinstance(piece, Mapping) else getattr(piece, "material", None)
-        if isinstance(name, str) and name not in materials and name in list_keys():
-            added[name] = {"library": name}
-    return {**data, "materials": {**materials, **added}} if added else dict(data)
+    added: dict[str, Any] = {}
+    changed = dict(data)
+    if part in data:
+        changed[part] = _name_material(data[part], materials, added)
+    if isinstance(bodies, Mapping) and bodies:
+        changed["bodies"] = {name: _name_material(body, materials, added) for name, body in bodies.items()}
+    return {**changed, "materials": {**materials, **added}} if added else changed
+
+
+def _name_material(piece: Any, materials: Mapping[str, Any], added: dict[str, Any]) -> Any:
+    """Add the material that a part takes of the library or of a file; return the part with the material's name."""
+    name = piece.get("material") if isinstance(piece, Mapping) else getattr(piece, "material", None)
+    if not isinstance(name, str) or name in materials:
+        return piece
+    if name in list_keys():
+        added[name] = {"library": name}
+    if not name.endswith(ENDING):
+        return piece
+    short = Path(name).stem
+    while {**materials, **added}.get(short, {"library": name}) != {"library": name}:
+        short += "_file"
+    added[short] = {"library": name}
+    return {**piece, "material": short} if isinstance(piece, Mapping) else piece.model_copy(update={"material": short})
 
 
 def find_material_problem(key: str, name: str, materials: Iterable[str]) -> Problem | None:
@@ -110,7 +133,10 @@ def find_material_problem(key: str, name: str, materials: Iterable[str]) -> Prob
         near = near or [f"`{lowered[choice]}`" for choice in found]
     meant = f"did you mean {' or '.join(near)}? " if near else ""
     of_case = f"[materials] has {', '.join(own)}; " if own else ""
-    remedy = f"{meant}({of_case}`presswork materials` lists the library's, which need no table)"
+    remedy = (
+        f"{meant}({of_case}`presswork materials` lists the library's, which need no table; a file of your own is named "
+        "by its path, for instance my_steel.toml)"
+    )
     return Problem(f"{key}.material", "no such material", remedy, name)
 
 

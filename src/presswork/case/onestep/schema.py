@@ -61,7 +61,9 @@ class PartFile(Part):
 class FlatBlank(Part):
     """The sheet."""
 
-    material: str = Field(description="name of one of the [materials], or of the library")
+    material: FileName = Field(
+        description='name of one of the [materials], or of the library, or "my_steel.toml", a material file of your own'
+    )
     thickness: Length = Field(gt=0, description="thickness of the blank [mm]")
     rolling_direction: Angle = Field(default=0.0, description="angle of the rolling direction from x [degree]")
     points: int = Field(

@@ -88,7 +88,9 @@ def assume_rectangle(mesh: object) -> object:
 class Workpiece(Part):
     """The body that is formed."""
 
-    material: str = Field(description="name of one of the [materials]")
+    material: FileName = Field(
+        description='name of one of the [materials], or of the library, or "my_steel.toml", a material file of your own'
+    )
     element: model.SolidElement = Field(
         default="quad4_fbar",
         description="element formulation; without it quad4_fbar, which locks neither in volume nor in a neck",

@@ -18,7 +18,7 @@ from presswork.case.held_stages import StagedBoundary
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.library import add_library_materials
-from presswork.case.names import Name, Title
+from presswork.case.names import FileName, Name, Title
 from presswork.case.part import Part
 from presswork.case.plane.workpiece import MeshFile, Rectangle, assume_rectangle
 from presswork.case.settings import Output, Solver
@@ -79,7 +79,9 @@ class ShellRectangle(Rectangle):
 class ShellWorkpiece(Part):
     """The sheet that is formed."""
 
-    material: str = Field(description="name of one of the [materials], or of the library")
+    material: FileName = Field(
+        description='name of one of the [materials], or of the library, or "my_steel.toml", a material file of your own'
+    )
     element: model.ShellElement = Field(description="element formulation")
     section: Section = Field(description="thickness and the points through it")
     mesh: Annotated[ShellRectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(assume_rectangle)] = Field(

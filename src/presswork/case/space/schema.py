@@ -17,7 +17,7 @@ from presswork.case.held_stages import StagedBoundary
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
 from presswork.case.material.library import add_library_materials
-from presswork.case.names import Name, Title
+from presswork.case.names import FileName, Name, Title
 from presswork.case.part import Part
 from presswork.case.plane.contact import Contact
 from presswork.case.plane.explicit import ExplicitSolver
@@ -37,7 +37,9 @@ AXES: tuple[Axis, ...] = ("x", "y", "z")
 class SpaceWorkpiece(Part):
     """The body that is formed."""
 
-    material: str = Field(description="name of one of the [materials]")
+    material: FileName = Field(
+        description='name of one of the [materials], or of the library, or "my_steel.toml", a material file of your own'
+    )
     element: model.SpaceElement = Field(
         default="hex8_fbar",
         description="element formulation; without it hex8_fbar, which does not lock in volume, and hex8_1pt where the "

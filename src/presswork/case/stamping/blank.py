@@ -31,7 +31,9 @@ class _Blank(Part):
     """What blanks of any outline have."""
 
     thickness: Length = Field(gt=0, description="thickness [mm]")
-    material: str = Field(description="name of one of the [materials], or of the library")
+    material: FileName = Field(
+        description='name of one of the [materials], or of the library, or "my_steel.toml", a material file of your own'
+    )
     points: int = Field(
         default=_SECTION.points, strict=True, ge=2, le=51, description="points through the thickness, 2 to 51"
     )
