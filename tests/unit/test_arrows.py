@@ -121,7 +121,7 @@ PYTHON_ROOMS = {
         "text_file",
         "view",
     },
-    "material": {"case", "formability", "law", "model", "view"},
+    "material": {"case", "formability", "law", "model", "text_file", "view"},
     "onestep": {"case", "explicit", "fields", "geometry", "implicit", "mesh", "model", "results"},
     "bead_forces": {"case", "fingerprint", "model", "recorder", "results"},
     "api": {

@@ -5,36 +5,28 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
-import tomli_w
 import typer
 
-from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.errors import CaseError, Problem
 from presswork.case.material.forming_limit.build import build_curve, mean_r_value
 from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.library import find_sheet
-from presswork.case.material.sheet import check_sheet_material
 from presswork.case.units import STRESS, to_number
 from presswork.cli.material_hot import fit_compression, is_hot_compression
+from presswork.cli.material_tensile import Surface, fit_surface, fit_tensile
 from presswork.cli.terminal import exit_on
 from presswork.law.allowed import allow_library
 from presswork.law.umat import CompileError, compile_law
-from presswork.material.fit_plot import draw_curves, draw_fit
+from presswork.material.fit_plot import draw_curves
 from presswork.material.hot_plot import draw_hot_law
-from presswork.material.identify import (
-    LAWS,
-    HardeningFit,
-    compare_flow,
-    find_yield_stress,
-    fit_hardening,
-    fit_r_value,
-)
+from presswork.material.identify import LAWS
 from presswork.material.identify_hot import HOT_LAWS
-from presswork.material.identify_yld2000 import BIAXIAL, R_WEIGHT, YieldData, fit_yld2000, read_yield_data
+from presswork.material.identify_yld2000 import R_WEIGHT, YieldData, read_yield_data
 from presswork.material.sheet_plot import draw_sheet
-from presswork.material.tensile import TensileTest, read_tensile
+from presswork.material.specimen_facts import Sizes
 from presswork.results.whole_file import OutputError, write_whole
 
 app = typer.Typer(help="Sheet materials at a point.", no_args_is_help=True, add_completion=False)
@@ -42,6 +34,7 @@ app = typer.Typer(help="Sheet materials at a point.", no_args_is_help=True, add_
 Name = Annotated[str, typer.Argument(help="A material of the library, or a material file.", show_default=False)]
 Datum = Annotated[float, typer.Option(show_default=False)]
 Exponent = Annotated[Literal["6", "8"], typer.Option(help="Of Yld2000-2d: 6 for steel, 8 for aluminium.")]
+Size = Annotated[float | None, typer.Option(help="Of the specimens [mm], if no file says it.", show_default=False)]
 Weight = Annotated[float, typer.Option(help="Of r-values beside stresses in the fit of Yld2000-2d.")]
 
 
@@ -112,8 +105,8 @@ def flc(
 
 @app.command()
 def fit(
-    tensile: Annotated[
-        Path, typer.Argument(help="CSV of tensile or of hot compression tests; the guide says which columns.")
+    files: Annotated[
+        list[Path], typer.Argument(help="Tensile tests as machines write them, or one file of hot compression tests.")
     ],
     young: Annotated[str, typer.Option(help='Young\'s modulus, e.g. "206 GPa".', show_default=False)],
     poisson: Annotated[float, typer.Option(help="Poisson's ratio.")] = 0.3,
@@ -128,40 +121,26 @@ def fit(
     biaxial_stress: Annotated[float, typer.Option(help="Balanced biaxial yield stress over that at 0.")] = math.nan,
     biaxial_r: Annotated[float, typer.Option(help="Strain across over along in that test.")] = math.nan,
     r_weight: Weight = R_WEIGHT,
+    thickness: Size = None, width: Size = None, gauge_length: Size = None,
+    angle: Annotated[
+        float | None, typer.Option(help="Of the specimens from the rolling direction, if no file says it.")
+    ] = None,
     density: Annotated[str, typer.Option(help='Hot tests: "7850 kg/m^3"; with it heating in the test counts.')] = "",
     specific_heat: Annotated[str, typer.Option(help='Hot tests: "650 J/(kg*K)".')] = "",
     output: Annotated[Path | None, typer.Option(help="Material file; default: the CSV's name, .toml.")] = None,
-) -> None:
+) -> None:  # fmt: skip
     """Fit a hardening law and a yield function to tests; write a material file and a picture.
 
     Hot compression tests are corrected for friction and for heating; beside the law a table of their curves is written.
     """
     with exit_on(CaseError, ImportError, OSError, OutputError):
-        if is_hot_compression(tensile):
-            fit_compression(tensile, law, _read_stress("--young", young), poisson, density, specific_heat, output)
-            return
-        tests = read_tensile(tensile)
         modulus = _read_stress("--young", young)
-        along = _pick_rolling_direction(tests, tensile)
-        fits = _fit_laws(along, law, modulus)
-        _print_laws(along, fits, modulus)
-        r_values = {test.angle: fit_r_value(test, modulus, poisson) for test in tests}
-        for angle, r in r_values.items():
-            if r is not None:
-                typer.echo(f"r at {angle:g} degrees = {r:.3f}")
-        found = {angle: r for angle, r in r_values.items() if r is not None}
-        surface: dict[str, Any] | None = None
-        if yield_function == "yld2000":
-            stress = [compare_flow(test, along, modulus) for test in tests]
-            r_column = [math.nan if r is None else r for r in r_values.values()]
-            data = YieldData(np.array(list(r_values)), np.array(stress), np.array(r_column), biaxial_stress, biaxial_r)
-            surface = _fit_surface(data, int(exponent), r_weight)
-        elif {0.0, 45.0, 90.0} <= set(found):
-            surface = {"law": "hill1948", "r00": found[0.0], "r45": found[45.0], "r90": found[90.0]}
-        path = output or tensile.with_suffix(".toml")
-        _write_material(path, tensile, fits[0], {"young": modulus, "poisson": poisson}, surface)
-        picture = draw_fit(tests, fits, modulus, path.with_suffix(".png"))
-    typer.echo(f"{path}\n{picture}")
+        if is_hot_compression(files[0]):
+            fit_compression(files[0], law, modulus, poisson, density, specific_heat, output)
+            return
+        sizes = Sizes(thickness=thickness, width=width, gauge_length=gauge_length, angle=angle)
+        surface = Surface(yield_function, int(exponent), biaxial_stress, biaxial_r, r_weight)
+        fit_tensile(files, law, (modulus, poisson), surface, sizes, output)
 
 
 @app.command()
@@ -179,60 +158,7 @@ def yld2000(
         usual = YieldData(np.array([0.0, 45.0, 90.0]), np.array([s00, s45, s90]), np.array([r00, r45, r90]), sb, rb)
         if data is not None and usual.count():
             raise CaseError([Problem("", "data in a file and by options", "give one of them")], "Yld2000-2d")
-        _fit_surface(usual if data is None else read_yield_data(data), int(exponent), r_weight)
-
-
-def _fit_surface(data: YieldData, exponent: int, r_weight: float) -> dict[str, Any]:
-    """Fit Yld2000-2d, tell it beside the data, and return the keys of a material."""
-    fitted = fit_yld2000(data, exponent, r_weight=r_weight)
-    typer.echo(f"alpha = [{', '.join(f'{value:.5f}' for value in fitted.alpha)}]")
-    typer.echo("angle     stress measured, fitted        r measured, fitted")
-    rows = list(zip(data.angle, data.stress, fitted.found.stress, data.r, fitted.found.r, strict=True))
-    for angle, *values in [*rows, (BIAXIAL, data.biaxial, fitted.found.biaxial, data.r_biaxial,
-                                   fitted.found.r_biaxial)]:  # fmt: skip
-        texts = ["      -" if math.isnan(value) else f"{value:7.4f}" for value in values]
-        name = angle if isinstance(angle, str) else f"{angle:g}"
-        typer.echo(f"{name:8s} {texts[0]:>16s}  {texts[1]} {texts[2]:>17s}  {texts[3]}")
-    stress, r = fitted.worst()
-    typer.echo(f"largest errors: {100 * stress:.2f} % in a stress, {r:.3f} in an r-value")
-    return {"law": "yld2000", "alpha": list(fitted.alpha), "exponent": exponent}
-
-
-def _print_laws(along: TensileTest, fits: list[HardeningFit], young: float) -> None:
-    best = fits[0]
-    typer.echo(f"Rp0.2 = {find_yield_stress(along, young):.1f} MPa; fitted to a plastic strain of "
-               f"{best.largest_strain:.3f}")  # fmt: skip
-    for one in fits:
-        parameters = ", ".join(f"{key} = {value:.5g}" for key, value in one.parameters.items())
-        typer.echo(f"{one.law}: {one.scatter:.2f} MPa ({100 * one.relative:.2f} %): {parameters}")
-    if len(fits) > 1:
-        far = [float(one.stress(np.array([0.6]))[0]) for one in fits]
-        typer.echo(f"{best.law} is taken: the least scatter for its number of parameters (Schwarz's criterion)")
-        typer.echo(f"extrapolated to 0.6 they give {min(far):.0f} to {max(far):.0f} MPa")
-
-
-def _fit_laws(test: TensileTest, law: str, young: float) -> list[HardeningFit]:
-    """Fit one law, or all that there are points for, the best first."""
-    if law != "all":
-        if law not in LAWS:
-            raise CaseError([Problem("--law", "unknown law", suggest(law, (*LAWS, "all")), law)])
-        return [fit_hardening(test, law, young)]
-    fits = []
-    for name in LAWS:
-        try:
-            fits.append(fit_hardening(test, name, young))
-        except CaseError as error:
-            reason = error
-    if not fits:
-        raise reason
-    return sorted(fits, key=lambda one: one.criterion)
-
-
-def _pick_rolling_direction(tests: list[TensileTest], path: Path) -> TensileTest:
-    for test in tests:
-        if test.angle == 0.0:
-            return test
-    raise CaseError([Problem("angle", "no test along the rolling direction", "give points with angle 0")], path)
+        fit_surface(usual if data is None else read_yield_data(data), int(exponent), r_weight)
 
 
 def _read_stress(key: str, text: str) -> float:
@@ -243,22 +169,3 @@ def _read_stress(key: str, text: str) -> float:
     if value < 1e3:
         raise CaseError([Problem(key, f"{value:g} MPa is no metal's modulus", 'for instance "206 GPa"', text)])
     return value
-
-
-def _write_material(
-    path: Path, source: Path, best: HardeningFit, elastic: dict[str, Any], surface: dict[str, Any] | None
-) -> None:
-    """Write a material file of the best law, and of the yield function if the tests gave one."""
-    table: dict[str, Any] = dict(elastic)
-    if surface is not None:
-        table["yield_function"] = surface
-    table["hardening"] = {"law": best.law, **best.parameters}
-    check_sheet_material(table, str(source))
-    data = {
-        "name": source.stem,
-        "summary": f"fitted to {source.name}",
-        "material": table,
-        "sources": {"all": f"{source.name}, fitted to a plastic strain of {best.largest_strain:.3f}"},
-        "assumed": {"young": "as given to the fit", "poisson": "as given to the fit"},
-    }
-    write_whole(path, tomli_w.dumps(data).encode())

@@ -12,18 +12,23 @@ import typer
 
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.sheet import check_sheet_material
-from presswork.case.table_file import read_table_lines
 from presswork.case.units import DENSITY, HEAT_CAPACITY, Dimension, to_number
-from presswork.material.compression import CompressionTest, correct, find_adiabatic_part, read_compression
+from presswork.material.compression import (
+    CompressionTest,
+    correct,
+    find_adiabatic_part,
+    find_hot_head,
+    read_compression,
+)
 from presswork.material.hot_plot import draw_hot_fit
 from presswork.material.identify_hot import HOT_LAWS, HotFit, find_untested, fit_hot, tabulate
+from presswork.material.measured_file import read_measured_file
 from presswork.results.whole_file import write_whole
 
 
 def is_hot_compression(path: Path) -> bool:
     """Say whether a CSV file holds hot compression tests: it has columns of rate and temperature. Raises CaseError."""
-    head = [name.strip() for name in read_table_lines(path, least=1)[0][1]]
-    return "rate" in head and "temperature" in head
+    return find_hot_head(read_measured_file(path)) is not None
 
 
 def fit_compression(

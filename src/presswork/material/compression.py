@@ -22,11 +22,14 @@ from pathlib import Path
 import numpy as np
 
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.table_file import read_table_lines
+from presswork.material.measured_file import MeasuredFile, read_measured_file
+from presswork.material.quantities import find_unit, read_title
 from presswork.model import FloatArray
 
 NEEDED = ("strain", "stress", "rate", "temperature")
 SPECIMEN = ("height", "diameter", "m", "final_height", "barrel_diameter", "top_diameter")
+SHOWN = 3
+"""Cells that are no numbers which are named; the others are counted."""
 FEWEST = 2
 """Points of a test, which make its curve."""
 ADIABATIC = ((1e-3, 0.0), (1.0, 1.0))
@@ -96,10 +99,22 @@ def find_friction_factor(
     return m
 
 
+def find_hot_head(file: MeasuredFile) -> int | None:
+    """Return which line names columns of rate and temperature; None: the file has no hot compression tests."""
+    for i, line in enumerate(file.lines):
+        if {"rate", "temperature"} <= {read_title(cell)[0] for cell in line.cells}:
+            return i
+    return None
+
+
 def read_compression(path: Path) -> list[CompressionTest]:
     """Read the tests by temperature and rate, as measured. Raises CaseError with every fault, by line."""
-    lines = read_table_lines(path, least=2)
-    head = [name.strip() for name in lines[0][1]]
+    file = read_measured_file(path)
+    top = find_hot_head(file) or 0
+    below = file.lines[top + 1 :]
+    units = below[0].cells if below and all(find_unit(cell) for cell in below[0].cells if cell) else ()
+    titles = [read_title(title, units[i] if i < len(units) else "") for i, title in enumerate(file.lines[top].cells)]
+    head = [name for name, _ in titles]
     problems = [
         Problem("", f"no column {name}", f"name it so in the head line; {suggest(name, head, 'columns')}")
         for name in NEEDED
@@ -109,22 +124,24 @@ def read_compression(path: Path) -> list[CompressionTest]:
         raise CaseError(problems, path)
     columns = [name for name in (*NEEDED, *SPECIMEN) if name in head]
     rows = []
-    for number, cells in lines[1:]:
+    for line in (line for line in below[1 if units else 0 :] if not line.comment):
         row = []
         for name in columns:
-            text = cells[head.index(name)].strip() if head.index(name) < len(cells) else ""
-            try:
-                row.append(float(text))
-            except ValueError:
-                row.append(math.nan)
+            i = head.index(name)
+            text = line.cells[i] if i < len(line.cells) else ""
+            value = file.number(text)
+            row.append(math.nan if value is None else titles[i][1] * value)
             at_rest = name == "stress" and row[-1] == 0.0 and row[0] == 0.0  # where curves often begin, and unused
             may_be_any = name in ("temperature", "m", "strain") or at_rest
             if not math.isfinite(row[-1]) or (not may_be_any and row[-1] <= 0.0):
                 expected = "expected a number" if name in ("temperature", "m", "strain") else "expected a number > 0"
-                problems.append(Problem(f"line {number}, {name}", expected, "decimals with a point", text))
+                problems.append(Problem(f"line {line.number}, {name}", expected, "mend the line", text))
         rows.append(row)
+    if not rows:
+        problems.append(Problem("", "no points", "give a line for each point"))
     if problems:
-        raise CaseError(problems, path)
+        more = [Problem("", f"{len(problems) - SHOWN} more cells that are no such numbers", "mend the file")]
+        raise CaseError(problems[:SHOWN] + (more if len(problems) > SHOWN else []), path)
     table = dict(zip(columns, np.array(rows).T, strict=True))
     tests = []
     for start, rate in sorted(set(zip(table["temperature"].tolist(), table["rate"].tolist(), strict=True))):

@@ -202,3 +202,18 @@ def test_one_rate_does_not_make_a_law() -> None:
     assert isinstance(fit_hot(two, "hensel_spittel"), HotFit)
     with pytest.raises(CaseError, match="do not tell 8 parameters apart"):
         fit_hot(two, "hensel_spittel", ("m1", "m2", "m3", "m4", "m5", "m7", "m8", "m9"))
+
+
+def test_hot_tests_of_machines_are_read_in_any_form(tmp_path: Path) -> None:
+    """Decimal commas, semicolons, per cent, GPa, a head of several lines, and a row of units give the same tests."""
+    rows = [(0.1, 120.0, 0.01, 900.0), (0.3, 130.0, 0.01, 900.0), (0.1, 170.5, 1.0, 900.0), (0.3, 190.0, 1.0, 900.0)]
+    plain = "strain,stress,rate,temperature\n" + "".join(f"{a},{b},{c},{d}\n" for a, b, c, d in rows)
+    odd = "Pr\u00fcfer;M\u00fcller\nstrain;stress [GPa];rate;temperature\n%;;1/s;\u00b0C\n"
+    odd += "".join(f"{100 * a:g};{b / 1000:g};{c:g};{d:g}\n".replace(".", ",") for a, b, c, d in rows)
+    (tmp_path / "plain.csv").write_text(plain, "utf-8")
+    (tmp_path / "odd.csv").write_text(odd, "latin-1")
+    one, other = (read_compression(tmp_path / name) for name in ("plain.csv", "odd.csv"))
+    for a, b in zip(one, other, strict=True):
+        assert (a.rate, a.start) == (b.rate, b.start)
+        np.testing.assert_allclose(b.strain, a.strain, rtol=1e-12)
+        np.testing.assert_allclose(b.stress, a.stress, rtol=1e-12)

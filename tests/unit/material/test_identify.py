@@ -59,7 +59,7 @@ def write_test(
 
 @pytest.mark.parametrize("law", LAWS)
 def test_fit_finds_the_law_that_the_test_was_made_from(tmp_path: Path, law: str) -> None:
-    test = read_tensile(write_test(tmp_path / "t.csv", law))[0]
+    test = read_tensile(write_test(tmp_path / "t.csv", law)).tests[0]
     fit = fit_hardening(test, law, YOUNG)
     assert fit.relative < 1e-5
     p = np.linspace(0.002, fit.largest_strain, 50)
@@ -70,7 +70,7 @@ def test_fit_finds_the_law_that_the_test_was_made_from(tmp_path: Path, law: str)
 
 @pytest.mark.parametrize("columns", ["strain", "strain_percent", "engineering", "engineering_percent"])
 def test_all_kinds_of_columns_say_the_same(tmp_path: Path, columns: str) -> None:
-    test = read_tensile(write_test(tmp_path / "t.csv", "swift", columns=columns))[0]
+    test = read_tensile(write_test(tmp_path / "t.csv", "swift", columns=columns)).tests[0]
     assert test.strain[-1] == pytest.approx(0.2589, abs=0.01), "cut at the highest force, by Considere at e = n - e0"
     assert fit_r_value(test, YOUNG, POISSON) == pytest.approx(1.79, rel=1e-3)
     assert fit_hardening(test, "swift", YOUNG).parameters["K"] == pytest.approx(565.0, rel=1e-3)
@@ -78,21 +78,21 @@ def test_all_kinds_of_columns_say_the_same(tmp_path: Path, columns: str) -> None
 
 
 def test_criterion_prefers_the_simple_law_of_two_that_fit_noise_alike(tmp_path: Path) -> None:
-    test = read_tensile(write_test(tmp_path / "t.csv", "swift", noise=0.003))[0]
+    test = read_tensile(write_test(tmp_path / "t.csv", "swift", noise=0.003)).tests[0]
     simple, rich = (fit_hardening(test, law, YOUNG) for law in ("swift", "swift_voce"))
     assert rich.scatter <= simple.scatter
     assert simple.criterion < rich.criterion
 
 
 def test_without_width_there_is_no_r_value(tmp_path: Path) -> None:
-    assert fit_r_value(read_tensile(write_test(tmp_path / "t.csv", "swift", r=None))[0], YOUNG, POISSON) is None
+    assert fit_r_value(read_tensile(write_test(tmp_path / "t.csv", "swift", r=None)).tests[0], YOUNG, POISSON) is None
 
 
 def test_directions_are_told_apart(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
     rows = [f"{a},{e},{100 + a + 1000 * e}" for e in np.linspace(0.01, 0.1, 8) for a in (45, 0, 90)]
     path.write_text("angle,strain,stress\n" + "\n".join(rows), encoding="utf-8")
-    tests = read_tensile(path)
+    tests = read_tensile(path).tests
     assert [test.angle for test in tests] == [0.0, 45.0, 90.0]
     assert [test.stress[0] for test in tests] == pytest.approx([110.0, 155.0, 200.0])
 
@@ -101,7 +101,7 @@ def test_directions_are_told_apart(tmp_path: Path) -> None:
     ("text", "words"),
     [
         ("", ["empty file"]),
-        ("strain,force\n1,2\n", ["no columns of strain and stress", "columns: force, strain"]),
+        ("strain,power\n1,2\n", ["no columns of strain and stress", "columns: power, strain"]),
         ("strain,stress\n0.1,a\n", ["line 2, stress", "expected a number"]),
         ("strain,stress\n0.1,200\n", ["1 points", "at least five"]),
         ("strain,stress\n" + "".join(f"{i},{200 * 2.8**i}\n" for i in range(8)), ["strain to 7", "_percent"]),
@@ -120,14 +120,14 @@ def test_faults_of_a_tensile_file_are_named(tmp_path: Path, text: str, words: li
 
 def test_a_width_that_grows_is_refused(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="r-value of"):
-        fit_r_value(read_tensile(write_test(tmp_path / "t.csv", "swift", r=-0.3))[0], YOUNG, POISSON)
+        fit_r_value(read_tensile(write_test(tmp_path / "t.csv", "swift", r=-0.3)).tests[0], YOUNG, POISSON)
 
 
 def test_too_few_points_for_a_law_say_so(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
     path.write_text("strain,stress\n" + "".join(f"{0.02 * i},{200 + 10 * i}\n" for i in range(1, 7)), encoding="utf-8")
     with pytest.raises(CaseError, match="too few for swift_voce"):
-        fit_hardening(read_tensile(path)[0], "swift_voce", YOUNG)
+        fit_hardening(read_tensile(path).tests[0], "swift_voce", YOUNG)
 
 
 ALL = np.arange(0.0, 91.0, 15.0)
@@ -206,5 +206,5 @@ def test_stress_by_direction_is_compared_at_the_same_plastic_work(tmp_path: Path
         stress = ratio * flow("swift", ratio * p)  # of the strain that does the same work
         rows += [f"{angle},{e + s / YOUNG},{s}" for e, s in zip(p, stress, strict=True)]
     (tmp_path / "t.csv").write_text("\n".join(rows), encoding="utf-8")
-    along, across = read_tensile(tmp_path / "t.csv")
+    along, across = read_tensile(tmp_path / "t.csv").tests
     assert compare_flow(across, along, YOUNG) == pytest.approx(0.9, rel=1e-3)
