@@ -15,8 +15,8 @@ from presswork.case.material.forming_limit.build import build_curve, mean_r_valu
 from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.library import find_sheet
 from presswork.case.units import STRESS, to_number
-from presswork.cli.material_hot import fit_compression, is_hot_compression
-from presswork.cli.material_tensile import Surface, fit_surface, fit_tensile
+from presswork.cli.fit.hot import fit_compression, is_hot_compression
+from presswork.cli.fit.tensile import Surface, fit_surface, fit_tensile
 from presswork.cli.terminal import exit_on
 from presswork.law.allowed import allow_library
 from presswork.law.umat import CompileError, compile_law
