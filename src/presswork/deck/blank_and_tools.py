@@ -173,6 +173,10 @@ class BlankAndTools:
                     continue
                 if contact.thickness is None:
                     return 0.0, None
+                given, scale = contact.thickness[other]
+                if given or scale != 1.0:
+                    text = f"thickness {given:g} (0: its own) by {scale:g} of the sheet in this contact"
+                    self.notes.leave(contact.place, contact.keyword, text)
                 given, scale = contact.thickness[side]
                 section = self.deck.sections.get(self.deck.parts[part].section)
                 own = self.shells.thickness[self.shells.part == part]

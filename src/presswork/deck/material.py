@@ -59,6 +59,10 @@ def _describe_hardening(
         points = curve.copy()
     else:
         points = np.array(list(hardening.parameters.values())).reshape(-1, 2)
+    if not len(points):
+        raise notes.fail(
+            card.place, f"{card.keyword}: no flow stress: it names no curve", "name one, or give its points"
+        )
     points[:, 1] *= units.stress * hardening.curve_scale
     points = _clean(points, card, notes)
     if hardening.ends_flat and len(points) > 1 and points[-1, 1] > points[-2, 1]:

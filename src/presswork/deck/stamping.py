@@ -167,4 +167,7 @@ def _find_rolling(reader: BlankAndTools) -> float:
             notes.check()
         return round(float(np.degrees(0.5 * np.angle(mean))), 3) % 180.0
     direction = reader.seat.turn @ np.array(rolling, dtype=float)
+    if abs(direction[2]) > 1e-9 * np.abs(direction).max():
+        text = f"the part of its axis normal to the sheet, {direction[2]:g} of ({direction[0]:g}, {direction[1]:g})"
+        notes.leave(reader.material.place, reader.material.keyword, text)
     return round(float(np.degrees(np.arctan2(direction[1], direction[0]))), 6) % 180.0

@@ -72,6 +72,7 @@ class Contacts:
             case "CONTACT INCLUSIONS":
                 self.notes.see(block.place, "*CONTACT INCLUSIONS", "what touches what")
                 rows = [["", ""]] if "ALL EXTERIOR" in block.parameters else block.rows()
+                leave_columns(block, 2, "further fields", self.notes)
                 self._included += [(block, [*row, ""][:2]) for row in rows]
             case _:
                 self._general = self._general or block

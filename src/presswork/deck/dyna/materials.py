@@ -54,7 +54,7 @@ def _list_layouts(number: int, cards: Cards) -> list[str]:
     axes = ["-xp -yp -zp", "-v1 -v2 -v3 -d1 -d2 -d3 beta -"]
     match number:
         case 18:
-            return ["mid ro e pr k n src srp", "sigy -vp -epsf"]
+            return [f"mid ro e pr k n {_rate_names(first[6:])}", "sigy -vp -epsf"]
         case 24:
             has_rows = any(cards[3])
             straight = "-sigy -etan" if second[2] or has_rows else "sigy etan"
@@ -64,7 +64,7 @@ def _list_layouts(number: int, cards: Cards) -> list[str]:
         case 36:
             rule = int(first[4])
             p = "-p1 -p2" if rule == 3 else "p1 p2"
-            rest = {2: "-lcid e0 spi -p3", 3: "lcid -e0 -spi -p3", 4: "-lcid -e0 -spi p3"}
+            rest = {2: f"-lcid e0 {'-spi' if second[5] else 'spi'} -p3", 3: "lcid -e0 -spi -p3", 4: "-lcid -e0 -spi p3"}
             rolling = f"{axes[0]} {_vector(third[0])} -macf -"
             return [
                 f"mid ro e pr hr {p} -iter",

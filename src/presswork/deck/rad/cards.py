@@ -33,6 +33,13 @@ def leave_fields(block: Block, row: bytes, layout: str, notes: Notes) -> None:
         notes.leave(block.place, block.keyword, ", ".join(left))
 
 
+def leave_behind(block: Block, rows: Sequence[bytes], width: int, notes: Notes) -> None:
+    """Note what stands in rows of a table behind its fields."""
+    more = next((text for row in rows if (text := row[width:].strip())), b"")
+    if more:
+        notes.leave(block.place, block.keyword, f"what stands behind the fields: {more.decode('latin-1')}")
+
+
 def leave_rows(block: Block, rows: Sequence[bytes], what: str, notes: Notes) -> None:
     """Note rows none of whose fields is read."""
     for row in rows:

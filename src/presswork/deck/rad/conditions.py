@@ -71,6 +71,10 @@ class Conditions:
             text = "a motion in a frame of its own, by a sensor, or along a direction that is not known"
             self.notes.refuse(block.place, block.keyword, text, "give it along X, Y or Z of the deck")
             return
+        leave_fields(block, rows[0], "fct_ID Dir skew_ID sens_ID grnd_ID frame_ID Icoor", self.notes)
+        leave_rows(block, rows[2:], "further rows", self.notes)
+        if len(rows) > 1:
+            leave_fields(block, rows[1], "Ascale:20 Fscale:20 Tstart:20 Tstop:20", self.notes)
         along, scale, begin, end = read_row(rows[1] if len(rows) > 1 else b"", 20, 20, 20, 20)
         bodies = self._driven(block, group)
         number = self._scaled(curve, along, begin)
@@ -86,6 +90,8 @@ class Conditions:
             text = "a moment, or a force in a frame of its own or by a sensor"
             self.notes.refuse(block.place, block.keyword, text, "give it along X, Y or Z of the deck")
             return
+        layout = "fct_ID Dir skew_ID sens_ID grnd_ID - Ascale:20 Fscale:20"
+        leave_fields(block, row, layout, self.notes)
         nodes = self._groups.nodes("GRNOD", int(group), self._shells)
         for body in self._driven(block, int(group)):
             n = int(np.isin(body.nodes, nodes).sum())
@@ -115,6 +121,7 @@ class Conditions:
         row = block.titled()[1][0]
         fixed = tuple(each == "1" for each in row[:10].decode("latin-1") if each in "01")
         skew, group = (int(each) for each in read_row(row[10:], 10, 10))
+        leave_fields(block, row, "fixed skew_ID grnod_ID", self.notes)
         if len(fixed) != 6:
             raise FieldError(f"`{row[:10].decode('latin-1')}` is no row of six digits")
         if skew:

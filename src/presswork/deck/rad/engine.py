@@ -9,6 +9,7 @@ from pathlib import Path
 from presswork.deck.contents import Deck
 from presswork.deck.notes import Notes
 from presswork.deck.rad.blocks import Block, read_blocks, read_row
+from presswork.deck.rad.cards import leave_fields, leave_rows
 from presswork.deck.rad.keywords import ENGINE
 
 
@@ -28,7 +29,10 @@ def take_engine_block(block: Block, deck: Deck, notes: Notes) -> None:
     """Take a keyword of the engine; notes what became of it. Raises FieldError, IndexError."""
     match block.words:
         case ("RUN", *_):
-            time = read_row(block.rows()[0], 20)[0]
+            rows = block.rows()
+            time = read_row(rows[0], 20)[0]
+            leave_fields(block, rows[0], "Tstop:20", notes)
+            leave_rows(block, rows[1:], "further rows", notes)
             deck.end = max(deck.end or 0.0, time)
             deck.end_place = block.place
             notes.keep(block.place, "/RUN", f"the run ends at {time:g}")

@@ -9,6 +9,7 @@ import numpy as np
 
 from presswork.deck.contents import Shells
 from presswork.deck.fields import FieldError
+from presswork.deck.notes import Notes
 from presswork.deck.rad.blocks import Block, read_labels, read_row
 from presswork.model import IndexArray
 
@@ -32,6 +33,7 @@ class _Group:
     """Of its members: nodes, ranges of nodes, parts, segments, or another room of groups."""
     members: list[int]
     """Their numbers; negative ones are taken away."""
+    block: Block
 
 
 @dataclass
@@ -39,6 +41,7 @@ class Groups:
     """All groups of a deck, by room and number."""
 
     _groups: dict[tuple[str, int], _Group] = field(default_factory=dict)
+    _used: set[tuple[str, int]] = field(default_factory=set)
 
     def take(self, block: Block) -> bool:
         """Take a group whose members can be told; return whether it was one. Raises FieldError."""
@@ -53,12 +56,13 @@ class Groups:
             members = [int(value) for row in rows for value in read_row(row, *[10] * 5)[1:] if value]
         else:
             members = read_labels(rows)
-        self._groups[room, block.number] = _Group("nodes" if kind == "segments" else kind, members)
+        self._groups[room, block.number] = _Group("nodes" if kind == "segments" else kind, members, block)
         return True
 
     def nodes(self, room: str, number: int, shells: Shells) -> IndexArray:
         """Return the labels of the nodes of a group, in order (n,). Raises KeyError for one that is not known."""
         group = self._groups[room, number]
+        self._used.add((room, number))
         if group.kind == "ranges":
             pairs = zip(group.members[::2], group.members[1::2], strict=False)
             return np.unique([n for first, last in pairs for n in range(first, last + 1)]).astype(np.intp)
@@ -73,6 +77,19 @@ class Groups:
                 own = self.nodes(group.kind, abs(member), shells)
             found = np.union1d(found, own) if member > 0 else np.setdiff1d(found, own)
         return found
+
+    def note_unused(self, nodes: IndexArray, parts: IndexArray, notes: Notes) -> None:
+        """Note groups that nothing names, and members that are not there; nodes, parts: numbers of all that are."""
+        for key, group in self._groups.items():
+            block = group.block
+            if key not in self._used:
+                notes.see(block.place, block.keyword, "a group that nothing names", "dropped")
+            known = nodes if group.kind == "nodes" else parts
+            if group.kind in ("nodes", "parts"):
+                missing = [each for each in group.members if not np.isin(abs(each), known)]
+                if missing:
+                    text = f"members that are not there: {', '.join(map(str, missing[:5]))}"
+                    notes.leave(block.place, block.keyword, text)
 
     def parts(self, room: str, number: int, shells: Shells) -> tuple[int, ...]:
         """Return the parts with a shell all of whose nodes are in a group. Raises KeyError."""

@@ -174,6 +174,8 @@ def _take_young(card: MaterialCard, rows: list[bytes], version: int, notes: Note
 def _decrease(card: MaterialCard, number: float, saturated: float, rate: float, notes: Notes) -> MaterialCard:
     if number:
         notes.refuse(card.place, card.keyword, "a curve of Young's modulus (fct_IDE)", "give Einf and CE")
+    if bool(saturated) != bool(rate):
+        notes.leave(card.place, card.keyword, f"Einf = {saturated:g}, CE = {rate:g}", "one without the other")
     return replace(card, young_decrease=(saturated, rate)) if saturated and rate else card
 
 

@@ -17,7 +17,7 @@ from presswork.deck.fields import FieldError, read_table
 from presswork.deck.keyword_file import explain_unreadable
 from presswork.deck.notes import Notes
 from presswork.deck.rad.blocks import Block, read_blocks, read_row
-from presswork.deck.rad.cards import leave_fields, leave_rows, refuse_second
+from presswork.deck.rad.cards import leave_behind, leave_fields, leave_rows, refuse_second
 from presswork.deck.rad.conditions import Conditions, RigidBody
 from presswork.deck.rad.engine import read_engine, take_engine_block
 from presswork.deck.rad.groups import Groups
@@ -55,6 +55,7 @@ class RadDeck:
         self._parts: dict[int, _Part] = {}
         self._properties: dict[int, Block] = {}
         self._materials: dict[int, Block] = {}
+        self._node_blocks: list[tuple[Block, int]] = []
         self._groups = Groups()
         self._later: list[Block] = []
         self._bodies: list[RigidBody] = []
@@ -122,7 +123,11 @@ class RadDeck:
         self._version = int(read_row(rows[0], 10)[0])
         if self._version < _OLDEST:
             raise ValueError(f"version {self._version}, whose fields are 8 and 16 wide: write it anew from version 51")
+        leave_fields(block, rows[0], "Invers", self.notes)
         self.deck.units = self._name_units(rows[1] if len(rows) > 1 else b"")
+        if len(rows) > 1:
+            leave_fields(block, rows[1], "mass:20 length:20 time:20", self.notes)
+        leave_rows(block, rows[2:], "units of output", self.notes)
         self.notes.keep(block.place, block.keyword, f"version {self._version}, units {self.deck.units.name}")
 
     def _unit(self, block: Block) -> None:
@@ -154,10 +159,12 @@ class RadDeck:
         n = 0
         for rows in block.pieces():
             table = read_table(rows, (10, 20, 20, 20), {})
+            leave_behind(block, rows, 70, self.notes)
             self._labels.append(table[:, 0].astype(np.intp))
             self._points.append(table[:, 1:].copy())
             n += len(table)
         self.notes.see(block.place, block.keyword, f"{n} nodes")
+        self._node_blocks.append((block, n))
 
     def _shells(self, block: Block) -> None:
         n = 0
@@ -166,6 +173,9 @@ class RadDeck:
             if block.words[0] == "SH3N":
                 table[:, 4] = 0.0
             table[:, 4] = np.where(table[:, 4] == 0, table[:, 3], table[:, 4])
+            leave_behind(block, rows, 100, self.notes)
+            if table[:, 5].any():
+                self.notes.leave(block.place, block.keyword, f"the sixth field of shells, {table[:, 5].max():g}")
             if table[:, 6].any():
                 self.notes.refuse(block.place, block.keyword, "axes of the material turned cell by cell (Phi)")
             self._rows.append((block.number, table[:, [1, 2, 3, 4, 7, 0]]))
@@ -198,6 +208,7 @@ class RadDeck:
         rows = [row for row in block.titled()[1] if row.strip()]
         refuse_second(block, "curve", self.deck.curves, self.notes)
         self.deck.curves[block.number] = read_table(rows, (20, 20), {})
+        leave_behind(block, rows, 40, self.notes)
         self.deck.curve_lines[block.number] = (block.place, block.keyword)
 
     def _adaptive(self, block: Block) -> None:
@@ -231,10 +242,32 @@ class RadDeck:
         for number, each in self._parts.items():
             if number not in {each for body in self._bodies for each in body.parts}:
                 self._try(self._sheet, each.block)
+        for number in {each for body in self._bodies for each in body.parts}:
+            self._leave_rigid(self._parts[number])
         conditions = Conditions(deck, self.notes, self._groups, self._all, self._bodies)
         for block in self._later:
             if block.words[0] != "RBODY":
                 self._try(conditions.take, block)
+        self._groups.note_unused(deck.labels, np.unique(self._all.part), self.notes)
+        self._note_idle_nodes()
+
+    def _leave_rigid(self, part: _Part) -> None:
+        """List what a rigid part has and does not need."""
+        text = f"prop_ID = {part.section}, mat_ID = {part.material}"
+        thickness = self._all.thickness[self._all.part == part.block.number]
+        thick = max(part.thickness, float(np.nanmax(thickness)) if np.isfinite(thickness).any() else 0.0)
+        if thick:
+            text += f", a thickness of {thick:g}"
+        self.notes.leave(part.block.place, part.block.keyword, text, "the part is rigid")
+
+    def _note_idle_nodes(self) -> None:
+        """List blocks of nodes none of which a shell has."""
+        begin = 0
+        for block, n in self._node_blocks:
+            if n and not np.isin(self.deck.labels[begin : begin + n], self._all.nodes).any():
+                text = f"{n} nodes of no shell: main nodes of rigid bodies, which move as stages say, or unused"
+                self.notes.see(block.place, block.keyword, text, "dropped")
+            begin += n
 
     def _body(self, block: Block) -> None:
         """Find the part that a rigid body is; several parts become one."""
@@ -246,6 +279,10 @@ class RadDeck:
         main, sensor, _, _, _, group, _, _, surface = (
             int(each) for each in read_row(row, 10, 10, 10, 10, 20, *[10] * 4)
         )
+        if not np.isin(main, self.deck.labels):
+            self.notes.refuse(block.place, block.keyword, f"there is no node {main}", "check its number")
+        if group and surface:
+            self.notes.leave(block.place, block.keyword, f"surf_ID = {surface}", "the group of nodes is taken")
         if sensor:
             self.notes.refuse(block.place, block.keyword, "a rigid body that a sensor makes (sens_ID)")
         room, number = ("GRNOD", group) if group else ("SURF", surface)
