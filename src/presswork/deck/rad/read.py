@@ -314,9 +314,12 @@ class RadDeck:
             return
         index = np.zeros(int(deck.labels.max()) + 1, dtype=np.intp)
         index[deck.labels] = np.arange(len(deck.labels))
-        a, b, c, d = deck.points[index[self._all.nodes[own][0]]]
-        normal = np.cross(c - a, d - b)
-        rolling = read.rolling(normal / np.linalg.norm(normal))
+        a, b, c, d = deck.points[index[self._all.nodes[own]]].swapaxes(0, 1)
+        normals = np.cross(c - a, d - b)
+        areas = np.linalg.norm(normals, axis=1)
+        if not areas.max() > 0.0:
+            raise self.notes.fail(block.place, f"{block.keyword}: shells without area", "mend the mesh of the sheet")
+        rolling = read.rolling(normals[areas.argmax()] / areas.max())
         card = replace(read.card, thickness=part.thickness or read.card.thickness)
         deck.parts[number] = PartCard(part.title, number, number, block.place, block.keyword)
         deck.sections[number] = card
