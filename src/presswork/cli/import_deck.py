@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -54,6 +56,18 @@ def import_deck(
         _import(deck, output or deck.with_name(deck.stem.removesuffix("_0000")), units, drop or [])
 
 
+@contextmanager
+def _explain_misfits(deck: Path) -> Iterator[None]:
+    """Raise CaseError for data of a deck that fit together nowhere, and that no reader has named."""
+    try:
+        yield
+    except (ArithmeticError, AssertionError, LookupError, ValueError) as error:
+        fault = f"data that do not fit together ({type(error).__name__}: {error})"
+        raise CaseError(
+            [Problem("", fault, "check the deck in its own program; if it runs there, report it")], deck
+        ) from error
+
+
 def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
     """Read a deck, write the case, and tell what became of the lines. Raises CaseError."""
     sign = "/" if deck.suffix.lower() == ".rad" else "*"
@@ -65,7 +79,8 @@ def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
         raise CaseError([problem], deck)
     if (folder / "case.toml").exists():
         raise CaseError([Problem("--output", "a case is there already", "give another folder", str(folder))], deck)
-    read = _READERS[deck.suffix.lower()](deck, notes).read()
+    with _explain_misfits(deck):
+        read = _READERS[deck.suffix.lower()](deck, notes).read()
     notes.check()
     if units and units not in SYSTEMS:
         raise CaseError([Problem("--units", "unknown units", suggest(units, SYSTEMS, "units"), units)], deck)
@@ -75,7 +90,8 @@ def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
         fault = "density and stiffness of the sheet are those of a metal in no units, or in several"
         fault = fault if sheets else "no material of a sheet tells the units"
         raise CaseError([Problem("--units", fault, f"give one of {', '.join(SYSTEMS)}")], deck)
-    imported = make_stamping(read, found, notes)
+    with _explain_misfits(deck):
+        imported = make_stamping(read, found, notes)
     notes.check()
     case = write_case(imported, notes, folder)
     for note in sorted(notes.notes, key=lambda note: note.place):

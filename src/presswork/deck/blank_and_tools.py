@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,9 @@ from presswork.deck.titles import is_punch
 from presswork.deck.units import Units
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray, IndexArray
+
+_STEPWISE = "*BOUNDARY"
+"""The keyword of Abaqus, whose motions follow each other step by step."""
 
 
 @dataclass(frozen=True)
@@ -242,6 +246,7 @@ class BlankAndTools:
         end = self._find_end()
         own = [m for m in self.deck.motions if m.part in self.tools]
         times = sample_times(end, [self._curve(m) for m in own])
+        self._check_times(own, end)
         found: dict[int, FloatArray] = {}
         for motion in own:
             displacement = find_displacement(
@@ -254,6 +259,23 @@ class BlankAndTools:
             displacement = displacement * self.units.length * self.seat.turn[2, motion.axis]
             found[motion.part] = found.get(motion.part, 0.0) + displacement
         return times * self.units.time, found
+
+    def _check_times(self, motions: list[Motion], end: float) -> None:
+        """Note curves that end too early, and refuse two motions of a tool along one axis at a time."""
+        driven: list[Motion | Push] = [*motions, *(each for each in self.deck.pushes if each.part in self.tools)]
+        for each in driven:
+            last = float(self._curve(each)[-1, 0]) + (each.begin if isinstance(each, Motion) else 0.0)
+            needed = min(end, each.end) if isinstance(each, Motion) else end
+            if last < needed * (1.0 - 1e-6):
+                text = f"its curve ends at {last:g}, before {needed:g}: its last value holds on"
+                self.notes.change(each.place, each.keyword, text)
+        for one, other in itertools.combinations(motions, 2):
+            is_same = one.part == other.part and one.axis == other.axis and one.keyword != _STEPWISE
+            if is_same and max(one.begin, other.begin) < min(one.end, other.end):
+                text = f"a second motion of part {one.part} at the same time"
+                remedy = "give one, or times of birth and death that do not overlap"
+                self.notes.refuse(other.place, other.keyword, text, remedy)
+        self.notes.check()
 
     def _find_end(self) -> float:
         if self.deck.end is not None and self.deck.end > 0.0:

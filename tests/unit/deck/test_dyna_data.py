@@ -108,6 +108,14 @@ def test_what_the_rows_of_nodes_hold_is_a_symmetry_plane(tmp_path) -> None:
     assert np.ptp(found.meshes["blank.vtk"].points[:, 0]) == pytest.approx(20.0)
 
 
+def test_a_curve_that_ends_before_the_run_holds_its_last_value(tmp_path) -> None:
+    found, listed = import_it(
+        tmp_path, ("                0.02                 4.0", "                0.01                 4.0")
+    )
+    assert sum(stage["tools"].get("punch", {}).get("stroke", 0.0) for stage in found.case["stages"]) == 4.0
+    assert any("its curve ends at 0.01, before 0.02: its last value holds on" in line for line in listed)
+
+
 LEFT = {
     "friction that decays": (
         (THIRD, "         3         3\n       0.1      0.05       2.0\n"),
@@ -149,6 +157,7 @@ def test_a_factor_of_friction_is_kept(tmp_path) -> None:
 
 
 REFUSED = {
+    "two motions at a time": ((f"{MOTION}\n", f"{MOTION}\n{MOTION}\n"), "a second motion of part 2 at the same time"),
     "tied surfaces": (("*CONTACT_FORMING_ONE_WAY", "*CONTACT_TIED"), "surfaces that are tied to each other"),
     "a breaking tie": (("ONE_WAY_SURFACE_TO_SURFACE", "SURFACE_TO_SURFACE_TIEBREAK"), "tied to each other"),
     "friction by tables": ((THIRD, "         3         3\n      -2.0\n"), "friction by FS = -2"),

@@ -125,6 +125,19 @@ def test_a_blank_of_several_thicknesses_is_a_sheet_without_stress(tmp_path) -> N
     assert found.case["blank"]["points"] == 5
 
 
+@pytest.mark.parametrize("last", [0.0, 1.2])
+def test_a_triangle_of_a_dynain_has_the_mean_of_three_thicknesses(tmp_path, last) -> None:
+    nodes = [(1, 0.0, 0.0), (2, 4.0, 0.0), (3, 0.0, 4.0)]
+    rows = ["*NODE", *(f"{i:8d}{x:16.8f}{y:16.8f}{0.0:16.8f}" for i, x, y in nodes)]
+    rows += ["*ELEMENT_SHELL_THICKNESS", "".join(f"{i:8d}" for i in (1, 1, 1, 2, 3, 3))]
+    rows += [f"{1.2:16.8f}" * 3 + f"{last:16.8f}{0.0:16.8f}"]
+    rows += ["*INITIAL_STRESS_SHELL", "".join(f"{i:10d}" for i in (1, 1, 2, 0, 0, 0))]
+    rows += [f"{height:10.5f}" + f"{0.0:10.1f}" * 7 for height in (-0.57735, 0.57735)]
+    path = tmp_path / "part.dynain"
+    path.write_text("\n".join([*rows, "*END", ""]))
+    np.testing.assert_allclose(read_dynain(path).thickness, [1.2])
+
+
 BAD = {
     "no rule": (
         deck_with_past(heights=np.array([-0.9, 0.0, 0.9])),

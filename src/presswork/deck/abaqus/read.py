@@ -251,8 +251,8 @@ class AbaqusDeck:
             fault = mesh.find_double()
             if fault:
                 raise self.notes.fail(self._node_place, fault, "give each its own number in its part")
-        for block, labels, known in self._assembly.list_sets():
-            missing = sorted(set(labels) - known)
+        for block, listed, known in self._assembly.list_sets():
+            missing = sorted(set(listed) - known)
             if missing:
                 text = f"labels that are not there: {', '.join(map(str, missing[:5]))}"
                 self.notes.leave(block.place, f"*{block.name}", text)

@@ -100,9 +100,12 @@ def read_dynain(path: Path) -> FormedSheet:
                 labels += [int(row[:8]) for row in rows]
                 points += [_numbers(row[8:], 3) for row in rows]
             elif name == "ELEMENT_SHELL_THICKNESS":
-                shells += [[int(row[i : i + 8] or 0) for i in range(0, 48, 8)] for row in rows[::2]]
-                sides = np.array([_numbers(row, 5) for row in rows[1::2]])
-                thickness, angle = [*thickness, *sides[:, :4].mean(axis=1)], [*angle, *sides[:, 4]]
+                own = [[int(row[i : i + 8] or 0) for i in range(0, 48, 8)] for row in rows[::2]]
+                sides = [_numbers(row, 5) for row in rows[1::2]]
+                for cell, side in zip(own, sides, strict=True):  # a triangle has three corners, its last one twice
+                    thickness.append(float(np.mean(side[: 3 if cell[5] in (0, cell[4]) else 4])))
+                    angle.append(side[4])
+                shells += own
             elif name == "INITIAL_STRESS_SHELL":
                 layers |= read_layers(rows)
             elif name == "INITIAL_STRAIN_SHELL":
