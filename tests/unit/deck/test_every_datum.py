@@ -170,6 +170,31 @@ def test_no_datum_is_lost_without_a_word(tmp_path, name) -> None:
     assert not lost, "\n".join(lost)
 
 
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_no_row_more_is_lost_without_a_word(tmp_path, name) -> None:
+    """A row of three numbers below each keyword is read, listed, or refused; the lines of those below it move."""
+    program = PROGRAMS[name]
+    lines = program.text.splitlines()
+    starts = [i for i, line in enumerate(lines) if line.startswith(program.sign)]
+    row = "7, 8, 9" if name == "abaqus" else f"{7:10}{8:10}{9:10}"
+
+    def read_without_lines(changed: list[str]):
+        case, meshes, listed = read(program, tmp_path, changed)[0]
+        return case, meshes, [re.sub(r"(deck\.\w+:|line )\d+", "", each) for each in listed]
+
+    base, dropped = read_without_lines(lines), read(program, tmp_path, lines)[1]
+    lost = []
+    for start, end in itertools.pairwise(starts):
+        if start + 1 in dropped or lines[start].startswith("*KEYWORD"):
+            continue
+        try:
+            if read_without_lines([*lines[:end], row, *lines[end:]]) == base:
+                lost.append(lines[start])
+        except CaseError:
+            continue
+    assert not lost
+
+
 HEAD = "         1   7.85E-9  207000.       0.3"
 ELASTIC = DYNA_TAIL[: DYNA_TAIL.index("*MAT_RIGID")]
 RAD_ELASTIC = RAD_HEAD[RAD_HEAD.index("/MAT/") : RAD_HEAD.index("/PROP/")]

@@ -142,6 +142,8 @@ class Contacts:
     def _finish_general(self, deck: Deck, parts_of: Callable[[Block, str], tuple[int, ...]]) -> None:
         """Add general contact: what is included, with the last property that is assigned to each pair of parts."""
         assigned = [(b, (parts_of(b, row[0]), parts_of(b, row[1] or row[0])), row[2]) for b, row in self._assigned]
+        for block, _, name in assigned:
+            self._find(block, name.upper())
         everything = [(self._general, ["", ""])] if self._general else []
         for block, row in self._included or everything:
             first, second = parts_of(block, row[0]), parts_of(block, row[1] or row[0])

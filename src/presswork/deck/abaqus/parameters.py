@@ -68,6 +68,20 @@ _REFUSED = {
 """What changes a case, and has no counterpart."""
 
 
+_WITHOUT_ROWS = (
+    "PART",
+    "END PART",
+    "END INSTANCE",
+    "ASSEMBLY",
+    "END ASSEMBLY",
+    "RIGID BODY",
+    "MATERIAL",
+    "CONTACT",
+    "END STEP",
+)
+"""Keywords whose rows of data, such as the thickness of rigid elements, are not read."""
+
+
 def check_parameters(block: Block, notes: Notes) -> None:
     """Note parameters of a keyword that are not read: left out, or refused. A keyword without a row here is skipped."""
     if block.name not in _READ:
@@ -75,6 +89,8 @@ def check_parameters(block: Block, notes: Notes) -> None:
     read = {each.replace("_", " ") for each in _READ[block.name].split()}
     refused = {each.replace("_", " ") for each in _REFUSED.get(block.name, "").split()}
     keyword = f"*{block.name}"
+    if block.name in _WITHOUT_ROWS:
+        leave_columns(block, 0, "a row below it", notes)
     for name, value in block.parameters.items():
         text = f"{name} = {value}" if value else name
         if name in refused:

@@ -119,7 +119,8 @@ class Steps:
         asked = self._last.name_of("AMPLITUDE") if self._last else ""
         self._steps[-1] = _Step(duration, is_static if not asked else asked == "RAMP")
         self.notes.see(block.place, f"*{block.name}", f"the step takes {duration:g}")
-        others = [word for word in (*words[:1], *words[2:]) if word]
+        more = [word for row in block.rows()[1:] for word in row]
+        others = [word for word in (*words[:1], *words[2:], *more) if word]
         if others:
             self.notes.leave(block.place, f"*{block.name}", f"increments: {', '.join(others)}", "numerics")
 

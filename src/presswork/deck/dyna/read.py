@@ -84,6 +84,7 @@ class DynaDeck:
             self.notes.refuse(block.place, f"*{block.name}", f"a part of another kind: {', '.join(sorted(unknown))}")
             return
         rows = block.rows()
+        leave_rows(block, rows[len(rows) - len(rows) % (2 + more) :], "a row that belongs to no part", self.notes)
         for i in range(0, len(rows) - 1, 2 + more):
             title = rows[i].decode("latin-1").strip()
             number, section, material, state, *_ = (int(value) for value in block.numbers(rows[i + 1]))
@@ -100,6 +101,7 @@ class DynaDeck:
             self.notes.refuse(block.place, f"*{block.name}", "a section of another kind", "give it by *SECTION_SHELL")
             return
         step = 3 if block.name.endswith("_TITLE") else 2
+        leave_rows(block, rows[len(rows) - len(rows) % step :], "a row that belongs to no section", self.notes)
         for i in range(step - 2, len(rows) - 1, step):
             number, form, _, n_points, _, _, by_layer, _ = block.numbers(rows[i])
             if by_layer:
@@ -250,6 +252,7 @@ class DynaDeck:
         rows = block.rows()
         self.deck.end = block.numbers(rows[0])[0]
         leave_fields(block, rows[0], "endtim -endcyc -dtmin -endeng -endmas -nosol", self.notes)
+        leave_rows(block, rows[1:], "a further row", self.notes)
         self.deck.end_place = block.place
         self.notes.see(block.place, f"*{block.name}", f"the last stage ends at {self.deck.end:g}")
 

@@ -83,7 +83,9 @@ class Conditions:
             self.deck.motions.append(Motion(body.part, _AXES[direction], *motion))
 
     def _push(self, block: Block) -> None:
-        row = block.titled()[1][0]
+        rows = block.titled()[1]
+        row = rows[0]
+        leave_rows(block, rows[1:], "further rows", self.notes)
         direction = row[10:20].decode("latin-1").strip().upper()
         curve, _, skew, sensor, group, _, along, scale = read_row(row[:10] + b" " * 10 + row[20:], *[10] * 6, 20, 20)
         if skew or sensor or direction not in ("X", "Y", "Z"):
@@ -100,7 +102,12 @@ class Conditions:
             self.deck.pushes.append(push)
 
     def _driven(self, block: Block, group: int) -> list[RigidBody]:
-        bodies = self._bodies_of(self._groups.nodes("GRNOD", group, self._shells))
+        nodes = self._groups.nodes("GRNOD", group, self._shells)
+        bodies = self._bodies_of(nodes)
+        others = np.setdiff1d(nodes, np.concatenate([[0], *(body.nodes for body in bodies)]))
+        if bodies and len(others):
+            text = f"{len(others)} nodes of no rigid body that is driven, the first {others[0]}"
+            self.notes.leave(block.place, block.keyword, text)
         if not bodies:
             text = "drives nodes that are no rigid body"
             self.notes.refuse(block.place, block.keyword, text, "drive the main nodes of /RBODY")

@@ -9,7 +9,7 @@ from dataclasses import replace
 from presswork.deck.contents import Hardening, MaterialCard
 from presswork.deck.notes import Notes
 from presswork.deck.rad.blocks import Block, read_row
-from presswork.deck.rad.cards import leave_fields
+from presswork.deck.rad.cards import leave_fields, leave_rows
 
 _NAMES = {
     "PLAS_JOHNS": "LAW2",
@@ -45,9 +45,12 @@ def read_material(block: Block, version: int, notes: Notes) -> MaterialCard | No
     young, poisson = read_row(rows[1], 20, 20)
     card = MaterialCard(block.keyword, density, young, poisson, block.place)
     leave_fields(block, rows[0], "rho:20 -rho0:20", notes)
-    for row, layout in zip(rows[1:], _list_layouts(_NAMES.get(name, name), version), strict=False):
-        if layout:
-            leave_fields(block, row, layout, notes)
+    layouts = _list_layouts(_NAMES.get(name, name), version)
+    for row, layout in zip(rows[1:], layouts, strict=False):
+        leave_fields(block, row, layout, notes)
+    if layouts[-1].startswith("fct_ID1 -"):  # as many rows of curves as there are, of which one is read
+        layouts += [""] * len(rows)
+    leave_rows(block, rows[1 + len(layouts) :], "further rows", notes)
     return read(card, rows[1:], version, notes)
 
 

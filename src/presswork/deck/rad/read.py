@@ -151,7 +151,8 @@ class RadDeck:
             self.notes.refuse(block.place, block.keyword, text, "write them in the units of /BEGIN")
 
     def _title(self, block: Block) -> None:
-        self.deck.title = block.titled()[0]
+        self.deck.title, rows = block.titled()
+        leave_rows(block, rows, "further rows", self.notes)
 
     def _nodes(self, block: Block) -> None:
         self._check_units(block, 0)
@@ -186,6 +187,7 @@ class RadDeck:
         title, rows = block.titled()
         section, material, _, thickness = read_row(rows[0], 10, 10, 10, 20)
         leave_fields(block, rows[0], "prop_ID mat_ID -subset_ID Thick:20", self.notes)
+        leave_rows(block, rows[1:], "further rows", self.notes)
         refuse_second(block, "part", self._parts, self.notes)
         name = title or f"part {block.number}"
         self._parts[block.number] = _Part(name, int(section), int(material), thickness, block)

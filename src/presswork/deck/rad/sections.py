@@ -72,5 +72,7 @@ def read_property(block: Block, notes: Notes) -> Property | None:
             notes.refuse(block.place, block.keyword, "a sheet of several layers", "give one material and one angle")
         angle, material = float(layers[0, 0]), int(layers[0, 3])
         thickness = thickness or float(layers[:, 1].sum())
+    n_read = 3 if kind == 1 else 4 if kind == 9 else 4 + int(n_points)
+    leave_rows(block, rows[n_read:], "further rows", notes)
     card = SectionCard(thickness, int(n_points), form == _FULL, block.place, block.keyword)
     return Property(card, material, axis, angle)
