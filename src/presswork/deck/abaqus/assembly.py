@@ -126,8 +126,9 @@ class PartMesh:
             if (count > 1).any():
                 return f"a second element {labels[count > 1][0]:.0f}"
         if self.nodes:
-            rows = np.unique(np.concatenate(self.nodes), axis=0)
-            same = rows[1:, 0] == rows[:-1, 0]
+            rows = np.concatenate(self.nodes)
+            rows = rows[np.argsort(rows[:, 0], kind="stable")]
+            same = (rows[1:, 0] == rows[:-1, 0]) & (rows[1:] != rows[:-1]).any(axis=1)
             if same.any():
                 return f"a second node {rows[1:, 0][same][0]:.0f}, at another place"
         return ""
