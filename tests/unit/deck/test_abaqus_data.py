@@ -185,3 +185,17 @@ def test_data_of_a_keyword_that_are_not_read_are_listed(tmp_path) -> None:
         "0.01, 1e-5 is left",
     ):
         assert any(text in line and "dropped" in line for line in listed), text
+
+
+def test_two_instances_of_a_rigid_part_are_two_tools(tmp_path) -> None:
+    """The punch's part, rigid in itself, lies above the sheet and, 1 mm lower, below it, too."""
+    rigid = "*Rigid Body, ref node=Ref, elset=All\n*End Part\n*Part, name=die"
+    found, _ = import_it(
+        tmp_path,
+        ("*End Part\n*Part, name=die", rigid),
+        ("*Instance, name=die-1, part=die\n", "*Instance, name=die-1, part=punch\n0., 0., -1.\n"),
+        ("*Rigid Body, ref node=die-1.Ref, elset=Edie\n", ""),
+        ("*Rigid Body, ref node=punch-1.Ref, elset=Epunch\n", ""),
+    )
+    assert heights(found) == pytest.approx({"blank.vtk": 0.0, "punch_1.stl": 0.5, "die_1.stl": -0.5})
+    assert [stage["tools"] for stage in found.case["stages"]] == [{"punch_1": {"stroke": 5.0}}]

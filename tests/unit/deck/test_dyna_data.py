@@ -160,6 +160,7 @@ REFUSED = {
     "two motions at a time": ((f"{MOTION}\n", f"{MOTION}\n{MOTION}\n"), "a second motion of part 2 at the same time"),
     "tied surfaces": (("*CONTACT_FORMING_ONE_WAY", "*CONTACT_TIED"), "surfaces that are tied to each other"),
     "a breaking tie": (("ONE_WAY_SURFACE_TO_SURFACE", "SURFACE_TO_SURFACE_TIEBREAK"), "tied to each other"),
+    "heat": (("*CONTROL_TERM", "*CONTROL_THERMAL_SOLVER\n         1\n*CONTROL_TERM"), "heat, or contacts"),
     "friction by tables": ((THIRD, "         3         3\n      -2.0\n"), "friction by FS = -2"),
     "contact for a time": ((THIRD, f"         3         3\n       0.1{'0.01':>60}\n"), "for a part of the time"),
     "a part twice": (("*PART\ndie\n         3", "*PART\ndie\n         2"), "a second part 2"),

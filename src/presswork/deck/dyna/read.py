@@ -24,6 +24,8 @@ from presswork.mesh.files.dynain import read_layers, read_strains
 _SILENT = ("KEYWORD", "COMMENT")
 _NUMERICS = ("CONTROL_", "DATABASE_", "HOURGLASS", "INTERFACE_", "TITLE", "DAMPING_", "DEFINE_BOX", "CASE", "SENSOR_")
 """What steers numerics and output."""
+_PHYSICS = ("CONTROL_THERMAL_", "SENSOR_CONTROL")
+"""What begins as numerics do, and is physics."""
 _OUTPUT_OF_FORMING = "CONTROL_FORMING_OUTPUT"
 _FULL = {16, 6, 7, 20, -16}
 """ELFORM of shells with several points in their plane."""
@@ -67,6 +69,9 @@ class DynaDeck:
         if block.name.startswith("CONTROL_FORMING_") and not block.name.startswith(_OUTPUT_OF_FORMING):
             remedy = "write the deck with its tools placed and moved by curves"
             self.notes.refuse(block.place, f"*{block.name}", "places or drives tools, or another analysis", remedy)
+            return
+        if block.name.startswith(_PHYSICS):
+            self.notes.refuse(block.place, f"*{block.name}", "heat, or contacts and motions that are switched")
             return
         if block.name.startswith(_NUMERICS):
             self.notes.drop(
