@@ -137,6 +137,7 @@ specific_heat = "500 J/(kg*K)"
 """
 
 
+@pytest.mark.validation
 def test_heat_between_bodies_in_space_has_the_same_bits_after_a_resume(tmp_path) -> None:
     path = tmp_path / "case.toml"
     laws = LAWS.replace("poisson = 0.33\n", 'poisson = 0.33\ndensity = "2700 kg/m^3"\n')
@@ -180,6 +181,7 @@ def test_a_clamp_gets_contact_with_itself_and_goes_on_after_a_resume_with_the_sa
     assert_same_bits(parts.folder, tmp_path / "whole")
 
 
+@pytest.mark.validation
 def test_a_clamp_of_tetrahedra_gets_new_meshes_after_it_has_folded(tmp_path) -> None:
     tetrahedra = CLAMP.replace('material = "soft"', 'material = "soft"\nelement = "tet4_mini"', 1)
     remesh = "\n[remesh]\nevery = 0.3\nsize = 1.5\nsmallest_size = 1.4\n"

@@ -16,7 +16,7 @@ SMALL = {
 }
 
 
-@pytest.fixture(scope="module", params=SMALL)
+@pytest.fixture(scope="module", params=["two_bodies", pytest.param("self_contact", marks=pytest.mark.validation)])
 def case(request, tmp_path_factory) -> Case:
     path = copy_example(request.param, tmp_path_factory.mktemp("case"))
     return Case.from_toml(path, SMALL[request.param])
@@ -55,6 +55,7 @@ def test_bodies_push_each_other_with_the_same_force(case, reference) -> None:
         assert set(np.unique(result.field("body"))) == {0.0, 1.0}
 
 
+@pytest.mark.validation
 def test_a_sliver_of_contact_beside_a_corner_asks_for_no_augmentations(tmp_path) -> None:
     """On a punch with m = 1 the ring's upper corner ends a few hundredths of an edge above a node of the core."""
     case = Case.from_toml(copy_example("two_bodies", tmp_path), ["tools.punch.m=1", "stages.0.tools.punch.stroke=4.25"])

@@ -44,6 +44,7 @@ def make_test(folder: Path) -> tuple[Path, Path]:
     return case, curve
 
 
+@pytest.mark.validation
 def test_four_numbers_are_found_from_one_curve_within_eight_runs(tmp_path: Path) -> None:
     case, curve = make_test(tmp_path)
     told: list[str] = []
@@ -85,6 +86,7 @@ def test_a_run_that_gives_up_is_told_by_its_numbers(tmp_path: Path) -> None:
         calibrate_curve(curve, case, tmp_path / "fit", keys=["tools.punch.m"], settings=lame)
 
 
+@pytest.mark.validation
 def test_a_derivative_that_is_lost_costs_the_run_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No round is allowed from the third increment on: the history goes on, its derivatives do not."""
     data = upset_cylinder(gradients={"by": ["tools.punch.m"]}, solver=SETTINGS)

@@ -165,8 +165,8 @@ def test_run_is_followed_stopped_and_goes_on_to_the_same_bits(browser: Any, site
 
 
 def begin_long_run(folder: Path, name: str) -> str:
-    """Run the upsetting in small increments, which takes some ten seconds, and return its name."""
-    settings = ["workpiece.mesh.cells=[10,10]", "output.steps=40", "solver.max_increment=0.0007"]
+    """Run the upsetting in small increments, which takes some seconds, and return its name."""
+    settings = ["workpiece.mesh.cells=[6,6]", "output.steps=40", "solver.max_increment=0.001"]
     options = [word for setting in settings for word in ("--set", setting)]
     command = [sys.executable, "-c", "from presswork.cli import main; main()", "run", str(folder / "upsetting_q4.toml")]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}

@@ -125,6 +125,7 @@ def test_a_search_that_was_stopped_goes_on(found, tmp_path) -> None:
         find_blank_shape(write(tmp_path), found.target, tmp_path / "none", tolerance=1.0, resume=True)
 
 
+@pytest.mark.validation
 def test_a_draw_on_a_cluster_has_the_bits_of_one_here(found, tmp_path) -> None:
     drawn = find_blank_shape(write(tmp_path), found.target, tmp_path / "out", tolerance=0.1, most=1, cluster="local")
     assert (drawn.status, len(drawn.draws)) == ("gave_up", 1)

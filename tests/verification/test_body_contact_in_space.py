@@ -95,6 +95,7 @@ def test_blocks_that_touch_part_where_they_narrow(element, strain):
     np.testing.assert_allclose(stress / (YOUNG * strain), np.tile(np.eye(6)[0], (len(stress), 1)), atol=1e-7)
 
 
+@pytest.mark.validation
 def test_an_elastic_sphere_and_block_touch_as_hertz_says():
     """Four cells across the half-width; with six the peak is 0.3 % above Hertz."""
     contact = press("hex8_fbar")

@@ -58,6 +58,7 @@ def test_one_loop_halves_the_deviation_of_a_channel(channel) -> None:
     assert second.undercut.angle == 0.0
 
 
+@pytest.mark.validation
 def test_a_search_that_goes_on_gives_the_same_bits(channel) -> None:
     case, found = channel
     before = (found.folder / "table.csv").read_bytes()

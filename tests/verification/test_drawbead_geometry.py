@@ -48,6 +48,7 @@ def find_forces(mu: float) -> tuple[float, float]:
     return found.beads[0].force, found.beads[0].closing_force
 
 
+@pytest.mark.validation
 def test_a_bead_without_friction_takes_the_work_of_bending() -> None:
     """72.9 N/mm; the strip needs a few per cent more, for its tension and as rows of its shells come over the radii."""
     assert work_of_bending() == pytest.approx(72.9, abs=0.05)

@@ -210,6 +210,7 @@ def test_presses_have_the_derivatives_of_whole_runs(
             assert largest_error(own, other) < 1e-6, (key, name)
 
 
+@pytest.mark.validation
 def test_strip_that_springs_back_has_the_derivatives_of_whole_runs(tmp_path: Path) -> None:
     hardening = {"law": "swift", "K": 500.0, "e0": 0.005, "n": 0.2}
     by = {
@@ -248,7 +249,12 @@ def test_curvature_left_by_springback_follows_bending_by_the_closed_form(degrees
     ("data", "by", "rows"),
     [
         (bend_over_die(), {"blank.thickness": 1.0}, 28),
-        (draw_under_holder(), {"tools.die.mu": 0.1, "stages.0.tools.holder.force": 800.0}, 22),
+        pytest.param(
+            draw_under_holder(),
+            {"tools.die.mu": 0.1, "stages.0.tools.holder.force": 800.0},
+            22,
+            marks=pytest.mark.validation,
+        ),
     ],
     ids=["bent", "held"],
 )
@@ -283,6 +289,7 @@ def test_hot_stamping_has_the_derivatives_of_whole_runs_through_dwells(tmp_path:
             assert largest_error(own, other) < 1e-6, name
 
 
+@pytest.mark.validation
 def test_line_of_operations_has_the_derivatives_of_whole_runs_through_trimming(tmp_path: Path) -> None:
     """Forces of both operations, and energies; other numbers in validation/test_gradients.py."""
     of = ["bend_punch.force", "again_punch.force", "elastic_energy", "external_work"]

@@ -36,6 +36,7 @@ def test_friction_moves_the_thinnest_ring_off_the_pole() -> None:
     assert rough.thickness_strain.min() > slippery.thickness_strain.min()
 
 
+@pytest.mark.validation
 def test_stiffer_contact_holds_the_sheet_nearer_to_the_tools() -> None:
     """The punch meets it earlier, and its force is larger; by less than 1 %."""
     soft = stretch("implicit", 0.0, 5.0, "implicit.contact_stiffness=0.01")

@@ -100,6 +100,7 @@ def test_two_operations_with_the_same_tools_are_as_one(tmp_path) -> None:
     assert forces[0] == pytest.approx(forces[1], rel=1e-3)
 
 
+@pytest.mark.validation
 def test_redraw_keeps_the_volume_and_is_alike_by_explicit_and_implicit_procedure(tmp_path) -> None:
     """Draw-in within 0.05 mm, thickness within 0.006 of 1 mm, force within 3 %; volumes within 1e-3 of the blank's.
 

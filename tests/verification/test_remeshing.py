@@ -67,6 +67,7 @@ def test_metal_that_a_new_mesh_would_bring_far_beyond_its_flow_stress_flows(limi
     assert 1.0005 < beyond.max() < limit * (1.0 + 1e-9)
 
 
+@pytest.mark.validation
 def test_upsetting_with_friction_and_a_new_mesh_every_2_percent_keeps_its_force():
     """To 60 % of the height, m = 0.15: within 0.5 % of a run on one mesh of half the size.
 

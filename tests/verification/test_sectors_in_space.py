@@ -30,7 +30,16 @@ def test_nodes_that_land_on_a_sticking_tool_do_so_as_in_axisymmetry() -> None:
     np.testing.assert_allclose(found.force, 0.0, atol=0.01)
 
 
-@pytest.mark.parametrize("name", ["can_extrusion", "curved_die", "forging_h_section", "hot_upsetting"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "hot_upsetting",
+        *(
+            pytest.param(name, marks=pytest.mark.validation)
+            for name in ("can_extrusion", "curved_die", "forging_h_section")
+        ),
+    ],
+)
 def test_an_example_of_the_plane_is_the_same_in_space(name: str) -> None:
     """The others are in validation/test_sectors.py."""
     found = compare_example(name)

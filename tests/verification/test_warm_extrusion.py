@@ -43,6 +43,7 @@ def test_without_losses_the_product_takes_the_pressure_with_it(tmp_path) -> None
     assert temperature.max() > np.average(temperature, weights=volume) + 20  # friction of the die
 
 
+@pytest.mark.validation
 def test_a_slow_ram_leaves_a_cold_product(tmp_path) -> None:
     """At 5 mm/s the tools at 200 degrees C take more heat than forming makes, already after 10 mm."""
     _, result = extrude(tmp_path, "5 mm/s", "stages.0.tools.ram.stroke=10", "solver.max_increment=0.02")

@@ -244,7 +244,7 @@ def test_line_resumed_in_springback_has_the_same_derivatives_to_the_bit(stage: s
     assert_same_bits(tmp_path / "cut", whole.folder)
 
 
-@pytest.mark.parametrize("before_the_end", [3, 1])
+@pytest.mark.parametrize("before_the_end", [pytest.param(3, marks=pytest.mark.validation), 1])
 def test_stamping_resumed_before_and_within_springback_has_the_same_derivatives_to_the_bit(
     before_the_end: int, tmp_path: Path
 ) -> None:

@@ -54,6 +54,7 @@ def test_punch_and_holder_are_made_of_the_dies_face(tmp_path: Path) -> None:
     assert np.ptp(holder.shape.points[:, 2]) < 0.02  # the flat binder
 
 
+@pytest.mark.validation
 def test_punch_and_holder_may_share_their_line(tmp_path: Path) -> None:
     line = {"shape": "circle", "diameter": 66}
     holder = ("tools.holder.cut", {**line, "keep": "outside"})

@@ -107,6 +107,7 @@ def test_a_solid_takes_a_material_of_the_library_with_its_heat() -> None:
         Case.model_validate(wrong)
 
 
+@pytest.mark.validation
 def test_every_forming_limit_of_the_library_can_be_found() -> None:
     limits = [sheet for sheet in list_sheets() if sheet.material.forming_limit]
     assert len(limits) >= 3

@@ -47,7 +47,14 @@ def test_edges_of_a_coarse_mesh_cut_the_corner_of_a_tool_and_nodes_do_not(tmp_pa
 
 
 @pytest.mark.parametrize(
-    "example", ["upsetting_4cst", "upsetting_q4", "upsetting_q8_2x2", "upsetting_t6_7pt", "heading"]
+    "example",
+    [
+        "upsetting_4cst",
+        "upsetting_q4",
+        "upsetting_q8_2x2",
+        "upsetting_t6_7pt",
+        pytest.param("heading", marks=pytest.mark.validation),
+    ],
 )
 def test_no_node_is_inside_a_tool_in_the_examples(tmp_path: Path, example: str) -> None:
     case = Case.from_toml(copy_example(example, tmp_path))

@@ -21,6 +21,7 @@ def test_forming_limit_is_that_of_the_blank(thickness: float | str) -> None:
     assert found["limit"]["margin"] == 0.1
 
 
+@pytest.mark.validation
 def test_every_sheet_of_the_library_with_a_limit_shows_it() -> None:
     for key in list_keys():
         material = find_sheet(key).material
