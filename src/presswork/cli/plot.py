@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from math import atan2, degrees
 from pathlib import Path
 from typing import Annotated
 
@@ -31,9 +32,9 @@ def plot(
     section: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="[X,Y,]ANGLE",
-            help="Of a sheet: draw the section along a ray at an angle from x (degrees), from the origin or from X, Y "
-            "(mm); write its thickness as CSV.",
+            metavar="[X,Y,]ANGLE|X,Y,X,Y",
+            help="Of a sheet: draw the section along a ray from the origin or from X, Y (mm), at an angle from x "
+            "(degrees) or towards a second point, on the undeformed blank; write its thickness as CSV.",
         ),
     ] = None,
     flow_lines: Annotated[
@@ -70,12 +71,16 @@ def plot(
 
 
 def _read_section(text: str) -> tuple[float, float, float]:
-    """Return x, y [mm] and angle [degree] of "ANGLE" or "X,Y,ANGLE"."""
+    """Return x, y [mm] and angle [degree] of "ANGLE", "X,Y,ANGLE" or "X,Y,X,Y": the point first, then where to."""
     try:
         numbers = [float(number) for number in text.split(",")]
     except ValueError:
         numbers = []
+    if len(numbers) == 4 and numbers[:2] != numbers[2:]:
+        numbers = [*numbers[:2], degrees(atan2(numbers[3] - numbers[1], numbers[2] - numbers[0]))]
     if len(numbers) not in (1, 3):
-        raise refuse(f"--section = {text}: expected ANGLE or X,Y,ANGLE, for instance 45 or 10,0,90")
+        raise refuse(
+            f"--section = {text}: expected ANGLE, X,Y,ANGLE or X,Y,X,Y, for instance 45, 10,0,90 or 10,0,10,50"
+        )
     x, y, angle = (0.0, 0.0, *numbers)[-3:]
     return x, y, angle

@@ -79,7 +79,7 @@ from presswork.model.settings import (
     StrainMeasure,
     TangentTerms,
 )
-from presswork.model.sheet import Hem, Refinement, SheetSelfContact, Springback, TrimLine
+from presswork.model.sheet import Gauge, Hem, PartSection, Refinement, SheetSelfContact, Springback, TrimLine
 from presswork.model.stage import (
     BodyForce,
     CyclicSector,
@@ -155,6 +155,7 @@ __all__ = [
     "FormedSheet",
     "Friction",
     "FrictionTangent",
+    "Gauge",
     "Gradients",
     "Grain",
     "GrainGrowth",
@@ -185,6 +186,7 @@ __all__ = [
     "Parameter",
     "PartBead",
     "PartPlace",
+    "PartSection",
     "Plane",
     "PointForce",
     "PowerLaw",

@@ -46,8 +46,37 @@ class TrimLine:
 
 
 @dataclass(frozen=True)
+class PartSection:
+    """A section of a formed part by an upright plane."""
+
+    name: str
+    start: tuple[float, float]
+    """Where it begins, in the plan of the part in its tools [mm]."""
+    angle: float
+    """Of its direction from x [rad]."""
+    length: float = float("inf")
+    """From the start on [mm]; infinite: on both sides of the start as far as there is sheet."""
+
+
+@dataclass(frozen=True)
+class Gauge:
+    """A gauge with the shape of the part in its tools, in which the released part is clamped and measured."""
+
+    clamps: tuple[tuple[float, float], ...]
+    """Places of the part in the plan [mm], three at least."""
+    points: tuple[tuple[str, tuple[float, float]], ...] = ()
+    """Places that are measured, by name [mm]."""
+
+
+@dataclass(frozen=True)
 class Springback:
-    """How the implicit procedure releases the formed part."""
+    """How the implicit procedure releases the formed part, and what is measured of it."""
 
     increments: int = 5
     """Number of increments in which the forces of the tools fade to zero."""
+    sections: tuple[PartSection, ...] = ()
+    """None: through the middle of the part, along x and along y."""
+    gauge: Gauge | None = None
+    """None: the part is measured after the best fit."""
+    tolerance: tuple[float, float] | None = None
+    """Least and largest deviation that is allowed [mm]."""

@@ -345,6 +345,37 @@ def test_a_trim_line_becomes_a_polygon(tmp_path: Path) -> None:
     assert "then trim hole: what lies outside of a line over x -20 to 20 mm, y -20 to 20 mm stays" in words
 
 
+def test_a_section_of_the_released_part_by_two_points_or_by_point_and_angle() -> None:
+    sections = {"A": {"point": [10, 5], "to": [10, 45]}, "B": {"point": ["1 cm", 0], "angle": 30}}
+    gauge = {"clamps": [[0, 0], [20, 0], [0, 20]], "points": {"P": [30, 0]}}
+    found = build(springback={"sections": sections, "gauge": gauge, "tolerance": [-0.5, 0.3]})
+    assert found.springback is not None
+    one, other = found.springback.sections
+    assert (one.name, one.start, one.length, other.start, other.length) == ("A", (10, 5), 40, (10, 0), np.inf)
+    assert (one.angle, other.angle) == (pytest.approx(np.pi / 2), pytest.approx(np.pi / 6))
+    words = describe(found)
+    assert "section A: through (10, 5) mm at 90 degrees from x, over 40 mm" in words
+    assert "section B: through (10, 0) mm at 30 degrees from x, as far as there is sheet" in words
+    assert "gauge: 3 clamps, P" in words
+    assert "tolerance: -0.5 to 0.3 mm off the shape in the tools" in words
+
+
+@pytest.mark.parametrize(
+    ("springback", "fault"),
+    [
+        ({"sections": {"A": {"point": [0, 0]}}}, r"springback\.sections\.A.*a second point or an angle"),
+        ({"sections": {"A": {"point": [0, 0], "to": [1, 0], "angle": 3}}}, "a second point or an angle"),
+        ({"sections": {"A": {"point": [1, 0], "to": [1, 0]}}}, "is where the section begins"),
+        ({"gauge": {"clamps": [[0, 0], [1, 0]]}}, r"springback\.gauge\.clamps"),
+        ({"gauge": {"clamps": [[0, 0], [1, 1], [3, 3]]}}, "in one line"),
+        ({"tolerance": [0.5, -0.5]}, r"springback\.tolerance.*no band"),
+    ],
+)
+def test_measures_of_springback_that_say_nothing_are_refused(springback: dict[str, Any], fault: str) -> None:
+    with pytest.raises(CaseError, match=fault):
+        build(springback=springback)
+
+
 def test_a_trim_line_without_extent_is_refused() -> None:
     with pytest.raises(CaseError, match=r"trim\.hole: the line is only .* mm across"):
         build(trim={"hole": {"shape": "circle", "diameter": 1e-308}})

@@ -6,11 +6,13 @@ import sys
 from pathlib import Path
 
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from presswork import __version__
 from presswork.cli import app
 from presswork.cli.commands import COMMANDS, load
+from presswork.cli.plot import _read_section
 from presswork.examples import copy_example
 
 
@@ -95,3 +97,12 @@ def test_an_example_that_cannot_be_written_is_told(tmp_path) -> None:
     assert done.exit_code == 2
     assert "cannot be written" in done.output
     assert "copy elsewhere, by --to" in " ".join(done.output.split())
+
+
+def test_a_section_is_named_by_point_and_angle_or_by_two_points() -> None:
+    assert _read_section("45") == (0.0, 0.0, 45.0)
+    assert _read_section("10,0,90") == (10.0, 0.0, 90.0)
+    assert _read_section("10,0,10,50") == pytest.approx((10.0, 0.0, 90.0))
+    for text in ("10,0", "1,2,1,2", "a", "1,2,3,4,5"):
+        with pytest.raises(typer.Exit):
+            _read_section(text)

@@ -25,6 +25,7 @@ from presswork.model import (
     Model,
     Operation,
     PartPlace,
+    Springback,
     Stage,
     SweptProfile,
     Tool,
@@ -110,6 +111,20 @@ def describe_stamping(problem: Model) -> Iterator[str]:
         yield 'hint: that many cycles mean slow tools or small elements; velocities are mm/s, and "2 m/s" is usual'
 
 
+def _describe_measures(asked: Springback) -> Iterator[str]:
+    """Describe what is measured of the released part."""
+    for section in asked.sections:
+        x, y = section.start
+        reach = "as far as there is sheet" if math.isinf(section.length) else f"over {section.length:.4g} mm"
+        degrees = math.degrees(section.angle)
+        yield f"section {section.name}: through ({x:g}, {y:g}) mm at {degrees:.4g} degrees from x, {reach}"
+    if asked.gauge is not None:
+        names = ", ".join(name for name, _ in asked.gauge.points) or "no points"
+        yield f"gauge: {len(asked.gauge.clamps)} clamps, {names}"
+    if asked.tolerance is not None:
+        yield f"tolerance: {asked.tolerance[0]:g} to {asked.tolerance[1]:g} mm off the shape in the tools"
+
+
 def _describe_operation(problem: Model, following: Operation | None) -> Iterator[str]:
     """Describe tools, beads, supports, stages and what follows them; following: of a later operation, how it begins."""
     if following is not None and following.place != PartPlace():
@@ -150,6 +165,7 @@ def _describe_operation(problem: Model, following: Operation | None) -> Iterator
         yield f"then trim {line.name}: what lies {line.keep} of a line over {reach} stays"
     if problem.springback is not None:
         yield f"then springback: tools and boundaries away, implicit, in {problem.springback.increments} increments"
+        yield from _describe_measures(problem.springback)
 
 
 def _describe_dwell(dwell: Dwell) -> str:

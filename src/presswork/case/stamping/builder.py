@@ -147,7 +147,7 @@ def _build_parts(
         "stages": stages,
         "beads": beads,
         "trim": trim,
-        "springback": model.Springback(**case.springback.model_dump()) if case.springback else None,
+        "springback": case.springback.build() if case.springback else None,
         "hem": case.hem.build() if case.hem else None,
     }
 

@@ -13,7 +13,8 @@ from presswork.case.names import Name
 from presswork.case.part import Part
 from presswork.case.shell.schema import ShellBoundary
 from presswork.case.stamping.plan_line import Trim
-from presswork.case.stamping.stage import Hem, Springback, StampingBead, StampingStage
+from presswork.case.stamping.springback import Springback
+from presswork.case.stamping.stage import Hem, StampingBead, StampingStage
 from presswork.case.stamping.tools import Tool
 from presswork.case.units import Angle, Point3
 

@@ -26,7 +26,8 @@ from presswork.case.stamping.blank import Blank
 from presswork.case.stamping.heat import StampingHeat
 from presswork.case.stamping.operation import Operation
 from presswork.case.stamping.plan_line import Trim
-from presswork.case.stamping.stage import Hem, Springback, StampingBead, StampingStage, Whole
+from presswork.case.stamping.springback import Springback
+from presswork.case.stamping.stage import Hem, StampingBead, StampingStage, Whole
 from presswork.case.stamping.tools import Tool
 from presswork.case.units import Angle, Number, Point3, Rate, Time, fault
 from presswork.model import ExplicitElement, ExplicitSheet, SolverSettings

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Stages of a stamping, its drawbeads, and trimming and springback after the last. Units as in schema.py."""
+"""Stages of a stamping, its drawbeads, and trimming after the last. Units as in schema.py."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from presswork.case.units import Force, Length, LineForce, Point, Time, Velocity
 
 VELOCITY = 2000.0
 """Of what moves farthest where a stage says nothing [mm/s]."""
-_SPRINGBACK = model.Springback()
 Whole = Annotated[int, Field(strict=True, ge=1)]
 ForceRow = tuple[Length, Force]
 
@@ -144,12 +143,6 @@ class StampingBead(Bead):
             key = "force" if "force" in present else "closing_force"
             raise fault("the geometry gives the forces", "leave it out, or leave geometry out", key=key)
         return self
-
-
-class Springback(Part):
-    """The formed part is released after the last stage: tools and boundaries away, symmetry planes kept."""
-
-    increments: Whole = Field(default=_SPRINGBACK.increments, description="in which the tools' forces are taken away")
 
 
 class Hem(Part):

@@ -12,7 +12,8 @@ import numpy as np
 from presswork.geometry.best_fit import measure_deviation
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import ImplicitProcedure
-from presswork.model import FloatArray, Mesh
+from presswork.model import FloatArray, Mesh, Springback
+from presswork.process.line.springback_report import ReleasedShape, report_shape
 from presswork.process.mesh_change.trim import Cut, explain_beside
 
 TRIM = "trim"
@@ -60,13 +61,18 @@ class Released:
             warnings.append(f"the trimmed outline is up to {miss:.3g} mm off its line: refine the blank there")
         return {TRIM: told}, warnings
 
-    def tell_springback(self, mesh: Mesh, symmetry: tuple[bool, bool]) -> dict[str, Any]:
-        """Return what the summary says of springback: how far which point has moved."""
+    def tell_springback(
+        self, mesh: Mesh, symmetry: tuple[bool, bool], asked: Springback
+    ) -> tuple[dict[str, Any], list[str]]:
+        """Return what the summary says of springback, how far which point has moved and what is asked; warnings."""
         way = np.linalg.norm(self.moved, axis=1)
         at, deviation = int(np.argmax(way)), self.find_deviation(mesh, symmetry)
         progress = self.implicit.state[Progress]
         place = mesh.points[at] + self.implicit.state.nodes.displacement[at, :3]
-        return {
+        formed = mesh.points + self.formed
+        cells = [block.connectivity for block in mesh.blocks]
+        shape, warnings = report_shape(ReleasedShape(formed, formed + self.moved, cells, symmetry), asked)
+        told = {
             "largest_mm": float(way[at]),
             "at_mm": [float(x) for x in place],
             "at_blank_mm": [float(x) for x in mesh.points[at]],
@@ -74,4 +80,6 @@ class Released:
             "increments": progress.increments,
             "iterations": progress.iterations,
             "cutbacks": progress.cutbacks,
+            **shape,
         }
+        return told, warnings

@@ -378,7 +378,8 @@ class ReleasedStamping(ModelRun):
             return {}, []
         told, warnings = self.released.tell_cut(self.mesh)
         if self.model.springback is not None:
-            told[NAME] = self.released.tell_springback(self.mesh, self.model.symmetry)
+            told[NAME], more = self.released.tell_springback(self.mesh, self.model.symmetry, self.model.springback)
+            warnings = [*warnings, *more]
         return told, warnings
 
     def tell_hem(self) -> dict[str, Any]:
