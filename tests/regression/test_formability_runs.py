@@ -107,7 +107,7 @@ def test_the_command_line_tells_it_and_writes_section_and_outline(torn: Result, 
     assert (tmp_path / "flange.csv").is_file()
     wrong = CliRunner().invoke(app, ["plot", str(torn.folder), "--section", "north"])
     assert wrong.exit_code == 2
-    assert "expected ANGLE or X,Y,ANGLE" in wrong.output
+    assert "expected ANGLE, X,Y,ANGLE or X,Y,X,Y" in wrong.output
 
 
 def pulled(**sheet: Any) -> StampingCase:
