@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from presswork.mesh.files.dynain import first_sides
 from presswork.mesh.files.formed.layers import MATRIX
+from presswork.mesh.files.formed.writers import find_format
 from presswork.mesh.thickness_rule import thickness_rule
 from presswork.model import FormedSheet, Section
 from presswork.process.line.formed_sheet import TO
@@ -40,3 +43,8 @@ def random_sheet(seed: int, rule: str = "gauss", points: int = 5, cells: tuple[i
 def as_matrix(stress: np.ndarray) -> np.ndarray:
     """Return stresses xx, yy, zz, xy, yz, zx (..., 6) as matrices (..., 3, 3)."""
     return stress[..., MATRIX]
+
+
+def text_of(path: Path, sheet: FormedSheet) -> str:
+    """Return what a file of this name holds of a sheet, in a format of text."""
+    return find_format(path).write(sheet, "a part", "middle").decode("ascii")

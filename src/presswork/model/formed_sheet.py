@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from presswork.model.arrays import FloatArray, IntArray
 
 
@@ -28,3 +30,17 @@ class FormedSheet:
     """Equivalent plastic strain (n, k)."""
     strain: FloatArray | None = None
     """Logarithmic strain of the middle surface, components as those of the stress (n, 6); None: not known."""
+    node_labels: IntArray | None = None
+    """Numbers of the points in files (n_points,); None: from 1."""
+    cell_labels: IntArray | None = None
+    """Numbers of the shells in files (n,); None: from 1."""
+
+    @property
+    def nodes_in_files(self) -> IntArray:
+        """Numbers of the points in files (n_points,)."""
+        return np.arange(1, len(self.points) + 1) if self.node_labels is None else self.node_labels
+
+    @property
+    def shells_in_files(self) -> IntArray:
+        """Numbers of the shells in files (n,)."""
+        return np.arange(1, len(self.cells) + 1) if self.cell_labels is None else self.cell_labels

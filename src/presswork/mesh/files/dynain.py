@@ -52,23 +52,23 @@ def material_angle(sheet: FormedSheet) -> FloatArray:
 
 def write_dynain(sheet: FormedSheet, title: str) -> str:
     """Return the text of a dynain."""
-    angle = material_angle(sheet)
+    angle, nodes, shells = material_angle(sheet), sheet.nodes_in_files, sheet.shells_in_files
     lines = ["*KEYWORD", "$ presswork; mm, t, s, N, MPa", "*TITLE", title[:80], "*NODE"]
-    lines += [f"{i + 1:8d}" + "".join(f"{v:16.9e}" for v in x) for i, x in enumerate(sheet.points)]
+    lines += [f"{i:8d}" + "".join(f"{v:16.9e}" for v in x) for i, x in zip(nodes, sheet.points, strict=True)]
     lines.append("*ELEMENT_SHELL_THICKNESS")
     for i, cell in enumerate(sheet.cells):
-        lines.append(f"{i + 1:8d}{1:8d}" + "".join(f"{node + 1:8d}" for node in cell))
+        lines.append(f"{shells[i]:8d}{1:8d}" + "".join(f"{node:8d}" for node in nodes[cell]))
         lines.append(4 * f"{sheet.thickness[i]:16.9e}" + f"{angle[i]:16.9e}")
     lines.append("*INITIAL_STRESS_SHELL")
     for i, (stresses, plastic) in enumerate(zip(sheet.stress, sheet.plastic_strain, strict=True)):
-        lines.append(f"{i + 1:10d}{1:10d}{len(sheet.heights):10d}{0:10d}{0:10d}{1:10d}")
+        lines.append(f"{shells[i]:10d}{1:10d}{len(sheet.heights):10d}{0:10d}{0:10d}{1:10d}")
         for height, s, p in zip(sheet.heights, stresses, plastic, strict=True):
             lines.append("".join(f"{v:16.9e}" for v in (height, *s[:4])))
             lines.append("".join(f"{v:16.9e}" for v in (*s[4:], p)))
     if sheet.strain is not None:
         lines.append("*INITIAL_STRAIN_SHELL")
         for i, e in enumerate(sheet.strain):
-            lines.append(f"{i + 1:10d}{1:10d}{2:10d}{1:10d}")
+            lines.append(f"{shells[i]:10d}{1:10d}{2:10d}{1:10d}")
             for height in (-1.0, 1.0):
                 lines.append("".join(f"{v:16.9e}" for v in e[:5]))
                 lines.append(f"{e[5]:16.9e}{height:16.9e}")

@@ -15,12 +15,20 @@ from presswork.deck.rad.read import RadDeck
 from presswork.mesh.checks import MeshError
 from presswork.mesh.files.abaqus import read_abaqus
 from presswork.mesh.files.dynain import first_sides, read_dynain
-from presswork.mesh.files.formed.layers import elastic_energy, in_layers, lamina_frames, layer_weights, resultants
+from presswork.mesh.files.formed.layers import (
+    elastic_energy,
+    in_layers,
+    lamina_frames,
+    layer_weights,
+    resultants,
+    shell_areas,
+)
 from presswork.mesh.files.formed.nastran import LAYER
+from presswork.mesh.files.formed.surfaces import Side, take_surface
 from presswork.mesh.files.formed.writers import FORMATS, find_format
 from presswork.model import FormedSheet
 from presswork.process.line.formed_sheet import TO
-from tests.problems.formed_sheets import as_matrix, random_sheet
+from tests.problems.formed_sheets import as_matrix, random_sheet, text_of
 from tests.problems.rad_deck import MATERIAL, PROPERTY
 
 CURVE = "/FUNCT/1\nflow stress\n                 0.0               200.0\n                 0.5               400.0\n"
@@ -53,7 +61,7 @@ def same_mesh(sheet: FormedSheet, mesh: meshio.Mesh) -> None:
 @pytest.mark.parametrize(("rule", "points"), RULES)
 def test_abaqus_has_mesh_thickness_axes_and_layers(tmp_path: Path, rule: str, points: int) -> None:
     sheet = random_sheet(1, rule, points)
-    text = find_format(Path("part.inp")).write(sheet, "a part")
+    text = text_of(Path("part.inp"), sheet)
     (tmp_path / "part.inp").write_text(text)
     same_mesh(sheet, meshio.read(tmp_path / "part.inp"))
     assert {kind: len(np.concatenate(c)) for kind, c in read_abaqus(tmp_path / "part.inp").cells.items()} == {
@@ -83,14 +91,14 @@ def test_abaqus_has_mesh_thickness_axes_and_layers(tmp_path: Path, rule: str, po
 def test_abaqus_section_point_1_is_on_the_face_that_the_normal_leaves() -> None:
     """A sheet bent so that its top is pulled along x of the material: s11 of the last section point is positive."""
     sheet = bent_sheet(2, "simpson", 100.0)
-    rows = np.array([[float(w) for w in r] for r in block(find_format(Path("a.inp")).write(sheet, ""), "TYPE=STRESS")])
+    rows = np.array([[float(w) for w in r] for r in block(text_of(Path("a.inp"), sheet), "TYPE=STRESS")])
     np.testing.assert_allclose(rows[rows[:, 1] == 1, 2], -100.0)
     np.testing.assert_allclose(rows[rows[:, 1] == 5, 2], 100.0)
 
 
 def test_nastran_has_mesh_thickness_and_material_angle_in_the_manuals_columns(tmp_path: Path) -> None:
     sheet = random_sheet(3)
-    text = find_format(Path("part.bdf")).write(sheet, "a part")
+    text = text_of(Path("part.bdf"), sheet)
     lines = text.splitlines()
     bare = [row[:56] if row.startswith("CQUAD4") else row[:48] if row.startswith("CTRIA3") else row for row in lines]
     (tmp_path / "part.bdf").write_text("\n".join(row for row in bare if not row.startswith("+")) + "\n")
@@ -115,7 +123,7 @@ def test_nastran_has_mesh_thickness_and_material_angle_in_the_manuals_columns(tm
 
 def test_radioss_has_the_columns_of_its_manual_and_is_imported(tmp_path: Path) -> None:
     sheet = random_sheet(7)
-    text = find_format(Path("part.rad")).write(sheet, "a part")
+    text = text_of(Path("part.rad"), sheet)
     (tmp_path / "part_0000.rad").write_text(text)
     rows = text.split("/INISHE/STRS_F/GLOB\n")[1].split("/INISH3/STRS_F/GLOB\n")
     table = [row for part in rows for row in part.splitlines() if not row.startswith("/")]
@@ -144,7 +152,7 @@ def test_radioss_has_the_columns_of_its_manual_and_is_imported(tmp_path: Path) -
 
 def test_dyna_reads_back(tmp_path: Path) -> None:
     sheet = random_sheet(4)
-    (tmp_path / "part.k").write_text(find_format(Path("part.k")).write(sheet, "a part"))
+    (tmp_path / "part.k").write_text(text_of(Path("part.k"), sheet))
     back = read_dynain(tmp_path / "part.k")
     for name in ("points", "thickness", "axis", "heights", "stress", "plastic_strain"):
         np.testing.assert_allclose(getattr(back, name), getattr(sheet, name), rtol=1e-6, atol=1e-6)
@@ -178,3 +186,39 @@ def test_unknown_ending_names_those_there_are() -> None:
     with pytest.raises(MeshError, match="no ending that a part is exported by"):
         find_format(Path("part.doc"))
     assert len({ending for each in FORMATS for ending in each.endings}) == sum(len(each.endings) for each in FORMATS)
+
+
+@pytest.mark.parametrize("side", ["middle", "bottom", "top", "skin"])
+def test_stl_has_the_faces_half_a_thickness_off_the_middle(tmp_path: Path, side: Side) -> None:
+    sheet = random_sheet(8)
+    (tmp_path / "part.stl").write_bytes(find_format(Path("part.stl")).write(sheet, "a part", side))
+    found = meshio.read(tmp_path / "part.stl")
+    corners = found.points[found.cells_dict["triangle"]]
+    volume = float(np.einsum("ti,ti->t", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])).sum() / 6.0)
+    if side == "skin":
+        assert volume == pytest.approx(float(sheet.thickness @ shell_areas(sheet.points, sheet.cells)), rel=0.01)
+        assert b"open edges: 0" in (tmp_path / "part.stl").read_bytes()[:80]
+        return
+    assert len(corners) == 24
+    _, normal = first_sides(sheet.points, sheet.cells)
+    off = ((corners[:8].mean(axis=1) - _first_triangles(sheet)) * normal[:8]).sum(axis=1)
+    sign = {"bottom": -1.0, "middle": 0.0, "top": 1.0}[side]
+    np.testing.assert_allclose(off, sign * 0.5 * sheet.thickness[:8], atol=0.2 if sign else 1e-4)
+
+
+def _first_triangles(sheet: FormedSheet) -> np.ndarray:
+    """Return the middles of the first 8 triangles of its surface."""
+    surface = take_surface(sheet, "middle")
+    return surface.points[surface.triangles[:8]].mean(axis=1)
+
+
+def test_step_is_a_solid_of_the_sheets_volume(tmp_path: Path) -> None:
+    occ = pytest.importorskip("netgen.occ")
+    sheet = random_sheet(9, cells=(2, 2))
+    path = tmp_path / "part.step"
+    path.write_bytes(find_format(path).write(sheet, "a part", "skin"))
+    shape = occ.OCCGeometry(str(path)).shape
+    assert len(list(shape.solids)) == 1
+    surface = take_surface(sheet, "skin")
+    a, b, c = surface.points[surface.triangles].swapaxes(0, 1)
+    assert shape.mass == pytest.approx(float(np.einsum("ti,ti->t", a, np.cross(b, c)).sum() / 6.0), rel=1e-6)

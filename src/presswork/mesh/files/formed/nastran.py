@@ -21,16 +21,15 @@ LAYER = "$LAYER"
 
 def write_nastran(sheet: FormedSheet, title: str) -> str:
     """Return the text of a bulk data file without case control and loads."""
+    nodes, shells = sheet.nodes_in_files, sheet.shells_in_files
     lines = [f"$ {title[:70]}", "$ presswork; mm, t, s, N, MPa; give MAT1 or another material 1", "BEGIN BULK"]
     lines += [_field("PSHELL", 1, 1, float(sheet.thickness.mean()), 1, "", 1)]
-    for i, (x, y, z) in enumerate(sheet.points, 1):
+    for i, (x, y, z) in zip(nodes, sheet.points, strict=True):
         lines.append(f"{'GRID*':8}{i:16d}{'':16}{x:16.9E}{y:16.9E}*")
         lines.append(f"{'*':8}{z:16.9E}")
-    for i, (cell, t, angle) in enumerate(zip(sheet.cells, sheet.thickness, material_angle(sheet), strict=True), 1):
+    for i, cell, t, angle in zip(shells, sheet.cells, sheet.thickness, material_angle(sheet), strict=True):
         n = 3 if cell[2] == cell[3] else 4
-        lines.append(
-            _field("CTRIA3" if n == 3 else "CQUAD4", i, 1, *(int(node) + 1 for node in cell[:n]), float(angle))
-        )
+        lines.append(_field("CTRIA3" if n == 3 else "CQUAD4", i, 1, *nodes[cell[:n]], float(angle)))
         lines.append(_field("+", "", "", *([float(t)] * n)))
     return "\n".join([*lines, *_layers(sheet), "ENDDATA", ""])
 
@@ -39,7 +38,7 @@ def _layers(sheet: FormedSheet) -> Iterator[str]:
     """Yield the comments that hold what no entry does."""
     yield "$ Layers, bottom first: element, height of half the thickness, stress xx yy zz xy yz zx in basic axes [MPa],"
     yield "$ equivalent plastic strain"
-    for i, (stresses, plastic) in enumerate(zip(sheet.stress, sheet.plastic_strain, strict=True), 1):
+    for i, stresses, plastic in zip(sheet.shells_in_files, sheet.stress, sheet.plastic_strain, strict=True):
         for height, stress, strain in zip(sheet.heights, stresses, plastic, strict=True):
             yield f"{LAYER} {i} " + " ".join(f"{value:.8g}" for value in (height, *stress, strain))
 

@@ -12,6 +12,7 @@ from presswork.mesh.files.dynain import is_dynain, write_dynain
 from presswork.mesh.files.formed.abaqus import write_abaqus
 from presswork.mesh.files.formed.nastran import write_nastran
 from presswork.mesh.files.formed.radioss import write_radioss
+from presswork.mesh.files.formed.surfaces import Side, write_step, write_stl
 from presswork.model import FormedSheet
 
 
@@ -21,15 +22,21 @@ class Format:
 
     name: str
     endings: tuple[str, ...]
-    write: Callable[[FormedSheet, str], str]
-    """Returns the text of a sheet with a title."""
+    write: Callable[[FormedSheet, str, Side], bytes]
+    """Returns the content of a sheet's file; Side: which surface, where the format holds one."""
+
+
+def _as_text(write: Callable[[FormedSheet, str], str]) -> Callable[[FormedSheet, str, Side], bytes]:
+    return lambda sheet, title, _: write(sheet, title).encode("ascii", "replace")
 
 
 FORMATS = (
-    Format("LS-DYNA", (".dynain", ".k", ".key"), write_dynain),
-    Format("Abaqus", (".inp",), write_abaqus),
-    Format("OpenRadioss", (".rad",), write_radioss),
-    Format("Nastran", (".bdf", ".nas", ".dat"), write_nastran),
+    Format("LS-DYNA", (".dynain", ".k", ".key"), _as_text(write_dynain)),
+    Format("Abaqus", (".inp",), _as_text(write_abaqus)),
+    Format("OpenRadioss", (".rad",), _as_text(write_radioss)),
+    Format("Nastran", (".bdf", ".nas", ".dat"), _as_text(write_nastran)),
+    Format("STL", (".stl",), write_stl),
+    Format("STEP", (".step", ".stp"), write_step),
 )
 
 
