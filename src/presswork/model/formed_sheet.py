@@ -38,9 +38,9 @@ class FormedSheet:
     @property
     def nodes_in_files(self) -> IntArray:
         """Numbers of the points in files (n_points,)."""
-        return np.arange(1, len(self.points) + 1) if self.node_labels is None else self.node_labels
+        return np.arange(1, len(self.points) + 1, dtype=np.int32) if self.node_labels is None else self.node_labels
 
     @property
     def shells_in_files(self) -> IntArray:
         """Numbers of the shells in files (n,)."""
-        return np.arange(1, len(self.cells) + 1) if self.cell_labels is None else self.cell_labels
+        return np.arange(1, len(self.cells) + 1, dtype=np.int32) if self.cell_labels is None else self.cell_labels

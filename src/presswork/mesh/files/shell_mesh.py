@@ -71,8 +71,8 @@ def read_shell_mesh(path: Path, scale: float = 1.0) -> ShellMesh:
     index = {node: i for i, node in enumerate(used)}
     cells = [[index[node] for node in (*row[1:], row[-1])[:4]] for row in rows]
     points = scale * np.array([nodes[node] for node in used])
-    labels = np.array([row[0] for row in rows])
-    return ShellMesh(points, np.array(cells, dtype=np.int32), np.array(used), labels)
+    labels = np.array([row[0] for row in rows], dtype=np.int32)
+    return ShellMesh(points, np.array(cells, dtype=np.int32), np.array(used, dtype=np.int32), labels)
 
 
 def _of_raw(path: Path, scale: float) -> ShellMesh:
@@ -84,7 +84,11 @@ def _of_raw(path: Path, scale: float) -> ShellMesh:
     cells = np.concatenate([with_four_nodes(take_corners(block)) for block in blocks]).astype(np.int32)
     used, number = np.unique(cells, return_inverse=True)
     cells = number.reshape(cells.shape).astype(np.int32)
-    return ShellMesh(scale * raw.points[used], cells, np.arange(1, len(used) + 1), np.arange(1, len(cells) + 1))
+    return ShellMesh(scale * raw.points[used], cells, _from_one(used), _from_one(cells))
+
+
+def _from_one(rows: IntArray) -> IntArray:
+    return np.arange(1, len(rows) + 1, dtype=np.int32)
 
 
 def _lines(path: Path) -> list[str]:
