@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from presswork.geometry.wall_shape import WallShape, measure_walls
+from presswork.geometry.sprung.wall_shape import WallShape, measure_walls
 from presswork.post.section import SheetSection, cut_sheet
 from presswork.results import Result, ResultError
 

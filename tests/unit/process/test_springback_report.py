@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswork.geometry.part_section import cut_part, find_below
-from presswork.geometry.sprung_shape import measure_turn
+from presswork.geometry.sprung.part_section import cut_part, find_below
+from presswork.geometry.sprung.sprung_shape import measure_turn
 from presswork.model import Gauge, PartSection, Springback
 from presswork.process.line.springback_report import ReleasedShape, report_shape
 from tests.problems.sprung_parts import BOTTOM, FLANGE, WALL, Rail, make_rail

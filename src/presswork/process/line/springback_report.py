@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from presswork.geometry.best_fit import fit_rigidly, nodal_areas
-from presswork.geometry.part_section import Places, cut_part, find_below
-from presswork.geometry.sprung_shape import measure_turn, measure_twist, normals_at, place_in_gauge
-from presswork.geometry.wall_shape import measure_walls
+from presswork.geometry.sprung.part_section import Places, cut_part, find_below
+from presswork.geometry.sprung.sprung_shape import measure_turn, measure_twist, normals_at, place_in_gauge
+from presswork.geometry.sprung.wall_shape import measure_walls
 from presswork.mesh.topology import with_four_nodes
 from presswork.mesh.triangles import split_quads
 from presswork.model import FloatArray, Gauge, IntArray, PartSection, Springback

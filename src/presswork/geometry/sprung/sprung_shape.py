@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork.geometry.best_fit import fit_rigidly
-from presswork.geometry.part_section import Places
+from presswork.geometry.sprung.part_section import Places
 from presswork.model import FloatArray, IntArray
 
 _ENDS = 0.1
