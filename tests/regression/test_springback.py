@@ -3,17 +3,21 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from presswork import Result
 from presswork.case import StampingCase, build_model
 from presswork.case.errors import CaseError
+from presswork.cli import app
 from presswork.implicit.stepping import ImplicitProcedure
+from presswork.mesh.files.dynain import read_dynain
 from presswork.model import Model, PrescribedDisplacement
 from presswork.process.line.released_model import hold_rigidly, make_springback_model
 from presswork.recorder import run_model
@@ -39,7 +43,8 @@ def bend(**changes: Any) -> dict[str, Any]:
                                 "hardening": {"law": "linear", "yield_stress": YIELD, "modulus": modulus}}},
         "stages": [{"name": "bend", "duration": "5 ms", "ramp": "2.5 ms"}],
         "explicit": {"damping": 2e3},
-        "springback": {"increments": 4},
+        "springback": {"increments": 4, "tolerance": [-0.1, 0.1],
+                       "sections": {"A": {"point": [0, 0], "to": [LENGTH, 0]}}},
         "output": {"rows": 20, "steps": 2, "checkpoint_every": 1},
         **changes,
     }  # fmt: skip
@@ -123,6 +128,40 @@ def test_what_is_recorded_of_springback(bent) -> None:
     assert bent.field("effective_stress", 3).max() < 0.7 * bent.field("effective_stress", 2).max()
     reaction = bent.field("reaction_force", 3)
     assert np.abs(reaction).max() < 1e-3
+
+
+def test_a_section_turns_as_its_strip_straightens(bent) -> None:
+    """Of z = (k - k0) s^2/2 the line of least squares over the length L has the slope (k - k0) L/2."""
+    told = bent.summary["springback"]
+    lost = moment(CURVATURE) / (YOUNG * THICKNESS**3 / 12)
+    assert np.radians(told["sections"]["A"]["turn_degrees"]) == pytest.approx(0.5 * lost * LENGTH, rel=0.02)
+    assert told["twist"]["degrees"] == pytest.approx(0.0, abs=1e-3)
+    off = np.abs(bent.field("deviation", 3)) <= 0.1
+    assert told["tolerance"]["share_within"] == pytest.approx(off.mean(), abs=0.1)
+
+
+def test_a_sprung_part_is_exported_and_mapped_to_its_own_mesh(bent, tmp_path: Path) -> None:
+    """The results have three of its layers, and the command says so."""
+    files = [str(tmp_path / name) for name in ("part.k", "part.bdf", "part.stl")]
+    done = CliRunner().invoke(app, ["export", str(bent.folder), *files])
+    assert done.exit_code == 0, done.output
+    assert "stresses in three of 21 layers" in " ".join(done.output.split())
+    sheet = read_dynain(tmp_path / "part.k")
+    np.testing.assert_allclose(sheet.points, bent.points(3), atol=1e-6)
+    np.testing.assert_allclose(sheet.thickness, bent.field("thickness", 3), rtol=1e-8)
+    np.testing.assert_allclose(sheet.stress[:, 2], bent.field("stress_top", 3), atol=1e-3)
+    np.testing.assert_allclose(sheet.heights, [-1.0, 0.0, 1.0])
+    own = CliRunner().invoke(app, ["export", str(bent.folder), str(tmp_path / "own.inp"), "--onto", files[1]])
+    assert own.exit_code == 0, own.output
+    assert "mapped to 10 of 10 shells" in own.output
+    energy = re.search(r"([-+0-9.]+)% of the part's", own.output)
+    assert energy is not None
+    assert abs(float(energy[1])) < 1.0
+    far = CliRunner().invoke(
+        app, ["export", str(bent.folder), str(tmp_path / "own.inp"), "--onto", files[1], "--scale", "1000"]
+    )
+    assert far.exit_code == 2
+    assert "no shell lies at the part" in far.output
 
 
 def test_springback_is_drawn(bent, tmp_path) -> None:
