@@ -47,7 +47,7 @@ def material_angle(sheet: FormedSheet) -> FloatArray:
     """Return the angle from the first side of each shell to x of its material (n,) [degree]."""
     side, normal = first_sides(sheet.points, sheet.cells)
     across = (np.cross(side, sheet.axis) * normal).sum(axis=1)
-    return np.degrees(np.arctan2(across, (side * sheet.axis).sum(axis=1)))
+    return np.asarray(np.degrees(np.arctan2(across, (side * sheet.axis).sum(axis=1))))
 
 
 def write_dynain(sheet: FormedSheet, title: str) -> str:
@@ -101,8 +101,8 @@ def read_dynain(path: Path) -> FormedSheet:
                 points += [_numbers(row[8:], 3) for row in rows]
             elif name == "ELEMENT_SHELL_THICKNESS":
                 own = [[int(row[i : i + 8] or 0) for i in range(0, 48, 8)] for row in rows[::2]]
-                sides = [_numbers(row, 5) for row in rows[1::2]]
-                for cell, side in zip(own, sides, strict=True):  # a triangle has three corners, its last one twice
+                for cell, row in zip(own, rows[1::2], strict=True):
+                    side = _numbers(row, 5)  # a triangle has three corners, its last one twice
                     thickness.append(float(np.mean(side[: 3 if cell[5] in (0, cell[4]) else 4])))
                     angle.append(side[4])
                 shells += own
