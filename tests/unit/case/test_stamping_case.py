@@ -338,7 +338,8 @@ def test_a_trim_line_becomes_a_polygon(tmp_path: Path) -> None:
         "d": ({"shape": "circle", "diameter": 40, "centre": [1, 0]}, np.pi * 400),
         "e": ({"shape": "file", "path": str(tmp_path / "line.csv")}, 3600.0),
     }
-    for line in build(trim={name: shape for name, (shape, _) in shapes.items()}).trim:
+    whole = CUP["blank"] | {"symmetry": []}
+    for line in build(blank=whole, trim={name: shape for name, (shape, _) in shapes.items()}).trim:
         assert polygon_area(line.polygon) == pytest.approx(shapes[line.name][1], rel=1e-4)
         assert line.keep == "inside"
     words = describe(build(trim={"hole": {"shape": "circle", "diameter": 40, "keep": "outside"}}, springback={}))
@@ -396,7 +397,8 @@ def test_a_trim_line_is_read_from_a_drawing(tmp_path: Path) -> None:
         build(trim={"t": line})
     space.add_line((-3, 2), (-3, -2), {"layer": "trim"})
     drawing.saveas(path)
-    trim = build(trim={"t": line, "hole": line | {"layer": "hole", "keep": "outside"}}).trim
+    whole = CUP["blank"] | {"symmetry": []}
+    trim = build(blank=whole, trim={"t": line, "hole": line | {"layer": "hole", "keep": "outside"}}).trim
     assert polygon_area(trim[0].polygon) == pytest.approx(60 * 40 + 0.5 * np.pi * 400, rel=1e-4)
     assert abs(polygon_area(trim[1].polygon)) == pytest.approx(np.pi * 100, rel=1e-4)
 

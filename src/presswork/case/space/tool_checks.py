@@ -8,6 +8,7 @@ import logging
 import numpy as np
 
 from presswork.case.errors import Problem
+from presswork.geometry.asymmetry import HalfSpace, find_asymmetry
 from presswork.geometry.crossing_facets import find_crossing_facets
 from presswork.geometry.mirrored import WITHIN, complete_tool
 from presswork.geometry.pose import SpacePose, find_space_pose
@@ -99,24 +100,20 @@ def check_mirrors(
     if isinstance(shape, Plane):  # an inclined one is half of a notch
         return None
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
-    surface, low, high = make_surface(shape), nodes.min(axis=0) - size, nodes.max(axis=0) + size
+    surface, window = make_surface(shape), (nodes.min(axis=0) - size, nodes.max(axis=0) + size)
+    places = start.carry(_sample(shape, UNLIKE * size))
+
+    def measure(at: FloatArray) -> FloatArray:
+        return np.asarray(surface.nearest(np.ascontiguousarray(start.to_frame(at)))[0])
+
     for axis in np.flatnonzero(cut):
-        plane, normal = float(mirrors[axis][0]), np.eye(3)[axis]
-        places = start.carry(_sample(shape, UNLIKE * size))
-        inward = 1.0 if nodes[:, axis].mean() > plane else -1.0
-        other = inward * (places[:, axis] - plane) < -OVER * size
-        place = places[other] - 2.0 * (places[other, axis] - plane)[:, None] * normal
-        place = place[((place >= low) & (place <= high)).all(axis=1)]
-        if not len(place):
-            continue
-        off = np.abs(surface.nearest(np.ascontiguousarray(start.to_frame(place)))[0])
-        worst = int(np.argmax(off))
-        if off[worst] > UNLIKE * size:
-            where = ", ".join(f"{x:.4g}" for x in place[worst])
+        plane = float(mirrors[axis][0])
+        half = HalfSpace(int(axis), plane, 1.0 if nodes[:, axis].mean() > plane else -1.0)
+        found = find_asymmetry(places, measure, half, window, OVER * size, UNLIKE * size)
+        if found is not None:
             return Problem(
                 f"tools.{name}",
-                f"the symmetry plane {'xyz'[axis]} = {plane:g} cuts this tool, but its halves differ, by "
-                f"{off[worst]:.3g} mm at ({where})",
+                f"the symmetry plane {'xyz'[axis]} = {plane:g} cuts this tool, but {found.describe()}",
                 "let the plane halve the tool, end the tool at it, or model the whole workpiece",
             )
     return None

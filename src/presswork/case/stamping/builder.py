@@ -48,6 +48,7 @@ from presswork.case.stamping.place import build_tools, find_tool_direction
 from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.stage import VELOCITY, StampingStage
+from presswork.case.stamping.symmetry import check_line_symmetry, check_tool_symmetry
 from presswork.case.tool_sizes import check_thickness
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.polygon import polygon_area
@@ -123,6 +124,7 @@ def _build_parts(
     _stop_at([thin] if thin is not None else [], case)
     tools, problems = build_tools(case, mesh, before)
     _stop_at(problems, case)
+    _stop_at(check_tool_symmetry(case, mesh, tools), case)
     is_flat = not isinstance(case.blank, BlankFile) or not is_dynain(case.blank.path)
     if before is None and is_flat:  # how a formed part lies in its tools shows when it begins
         _stop_at(check_fit(case, mesh, tools), case)
@@ -134,7 +136,7 @@ def _build_parts(
         fault = "a blank of several sheets that lie on each other is not trimmed"
         _stop_at([Problem("trim", fault, "cut the sheets in their file")], case)
     trim, problems = _build_trim(case, None if is_moved else mesh)
-    _stop_at(problems, case)
+    _stop_at(problems + check_line_symmetry(case, mesh, trim), case)
     symmetry = ("x" in case.blank.symmetry, "y" in case.blank.symmetry)
     supports = [
         model.Support(name, tuple(freedom in HOLDS[name] for freedom in FREEDOMS), name)

@@ -33,13 +33,11 @@ STEP = 0.5
 """Part of the thickness by which tools from files advance as they are held against each other."""
 DRAWN_WITHIN = 0.02
 """Part of the thickness by which the points of drawn tools may be off there."""
-SKEW = 0.01
-"""Part of its width by which a tool from a file may be off a symmetry plane."""
 
 
 def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> list[Problem]:
     """Return the problems of placed tools with blank, forces, symmetry planes and each other."""
-    problems = [p for tool in tools for p in (_check_symmetry(case, tool), _check_laid(case, mesh, tool)) if p]
+    problems = [problem for tool in tools if (problem := _check_laid(case, mesh, tool))]
     if problems:
         return problems
     problems = [*_check_holders(case, tools), *_check_forces(case, mesh, tools)]
@@ -64,23 +62,6 @@ def _strokes(case: StampingCase, name: str) -> list[float]:
 
 def _is_pushed(case: StampingCase, name: str) -> bool:
     return any(name in s.tools and s.tools[name].force is not None for s in case.stages)
-
-
-def _check_symmetry(case: StampingCase, tool: Tool) -> Problem | None:
-    """Return a problem where a symmetry plane of the blank is none of a tool from a file."""
-    if not isinstance(tool.shape, Triangulation):
-        return None
-    points = tool.shape.points + np.asarray(tool.position)
-    for axis, plane in enumerate("xy"):
-        low, high = float(points[:, axis].min()), float(points[:, axis].max())
-        tolerance = SKEW * (high - low)
-        if plane in case.blank.symmetry and low < -tolerance and abs(low + high) > tolerance:
-            fault = (
-                f"the tool is not symmetric about the plane {plane} = 0: it spans {plane} = {low:.4g} to {high:.4g} mm"
-            )
-            remedy = f"move it there by position, or leave {plane} out of blank.symmetry"
-            return Problem(f"tools.{tool.name}", fault, remedy)
-    return None
 
 
 def _check_laid(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:

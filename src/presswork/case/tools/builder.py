@@ -15,12 +15,25 @@ from presswork.case.plane.tool import Tool as CaseTool
 from presswork.case.plane.tool import unit_vector
 from presswork.case.tools.profile import Outline, ProfileError, draw_outline
 from presswork.case.tools.profile_file import read_outline
+from presswork.geometry.asymmetry import HalfSpace, find_asymmetry
 from presswork.geometry.chain import ProfileFileError
 from presswork.geometry.crossing import find_crossing
 from presswork.geometry.pose import shift_segments, start_profile
-from presswork.geometry.segments import CENTRE, TURN, find_touch, measure_distance, reverse_segments, sample_points
+from presswork.geometry.segments import (
+    CENTRE,
+    TURN,
+    X0,
+    X1,
+    find_touch,
+    measure_distance,
+    reverse_segments,
+    sample_points,
+)
 from presswork.model import FloatArray, Friction, Mesh, Profile, Spring, Tool
 
+UNLIKE, OVER = 1e-3, 0.1
+"""Of the size of the workpiece: how far two halves of a profile may differ, and how far one of a half may reach over
+the symmetry plane."""
 TOLERANCE = 1e-6
 """Of the size of the workpiece: how deep a node may lie in a tool at the start."""
 
@@ -67,6 +80,10 @@ def build_tool(
     mirrored = _find_mirrors(segments, symmetry_planes, TOLERANCE * size)
     if tool.mirrored is not None:
         mirrored = ("x" in tool.mirrored, "y" in tool.mirrored)
+    halves = {axis: symmetry_planes[axis] for axis in range(2) if mirrored[axis] and len(symmetry_planes[axis])}
+    unlike = _check_mirrors(_key(name, tool), segments, nodes, {0: np.zeros(1)} if is_axisymmetric else halves)
+    if unlike is not None:
+        return unlike
     spring = None
     if tool.spring:
         direction = unit_vector(tool.spring.direction)
@@ -233,6 +250,29 @@ def _check_clear(key: str, nodes: FloatArray, segments: FloatArray, tolerance: f
         f"{depth:.6g} mm at ({x:.6g}, {y:.6g})",
         f"move the tool by ({away_x:.6g}, {away_y:.6g}) mm, or set free_side if its metal is on the other side",
     )
+
+
+def _check_mirrors(key: str, segments: FloatArray, nodes: FloatArray, planes: dict[int, FloatArray]) -> Problem | None:
+    """Return a problem where a symmetry plane, or the axis, cuts a profile whose halves differ beside the workpiece.
+
+    planes: positions [mm] by the axis that they are normal to. A profile that ends there, or a little beyond, is one of
+    a half.
+    """
+    size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
+    places = np.concatenate(
+        [sample_points(segments), 0.5 * (segments[:, X0] + segments[:, X1])[segments[:, TURN] == 0.0]]
+    )
+    window = nodes.min(axis=0) - size, nodes.max(axis=0) + size
+    for axis, levels in planes.items():
+        half = HalfSpace(axis, float(levels[0]), 1.0 if nodes[:, axis].mean() > levels[0] else -1.0)
+        found = find_asymmetry(
+            places, lambda at: measure_distance(at, segments).distance, half, window, OVER * size, UNLIKE * size
+        )
+        if found is not None:
+            plane = f"{'xy'[axis]} = {half.level:g}"
+            remedy = f"let {plane} halve it, end it there, or model the whole workpiece"
+            return Problem(key, f"the symmetry plane {plane} cuts this profile, but {found.describe()}", remedy)
+    return None
 
 
 def _find_mirrors(
