@@ -100,6 +100,8 @@ class MassScaling:
         return 100.0 * self.added / self.mass
 
 
+UNDAMPED = "no mass damping is asked for, and that of contact takes so much: make the tools slower"
+"""Advice on damping where explicit.damping is 0."""
 ADVICE = {
     "kinetic": "inertia counts: make the tools slower, or add less mass",
     "hourglass": "refine the mesh where it is bent sharply",

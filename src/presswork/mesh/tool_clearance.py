@@ -16,6 +16,10 @@ MOST_ADVANCES = 200
 """A gap between surfaces that lie 60 degrees to the way is halved by each or by every other one."""
 
 
+WALL = 0.7
+"""Sine of the angle between a surface and the motion, below which it is a wall along which tools slide: 45 degrees."""
+
+
 def sample_tool(shape: Surface, within: float) -> FloatArray:
     """Return the corners and middles of a tool's triangles (n, 3) [mm], in its own frame.
 
@@ -69,50 +73,98 @@ class Closing:
     """Place where they are nearest, in the frame of the other tool (3,) [mm]."""
 
 
+@dataclass(frozen=True)
+class Room:
+    """The room that two tools must leave each other [mm]."""
+
+    ahead: float
+    """Between faces that come together as a tool goes on."""
+    beside: float
+    """Between walls that slide along each other."""
+
+    @property
+    def most(self) -> float:
+        """The larger of both."""
+        return max(self.ahead, self.beside)
+
+
+class _Pair:
+    """Points of two tools, each held against the surface of the other as the one goes along its way.
+
+    A gap falls by no more than the travel, so only points that may be near are asked again.
+    """
+
+    def __init__(
+        self, one: Surface, other: Surface, between: FloatArray, direction: FloatArray, within: float, room: Room
+    ) -> None:
+        self.points = sample_tool(one, within) + between, sample_tool(other, within) - between
+        self.surfaces, self.directions = (make_surface(other), make_surface(one)), (direction, -direction)
+        self.between, self.room = between, room
+        self.at_least = [surface.nearest(x)[0] for surface, x in zip(self.surfaces, self.points, strict=True)]
+        heights = [float(np.ptp(x @ direction)) for x in self.points]
+        self.farthest = sum(heights) + float(np.abs(between @ direction))
+
+    def advance(self, step: float) -> float:
+        """Return a travel after which no gap has fallen below the room by more than the step [mm]."""
+        nearest = min(float(gap.min()) for gap in self.at_least) - self.room.most
+        return min(max(step, nearest), self.farthest + step)
+
+    def go_on(self, travel: float, advance: float, step: float) -> None:
+        """Ask those again that may be near after an advance to a travel [mm]."""
+        for side, (surface, x, along) in enumerate(zip(self.surfaces, self.points, self.directions, strict=True)):
+            self.at_least[side] = self.at_least[side] - advance
+            near = self.at_least[side] < self.room.most + step
+            self.at_least[side][near] = surface.nearest(np.ascontiguousarray(x[near] + travel * along))[0]
+
+    def least_excess(self, travel: float, near: float) -> tuple[float, FloatArray]:
+        """Return the least gap beyond the room at a travel [mm], and its place in the frame of the other tool (3,).
+
+        near: points whose gap is at least that are left out [mm].
+        """
+        found = [(math.inf, np.zeros(3))]
+        for side, (surface, x, along) in enumerate(zip(self.surfaces, self.points, self.directions, strict=True)):
+            asked = np.flatnonzero(self.at_least[side] < near)
+            if len(asked):
+                places = x[asked] + travel * along
+                gap, normal = surface.nearest(np.ascontiguousarray(places))[:2]
+                aslant = np.where(np.isfinite(gap), np.abs(normal @ along), 1.0)
+                excess = gap - np.where(aslant > WALL, self.room.ahead, self.room.beside)
+                worst = int(np.argmin(excess))
+                moved = (self.between + travel * self.directions[0]) if side == 1 else 0.0
+                found.append((float(excess[worst]), places[worst] + moved))
+        return min(found, key=lambda pair: pair[0])
+
+
 def find_closing(
-    one: Surface, other: Surface, between: FloatArray, direction: FloatArray, within: float, room: float, step: float
+    one: Surface,
+    other: Surface,
+    between: FloatArray,
+    direction: FloatArray,
+    within: float,
+    room: float | Room,
+    step: float,
 ) -> Closing | None:
     """Return where a tool, going along its way, first leaves less than `room` [mm] to another; None where it does not.
 
     between, way, within: as in `find_clearance`. step: of the travel [mm]; what they leave less room in over a shorter
-    way is not found. Tools that slide along each other with more room between them go on. A gap falls by no more than
-    the travel, so only points that may be near are asked again.
+    way is not found. Tools that slide along each other with more room between them go on.
     """
-    points = sample_tool(one, within) + between, sample_tool(other, within) - between
-    surfaces, directions = (make_surface(other), make_surface(one)), (direction, -direction)
-    heights = [float(np.ptp(x @ direction)) for x in points]
-    farthest = sum(heights) + float(np.abs(between @ direction))
-    at_least = [surface.nearest(x)[0] for surface, x in zip(surfaces, points, strict=True)]
-
-    def least_gap(travel: float, near: float) -> tuple[float, FloatArray]:
-        """Return the least gap at a travel, and its place, of the points that may be nearer than `near`."""
-        found = [(math.inf, np.zeros(3))]
-        for side, (surface, x, along) in enumerate(zip(surfaces, points, directions, strict=True)):
-            asked = np.flatnonzero(at_least[side] < near)
-            if len(asked):
-                places = x[asked] + travel * along
-                gap = surface.nearest(np.ascontiguousarray(places))[0]
-                worst = int(np.argmin(gap))
-                found.append((float(gap[worst]), places[worst] + (side == 1) * (between + travel * direction)))
-        return min(found, key=lambda pair: pair[0])
-
+    room = room if isinstance(room, Room) else Room(room, room)
+    pair = _Pair(one, other, between, direction, within, room)
     before, travel = 0.0, 0.0
-    while travel <= farthest:
-        gap, place = least_gap(travel, room + step)
-        if gap < room:
+    while travel <= pair.farthest:
+        excess, place = pair.least_excess(travel, room.most + step)
+        if excess < 0.0:
             break
-        advance = min(max(step, min(float(g.min()) for g in at_least) - room), farthest + step)
+        advance = pair.advance(step)
         before, travel = travel, travel + advance
-        for side, (surface, x, along) in enumerate(zip(surfaces, points, directions, strict=True)):
-            at_least[side] = at_least[side] - advance
-            near = at_least[side] < room + step
-            at_least[side][near] = surface.nearest(np.ascontiguousarray(x[near] + travel * along))[0]
+        pair.go_on(travel, advance, step)
     else:
         return None
     while travel - before > 1e-3 * step:
         middle = 0.5 * (before + travel)
-        gap, at = least_gap(middle, room + 2.0 * step)
-        if gap < room:
+        excess, at = pair.least_excess(middle, room.most + 2.0 * step)
+        if excess < 0.0:
             travel, place = middle, at
         else:
             before = middle

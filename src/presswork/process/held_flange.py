@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork.geometry.tool_surface import make_surface
 from presswork.law.elastic_plastic import first_flow_stress
 from presswork.mesh.make.flange import find_held_area
 from presswork.model import FloatArray, Model, Tool
@@ -94,7 +93,7 @@ def _warn_of_squeezing(
 ) -> Iterator[str]:
     """Compare the pressure below a holder that nothing pushes with the sheet's yield stress."""
     section, material = model.sheet
-    area = find_held_area(model.mesh, make_surface(holder.surface), holder.position) * model.whole
+    area = find_held_area(model.mesh, holder) * model.whole
     force = float(np.max(history[f"{holder.name}.force"][fixed], initial=0.0))
     yield_stress = first_flow_stress(material)
     if area > 0 and force / area > SQUEEZED * yield_stress:

@@ -13,9 +13,8 @@ from presswork.case.description.heat import describe_heat_of_forming
 from presswork.case.description.material import describe_forming_limit, describe_material
 from presswork.case.description.press import describe_drive
 from presswork.case.description.supports import name_stages
-from presswork.case.stamping.clashes import find_closing_stroke
+from presswork.case.stamping.closing import CLOSED, find_closing_stroke
 from presswork.geometry.tool_radius import find_least_radius
-from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.make.flange import find_held_area
 from presswork.model import (
     Closing,
@@ -38,6 +37,8 @@ SHARPEST = 0.1
 """Of an element: a radius below is none."""
 SECONDS = 0.25e-6
 """Of one core for an element and a cycle with contact, about."""
+TOUCHING = 0.01
+"""Part of the thickness by which tools that have closed may be off the sheet."""
 ELEMENTS_ROUND_AN_EDGE = 3
 """Of a quarter turn: the fewest that bend a sheet round it without large errors."""
 MANY_CYCLES = 5e6
@@ -179,17 +180,35 @@ def _describe_dwell(dwell: Dwell) -> str:
 
 
 def _describe_closing(problem: Model) -> Iterator[str]:
-    """Say after which stroke tools from files close on the sheet."""
+    """Say after which stroke tools close on the sheet, and what is left at the end."""
+    thickness, explicit = problem.sheet[0].thickness, problem.explicit
+    irons = isinstance(explicit, ExplicitSheet) and explicit.ironing
     for punch, die in itertools.product(problem.tools, problem.tools):
         if (punch.kind, die.kind) != ("punch", "die"):
             continue
-        closing = find_closing_stroke(punch, die, problem.sheet[0].thickness)
+        closing = find_closing_stroke(punch, die, thickness, irons=irons)
         if closing is not None:
             x, y, z = closing.place + np.asarray(die.position)
+            end = _describe_end(problem, punch, die, closing.travel)
             yield (
                 f"{punch.name} and {die.name} close on the sheet when they have come {closing.travel:.4g} mm nearer, "
-                f"at ({x:.4g}, {y:.4g}, {z:.4g}) mm of where {die.name} starts"
+                f"at ({x:.4g}, {y:.4g}, {z:.4g}) mm of where {die.name} starts{end}"
             )
+
+
+def _describe_end(problem: Model, punch: Tool, die: Tool, closing: float) -> str:
+    """Say how far apart punch and die stay at the farthest; closing: the travel at which they close [mm]."""
+    motions = [[stage.tool_motion.get(tool.name) for stage in problem.stages] for tool in (punch, die)]
+    if any(motion is not None and motion.push is not None for each in motions for motion in each):
+        return ""
+    moves = [np.cumsum([(0.0, 0.0, 0.0) if m is None else m.move for m in each], axis=0) for each in motions]
+    nearer = float(((moves[0] - moves[1]) @ np.asarray(punch.working_direction)).max(initial=0.0))
+    left = closing - nearer - (1.0 - CLOSED) * problem.sheet[0].thickness
+    if left <= TOUCHING * problem.sheet[0].thickness:
+        return ""
+    return (
+        f"; the strokes bring them {nearer:.4g} mm nearer, which leaves the sheet {left:.3g} mm more than it is thick"
+    )
 
 
 def _finest(problem: Model) -> float:
@@ -331,8 +350,7 @@ def _describe_stage(problem: Model, stage: Stage, closing: Mapping[str, Closing]
             span = f"{forces[0]:g} N" if len(forces) == 1 else f"{forces.min():g} to {forces.max():g} N over the stroke"
             pressure = ""
             if name in holders:
-                at = holders[name]
-                area = find_held_area(problem.mesh, make_surface(at.surface), at.position) * problem.whole
+                area = find_held_area(problem.mesh, holders[name]) * problem.whole
                 pressure = f", at most {forces.max() / area:.3g} MPa on the flange as it starts" if area > 0 else ""
             yield f"{name} pushes with {span}{pressure}"
     if not stage.tool_motion and not stage.prescribed:

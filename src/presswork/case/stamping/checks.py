@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import logging
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.library import find_material_problem
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank
+from presswork.case.stamping.closing import IRONED
 from presswork.case.stamping.plan_line import TrimFile
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.shapes import clearance
@@ -20,7 +22,10 @@ from presswork.case.stamping.tools import DrawnTool, SectionTool, ToolFile
 from presswork.case.stamping.tools import Tool as CaseTool
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.tool_surface import make_surface
+from presswork.law.elastic_plastic import first_flow_stress
 from presswork.model import FloatArray, Mesh, Stage, Tool, Triangulation
+
+logger = logging.getLogger(__name__)
 
 MOST_CELLS = 5_000_000
 KINDS = ("punch", "die", "holder")
@@ -28,10 +33,12 @@ THINNEST = 0.002
 """[mm] Foil of aluminium is rolled down to 0.004 mm."""
 CLEAR = 0.01
 """Part of the thickness by which a tool may start in the blank."""
-IRONED = 0.6
-"""Part of the thickness that must be left between punch and die where they iron the sheet: less tears it."""
 FASTEST = 0.1
 """Part of the wave speed at which tools may move."""
+WORKED = 0.2
+"""Plastic strain of a formed sheet, by which the work that forms it is judged."""
+SWIFT, INERT = 0.05, 0.5
+"""Energy of a sheet that moves with the tools over that work, from which on inertia shows, and rules."""
 
 
 def check_names(case: StampingCase) -> list[Problem]:
@@ -267,16 +274,30 @@ def check_speeds(case: StampingCase, stages: tuple[Stage, ...]) -> list[Problem]
     material = case.materials[case.blank.material]
     if isinstance(material, UmatMaterial):
         return []  # its elasticity is known once the library is open
-    sound = float(np.sqrt(material.young / material.find_density()))
+    density = material.find_density()
+    sound, strength = (
+        float(np.sqrt(material.young / density)),
+        first_flow_stress(material.to_model(case.blank.material)),
+    )
     problems = []
     for index, (stage_case, stage) in enumerate(zip(case.stages, stages, strict=True)):
         distances = [max(abs(part) for part in motion.move) for motion in stage.tool_motion.values()]
         farthest = max([*distances, *(abs(each.value) for each in stage.prescribed)], default=0.0)
         speed = farthest / (stage.duration - stage.ramp)
-        if speed <= FASTEST * sound:
+        share = 0.5 * density * speed**2 / (strength * WORKED)
+        if speed <= FASTEST * sound and share <= INERT:
+            if share > SWIFT:
+                text = "stages.%d: %.4g mm at %.3g mm/s: the sheet's energy of motion would be %.2g of the work that "
+                text += "forms it, so inertia forms it, not the tools; 2 m/s is usual"
+                logger.warning(text, index, farthest, speed, share)
             continue
         key = "duration" if stage_case.duration is not None else "velocity"
         fault = f"{farthest:.4g} mm at {speed:.3g} mm/s: waves in the sheet, of {sound:.2g} mm/s, cannot spread it"
+        if speed <= FASTEST * sound:
+            fault = (
+                f"{farthest:.4g} mm at {speed:.3g} mm/s: the sheet's energy of motion would be {share:.2g} of the work "
+                "that forms it: it would be thrown, not formed"
+            )
         remedy = 'plain numbers are mm/s and s; "2 m/s" is usual, and slow enough for inertia to be small'
         problems.append(Problem(f"stages.{index}.{key}", fault, remedy, getattr(stage_case, key)))
     return problems

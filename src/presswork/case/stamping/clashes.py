@@ -10,13 +10,13 @@ import numpy as np
 
 from presswork.case.errors import Problem
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.stamping.closing import check_pairs, is_pushed, list_strokes
 from presswork.case.stamping.schema import StampingCase
-from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool, ToolFile
+from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool
 from presswork.geometry.tool_surface import make_surface
 from presswork.law.elastic_plastic import first_flow_stress
 from presswork.mesh.make.flange import find_held_area
-from presswork.mesh.tool_clearance import Closing, find_closing
-from presswork.model import Mesh, SweptProfile, Tool, Triangulation
+from presswork.model import Mesh, Tool, Triangulation
 
 logger = logging.getLogger(__name__)
 
@@ -26,13 +26,6 @@ LOOSE = 5e-4
 """Part of the sheet's yield stress as a holder's pressure: less than a tenth of what is usual, about 1 %."""
 SQUEEZED = 0.9
 """Part of the thickness to which a holder may be moved towards the die."""
-CLOSED = 0.95
-"""Part of the thickness that must be left between punch and die: shells are not squeezed thinner, and neither rolled
-sheet nor the facets of tools are truer."""
-STEP = 0.5
-"""Part of the thickness by which tools from files advance as they are held against each other."""
-DRAWN_WITHIN = 0.02
-"""Part of the thickness by which the points of drawn tools may be off there."""
 
 
 def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> list[Problem]:
@@ -43,25 +36,8 @@ def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> li
     problems = [*_check_holders(case, tools), *_check_forces(case, mesh, tools)]
     problems += [p for tool in tools if (p := _check_pushed(case, mesh, tool))]
     problems += [p for tool in tools if (p := _check_reach(case, mesh, tool))]
-    moved = {tool.name: _strokes(case, tool.name) for tool in tools}
-    for one, other in itertools.permutations(tools, 2):
-        if (one.kind, other.kind) in (("punch", "die"), ("punch", "holder")) and not _share_line(case, one, other):
-            problem = _check_pair(case, one, other, moved)
-            if problem and case.limits.stop:
-                problems.append(problem)
-            elif problem:
-                logger.warning("%s: %s", problem.key, problem.expected)
+    problems += check_pairs(case, tools)
     return problems
-
-
-def _strokes(case: StampingCase, name: str) -> list[float]:
-    """Return how far a tool has moved along its way at the end of each stage [mm]; a pushed one not at all."""
-    each = [stage.tools[name].stroke or 0.0 if name in stage.tools else 0.0 for stage in case.stages]
-    return list(itertools.accumulate(each))
-
-
-def _is_pushed(case: StampingCase, name: str) -> bool:
-    return any(name in s.tools and s.tools[name].force is not None for s in case.stages)
 
 
 def _check_laid(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
@@ -93,7 +69,7 @@ def _height(tool: Tool) -> float:
 
 def _check_pushed(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     """Return a problem where a tool that is pushed starts away from the blank."""
-    if not _is_pushed(case, tool.name):
+    if not is_pushed(case, tool.name):
         return None
     gap = _gap(case, mesh, tool)
     if gap <= case.blank.thickness:
@@ -111,10 +87,10 @@ def _check_pushed(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
 def _check_reach(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     """Return a problem where a tool placed off the blank never comes to it, whatever moves."""
     position = case.tools[tool.name].position
-    if position is None or any(_is_pushed(case, name) for name in (tool.name, *_names_of(case, "die"))):
+    if position is None or any(is_pushed(case, name) for name in (tool.name, *_names_of(case, "die"))):
         return None
     gap = _gap(case, mesh, tool)
-    strokes = {name: max([0.0, *_strokes(case, name)]) for name in case.tools}
+    strokes = {name: max([0.0, *list_strokes(case, name)]) for name in case.tools}
     lifted = sum(abs(e.value) for s in case.stages for e in s.displacement if e.component == "z")
     if gap <= sum(strokes.values()) + lifted:
         return None
@@ -140,12 +116,14 @@ def _check_holders(case: StampingCase, tools: tuple[Tool, ...]) -> list[Problem]
     thickness = case.blank.thickness
     problems = []
     for holder, die in itertools.product(tools, tools):
-        if (holder.kind, die.kind) != ("holder", "die") or _is_pushed(case, holder.name) or _is_pushed(case, die.name):
+        if (holder.kind, die.kind) != ("holder", "die") or is_pushed(case, holder.name) or is_pushed(case, die.name):
             continue
         apart = _height(holder) - _height(die)
         drawn = case.tools[holder.name]
         place = f"tools.{holder.name}." + ("gap" if drawn.gap is not None else "position")
-        gaps = apart - np.array([0.0, *_strokes(case, holder.name)]) - np.array([0.0, *_strokes(case, die.name)])
+        gaps = (
+            apart - np.array([0.0, *list_strokes(case, holder.name)]) - np.array([0.0, *list_strokes(case, die.name)])
+        )
         if gaps.min() < SQUEEZED * thickness * (1 - 1e-9):
             index = max(int(np.argmin(gaps)) - 1, 0)
             fault = f"the holder comes within {gaps.min():.4g} mm of the die, and the blank has {thickness:g} mm"
@@ -168,9 +146,7 @@ def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> li
     else:
         strength = first_flow_stress(sheet.to_model(case.blank.material))
     for holder in (t for t in tools if t.kind == "holder"):
-        bent = 0.5 * case.blank.thickness if isinstance(holder.shape, Triangulation) else 0.0
-        area = find_held_area(mesh, make_surface(holder.surface), holder.position, bent)
-        area *= 2 ** len(set(case.blank.symmetry))
+        area = find_held_area(mesh, holder) * 2 ** len(set(case.blank.symmetry))
         for index, stage in enumerate(case.stages):
             action = stage.tools.get(holder.name)
             if action is None or action.force is None:
@@ -191,61 +167,3 @@ def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> li
                 text += "1 to 3 MPa are usual for mild steel, and plain numbers are N"
                 logger.warning(text, key, max(forces), max(forces) / area)
     return problems
-
-
-def _share_line(case: StampingCase, one: Tool, other: Tool) -> bool:
-    """Tell whether two tools are what lies inside and outside of one line in the plan: they pass each other."""
-    drawn = case.tools[one.name], case.tools[other.name]
-    lines = [tool.cut for tool in drawn if isinstance(tool, ToolFile) and tool.direction is None and tool.cut]
-    if len(lines) < 2 or lines[0].keep == lines[1].keep or tuple(one.position[:2]) != tuple(other.position[:2]):
-        return False
-    return lines[0].model_copy(update={"keep": lines[1].keep}) == lines[1]
-
-
-def _check_pair(case: StampingCase, one: Tool, other: Tool, moved: dict[str, list[float]]) -> Problem | None:
-    """Return a problem where two tools, at least one from a file, close on each other or on the sheet between them."""
-    closing = find_closing_stroke(one, other, case.blank.thickness)
-    if closing is None or _is_pushed(case, one.name) or (other.kind == "die" and _is_pushed(case, other.name)):
-        return None
-    along = float(np.dot(np.array(other.working_direction), np.array(one.working_direction)))
-    if abs(along) < 1.0 - 1e-9 and any(moved[other.name]):
-        return None  # how two that move aslant to each other meet is not looked for
-    before = {tool.name: 0.0 for tool in (one, other)}
-    for index, _ in enumerate(case.stages):
-        after = {tool.name: moved[tool.name][index] for tool in (one, other)}
-        start, end = (travel[one.name] - along * travel[other.name] for travel in (before, after))
-        if end <= closing.travel:
-            before = after
-            continue
-        part = (closing.travel - start) / (end - start)
-        travel = {name: before[name] + part * (after[name] - before[name]) for name in before}
-        mover = one.name if one.name in case.stages[index].tools else other.name
-        x, y, z = closing.place + np.asarray(other.position) + travel[other.name] * np.asarray(other.working_direction)
-        beyond = end - closing.travel
-        room = "strikes" if other.kind != "die" else f"leaves less than the blank's {case.blank.thickness:g} mm to"
-        fault = (
-            f"after {abs(travel[one.name]):.4g} mm of stroke {one.name} {room} {other.name} at ({x:.4g}, {y:.4g}, "
-            f"{z:.4g}) mm, and goes {beyond:.3g} mm further"
-        )
-        remedy = (
-            f"shorten the stroke to {travel[mover] - before[mover]:.4g}, or see that {one.name} and {other.name} fit, "
-            "not swapped; limits.stop = false lets it run all the same"
-        )
-        return Problem(f"stages.{index}.tools.{mover}.stroke", fault, remedy, after[mover] - before[mover])
-    return None
-
-
-def find_closing_stroke(one: Tool, other: Tool, thickness: float) -> Closing | None:
-    """Return after how much of its way a tool closes on another, or on the sheet between it and a die.
-
-    None where it never does, and for two drawn tools with the same middle: their clearances in the plan are exact, and
-    openings go right through.
-    """
-    drawn = isinstance(one.shape, SweptProfile) and isinstance(other.shape, SweptProfile)
-    if drawn and tuple(one.position[:2]) == tuple(other.position[:2]):
-        return None
-    room = CLOSED * thickness if other.kind == "die" else 0.0
-    between, direction = np.subtract(one.position, other.position), np.array(one.working_direction)
-    return find_closing(
-        one.surface, other.surface, between, direction, DRAWN_WITHIN * thickness, room, STEP * thickness
-    )
