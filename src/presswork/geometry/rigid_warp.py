@@ -3,8 +3,10 @@
 
 Moving least squares with rigid motions (Schaefer, McPhail and Warren 2006, Image deformation using moving least
 squares; in space by Kabsch 1976): each place moves by the rigid motion that fits the nodes near it best. Lengths and
-angles next to the nodes are kept, so two tools on either side of a sheet keep their distance, and beyond the sheet's
-edge the map goes on straight. It smooths over the nodes near: a node does not come to lie exactly where it is told.
+angles next to the nodes are kept, so two tools on either side of a sheet keep their distance. Beyond the sheet's edge
+the map goes on straight over a few times the distance of the nodes. Farther off only the rotation of all nodes together
+goes on: that of the last nodes would lift the end of a wide tool by many millimetres. The map smooths over the nodes
+near: a node does not come to lie exactly where it is told.
 """
 
 from __future__ import annotations
@@ -16,6 +18,8 @@ from presswork.model import FloatArray
 
 _NEAR = 20
 """Nodes that take part at each place."""
+_ARM = 2.0
+"""Times the distance of the farthest of these nodes from their middle: so far their own rotation goes on."""
 _CHUNK = 50_000
 
 
@@ -33,6 +37,8 @@ class RigidWarp:
                 sign = np.where(np.arange(3) == axis, -1.0, 1.0)
                 points, moved = np.concatenate([points, points * sign]), np.concatenate([moved, moved * sign])
         self._tree, self._points, self._moved = cKDTree(points), points, moved
+        start, goal = points - points.mean(axis=0), moved - moved.mean(axis=0)
+        self._turn = _find_rotations(start.T[None] @ goal[None])[0]
 
     def carry(self, x: FloatArray) -> FloatArray:
         """Return where places (n, 3) go [mm]."""
@@ -55,6 +61,15 @@ class RigidWarp:
         start, goal = self._points[near], self._moved[near]
         from_middle, to_middle = (np.einsum("nk,nki->ni", weight, p) for p in (start, goal))
         spread = np.einsum("nk,nki,nkj->nij", weight, start - from_middle[:, None], goal - to_middle[:, None])
-        u, _, vt = np.linalg.svd(spread)
-        u[:, :, 2] *= np.sign(np.linalg.det(u @ vt))[:, None]
-        return np.asarray(np.einsum("nj,njk->nk", x - from_middle, u @ vt) + to_middle)
+        away = x - from_middle
+        span = np.linalg.norm(start - from_middle[:, None], axis=2).max(axis=1)
+        arm = away * np.minimum(1.0, _ARM * span / np.maximum(np.linalg.norm(away, axis=1), 1e-300))[:, None]
+        own = np.einsum("nj,njk->nk", arm, _find_rotations(spread) - self._turn)
+        return np.asarray(to_middle + away @ self._turn + own)
+
+
+def _find_rotations(spread: FloatArray) -> FloatArray:
+    """Return the rotations (n, 3, 3) of rows of vectors that fit best, from their products (n, 3, 3)."""
+    u, _, vt = np.linalg.svd(spread)
+    u[:, :, 2] *= np.sign(np.linalg.det(u @ vt))[:, None]
+    return np.asarray(u @ vt)

@@ -160,7 +160,7 @@ class _Search:
         self.target = None if target is None else read_target_part(target, unit, float(np.linalg.norm(size)))
         points, cells = model.mesh.points, model.mesh.blocks[0].connectivity
         edge = np.linalg.norm(points[cells[:, 0]] - points[cells[:, 1]], axis=1)
-        self.drawn = cut_into_triangles(model, _LONGEST * float(np.median(edge)))
+        self.drawn = cut_into_triangles(model, _LONGEST * float(np.median(edge)), self.case.blank.thickness)
         self.goal: Goal | None = None
         self.loops: list[Loop] = []
 

@@ -32,6 +32,22 @@ def test_faces_on_both_sides_of_a_bent_strip_keep_their_distance_and_the_symmetr
         assert found == pytest.approx(found[::-1] * [-1.0, 1.0, 1.0], abs=1e-12)
 
 
+def test_a_bend_at_the_edge_does_not_lift_the_ends_of_wide_tools() -> None:
+    points, _ = arc(1e7)
+    x = points[:, 0]
+    moved = points + np.maximum(x - 30.0, 0.0)[:, None] * [
+        0.0,
+        0.0,
+        -0.2,
+    ]  # the last 10 mm, by 11 degrees
+    warp = RigidWarp(points, moved, (True, False))
+    far = np.array([[r, 0.0, side] for r in (41.0, 60.0, 100.0, 180.0) for side in (-0.5, 0.5)])
+    drop = far[:, 2] - warp.carry(far)[:, 2]
+    assert drop[:2] == pytest.approx(0.2 * 11.0, abs=0.1)  # straight on next to the edge
+    assert drop.max() < 3.0  # straight on to the end it would be 30
+    assert drop[::2] == pytest.approx(drop[1::2], abs=0.05)  # both faces alike
+
+
 def test_values_go_on_with_their_slope_and_meet_what_is_held() -> None:
     points, triangles = arc(1e9, cells=40)
     x = points[:, 0]

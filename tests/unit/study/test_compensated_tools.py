@@ -1,17 +1,27 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Bent tools keep what lies under a holder that stays."""
+"""Bent tools keep what lies under a holder that stays, end near the blank, and keep their strokes."""
 
 from __future__ import annotations
 
+import tomllib
 from dataclasses import replace
 
 import numpy as np
 import pytest
+import tomli_w
 
+from presswork.api import build
+from presswork.case import StampingCase
 from presswork.geometry.foot_on_triangles import split_long
 from presswork.geometry.rigid_warp import RigidWarp
 from presswork.model import FloatArray, ToolKind, Triangulation
-from presswork.study.compensated_tools import PressedTool, bend_tools, find_gap_change
+from presswork.study.compensated_tools import (
+    PressedTool,
+    bend_tools,
+    cut_into_triangles,
+    find_gap_change,
+    place_tools,
+)
 from tests.problems.compensation import channel_face
 
 RIM = 23.0
@@ -61,3 +71,37 @@ def test_what_lies_under_a_holder_that_stays_stays_too(tools, warp) -> None:
     as_drawn = (tools[0], holder)
     assert find_gap_change((die, holder), as_drawn, 3.0) < 0.4 * find_gap_change((alone, holder), as_drawn, 3.0)
     assert find_gap_change((die, punch), (tools[0], tools[1]), 3.0) < 0.02
+
+
+def test_tools_end_near_the_blank_and_their_strokes_stay_near_those_as_drawn(tmp_path) -> None:
+    """A strip's tools are drawn to 1.5 times the blank; a part bent at its edge must not lift their far ends."""
+    case = load_hat(tmp_path)
+    model = build(case)
+    drawn = cut_into_triangles(model, 4.0, 1.0)
+    for tool in drawn:
+        assert np.abs(tool.shape.points[:, 0]).max() < 50.0 + 5.0 + 2.0 * 16.0
+    points = model.mesh.points
+    bent = points + np.maximum(points[:, :1] - 30.0, 0.0) * [0.0, 0.0, -0.3]
+    moved = bend_tools(drawn, RigidWarp(points, bent, model.symmetry), 1.0)
+    data = tomllib.loads(case.text)
+    given, lower = place_tools(case, data, moved, drawn, {tool.name: f"{tool.name}.stl" for tool in moved})
+    stroke = given["stages"][0]["tools"]["punch"]["stroke"]
+    assert 20.0 <= stroke < 20.0 + 1.0, "the far ends of die and holder must not lengthen it"
+    assert np.abs(lower).max() < 1.0
+
+
+def load_hat(folder):
+    """Return a hat between strip tools of 50 and 52.4 mm with a holder."""
+    tool = {"shape": "strip", "edge_radius": 5}
+    data = {
+        "title": "hat", "analysis": "stamping",
+        "blank": {"shape": "rectangle", "size": [100, 8], "thickness": 1, "element_size": 4, "material": "dp600",
+                  "symmetry": ["x"]},
+        "tools": {"punch": {"kind": "punch", "width": 50, **tool}, "die": {"kind": "die", "width": 52.4, **tool},
+                  "holder": {"kind": "holder", "width": 52.4, **tool}},
+        "stages": [{"name": "draw", "tools": {"punch": {"stroke": 20}, "holder": {"force": 1000.0}}}],
+        "springback": {},
+    }  # fmt: skip
+    path = folder / "hat.toml"
+    path.write_text(tomli_w.dumps(data))
+    return StampingCase.from_toml(path)
