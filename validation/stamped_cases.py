@@ -27,8 +27,8 @@ _CLOSED = 0.9
 """Of the clearance: so much of it the punch takes at the end, over a flat bottom."""
 _CELLS = 1500
 """About so many shells at most, in the part of a blank that is computed."""
-_STRIP = 2
-"""Shells along a hat, which is computed as a slice."""
+_STRIP, _FINER = 2, 2.0
+"""Shells along a hat, which is computed as a slice, and how much finer they are: springback needs six on a radius."""
 
 
 def draw_tools(part: StampedPart, reach: float) -> dict[str, Facets]:
@@ -94,13 +94,14 @@ def write_case(part: StampedPart, folder: Path, **changes: Any) -> Path:
     blank: dict[str, Any] = {"thickness": part.thickness, "material": part.material, "points": 7,
                              "symmetry": find_planes(part), "element_size": size}  # fmt: skip
     if part.kind == "hat":
+        size = float(f"{size / _FINER:.2g}")
         width = _STRIP * 2.0 * size
         across = float(outline[:, 0].max())
         blank |= {"shape": "rectangle", "size": [2.0 * across, width], "element_size": [size, 2.0 * size]}
         held = 2.0 * width * part.flange
     else:
         blank |= {"shape": "outline", "path": "blank.txt"}
-        held = _measure(outline) - _measure(_edge(part, section_index=-1, less=part.flange))
+        held = _measure(outline) - _measure(_edge(part, part.flange))
     if part.is_drawn:
         pressure = _MILD if part.is_closed else _FIRM
         actions["holder"] = {"force": float(f"{pressure * held:.3g}")}
@@ -117,9 +118,9 @@ def write_case(part: StampedPart, folder: Path, **changes: Any) -> Path:
     return path
 
 
-def _edge(part: StampedPart, section_index: int, less: float) -> FloatArray:
+def _edge(part: StampedPart, less: float = 0.0) -> FloatArray:
     """Return the part's edge in the plan, or a line so much inside of it (n, 2)."""
-    s = float(draw_section(part).s[section_index]) - less
+    s = float(draw_section(part).s[-1]) - less
     rims = [line + s * out for line, out in draw_lines(part)]
     return rims[0] if part.is_closed else np.concatenate([rims[0][::-1], rims[1]])
 
@@ -135,12 +136,12 @@ def write_onestep(part: StampedPart, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     face = draw_face(part, 0.0)
     write_stl(folder / "part.stl", face.points, face.triangles)
-    edge = _edge(part, -1, 0.0)
-    held = _measure(edge) - _measure(_edge(part, -1, part.flange))
+    edge = _edge(part)
+    held = _measure(edge) - _measure(_edge(part, part.flange))
     pressure = _MILD if part.is_closed else _FIRM
     case = {
         "title": f"{part.kind} of seed {part.seed}", "analysis": "onestep",
-        "part": {"path": "part.stl"},
+        "part": {"path": "part.stl", "element_size": 40.0},  # the facets as they are
         "blank": {"material": part.material, "thickness": part.thickness},
         "process": {"holder_force": float(f"{pressure * held:.3g}"), "mu": 0.1},
     }  # fmt: skip

@@ -77,16 +77,18 @@ def find_blank(
     threads: int = 0,
     on_iteration: Callable[[Progress], None] | None = None,
     write_case: Path | None = None,
+    cells: int | None = None,
 ) -> Outcome:
     """Go one step back from a part to its blank, as `run` does with such a case.
 
     write_case: where a stamping of that blank goes, with tools made of the part; what is doubtful of them is logged.
+    cells: shells of that whole blank at most; None: 8,000.
     Raises StartError for a part that cannot be meshed, and OutputError.
     """
     from presswork.mesh import MeshError
     from presswork.onestep.part import OneStepError
     from presswork.onestep.record import BLANK_POINTS, run_one_step
-    from presswork.onestep.stamping_case import check_case_path, write_stamping_case
+    from presswork.onestep.stamping_case import CELLS, check_case_path, write_stamping_case
     from presswork.recorder import Outcome, Progress
 
     def report(number: int, error: float) -> None:
@@ -103,7 +105,7 @@ def find_blank(
     except MeshError as error:
         raise StartError(str(error)) from error
     if write_case is not None:
-        for note in write_stamping_case(write_case, model, outline, folder / BLANK_POINTS):
+        for note in write_stamping_case(write_case, model, outline, folder / BLANK_POINTS, cells=cells or CELLS):
             logger.warning("%s: %s", write_case, note)
     return Outcome("completed", folder)
 

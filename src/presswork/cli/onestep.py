@@ -52,6 +52,9 @@ def onestep(
         Path | None,
         typer.Option(help="Write a stamping (TOML) of the blank, with punch, die and holder made from the part (STL)."),
     ] = None,
+    cells: Annotated[
+        int, typer.Option(min=100, help="Shells of the written stamping's whole blank at most; radii may ask for more.")
+    ] = 8000,
     stages: Annotated[
         int, typer.Option(min=1, max=9, help="Shapes that the sheet goes through; 1: one step. 3 for deep parts.")
     ] = 1,
@@ -80,8 +83,9 @@ def onestep(
     with ending(part):
         with showing_progress(model.title, quiet=False) as show:
             outcome = api.find_blank(
-                model, folder, overwrite=overwrite, threads=threads, on_iteration=show, write_case=write_case
-            )
+                model, folder, overwrite=overwrite, threads=threads, on_iteration=show, write_case=write_case,
+                cells=cells,
+            )  # fmt: skip
         finish(outcome, plot=plot, report=report)
 
 

@@ -26,6 +26,11 @@ CLEARANCE = 0.1
 """Of the thickness: what is left between punch and die beside the sheet, on each side."""
 STEEPER = np.radians(0.5)
 """By how much the slope of the die's shoulder changes over a triangle, at least [rad]."""
+GENTLE, SMOOTH, CHORD = np.cos(np.radians(20.0)), 100.0, np.radians(0.5)
+"""Of a curved flange: its least normal along the press [1], its least radius over the thickness, and the angle between
+facets that may be chords of any radius [rad]."""
+MOST = 0.9
+"""Part of a flange's outline that is level if the flange is flat."""
 _FREE = 5.0
 """Thicknesses by which tools reach beyond an end of the part that is no flange."""
 _LARGE = 20_000
@@ -69,9 +74,9 @@ def offset_tools(model: OneStepModel, blank_reach: float, clearance: float = CLE
     punch = _raise_rim(points_above, face, beyond, stroke)
     faces: dict[ToolKind, Triangulation] = {"punch": _compact(*_turned(*punch)), "die": _compact(*die)}
     if flange.any():
-        level = points + np.array([0.0, 0.0, 0.5 * thickness])
-        points_level, face, beyond = _extend(level, triangles, flange, reach, thickness, keep=flange)
-        room = _distance_between(level[triangles[flange]], above[triangles[~outside]])
+        over = points + 0.5 * thickness * _find_own_normals(points, triangles[flange])
+        points_level, face, beyond = _extend(over, triangles, flange, reach, thickness, keep=flange)
+        room = _distance_between(over[triangles[flange]], above[triangles[~outside]])
         holder = _roll_rim(points_level, face, beyond, min(_ROLL * thickness, 0.4 * room))
         faces["holder"] = _compact(*_turned(*holder))
     notes = _find_faults(points, triangles, below, above, bool(flange.any()))
@@ -141,27 +146,45 @@ def _list_neighbours(triangles: IntArray) -> list[list[int]]:
 def _find_flange(
     points: FloatArray, triangles: IntArray, up: FloatArray, thickness: float, neighbours: list[list[int]]
 ) -> BoolArray:
-    """Return the level triangles that hang together with the highest level stretch of the outline (n,)."""
+    """Return the triangles of the flange (n,): those about level that hang together with the highest of the outline.
+
+    A level flange is flat. One of a curved binder bends smoothly and stays below a slope of GENTLE; it is taken where
+    the level part of it is less than MOST of its outline.
+    """
     owner = _outline(points, triangles)[2]
+    is_owner = np.isin(np.arange(len(up)), owner)
     ends = triangles[owner[up[owner] > FLAT]]
     high = float(points[ends, 2].max(initial=-np.inf))
     level = (up > FLAT) & (np.abs(points[triangles, 2] - high) < 0.5 * thickness).all(axis=1)
-    return _spread(level & np.isin(np.arange(len(up)), owner), neighbours, lambda _, there: bool(level[there]))
+    flat = _spread(level & is_owner, neighbours, lambda _, there: bool(level[there]))
+    normals, middle = unit_normals(points, triangles), points[triangles].mean(axis=1)
+
+    def is_smooth(here: int, there: int) -> bool:
+        turn = float(np.linalg.norm(normals[here] - normals[there]))
+        way = float(np.linalg.norm(middle[here] - middle[there]))
+        return bool(up[there] > GENTLE) and (turn < CHORD or turn * SMOOTH * thickness < way)
+
+    curved = _spread(flat & is_owner, neighbours, is_smooth)
+    return flat if flat[owner].sum() >= MOST * curved[owner].sum() else curved
 
 
 def _find_shoulder(
     points: FloatArray, triangles: IntArray, flange: BoolArray, neighbours: list[list[int]]
 ) -> BoolArray:
     """Return the flange, and the triangles that go on from it and get steeper downwards, by nodal normals (n,)."""
-    nodal = np.zeros_like(points)
-    for k in range(3):
-        np.add.at(nodal, triangles[:, k], double_areas(points, triangles))
-    nodal /= np.maximum(np.linalg.norm(nodal, axis=1, keepdims=True), 1e-300)
-    slope = np.arccos(np.clip(nodal[:, 2], -1.0, 1.0))[triangles]
+    slope = np.arccos(np.clip(_find_own_normals(points, triangles)[:, 2], -1.0, 1.0))[triangles]
     height = points[triangles, 2]
     falls = ((slope - slope.mean(axis=1, keepdims=True)) * (height - height.mean(axis=1, keepdims=True))).sum(axis=1)
     bends = (np.ptp(slope, axis=1) > STEEPER) & (falls < 0.0)
     return _spread(flange, neighbours, lambda _, there: bool(bends[there]))
+
+
+def _find_own_normals(points: FloatArray, triangles: IntArray) -> FloatArray:
+    """Return the mean unit normal of some triangles at each node (n, 3); 0 where there are none of them."""
+    nodal = np.zeros_like(points)
+    for k in range(3):
+        np.add.at(nodal, triangles[:, k], double_areas(points, triangles))
+    return np.asarray(nodal / np.maximum(np.linalg.norm(nodal, axis=1, keepdims=True), 1e-300))
 
 
 def _without_pinches(triangles: IntArray, kept: BoolArray) -> BoolArray:

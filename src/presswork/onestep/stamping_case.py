@@ -18,8 +18,10 @@ from presswork.onestep.outline import BlankOutline
 from presswork.results import OutputError
 from presswork.results.whole_file import write_whole
 
-_CELLS_ACROSS = (50, 200)
-"""Of the blank: at least, and at most where the part's radii ask for more."""
+CELLS = 8_000
+"""Shells of the whole blank at most, whatever the part's radii ask for."""
+_CELLS_ACROSS = 30
+"""Of the blank at least, along its longer side."""
 _CELLS_A_RADIUS = 2.0
 """Cells along the smallest radius of the part: three round a corner of 90 degrees."""
 _GAP = 1.1
@@ -45,11 +47,13 @@ def _tool_path(path: Path, kind: str) -> Path:
     return path.with_name(f"{path.stem}_{kind}.stl")
 
 
-def write_stamping_case(path: Path, model: OneStepModel, outline: BlankOutline, points: Path) -> tuple[str, ...]:
+def write_stamping_case(
+    path: Path, model: OneStepModel, outline: BlankOutline, points: Path, *, cells: int = CELLS
+) -> tuple[str, ...]:
     """Write a case of a stamping that draws the part from its blank, and STL files of its tools beside it.
 
-    outline: of the whole blank; points: its CSV file, which the case names. Return what is doubtful of the tools.
-    Raises OutputError.
+    outline: of the whole blank; points: its CSV file, which the case names. cells: shells of the whole blank at most.
+    Return what is doubtful of the tools and the shells. Raises OutputError.
     """
     data = tomllib.loads(model.case_text)
     middle = 0.5 * (model.points.min(axis=0) + model.points.max(axis=0))[:2]
@@ -59,7 +63,8 @@ def write_stamping_case(path: Path, model: OneStepModel, outline: BlankOutline, 
         "title": f"{model.title}: drawn from the blank that one step has found",
         "analysis": "stamping",
     }
-    case |= {"blank": _describe_blank(path, model, outline, points, data["blank"]["material"], made.smallest_radius)}
+    size, note = _choose_size(outline, made.smallest_radius, cells)
+    case |= {"blank": _describe_blank(path, model, points, data["blank"]["material"], size)}
     if data.get("materials"):
         case["materials"] = data["materials"]
     case["tools"] = {}
@@ -74,7 +79,7 @@ def write_stamping_case(path: Path, model: OneStepModel, outline: BlankOutline, 
     if beads := data.get("process", {}).get("beads"):
         case["beads"] = beads
     case["stages"] = [{"name": "draw", "tools": actions}]
-    notes = list(made.notes)
+    notes = [*made.notes, *note]
     if len(outline.loops) > 1:
         notes.append(f"{len(outline.loops) - 1} holes of the blank are left out, and filled in the tools: trim them")
     text = _HEAD.format(clearance=CLEARANCE * model.thickness)
@@ -83,19 +88,32 @@ def write_stamping_case(path: Path, model: OneStepModel, outline: BlankOutline, 
     return tuple(notes)
 
 
-def _describe_blank(
-    path: Path, model: OneStepModel, outline: BlankOutline, points: Path, material: str, smallest_radius: float
-) -> dict[str, Any]:
+def _choose_size(outline: BlankOutline, smallest_radius: float, cells: int) -> tuple[float, tuple[str, ...]]:
+    """Return the edge of the blank's shells [mm], and a note where the budget makes them longer than radii ask for."""
+    wanted = min(max(outline.extent) / _CELLS_ACROSS, smallest_radius / _CELLS_A_RADIUS)
+    least = float(np.sqrt(outline.area / cells))
+    if least <= wanted:
+        return wanted, ()
+    return least, (
+        f"shells of {least:.2g} mm, as long as {cells} of them make them: radii of {smallest_radius:.3g} mm ask for "
+        f"{wanted:.2g} mm, or {outline.area / wanted**2:.2g} shells",
+    )
+
+
+def _describe_blank(path: Path, model: OneStepModel, points: Path, material: str, size: float) -> dict[str, Any]:
     """Return the table of the blank."""
-    width = max(outline.extent)
-    fewest, most = _CELLS_ACROSS
-    size = min(width / fewest, max(width / most, smallest_radius / _CELLS_A_RADIUS))
     return {
         "shape": "outline",
         "path": os.path.relpath(points.resolve(), path.resolve().parent),
         "thickness": model.thickness,
-        "element_size": float(f"{size:.2g}"),
+        "element_size": _round_up(size),
         "material": material,
         "rolling_direction": float(f"{np.degrees(model.rolling_direction):.6g}"),
         "symmetry": [axis for axis, is_cut in zip("xy", model.symmetry, strict=True) if is_cut],
     }
+
+
+def _round_up(size: float) -> float:
+    """Return a length with two digits, not smaller."""
+    digit = 10.0 ** (np.floor(np.log10(size)) - 1)
+    return float(f"{np.ceil(size / digit - 1e-9) * digit:.2g}")

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from presswork.mesh.files.tool_file import read_tool
 from presswork.model import FloatArray, OneStepModel, Triangulation
 from presswork.onestep.offset_tools import CLEARANCE, OffsetTools, _smallest_radius, offset_tools
 from tests.problems.one_step import NO_TRIANGLES, cup_profile, fan, make_model, revolve
+from validation.stamped_parts import draw_face, draw_part
 
 T, RADIUS, CORNER, DEPTH, FLANGE = 0.8, 25.0, 5.0, 20.0, 42.0
 
@@ -49,6 +52,31 @@ PARTS = {"cup": cup, "pan": pan, "hat": hat}
 def made(request) -> tuple[OneStepModel, OffsetTools]:
     model = PARTS[request.param]()
     return model, offset_tools(model, 70.0)
+
+
+def curved_panel() -> OneStepModel:
+    """A panel whose flange bends to a radius of 600 mm, 10 degrees at its ends."""
+    part = replace(draw_part(7), binder_radius=600.0, thickness=T)
+    face = draw_face(part, 0.0)
+    return make_model(face.points, face.triangles, np.zeros((0, 4), dtype=np.int32), thickness=T)
+
+
+def test_a_curved_flange_has_a_holder_that_leaves_the_thickness_all_round(tmp_path) -> None:
+    model = curved_panel()
+    tools = offset_tools(model, 150.0)
+    assert tools.notes == ()
+    for kind, down in (("punch", -1.0), ("die", 1.0), ("holder", -1.0)):
+        path = tmp_path / f"{kind}.stl"
+        path.write_bytes(pack_stl(kind, tools.faces[kind]))
+        read_tool(path, facing=(0.0, 0.0, down))  # says that it faces neither way where walls outweigh its face
+    holder = find(tools, "holder")
+    under = holder.points[holder.points[:, 2] < model.points[:, 2].max() + 0.6 * T]
+    over_part = under[(np.abs(under[:, :2]) < np.abs(model.points[:, :2]).max(axis=0)).all(axis=1)]
+    gap = make_surface(find(tools, "die")).nearest(np.ascontiguousarray(over_part))[0]
+    assert len(over_part) > 200
+    assert np.abs(gap[gap < 1.5 * T] - T).max() < 0.05
+    around = np.degrees(np.arctan2(over_part[:, 1], over_part[:, 0]))
+    assert np.histogram(around, 12, (-180.0, 180.0))[0].min() > 5, "all round the part"
 
 
 def find(tools: OffsetTools, kind: str) -> Triangulation:
