@@ -132,16 +132,18 @@ def _measure(outline: FloatArray) -> float:
 
 
 def write_onestep(part: StampedPart, folder: Path) -> Path:
-    """Write the part's middle surface and a case of the one-step solver; return its path."""
+    """Write a case of the one-step solver and the part, cut by its symmetry planes; return the case's path."""
     folder.mkdir(parents=True, exist_ok=True)
-    face = draw_face(part, 0.0)
-    write_stl(folder / "part.stl", face.points, face.triangles)
+    face, planes = draw_face(part, 0.0), find_planes(part)
+    middle = face.points[face.triangles].mean(axis=1)
+    own = (middle[:, ["xy".index(plane) for plane in planes]] > 0.0).all(axis=1)
+    write_stl(folder / "part.stl", face.points, face.triangles[own])
     edge = _edge(part)
     held = _measure(edge) - _measure(_edge(part, part.flange))
     pressure = _MILD if part.is_closed else _FIRM
-    case = {
+    case: dict[str, Any] = {
         "title": f"{part.kind} of seed {part.seed}", "analysis": "onestep",
-        "part": {"path": "part.stl", "element_size": 40.0},  # the facets as they are
+        "part": {"path": "part.stl", "element_size": 40.0, "symmetry": planes},  # the facets as they are
         "blank": {"material": part.material, "thickness": part.thickness},
         "process": {"holder_force": float(f"{pressure * held:.3g}"), "mu": 0.1},
     }  # fmt: skip

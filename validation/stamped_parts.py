@@ -321,7 +321,7 @@ def _fill_strip(
 ) -> tuple[FloatArray, FloatArray, IntArray]:
     """Return the flat bottom between two lines."""
     (left, _), (right, _) = lines
-    n = int(np.ceil(np.linalg.norm(right - left, axis=1).max() / 8.0))
+    n = 2 * int(np.ceil(np.linalg.norm(right - left, axis=1).max() / 16.0))
     share = np.linspace(0.0, 1.0, n + 1)
     plan = left[:, None] + share[None, :, None] * (right - left)[:, None]
     points = np.concatenate([plan, np.full((*plan.shape[:2], 1), -part.depth)], axis=2)

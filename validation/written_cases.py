@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stamped parts drawn at random, laid flat by one step, and the stampings that it writes of them: accepted, and run.
 
-Run: python -m validation.written_cases [SEED ...] [--first 0] [--count 40] [--run] [--cells 1000] [--folder runs]
+Run: python -m validation.written_cases [SEED ...] [--first 0] [--count 40] [--run] [--cells 2000] [--folder runs]
 
 Without --run the written cases are checked alone, by the same rules as `presswork check`.
 """
@@ -82,7 +82,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=40)
     parser.add_argument("--run", action="store_true")
-    parser.add_argument("--cells", type=int, default=1000)
+    parser.add_argument("--cells", type=int, default=2000)
     parser.add_argument("--folder", type=Path)
     arguments = parser.parse_args()
     seeds = arguments.seeds or range(arguments.first, arguments.first + arguments.count)

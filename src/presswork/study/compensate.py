@@ -53,6 +53,8 @@ _STUCK = 0.9
 """Largest deviation over the best before it, from which on a loop has not helped; two of them end the search."""
 _LONGEST = 1.5
 """Edges of the tools' triangles over those of the blank's cells."""
+_LEANS = 0.1
+"""Undercut that is no facets' noise [degree]."""
 _NEAR = 3.0
 """Times the thickness within which the gap between tools counts."""
 
@@ -160,7 +162,8 @@ class _Search:
         self.target = None if target is None else read_target_part(target, unit, float(np.linalg.norm(size)))
         points, cells = model.mesh.points, model.mesh.blocks[0].connectivity
         edge = np.linalg.norm(points[cells[:, 0]] - points[cells[:, 1]], axis=1)
-        self.drawn = cut_into_triangles(model, _LONGEST * float(np.median(edge)), self.case.blank.thickness)
+        strokes = sum(abs(a.stroke) for stage in self.case.stages for a in stage.tools.values() if a.stroke)
+        self.drawn = cut_into_triangles(model, _LONGEST * float(np.median(edge)), self.case.blank.thickness, strokes)
         self.goal: Goal | None = None
         self.loops: list[Loop] = []
 
@@ -195,7 +198,7 @@ class _Search:
                 case, lower = self.write_case(number, tools)
                 model = build(case)
             except CaseError as error:
-                return "gave_up", f"loop {number} cannot be started: {error}"
+                return "gave_up", f"loop {number} cannot be started: {self.explain_undercut(tools)}{error}"
             show = None if on_progress is None else lambda now, n=number: on_progress(n, now)
             ended, reason = compute_member(model, folder, runner, resume, show)
             if ended == "interrupted":
@@ -266,6 +269,16 @@ class _Search:
         corners = sheet[self.goal.triangles]
         longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
         return find_undercut(tools, self.drawn, sheet, _NEAR * self.case.blank.thickness + longest, self.planes)
+
+    def explain_undercut(self, tools: tuple[PressedTool, ...]) -> str:
+        """Return what is said of tools that lean over so far that others cannot pass, or nothing."""
+        if self.goal is None or (found := self.find_undercut(tools)).angle < _LEANS:
+            return ""
+        x, y, z = found.place
+        return (
+            f"the correction needs an undercut of {found.angle:.2g} degrees in {found.tool} near ({x:.4g}, {y:.4g}, "
+            f"{z:.4g}), which tools that move along the press cannot have: give the wall more draft; "
+        )
 
     def place_of_worst(self) -> str:
         """Name where the last part is farthest off."""

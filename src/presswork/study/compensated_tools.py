@@ -26,7 +26,7 @@ _STRIP = 1.2
 _UNDER, _FADES = 1.4, 2.0
 """Thicknesses from a holder's corners up to which a die's are held by it, and over which the map fades beside it."""
 _BESIDE, _WALL = 5.0, 10.0
-"""Thicknesses by which tools reach beyond the flat blank, and so high a holder's walls are kept."""
+"""Thicknesses by which tools reach beyond the flat blank, and so high walls of punch and holder are kept."""
 _UPRIGHT = 1e-3
 """Part of a facet's normal along the press [1], beyond which it faces away from the sheet."""
 
@@ -66,11 +66,12 @@ class Undercut:
     """In the closed tools (3,) [mm]."""
 
 
-def cut_into_triangles(model: Model, longest: float, thickness: float) -> tuple[PressedTool, ...]:
+def cut_into_triangles(model: Model, longest: float, thickness: float, stroke: float = 0.0) -> tuple[PressedTool, ...]:
     """Return the tools with drawn shapes cut into triangles, and triangles split to edges of this length [mm].
 
     They are where they start, without travel. What the sheet never comes to is left out: faces beyond the flat blank,
-    and walls high over a holder's face. thickness: of the sheet [mm].
+    walls high over a holder's face, and those of a punch that stay over the flange. thickness: of the sheet [mm];
+    stroke: by which punch and die come together [mm].
     """
     length = _STRIP * float(np.ptp(model.mesh.points[:, 1])) * (2.0 if model.symmetry[1] else 1.0)
     folded = np.array([*model.symmetry, False])
@@ -86,8 +87,9 @@ def cut_into_triangles(model: Model, longest: float, thickness: float) -> tuple[
         points, triangles = split_long(shape.points, shape.triangles, 4.0 * longest)  # coarse ones are soon sorted out
         place = points[triangles].mean(axis=1) + np.asarray(tool.position)
         near = sheet.query(np.where(folded, np.abs(place), place)[:, :2])[0] < _BESIDE * thickness + 4.0 * longest
-        if tool.kind == "holder":
-            near &= place[:, 2] < place[:, 2].min() + _WALL * thickness + 4.0 * longest
+        if tool.kind != "die":
+            least = stroke if tool.kind == "punch" else float(place[:, 2].min())
+            near &= place[:, 2] < least + _WALL * thickness + 4.0 * longest
         used, index = np.unique(triangles[near], return_inverse=True)
         is_closed = shape.is_closed and bool(near.all())
         points, triangles = split_long(points[used], index.reshape(-1, 3).astype(np.int32), longest)
