@@ -16,7 +16,9 @@ from presswork.geometry.foot_on_triangles import split_long
 from presswork.geometry.rigid_warp import RigidWarp
 from presswork.geometry.swept_tool import triangulate
 from presswork.geometry.tool_surface import make_surface
-from presswork.model import FloatArray, Model, SweptProfile, ToolKind, Triangulation
+from presswork.mesh import MeshError
+from presswork.mesh.make.surface_offset import cut_surface
+from presswork.model import FloatArray, IntArray, Model, SweptProfile, ToolKind, Triangulation
 from presswork.results import Result
 
 WITHIN = 0.002
@@ -74,8 +76,6 @@ def cut_into_triangles(model: Model, longest: float, thickness: float, stroke: f
     stroke: by which punch and die come together [mm].
     """
     length = _STRIP * float(np.ptp(model.mesh.points[:, 1])) * (2.0 if model.symmetry[1] else 1.0)
-    folded = np.array([*model.symmetry, False])
-    sheet = cKDTree(np.where(folded, np.abs(model.mesh.points), model.mesh.points)[:, :2])
     found = []
     for tool in model.tools:
         shape = tool.shape
@@ -84,18 +84,47 @@ def cut_into_triangles(model: Model, longest: float, thickness: float, stroke: f
             shape = Triangulation(points, triangles, is_closed=False)
         assert isinstance(shape, Triangulation)
         assert tool.kind is not None
-        points, triangles = split_long(shape.points, shape.triangles, 4.0 * longest)  # coarse ones are soon sorted out
-        place = points[triangles].mean(axis=1) + np.asarray(tool.position)
-        near = sheet.query(np.where(folded, np.abs(place), place)[:, :2])[0] < _BESIDE * thickness + 4.0 * longest
+        position = np.array(tool.position)
+        cut = _cut_near(shape, model, position[:2], _BESIDE * thickness + 2.0 * longest)
+        points, triangles = split_long(cut.points, cut.triangles, 4.0 * longest)
         if tool.kind != "die":
-            least = stroke if tool.kind == "punch" else float(place[:, 2].min())
-            near &= place[:, 2] < least + _WALL * thickness + 4.0 * longest
-        used, index = np.unique(triangles[near], return_inverse=True)
-        is_closed = shape.is_closed and bool(near.all())
-        points, triangles = split_long(points[used], index.reshape(-1, 3).astype(np.int32), longest)
-        split = Triangulation(points, triangles, is_closed)
-        found.append(PressedTool(tool.name, tool.kind, split, np.array(tool.position), np.zeros(3)))
+            height = points[triangles].mean(axis=1)[:, 2] + position[2]
+            least = stroke if tool.kind == "punch" else float(height.min())
+            triangles = triangles[height < least + _WALL * thickness + 4.0 * longest]
+        points, triangles = split_long(points, triangles, longest)
+        found.append(
+            PressedTool(tool.name, tool.kind, _mirror(points, triangles, model, position), position, np.zeros(3))
+        )
     return tuple(found)
+
+
+def _cut_near(shape: Triangulation, model: Model, position: FloatArray, beside: float) -> Triangulation:
+    """Return what of a tool lies over the blank or so near it [mm], on the blank's side of symmetry planes alone."""
+    low, high = (getattr(model.mesh.points[:, :2], end)(axis=0) for end in ("min", "max"))
+    for axis in (0, 1):
+        is_right = not model.symmetry[axis] or high[axis] > -low[axis]
+        low[axis] = 0.0 if model.symmetry[axis] and is_right else low[axis] - beside
+        high[axis] = high[axis] + beside if is_right else 0.0
+    (x0, y0), (x1, y1) = low - position, high - position
+    try:
+        return cut_surface(shape, np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]), inside=True)
+    except MeshError:  # all of it lies there, or nothing, which the run will say
+        return shape
+
+
+def _mirror(points: FloatArray, triangles: IntArray, model: Model, position: FloatArray) -> Triangulation:
+    """Return a tool with its mirror images beyond symmetry planes, joined: both sides are alike to the last facet."""
+    points = points + position
+    for axis in (0, 1):
+        if model.symmetry[axis]:
+            sign = np.where(np.arange(3) == axis, -1.0, 1.0)
+            triangles = np.concatenate([triangles, triangles[:, ::-1] + len(points)])
+            points = np.concatenate([points, points * sign])
+    points, index = np.unique(np.round(points, 9) + 0.0, axis=0, return_inverse=True)
+    triangles = index.reshape(-1)[triangles]
+    used, index = np.unique(triangles, return_inverse=True)
+    cells = np.ascontiguousarray(index.reshape(-1, 3), dtype=np.int32)
+    return Triangulation(points[used] - position, cells, is_closed=False)
 
 
 def find_closed(tools: Sequence[PressedTool], result: Result, step: int) -> tuple[PressedTool, ...]:

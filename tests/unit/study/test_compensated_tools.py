@@ -79,7 +79,9 @@ def test_tools_end_near_the_blank_and_their_strokes_stay_near_those_as_drawn(tmp
     model = build(case)
     drawn = cut_into_triangles(model, 4.0, 1.0)
     for tool in drawn:
-        assert np.abs(tool.shape.points[:, 0]).max() < 50.0 + 5.0 + 2.0 * 16.0
+        assert np.abs(tool.shape.points[:, 0]).max() < 50.0 + 5.0 + 2.0 * 4.0 + 1e-6
+        mirrored = np.unique(np.round(tool.shape.points * [-1.0, 1.0, 1.0], 6) + 0.0, axis=0)
+        assert np.array_equal(mirrored, np.unique(np.round(tool.shape.points, 6) + 0.0, axis=0))
     points = model.mesh.points
     bent = points + np.maximum(points[:, :1] - 30.0, 0.0) * [0.0, 0.0, -0.3]
     moved = bend_tools(drawn, RigidWarp(points, bent, model.symmetry), 1.0)
