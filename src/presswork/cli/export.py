@@ -45,8 +45,8 @@ def export(
 ) -> None:
     """Write the formed part for other programs, with thickness, stress and plastic strain.
 
-    A sheet as LS-DYNA, Abaqus, OpenRadioss and Nastran shells, or as the surface in STL and STEP; units are mm, t, s,
-    N, MPa.
+    A sheet as LS-DYNA, Abaqus, OpenRadioss and Nastran shells, or as the surface in STL and STEP; a solid as Abaqus
+    cells, in space also as LS-DYNA cells and STL. Units are mm, t, s, N, MPa.
     """
     from presswork.mesh.files.formed.writers import find_format
     from presswork.post.formed_part import read_formed_part
@@ -54,7 +54,13 @@ def export(
 
     with exit_on(OutputError, MeshError):
         formats = [find_format(path) for path in files]
-        part = read_formed_part(Result(folder), step)
+        result = Result(folder)
+        if not result.is_shell:
+            if onto is not None:
+                raise MeshError("only sheets are mapped to another mesh", "leave --onto out")
+            _export_solid(result, step, files)
+            return
+        part = read_formed_part(result, step)
         _tell(part.sheet, part)
         for note in part.notes:
             console().print(f"note: {note}", markup=False)
@@ -62,6 +68,27 @@ def export(
         for path, kind in zip(files, formats, strict=True):
             write_whole(path, kind.write(sheet, part.title, surface))
             console().print(f"{path}: {kind.name}, {path.stat().st_size / 1e6:.2g} MB", markup=False)
+
+
+def _export_solid(result: Result, step: int, files: list[Path]) -> None:
+    """Write a solid. Raises MeshError for a format that has none."""
+    from presswork.mesh.files.formed.writers import FORMATS, find_format
+    from presswork.post.formed_part import read_formed_solid
+    from presswork.results.whole_file import write_whole
+
+    solid, title = read_formed_solid(result, step), str(result.info.get("title", "")).strip()
+    contents = []
+    for path in files:
+        kind = find_format(path)
+        if kind.write_solid is None:
+            known = ", ".join(each.name for each in FORMATS if each.write_solid)
+            raise MeshError(f"{path}: solids are not written as {kind.name}", f"choose one of {known}")
+        contents.append((path, kind.name, kind.write_solid(solid, title)))
+    stress = float(np.abs(solid.stress).max())
+    console().print(f"{len(solid.stress)} cells, stresses up to {stress:.4g} MPa", markup=False)
+    for path, name, content in contents:
+        write_whole(path, content)
+        console().print(f"{path}: {name}, {len(content) / 1e6:.2g} MB", markup=False)
 
 
 def _tell(sheet: FormedSheet, part: FormedPart) -> float:

@@ -22,6 +22,7 @@ from presswork.model.elements import (
     list_names,
 )
 from presswork.model.formed_sheet import FormedSheet
+from presswork.model.formed_solid import FormedSolid
 from presswork.model.gradients import Gradients, Parameter
 from presswork.model.grain import DynamicRecrystallisation, Grain, GrainGrowth, PowerLaw, Recrystallisation
 from presswork.model.gtn import GTN, Gtn
@@ -153,6 +154,7 @@ __all__ = [
     "FacePressure",
     "FloatArray",
     "FormedSheet",
+    "FormedSolid",
     "Friction",
     "FrictionTangent",
     "Gauge",

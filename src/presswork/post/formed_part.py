@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal, cast, get_args
 
 import numpy as np
 
@@ -11,9 +12,10 @@ from presswork.fields.field import PLACES
 from presswork.mesh import MeshError
 from presswork.mesh.files.dynain import CENTRE, first_sides, read_dynain
 from presswork.mesh.topology import with_four_nodes
-from presswork.model import FloatArray, FormedSheet, IntArray
+from presswork.model import FloatArray, FormedSheet, FormedSolid, IntArray
 from presswork.results import Result, ResultError
 
+Frame = Literal["axisymmetric", "plane_strain", "solid"]
 _SOUND = 0.3
 """Poisson's ratio where a run does not say its own."""
 _STEEL = 206e3
@@ -121,3 +123,13 @@ def carry_direction(start: FloatArray, now: FloatArray, cells: IntArray, directi
     turned = np.stack([cos * along[:, 0] - sin * along[:, 1], sin * along[:, 0] + cos * along[:, 1]], axis=1)
     turned /= np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-300)
     return np.asarray(np.einsum("ck,cki->ci", turned, frames[1]))
+
+
+def read_formed_solid(result: Result, step: int = -1) -> FormedSolid:
+    """Return the body of a run at a saved step. Raises ResultError for what is no solid with stresses."""
+    frame = str(result.info.get("analysis"))
+    if frame not in get_args(Frame) or "stress" not in result.field_names:
+        raise ResultError(f"{result.folder} has no formed solid: {frame}")
+    blocks = tuple(block.connectivity.astype(np.int32) for block in result.mesh_at(step).blocks)
+    stress, plastic = (result.field(name, step) for name in ("stress", "equivalent_plastic_strain"))
+    return FormedSolid(result.points(step), blocks, cast(Frame, frame), stress, plastic)

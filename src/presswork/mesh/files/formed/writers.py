@@ -12,8 +12,9 @@ from presswork.mesh.files.dynain import is_dynain, write_dynain
 from presswork.mesh.files.formed.abaqus import write_abaqus
 from presswork.mesh.files.formed.nastran import write_nastran
 from presswork.mesh.files.formed.radioss import write_radioss
+from presswork.mesh.files.formed.solids import write_abaqus_solid, write_dyna_solid, write_stl_solid
 from presswork.mesh.files.formed.surfaces import Side, write_step, write_stl
-from presswork.model import FormedSheet
+from presswork.model import FormedSheet, FormedSolid
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,8 @@ class Format:
     endings: tuple[str, ...]
     write: Callable[[FormedSheet, str, Side], bytes]
     """Returns the content of a sheet's file; Side: which surface, where the format holds one."""
+    write_solid: Callable[[FormedSolid, str], bytes] | None = None
+    """Returns that of a solid's; None: sheets alone."""
 
 
 def _as_text(write: Callable[[FormedSheet, str], str]) -> Callable[[FormedSheet, str, Side], bytes]:
@@ -31,11 +34,11 @@ def _as_text(write: Callable[[FormedSheet, str], str]) -> Callable[[FormedSheet,
 
 
 FORMATS = (
-    Format("LS-DYNA", (".dynain", ".k", ".key"), _as_text(write_dynain)),
-    Format("Abaqus", (".inp",), _as_text(write_abaqus)),
+    Format("LS-DYNA", (".dynain", ".k", ".key"), _as_text(write_dynain), write_dyna_solid),
+    Format("Abaqus", (".inp",), _as_text(write_abaqus), write_abaqus_solid),
     Format("OpenRadioss", (".rad",), _as_text(write_radioss)),
     Format("Nastran", (".bdf", ".nas", ".dat"), _as_text(write_nastran)),
-    Format("STL", (".stl",), write_stl),
+    Format("STL", (".stl",), write_stl, write_stl_solid),
     Format("STEP", (".step", ".stp"), write_step),
 )
 
