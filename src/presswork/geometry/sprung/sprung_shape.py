@@ -60,7 +60,7 @@ def measure_twist(formed: FloatArray, free: FloatArray, weight: FloatArray) -> T
         return None
     turns = [_find_turn(formed[end], free[end], weight[end]) for end in (near, far)]
     at = [float(weight[end] @ along[end] / weight[end].sum()) for end in (near, far)]
-    turn = turns[1] @ turns[0].T
+    turn = turns[0].T @ turns[1]  # seen from the part as formed, however it has moved as a whole
     vector = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
     size, cosine = np.linalg.norm(vector), float(np.trace(turn)) - 1.0
     angle = float(np.arctan2(size, cosine)) * (vector @ axis) / size if size > 0.0 else 0.0
