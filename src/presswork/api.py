@@ -11,10 +11,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, overload
 
-from presswork.case import build_model, describe, read_case
+from presswork.case import CaseError, build_model, describe, read_case
 from presswork.case.any_case import list_libraries
 from presswork.law.allowed import is_allowed
-from presswork.model import Model, OneStepModel
+from presswork.model import FormedSheet, Model, OneStepModel
 from presswork.outcome import StartError
 
 if TYPE_CHECKING:
@@ -176,3 +176,37 @@ def identify(case: AnyCase) -> str:
     from presswork.onestep.record import identify_model
 
     return identify_model(model)
+
+
+def read_last_sheet(folder: Path | str) -> FormedSheet | None:
+    """Return the sheet at the end of a stamping with all its layers, by the case and the checkpoint of its folder.
+
+    None where the case is not there, names files that are not, or has changed since.
+    """
+    from presswork.fingerprint import fingerprint
+    from presswork.process.begin import begin
+    from presswork.process.explicit.stamping import ExplicitStamping
+    from presswork.process.implicit.stamping import ImplicitStamping
+    from presswork.process.line.formed_sheet import make_formed
+    from presswork.process.line.press_line import PressLine
+    from presswork.process.line.springback import ReleasedStamping
+    from presswork.results import OutputError, load_checkpoint
+    from presswork.results.folder import CASE, CHECKPOINT
+
+    path = Path(folder)
+    if not (path / CASE).is_file() or not (path / CHECKPOINT).is_file():
+        return None
+    try:
+        model = load(path / CASE)
+        arrays, meta = load_checkpoint(path / CHECKPOINT)
+        if not isinstance(model, Model) or meta["model"] != fingerprint(model):
+            return None
+        run = begin(model, 0)
+        run.load_arrays(arrays)
+        run.load_meta(meta)
+    except (CaseError, StartError, OutputError, ValueError):
+        return None
+    run = run.now if isinstance(run, PressLine) else run
+    if not isinstance(run, ReleasedStamping | ExplicitStamping | ImplicitStamping):
+        return None
+    return make_formed(run.sheet(), run.mesh, model.formed)

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import tomli_w
 from typer.testing import CliRunner
 
 from presswork import Result
-from presswork.case import StampingCase, build_model
+from presswork.case import StampingCase, build_model, read_case
 from presswork.case.errors import CaseError
 from presswork.cli import app
 from presswork.implicit.stepping import ImplicitProcedure
@@ -162,6 +163,20 @@ def test_a_sprung_part_is_exported_and_mapped_to_its_own_mesh(bent, tmp_path: Pa
     )
     assert far.exit_code == 2
     assert "no shell lies at the part" in far.output
+
+
+def test_a_run_from_a_case_file_is_exported_with_all_its_layers(tmp_path: Path) -> None:
+    """As the dynain of the same run has them."""
+    pull = [{"name": "pull", "duration": "1 ms", "displacement": [{"set": "right", "component": "x", "value": 0.2}]}]
+    (tmp_path / "pull.toml").write_text(tomli_w.dumps(bend(stages=pull)))
+    found = run_to_end(build_model(read_case(tmp_path / "pull.toml", ["output.dynain=true"])), tmp_path / "out")
+    (found.folder / "part.dynain").rename(tmp_path / "whole.dynain")
+    done = CliRunner().invoke(app, ["export", str(found.folder), str(tmp_path / "part.k")])
+    assert done.exit_code == 0, done.output
+    assert "21 layers" in done.output
+    one, other = read_dynain(tmp_path / "part.k"), read_dynain(tmp_path / "whole.dynain")
+    np.testing.assert_array_equal(one.heights, other.heights)
+    np.testing.assert_allclose(one.stress, other.stress, atol=1e-6)
 
 
 def test_springback_is_drawn(bent, tmp_path) -> None:

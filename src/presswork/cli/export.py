@@ -48,6 +48,7 @@ def export(
     A sheet as LS-DYNA, Abaqus, OpenRadioss and Nastran shells, or as the surface in STL and STEP; a solid as Abaqus
     cells, in space also as LS-DYNA cells and STL. Units are mm, t, s, N, MPa.
     """
+    from presswork.api import read_last_sheet
     from presswork.mesh.files.formed.writers import find_format
     from presswork.post.formed_part import read_formed_part
     from presswork.results.whole_file import write_whole
@@ -60,7 +61,7 @@ def export(
                 raise MeshError("only sheets are mapped to another mesh", "leave --onto out")
             _export_solid(result, step, files)
             return
-        part = read_formed_part(result, step)
+        part = read_formed_part(result, step, lambda: read_last_sheet(folder))
         _tell(part.sheet, part)
         for note in part.notes:
             console().print(f"note: {note}", markup=False)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, cast, get_args
 
@@ -37,17 +38,22 @@ class FormedPart:
     """What the files cannot say, or say otherwise."""
 
 
-def read_formed_part(result: Result, step: int = -1) -> FormedPart:
+def read_formed_part(
+    result: Result, step: int = -1, whole: Callable[[], FormedSheet | None] = lambda: None
+) -> FormedPart:
     """Return the sheet of a run at a saved step. Raises ResultError for what is no sheet.
 
     At the end of an operation that wrote its dynain all layers are known; else those of the results: bottom, middle and
-    top.
+    top. whole: returns the sheet at the end of the run, where it is known in another way.
     """
     if not result.is_shell:
         raise ResultError(f"{result.folder} is no sheet: it has no thickness")
     info = result.info
     notes: list[str] = []
     sheet = _read_own_dynain(result, step)
+    if sheet is None and step % len(result.times) == len(result.times) - 1:
+        sheet = whole()
+        sheet = sheet if sheet is not None and _is_at(sheet, result.points(step)) else None
     if sheet is None:
         sheet, notes = _read_fields(result, step)
     young, poisson = float(info.get("young", _STEEL)), float(info.get("poisson", _SOUND))
@@ -70,10 +76,15 @@ def _read_own_dynain(result: Result, step: int) -> FormedSheet | None:
                 found = read_dynain(path)
             except MeshError as error:
                 raise ResultError(f"{path}: {error}") from error
-            size = float(np.ptp(points, axis=0).max())
-            if found.points.shape == points.shape and np.abs(found.points - points).max() < _SAME * size:
+            if _is_at(found, points):
                 return found
     return None
+
+
+def _is_at(sheet: FormedSheet, points: FloatArray) -> bool:
+    """Say whether nodes of a sheet lie at points (n_points, 3)."""
+    size = float(np.ptp(points, axis=0).max())
+    return sheet.points.shape == points.shape and bool(np.abs(sheet.points - points).max() < _SAME * size)
 
 
 def _read_fields(result: Result, step: int) -> tuple[FormedSheet, list[str]]:
@@ -81,7 +92,7 @@ def _read_fields(result: Result, step: int) -> tuple[FormedSheet, list[str]]:
     mesh, points = result.mesh_at(step), result.points(step)
     cells = np.concatenate([with_four_nodes(b.connectivity.astype(np.int32)) for b in mesh.blocks]).astype(np.int32)
     layers = np.asarray(result.info.get("layers", (-1.0, 0.0, 1.0)), dtype=float)
-    notes = [f"stresses in three of {len(layers)} layers: with output.dynain = true a run keeps them all"]
+    notes = [f"stresses in three of {len(layers)} layers: the case beside them is not there, or not as it was"]
     if len(layers) == 3:
         notes = []
     if "layers" not in result.info:
