@@ -138,7 +138,7 @@ def find_closing_stroke(one: Tool, other: Tool, thickness: float, *, irons: bool
     """
     is_exact = isinstance(one.shape, SweptProfile) and isinstance(other.shape, SweptProfile)
     is_exact &= tuple(one.position[:2]) == tuple(other.position[:2])
-    if is_exact and (other.kind != "die" or not _has_bottom(other.shape)):
+    if is_exact and (other.kind != "die" or not _has_bottom(other.surface)):
         return None
     room = Room(0.0, 0.0)
     if other.kind == "die":
