@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from math import expm1
 from pathlib import Path
+from typing import Any
 
 import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -72,9 +73,22 @@ def _print_summary(result: Result, outcome: Outcome, quiet: bool) -> None:
         return
     if "blank" in summary:
         typer.echo(_describe_blank(result))
+    if "first_crack" in summary:
+        typer.echo(describe_crack(summary["first_crack"]))
     console().print(
         f"{summary['work']}, {summary['wall_seconds']['total']:.1f} s; results in {outcome.folder}", markup=False
     )
+
+
+def describe_crack(crack: Mapping[str, Any]) -> str:
+    """Say at which stroke, and where, a sheet first passed its forming limit.
+
+    >>> describe_crack({"strokes_mm": {"punch": -12.346, "holder": 0.0}, "time_s": 0.4, "at_mm": [1.0, 25.0, -3.0]})
+    'first crack after punch -12.35 mm, at (1, 25, -3) mm'
+    """
+    moved = ", ".join(f"{tool} {stroke:.4g} mm" for tool, stroke in crack["strokes_mm"].items() if stroke)
+    place = ", ".join(f"{x:.4g}" for x in crack["at_mm"])
+    return f"first crack after {moved or format(crack['time_s'], '.4g') + ' s'}, at ({place}) mm"
 
 
 def _describe_blank(result: Result) -> str:

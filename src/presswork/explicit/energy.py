@@ -100,8 +100,6 @@ class MassScaling:
         return 100.0 * self.added / self.mass
 
 
-UNDAMPED = "no mass damping is asked for, and that of contact takes so much: make the tools slower"
-"""Advice on damping where explicit.damping is 0."""
 ADVICE = {
     "kinetic": "inertia counts: make the tools slower, or add less mass",
     "hourglass": "refine the mesh where it is bent sharply",
@@ -111,6 +109,12 @@ ADVICE = {
     "error": "set explicit.safety lower",
 }
 """Warnings of a stamping: energies beyond their limits."""
+
+
+def choose_advice(damping: float) -> dict[str, str]:
+    """Return the advice for a stamping; damping: of mass, without which no key makes it less [1/s]."""
+    undamped = "dampers of contact and of pushed tools take so much: make the tools slower, or push less hard"
+    return ADVICE if damping > 0.0 else {**ADVICE, "damping": undamped}
 
 
 def warn_of_energies(history: Mapping[str, NDArray[Any]], advice: Mapping[str, str] = ADVICE) -> list[str]:

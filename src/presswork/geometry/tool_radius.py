@@ -17,8 +17,8 @@ def find_least_radius(points: FloatArray, triangles: IntArray, length: float, *,
     """Return the radius below which a tool is bent along `length` [mm] of its edges; infinite where it is flat.
 
     points: (n_points, 3) [mm]; triangles: (n, 3); sharp_counts: whether edges without a radius count. Between facets
-    that turn by theta the radius is the width of the narrower one over theta: exact within a fillet of facets of one
-    width, twice too large where one ends.
+    that turn by theta the radius is that of the circle through their common edge and the two corners opposite to it:
+    exact within a fillet whose corners lie on it, whatever their spacing, and never too small where the fillet ends.
     """
     corners = points[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -32,9 +32,10 @@ def find_least_radius(points: FloatArray, triangles: IntArray, length: float, *,
     one, other = owner[same], owner[same + 1]
     edge = np.linalg.norm(points[ends[same, 1]] - points[ends[same, 0]], axis=1)
     turn = np.arccos(np.clip((normal[one] * normal[other]).sum(axis=1), -1.0, 1.0))
-    width = np.minimum(doubled[one], doubled[other]) / np.maximum(edge, 1e-300)
+    width, its = (doubled[each] / np.maximum(edge, 1e-300) for each in (one, other))
+    chord = np.sqrt(width**2 + its**2 + 2.0 * width * its * np.cos(turn))
     bent = (turn > FLAT) & (sharp_counts | (turn <= SHARP))
-    radius = np.where(turn > SHARP, 0.0, width / np.maximum(turn, FLAT))[bent]
+    radius = np.where(turn > SHARP, 0.0, 0.5 * chord / np.sin(np.maximum(turn, FLAT)))[bent]
     sharpest = np.argsort(radius)
     reached = np.flatnonzero(np.cumsum(edge[bent][sharpest]) >= length)
     return float(radius[sharpest[reached[0]]]) if len(reached) else float("inf")

@@ -14,7 +14,7 @@ from presswork.mesh.directors import find_directors
 from presswork.mesh.files.readers import build_sets, read_raw, take_cells
 from presswork.mesh.make.structured import Pattern, mesh_rectangle
 from presswork.mesh.topology import drop_unused_points, find_boundary_edges
-from presswork.model import CellBlock, ElementName, FloatArray, Mesh, Section
+from presswork.model import CellBlock, ElementName, FloatArray, IndexArray, Mesh, Section
 
 
 def mesh_shell_rectangle(
@@ -30,9 +30,10 @@ def mesh_shell_rectangle(
     """Mesh the rectangle between grid lines, in the plane z = 0 or rolled about an axis along x.
 
     Rolled, y becomes arc length on a cylinder of `roll_radius` whose axis lies at z = -roll_radius. Normals point up,
-    or outwards. Sets as in mesh_rectangle.
+    or outwards. Sets as in mesh_rectangle, and the nodes of its edges as `boundary`.
     """
     plane = mesh_rectangle(x_lines, y_lines, element=element, pattern=pattern, material=material)
+    plane = replace(plane, node_sets=_add_boundary(plane.node_sets, plane.boundary_edges))
     block = replace(plane.blocks[0], section=section)
     x, y = plane.points.T
     if roll_radius is None:
@@ -68,4 +69,9 @@ def read_shell_mesh(
         notes.append(f"{len(space) - len(points)} nodes belong to no cell: they were left out")
     block = CellBlock(element, cells, material, section)
     find_directors(points, [block], [_core.shell_shape(element)[3]])  # refuses cells and nodes without
-    return Mesh(points, (block,), node_sets, edge_sets, boundary), tuple(notes)
+    return Mesh(points, (block,), _add_boundary(node_sets, boundary), edge_sets, boundary), tuple(notes)
+
+
+def _add_boundary(node_sets: dict[str, IndexArray], edges: IndexArray) -> dict[str, IndexArray]:
+    """Return sets of nodes with those of the edges (n, 2) as `boundary`, unless a file has its own."""
+    return {"boundary": np.unique(edges), **node_sets}

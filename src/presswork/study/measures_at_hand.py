@@ -81,6 +81,8 @@ class _Start:
 
     def __init__(self, model: Model | OneStepModel, folder: Path) -> None:
         self.result: Result | None = None
+        self._is_complete = isinstance(model, Model) and model.analysis in ("stamping", "shell")
+        """Whether no field comes later: sheets get no new meshes, with which some of solids begin."""
         self.history: list[str] = ["iteration", "unbalanced"]
         names = list(_ALWAYS)
         if isinstance(model, OneStepModel):
@@ -138,7 +140,7 @@ class _Start:
         except ResultError as error:
             if column.name in self.result.field_names:
                 return str(error)
-            if find_row(column.name) is None:
+            if find_row(column.name) is None or self._is_complete:
                 return f"{missing}; {suggest(column.name, list(self.result.field_names), 'fields')}"
         return ""
 

@@ -63,6 +63,11 @@ def test_model_holds_what_the_case_says() -> None:
         assert fragment in words
 
 
+def test_the_nodes_of_all_edges_are_a_set() -> None:
+    model = build_model(ShellCase.model_validate(case(boundary={"rim": {"set": "boundary", "hold": "clamped"}})))
+    np.testing.assert_array_equal(model.mesh.node_sets["boundary"], np.unique(model.mesh.boundary_edges))
+
+
 def test_a_material_has_its_yield_function() -> None:
     data = case()
     data["materials"]["steel"]["yield_function"] = {"law": "hill1948", "r00": 1.79, "r45": 1.51, "r90": 2.27}

@@ -15,7 +15,22 @@ from presswork.geometry.tool_radius import find_least_radius
 def test_the_edge_radius_of_a_round_punch_is_found(radius: float, within: float) -> None:
     points, triangles = triangulate(draw_punch((25.0, 25.0), 25.0, radius, 30.0), within)
     found = find_least_radius(points, triangles, length=20.0)
-    assert radius / 1.25 < found < 1.25 * radius
+    assert found == pytest.approx(radius, rel=0.1)
+
+
+@pytest.mark.parametrize("spacing", [0.5, 1.0, 1.3])
+def test_the_radius_of_a_channel_cut_into_a_regular_grid_is_found(spacing: float) -> None:
+    """Fillets of 6 mm between a face and a wall of 60 degrees, as heights over a grid: facets of many widths."""
+    x = np.arange(-30.0, 30.0, spacing)
+    angle, radius = np.radians(60.0), 6.0
+    far = radius * np.sin(angle)
+    height = np.where(x < 0.0, 0.0, np.where(x < far, radius - np.sqrt(np.maximum(radius**2 - x**2, 0.0)), 0.0))
+    height = np.where(x >= far, radius * (1.0 - np.cos(angle)) + (x - far) * np.tan(angle), height)
+    points = np.array([[a, y, z] for a, z in zip(x, height, strict=True) for y in np.arange(0.0, 40.0, spacing)])
+    n = len(np.arange(0.0, 40.0, spacing))
+    i = (np.arange(len(x) - 1)[:, None] * n + np.arange(n - 1)).ravel()
+    faces = np.concatenate([np.column_stack([i, i + n, i + n + 1]), np.column_stack([i, i + n + 1, i + 1])])
+    assert find_least_radius(points, faces.astype(np.int32), length=20.0) == pytest.approx(radius, rel=0.1)
 
 
 def test_a_sharp_edge_has_no_radius_and_a_flat_face_an_infinite_one() -> None:

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from presswork.explicit.energy import ENERGIES, warn_of_energies
+from presswork.explicit.energy import ENERGIES, choose_advice, warn_of_energies
 
 SHARE, BALANCE = 6.0, 30.0
 
@@ -43,3 +43,12 @@ def test_energies_out_of_hand_are_told_once_forming_is_under_way(column: str, la
     (warning,) = warn_of_energies(history(**{column: [0.0, 0.0, 0.0, 0.0, late]}))
     assert warning.startswith(said)
     assert warn_of_energies(history(**{column: [late, late, 0.0, 0.0, 0.0]})) == [], "the first touch is all there is"
+
+
+def test_damping_that_is_not_asked_for_is_not_to_be_set_lower() -> None:
+    damped = history(damping_energy=[0.0, 0.0, 0.0, 0.0, 90.0])
+    (asked,) = warn_of_energies(damped, choose_advice(10.0))
+    (unasked,) = warn_of_energies(damped, choose_advice(0.0))
+    assert "set explicit.damping lower" in asked
+    assert "explicit.damping" not in unasked
+    assert "make the tools slower" in unasked

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import tomli_w
 
 from presswork import CaseError, OutputError
 from presswork.api import identify
@@ -21,6 +22,7 @@ from presswork.study.optimum.search import Outcome, find_best
 from presswork.study.optimum.study_file import read_study
 from presswork.study.optimum.surrogate import search_by_surrogate
 from presswork.study.runner import Ended, Event, Started, Task
+from tests.unit.case.round_cup import CUP, changed
 
 Function = Callable[[float, float], tuple[float, float] | None]
 STUDY = """
@@ -110,6 +112,36 @@ def test_optimum_on_a_limit_is_found(tmp_path: Path, method: str, most: int) -> 
     best = read_case(found.folder / "best.toml")
     assert best.stages[0].tools["punch"].stroke == found.best.values["stages.0.tools.punch.stroke"]  # type: ignore[union-attr]
     assert (found.folder / "progress.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_variable_can_be_a_goal(tmp_path: Path) -> None:
+    """The longest stroke within x + y <= 5, y from 0.5 on: 4.5."""
+    goal = '[[goals]]\nmaximise = "stages.0.tools.punch.stroke"\n'
+    found, _ = look(lambda x, y: (0.0, x + y - 5.0), tmp_path, f"runs = 40\n{goal}")
+    assert place_of(found)[0] == pytest.approx(4.5, rel=0.03)
+    study, _ = read_study(tmp_path / "study.toml")
+    assert [column.title for column in check_study(study, tmp_path / "study.toml")[0]] == []
+
+
+def test_a_field_that_runs_of_a_sheet_will_not_have_is_refused_before_they_run(tmp_path: Path) -> None:
+    (tmp_path / "cup.toml").write_text(tomli_w.dumps(changed(CUP, ("blank.element_size", 12))))
+    path = tmp_path / "study.toml"
+    text = """
+case = "cup.toml"
+[[variables]]
+key = "blank.diameter"
+lower = 98
+upper = 102
+[[goals]]
+maximise = "max:{field}"
+"""
+    for field in ("thickness", "initial_position"):
+        path.write_text(text.format(field=field))
+        if field == "thickness":
+            check_study(read_study(path)[0], path)
+            continue
+        with pytest.raises(CaseError, match=r"goals\.0\.maximise.*the runs of this case have no initial_position"):
+            check_study(read_study(path)[0], path)
 
 
 def test_surrogate_leaves_local_minima_behind(tmp_path: Path) -> None:

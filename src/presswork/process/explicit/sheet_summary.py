@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from presswork.explicit.energy import ADVICE, UNDAMPED, warn_of_energies
+from presswork.explicit.energy import choose_advice, warn_of_energies
 from presswork.process.explicit.intervals import last_energies
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 
@@ -40,7 +40,7 @@ def summarise_sheet(run: ExplicitStamping, history: Mapping[str, NDArray[Any]]) 
         "warnings": [
             *run.observers.warnings(run, history),
             *(warn_of_holders(model, history, thickest) if run.begins_flat else ()),
-            *warn_of_energies(history, ADVICE if run.settings.damping else {**ADVICE, "damping": UNDAMPED}),
+            *warn_of_energies(history, choose_advice(run.settings.damping)),
             *verdict.warnings(),
         ],
     }

@@ -107,7 +107,8 @@ def check_study(study: Study, study_file: Path) -> tuple[tuple[Column, ...], Slo
         remedy = "give every variable a start from which the case can be computed"
         text = f"the first run cannot be computed: {said}"
         raise CaseError([Problem("variables", text, remedy)], study_file) from None
-    columns, history = check_measures(study.measures, model, study_file)
+    measured = {name: key for name, key in study.measures.items() if name not in study.variable_names}
+    columns, history = check_measures(measured, model, study_file)
     slopes, asked = None, study.search.slopes
     jumps = isinstance(model, Model) and model.analysis == "stamping"  # nodes come to tools one by one
     if study.search.method == "gradient" and (asked == "exact" or (asked == "auto" and not jumps)):

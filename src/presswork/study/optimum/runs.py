@@ -166,6 +166,8 @@ class StudyRuns:
         study, faults = self.study, list[str]()
         if run.status != "bad_input":
             run.measures, faults = measure_run(run.folder, read_summary(run.folder), self.columns)
+            for variable in study.variables:
+                run.measures |= dict.fromkeys(variable.names, run.values[variable.names[0]])
         sides = [(limit.measure, *side) for limit in study.limits for side in limit.sides]
         run.outcome = Outcome(run.x, float("nan"), np.full(len(sides), np.nan))
         if run.status != "completed":

@@ -82,8 +82,14 @@ class Variable(Part):
 class Goal(Part):
     """A measure that is to be small, or large."""
 
-    minimise: str = Field(default="", description="measure to be as small as may be, for instance max_thinning_percent")
-    maximise: str = Field(default="", description="measure to be as large as may be")
+    minimise: str = Field(
+        default="",
+        description="measure to be as small as may be, for instance max_thinning_percent; or the key of a variable",
+    )
+    maximise: str = Field(
+        default="",
+        description="measure to be as large as may be; or the key of a variable: the largest blank that does not crack",
+    )
     weight: float = Field(default=1.0, gt=0, description="of several goals: factor of this one in their sum")
 
     @model_validator(mode="after")
@@ -192,6 +198,11 @@ class Study(Part):
             for key in variable.names
         ]
         return [*self.set, *written]
+
+    @property
+    def variable_names(self) -> set[str]:
+        """The keys that are varied; goals and limits may name them, too."""
+        return {name for variable in self.variables for name in variable.names}
 
     @property
     def measures(self) -> dict[str, str]:
