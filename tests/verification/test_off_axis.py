@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from presswork.case.material.yield_function import r_value, tension
+from presswork.case.material.yld2000_fit import r_value, tension
 from tests.problems.off_axis import GIVEN, MODULUS, POISSON, YIELD, YOUNG, run_turned, sheet
 from tests.problems.shells import RX, RY, RZ, X, Y, Z, fixing, patch, shell_model
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.case.material.yield_function import Barlat1989, Hill1948, tension
+from presswork.case.material.yield_function import Barlat1989, Hill1948
+from presswork.case.material.yld2000_fit import tension
 from tests.problems.plane_solids import DATA, fit_rate
 from tests.problems.sheet_paths import VON_MISES, follow, integrate_rates, integrate_yoshida_uemori, pull
 

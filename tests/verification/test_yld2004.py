@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from presswork import _core
-from presswork.case.material.yield_function import Yld2004, r_value, tension
+from presswork.case.material.yield_function import Yld2004
+from presswork.case.material.yld2000_fit import r_value, tension
 
 AA2090 = {
     "prime": (-0.069888, 0.936408, 0.079143, 1.003060, 0.524741, 1.363180, 1.023770, 1.069060, 0.954322),

@@ -14,17 +14,20 @@ from presswork.case.errors import CaseError, Problem
 from presswork.case.material.forming_limit.build import build_curve, mean_r_value
 from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.library import find_sheet
+from presswork.case.material.plastic import LIGHT
+from presswork.case.material.yld2000_fit import R_WEIGHT, YieldData
 from presswork.case.units import STRESS, to_number
 from presswork.cli.fit.hot import fit_compression, is_hot_compression
 from presswork.cli.fit.tensile import Surface, fit_surface, fit_tensile
 from presswork.cli.terminal import exit_on
 from presswork.law.allowed import allow_library
 from presswork.law.umat import CompileError, compile_law
+from presswork.law.wall import find_drawing_ratio, has_wall
 from presswork.material.fit_plot import draw_curves
 from presswork.material.hot_plot import draw_hot_law
 from presswork.material.identify import LAWS
 from presswork.material.identify_hot import HOT_LAWS
-from presswork.material.identify_yld2000 import R_WEIGHT, YieldData, read_yield_data
+from presswork.material.identify_yld2000 import read_yield_data
 from presswork.material.sheet_plot import draw_sheet
 from presswork.material.specimen_facts import Sizes
 from presswork.results.whole_file import OutputError, write_whole
@@ -66,6 +69,9 @@ def show(name: Name) -> None:
     typer.echo(f"{sheet.name}: {sheet.summary}" + (f", {sheet.thickness:g} mm" if sheet.thickness else ""))
     for key, value in sheet.material.model_dump(exclude_none=True).items():
         typer.echo(f"  {key}: {value}")
+    material = sheet.material.to_model(sheet.key)
+    if has_wall(material):
+        typer.echo(f"limiting drawing ratio by theory: {find_drawing_ratio(material):.2f} (round cup, mu 0.08)")
     for title, texts in (("source", sheet.sources), ("assumed", sheet.assumed)):
         for key, text in texts.items():
             typer.echo(f"{title}, {key}: {text}")
@@ -115,9 +121,12 @@ def fit(
         typer.Option(help=f"Hardening law: {', '.join(LAWS)}; of hot tests {', '.join(HOT_LAWS)}; all compares them."),
     ] = "all",
     yield_function: Annotated[
-        Literal["hill1948", "yld2000"], typer.Option(help="Fitted to the tests at angles; yld2000 to all of them.")
-    ] = "hill1948",
-    exponent: Exponent = "8",
+        Literal["hill1948", "yld2000"],
+        typer.Option(help="Fitted to the tests at angles: yld2000 to stresses and r-values, hill1948 to r-values."),
+    ] = "yld2000",
+    exponent: Annotated[
+        Literal["6", "8"] | None, typer.Option(help="Of Yld2000-2d; default: 6, below 100 GPa 8.")
+    ] = None,
     biaxial_stress: Annotated[float, typer.Option(help="Balanced biaxial yield stress over that at 0.")] = math.nan,
     biaxial_r: Annotated[float, typer.Option(help="Strain across over along in that test.")] = math.nan,
     r_weight: Weight = R_WEIGHT,
@@ -139,7 +148,9 @@ def fit(
             fit_compression(files[0], law, modulus, poisson, density, specific_heat, output)
             return
         sizes = Sizes(thickness=thickness, width=width, gauge_length=gauge_length, angle=angle)
-        surface = Surface(yield_function, int(exponent), biaxial_stress, biaxial_r, r_weight)
+        surface = Surface(
+            yield_function, int(exponent or (8 if modulus < LIGHT else 6)), biaxial_stress, biaxial_r, r_weight
+        )
         fit_tensile(files, law, (modulus, poisson), surface, sizes, output)
 
 

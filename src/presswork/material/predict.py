@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswork import _core
-from presswork.case.material.yield_function import r_value, tension
+from presswork.case.material.yld2000_fit import r_value, tension
 from presswork.model import FloatArray
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from presswork.law.elastic_plastic import first_flow_stress, is_hot
 from presswork.mesh.forgotten_planes import find_forgotten_planes
 from presswork.model import Material, Model, Tool
+from presswork.observe.wall_load import warn_of_wall_load
 
 NOTHING = 1e-11
 """Of Young's modulus times the least face of the workpiece: a force that is none, from round-off alone."""
@@ -51,7 +52,7 @@ def judge_run(
     if elastic or (all_moving and len(moving) == len(all_moving)):
         worst = f"nothing was formed: {'; '.join([*moving, *elastic])}"
         return Verdict(worst, (worst, *doubts, *standing))
-    return Verdict("", (*moving, *doubts, *standing))
+    return Verdict("", (*moving, *doubts, *warn_of_wall_load(model, history), *standing))
 
 
 def find_never_touched(model: Model, tools: Sequence[Tool], history: Mapping[str, NDArray[Any]]) -> list[str]:

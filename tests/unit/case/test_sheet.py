@@ -13,7 +13,8 @@ from pydantic_core import PydanticCustomError
 from presswork import _core
 from presswork.case.errors import CaseError
 from presswork.case.material.sheet import check_sheet_material
-from presswork.case.material.yield_function import check_surface
+from presswork.case.material.yield_function import Hill1948, Yld2000, check_surface
+from presswork.case.material.yld2000_fit import r_value, tension
 from presswork.law.elastic_plastic import make_solid_law
 
 STEEL: dict[str, Any] = {
@@ -188,3 +189,42 @@ def test_softening_table_is_taken_when_asked_for() -> None:
     table = {"law": "table", "points": [[0, 300], [0.1, 290]], "softening": True}
     law = check_sheet_material(changed(hardening=table)).build_law()
     assert law.flow_stress(np.array([0.05]))[0][0] == pytest.approx(295)
+
+
+GRADE = {"r00": 1.7, "r45": 1.3, "r90": 1.9}
+
+
+def test_r_values_without_a_law_add_no_strength() -> None:
+    """Yld2000-2d with the yield stresses given, those that are not equal to that at 0; exponent by the metal."""
+    steel = check_sheet_material({**STEEL, "yield_function": GRADE})
+    assert isinstance(steel.yield_function, Yld2000)
+    tests = np.concatenate([tension(np.radians([0.0, 45.0, 90.0])), [[1.0, 1.0, 0.0]]])
+    np.testing.assert_allclose(steel.yield_function.build().evaluate(tests)[0], 1.0, rtol=1e-9)
+    np.testing.assert_allclose(r_value(steel.yield_function.build(), np.radians([0.0, 45.0, 90.0])), [1.7, 1.3, 1.9])
+    assert steel.yield_function.exponent == 6
+    known = {**GRADE, "stress_45": 1.04, "stress_biaxial": 1.1}
+    light = check_sheet_material({**STEEL, "young": "70 GPa", "yield_function": known})
+    stress = 1.0 / light.yield_function.build().evaluate(tests)[0]
+    np.testing.assert_allclose(stress, [1.0, 1.04, 1.0, 1.1], rtol=1e-9)
+    assert light.yield_function.exponent == 8
+
+
+def test_hill_of_the_same_r_values_is_stronger() -> None:
+    """Where r-values make strength (issue of grades): yield at 45 degrees 11 % above that at 0, biaxial 19 %."""
+    hill = Hill1948(law="hill1948", **GRADE).build()
+    stress = 1.0 / hill.evaluate(np.array([[0.5, 0.5, 0.5], [1.0, 1.0, 0.0]]))[0]
+    np.testing.assert_allclose(stress, [1.113, 1.194], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ({"law": "yld2000", "exponent": 6}, "alpha: missing key"),
+        ({"law": "yld2000", "exponent": 6, "r00": 1.7, "r45": 1.3}, "r90: missing key"),
+        ({"law": "yld2000", "exponent": 6, "alpha": [1.0] * 8, "r00": 1.7}, "two ways of saying it"),
+        ({**GRADE, "stress_biaxial": 40.0}, "no parameters give"),
+    ],
+)
+def test_data_of_a_grade_that_do_not_go_together_are_refused(table: dict[str, Any], words: str) -> None:
+    with pytest.raises(CaseError, match=words):
+        check_sheet_material({**STEEL, "yield_function": table})

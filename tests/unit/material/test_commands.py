@@ -70,8 +70,17 @@ def test_fit_compares_laws_and_leaves_a_material_that_can_be_used(tensile: Path)
     sheet = find_sheet(str(tensile.with_suffix(".toml")))
     assert sheet.material.hardening.law == "swift"
     assert sheet.material.hardening.parameters() == pytest.approx([565.32, 0.007117, 0.2589], rel=1e-3)
-    assert sheet.material.yield_function.hill_parameters()[0] == pytest.approx(1.79 / 2.79 / 2.27, rel=1e-3)
+    found = sheet.material.yield_function
+    assert (found.law, found.exponent, found.stress_biaxial) == ("yld2000", 6, None)
+    assert [found.r00, found.r45, found.r90] == pytest.approx([1.79, 1.51, 2.27], rel=1e-3)
+    assert "not measured" in sheet.assumed["yield_function"]
     assert tensile.with_suffix(".png").exists()
+
+
+def test_fit_takes_hills_function_where_it_is_asked_for(tensile: Path) -> None:
+    invoke("material", "fit", tensile, "--young", "206 GPa", "--law", "swift", "--yield-function", "hill1948")
+    found = find_sheet(str(tensile.with_suffix(".toml"))).material.yield_function
+    assert found.hill_parameters()[0] == pytest.approx(1.79 / 2.79 / 2.27, rel=1e-3)
 
 
 def test_fit_takes_the_law_the_file_and_poissons_ratio_that_it_is_given(tensile: Path, tmp_path: Path) -> None:

@@ -11,8 +11,9 @@ import pytest
 
 from presswork import _core
 from presswork.case.errors import CaseError
+from presswork.case.material.yld2000_fit import YieldData, fit_yld2000
 from presswork.material.identify import LAWS, compare_flow, find_yield_stress, fit_hardening, fit_r_value
-from presswork.material.identify_yld2000 import YieldData, fit_yld2000, read_yield_data
+from presswork.material.identify_yld2000 import read_yield_data
 from presswork.material.predict import predict_tension
 from presswork.material.tensile import read_tensile
 

@@ -5,7 +5,15 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from presswork import model
+from presswork.law.elastic_plastic import make_yield_function
+
+_OTHERS = np.array([[0.5, 0.5, 0.5], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]])
+"""Unit tension at 45 and 90 degrees, and biaxial: xx, yy, xy."""
+STRONG = 1.1
+"""Biaxial yield stress over that at 0 degrees, from which r-values may have made it."""
 
 
 def describe_material(material: model.Material, *, starts: bool = True) -> str:
@@ -27,7 +35,7 @@ def describe_material(material: model.Material, *, starts: bool = True) -> str:
     if material.is_elastic:
         parts += ["elastic: it has no hardening, and never yields"]
     else:
-        parts += [material.yield_function.law if material.yield_function else "von Mises"]
+        parts += [_describe_yield(material.yield_function) if material.yield_function else "von Mises"]
         parts += [_describe_hardening(material.hardening)]
     if material.kinematic:
         parts += [_describe_kinematic(material.kinematic)]
@@ -51,6 +59,18 @@ def describe_material(material: model.Material, *, starts: bool = True) -> str:
         numbers += [] if d.critical is None else [f"critical {d.critical:g}"]
         parts += [f"damage by {d.criterion} {' and '.join(numbers)}".rstrip()]
     return ", ".join(parts)
+
+
+def _describe_yield(function: model.YieldFunction) -> str:
+    """Say what a yield function makes of tension in other directions, where that is not measured as a rule."""
+    diagonal, across, biaxial = (1.0 / value for value in make_yield_function(function).evaluate(_OTHERS)[0])
+    told = f"{diagonal:.3g}, {across:.3g} and {biaxial:.3g} of that at 0"
+    if max(abs(value - 1.0) for value in (diagonal, across, biaxial)) < 1e-6:
+        told = "equal to that at 0"
+    text = f"{function.law} (yield stress at 45, 90 degrees and biaxial {told}"
+    if function.law == "hill1948" and biaxial > STRONG:
+        text += "; r-values alone do so in Hill's function: if it was not measured, take yld2000 with r00, r45, r90"
+    return f"{text})"
 
 
 def describe_forming_limit(material: model.Material) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from presswork.case.description.drawing_ratio import describe_drawing_ratio
 from presswork.case.description.heat import describe_heat_of_forming
 from presswork.case.description.material import describe_forming_limit, describe_material
 from presswork.case.description.press import describe_drive
@@ -74,6 +75,7 @@ def describe_stamping(problem: Model) -> Iterator[str]:
     for each in problem.materials:
         yield f"material {each.name}: density {each.density:.3g} t/mm3, {describe_material(each)}"
     yield f"forming limit: {describe_forming_limit(material)}"
+    yield from describe_drawing_ratio(problem)
     if problem.heat is not None:
         yield from describe_heat_of_forming(problem, problem.heat)
         yield f"heat of the sheet: {problem.heat.levels} temperatures through the thickness of every node"

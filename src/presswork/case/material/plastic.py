@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from presswork import _core, model
 from presswork.case.errors import Problem
@@ -17,22 +18,39 @@ from presswork.case.material.heating import Heating
 from presswork.case.material.hot_hardening import HotLaw, check_heating
 from presswork.case.material.laws import Kinematic, RateLaw, YoshidaUemori, YoungDecrease
 from presswork.case.material.thermoelastic import Factors, PoissonRows, ThermalExpansion, build_thermoelastic
-from presswork.case.material.yield_function import Barlat1989, VonMisesYield, YieldFunction, Yld2000
+from presswork.case.material.yield_function import OF_GRADE, Barlat1989, VonMisesYield, YieldFunction, Yld2000
 from presswork.case.part import Part
-from presswork.case.units import Number, Stress, fault
+from presswork.case.units import STRESS, Number, Stress, fault, to_number
 from presswork.law.elastic_plastic import make_sheet_law
 from presswork.model import FloatArray
 
+LIGHT = 1e5
+"""Young's modulus [MPa] below which a sheet has the exponent of aluminium."""
 OF_FLOW = ("kinematic", "rate", "young_decrease", "damage", "yield_function")
 """Keys of laws that mean nothing in an elastic material."""
+
+
+def _is_light(young: object) -> bool:
+    """Say whether a Young's modulus, as a case gives it, is that of aluminium or magnesium rather than of steel."""
+    try:
+        return float(to_number(young, STRESS)) < LIGHT
+    except (PydanticCustomError, TypeError, ValueError):
+        return False
 
 
 class PlasticLaws(Part):
     """Elasticity, yield function, hardening, strain rate and temperature; x is the rolling direction."""
 
+    DEFAULT_LAW: ClassVar[str] = "yld2000"
+    """Yield function of r-values that come without a law."""
+
     young: Stress = Field(gt=0, description="Young's modulus [MPa]")
     poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, between -1 and 0.5, e.g. 0.3 for steel")
-    yield_function: YieldFunction = Field(default=VonMisesYield(), description="anisotropic yield function")
+    yield_function: YieldFunction = Field(
+        default=VonMisesYield(),
+        description="anisotropic yield function; r00, r45 and r90 without a law: of a sheet yld2000 with the yield "
+        "stresses that are given, the others as along the rolling direction; of a solid hill1948",
+    )
     hardening: Hardening | None = Field(
         default=None,
         description="flow stress along the rolling direction against plastic strain; without it: the body is elastic",
@@ -53,6 +71,18 @@ class PlasticLaws(Part):
         default=None, description="rows [degrees C, Poisson's ratio], in place of `poisson`"
     )
     magnitudes: Magnitudes = Field(default="metal", description=DESCRIPTION)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _choose_yield_function(cls, data: Any) -> Any:
+        """Give r-values without a law that of `DEFAULT_LAW`, with the exponent of steel or aluminium."""
+        chosen = data.get("yield_function") if isinstance(data, dict) else None
+        if not isinstance(chosen, dict) or "law" in chosen or not set(chosen) & set(OF_GRADE):
+            return data
+        given = {"law": cls.DEFAULT_LAW, **chosen}
+        if cls.DEFAULT_LAW == "yld2000":
+            given.setdefault("exponent", 8 if _is_light(data.get("young")) else 6)
+        return {**data, "yield_function": given}
 
     @model_validator(mode="after")
     def _check_laws(self) -> Self:

@@ -13,6 +13,7 @@ from presswork.case.heat.thermal import Thermal
 from presswork.case.material.hardening import Hardening
 from presswork.case.material.laws import FormingLimit
 from presswork.case.material.plastic import PlasticLaws
+from presswork.case.material.yield_function import Yld2000
 from presswork.case.reader import list_problems
 from presswork.case.units import Density
 
@@ -31,9 +32,14 @@ class NamedLaws(SheetLaws):
     thermal: Thermal | None = Field(default=None, description="what it conducts and stores")
 
     def list_laws(self, *names: str) -> dict[str, Any]:
-        """Return the keys that a case has: those of the laws that are given, and of `names`."""
+        """Return the keys that the case of a solid has: those of the laws that are given, and of `names`.
+
+        Yld2000-2d is a function of plane stress: from r-values a solid has Hill's function instead.
+        """
         keys = {*PlasticLaws.model_fields, *names}
-        return self.model_dump(include=keys, exclude_none=True)
+        laws = self.model_dump(include=keys, exclude_none=True)
+        hill = self.yield_function.find_hill() if isinstance(self.yield_function, Yld2000) else None
+        return laws if hill is None else {**laws, "yield_function": hill.model_dump(exclude_none=True)}
 
 
 @functools.cache

@@ -7,6 +7,7 @@ rolling direction; the equivalent stress is the yield stress along the rolling d
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Annotated, Literal, Self
 
@@ -14,6 +15,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from presswork import _core, model
+from presswork.case.errors import CaseError, Problem
+from presswork.case.material.yld2000_fit import YieldData, fit_yld2000, r_value
 from presswork.case.part import Part
 from presswork.case.units import Number, fault
 from presswork.law.elastic_plastic import make_yield_function
@@ -24,6 +27,12 @@ Exponent = Annotated[Literal[6, 8], Field(description="exponent of the yield fun
 Ratio = Annotated[Number, Field(gt=0, description="yield stress over that along the rolling direction")]
 _R_VALUE = "width strain over thickness strain in tension at {} degrees from the rolling direction"
 _RATIO = "yield stress {} over that along the rolling direction"
+
+
+OF_GRADE = ("r00", "r45", "r90", "stress_45", "stress_90", "stress_biaxial", "r_biaxial")
+"""What tests of a grade tell of its yield, beside alpha."""
+WORST = 1e-3
+"""Largest error of a stress or an r-value with which parameters give back a grade's."""
 
 
 class VonMisesYield(Part):
@@ -128,20 +137,65 @@ class Barlat1989(Part):
 
 
 class Yld2000(Part):
-    """Yld2000-2d of Barlat et al. (2003), from its eight parameters."""
+    """Yld2000-2d of Barlat et al. (2003), from its eight parameters, or from r-values and yield stresses.
+
+    A stress that is not given is that along the rolling direction: r-values alone then add no strength.
+    """
 
     law: Literal["yld2000"] = "yld2000"
-    alpha: tuple[Number, ...] = Field(min_length=8, max_length=8, description="alpha 1 to 8")
+    alpha: tuple[Number, ...] | None = Field(
+        default=None, min_length=8, max_length=8, description="alpha 1 to 8, in place of r-values and stresses"
+    )
     exponent: Exponent
+    r00: RValue | None = Field(default=None, description=_R_VALUE.format(0))
+    r45: RValue | None = Field(default=None, description=_R_VALUE.format(45))
+    r90: RValue | None = Field(default=None, description=_R_VALUE.format(90))
+    stress_45: Ratio | None = Field(default=None, description=_RATIO.format("at 45 degrees") + "; 1 if left out")
+    stress_90: Ratio | None = Field(default=None, description=_RATIO.format("at 90 degrees") + "; 1 if left out")
+    stress_biaxial: Ratio | None = Field(
+        default=None, description=_RATIO.format("in equibiaxial tension") + "; 1 if left out"
+    )
+    r_biaxial: RValue | None = Field(
+        default=None, description="strain across over strain along in equibiaxial tension; r00/r90 if left out"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
-        check_surface(self.build(), "alpha")
+        remedy = "give alpha, or r00, r45 and r90 and the stresses that were measured"
+        measured = [name for name in OF_GRADE if getattr(self, name) is not None]
+        if self.alpha is None:
+            for name in ("r00", "r45", "r90"):
+                if name not in measured:
+                    raise fault("missing key", remedy, key="alpha" if not measured else name)
+            self._find_alpha()
+        elif measured:
+            raise fault(f"alpha and {measured[0]} are two ways of saying it", remedy, key=measured[0])
+        check_surface(self.build(), "alpha" if self.alpha else "r00")
         return self
+
+    def _find_alpha(self) -> tuple[float, ...]:
+        """Return alpha 1 to 8: those given, or those that give back the measured values."""
+        if self.alpha is not None:
+            return self.alpha
+        assert self.r00 is not None
+        assert self.r45 is not None
+        assert self.r90 is not None
+        stresses = tuple(1.0 if s is None else s for s in (self.stress_45, self.stress_90, self.stress_biaxial))
+        r_biaxial = self.r00 / self.r90 if self.r_biaxial is None else self.r_biaxial
+        try:
+            return _fit_grade((self.r00, self.r45, self.r90), stresses, r_biaxial, self.exponent)
+        except CaseError as error:
+            raise fault(str(error.problems[0]), "check r-values and stresses", key="r00") from None
+
+    def find_hill(self) -> Hill1948 | None:
+        """Return Hill's function of the same r-values; None where there is none."""
+        if self.alpha is not None:
+            return None
+        return Hill1948(r00=self.r00, r45=self.r45, r90=self.r90)
 
     def to_model(self) -> model.YieldFunction:
         """Return the Model's yield function."""
-        return model.YieldFunction("yld2000", self.alpha, self.exponent)
+        return model.YieldFunction("yld2000", self._find_alpha(), self.exponent)
 
     def build(self) -> _core.YieldFunction:
         """Return the compiled function."""
@@ -176,17 +230,15 @@ class Yld2004(Part):
 YieldFunction = Annotated[VonMisesYield | Hill1948 | Barlat1989 | Yld2000 | Yld2004, Field(discriminator="law")]
 
 
-def tension(angle: FloatArray) -> FloatArray:
-    """Return unit tension at angles [rad] from the rolling direction, shape (n, 3): xx, yy, xy."""
-    c, s = np.cos(angle), np.sin(angle)
-    return np.asarray(np.stack([c * c, s * s, s * c], axis=-1))
-
-
-def r_value(function: _core.YieldFunction, angle: FloatArray) -> FloatArray:
-    """Return width strain over thickness strain in tension at angles [rad], shape (n,)."""
-    gradient = function.evaluate(tension(angle))[1]
-    width = (gradient * tension(angle + np.pi / 2)).sum(axis=1)
-    return np.asarray(-width / (gradient[:, 0] + gradient[:, 1]))
+@functools.lru_cache(maxsize=256)
+def _fit_grade(r: tuple[float, ...], stresses: tuple[float, ...], r_biaxial: float, exponent: int) -> tuple[float, ...]:
+    """Return alpha 1 to 8 of r-values at 0, 45, 90 degrees and stresses at 45, 90 degrees and biaxial."""
+    data = YieldData(np.array([0.0, 45.0, 90.0]), np.array([1.0, *stresses[:2]]), np.array(r), stresses[2], r_biaxial)
+    found = fit_yld2000(data, exponent)
+    if max(found.worst()) > WORST:
+        text = f"no parameters give these values; the best miss a stress by {100 * found.worst()[0]:.2g} %"
+        raise CaseError([Problem("", text)], "yld2000")
+    return found.alpha
 
 
 def check_surface(function: _core.YieldFunction, key: str, n: int = 4000, *, components: Literal[3, 6] = 3) -> None:

@@ -8,7 +8,7 @@ A tool is in tool.py; solver and output settings are in settings.py, hardening l
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -68,6 +68,8 @@ from presswork.case.units import (
 
 class Material(PlasticLaws):
     """An elastic-plastic solid; x of its yield function turns with the material."""
+
+    DEFAULT_LAW: ClassVar[str] = "hill1948"
 
     library: FileName | None = Field(
         default=None,

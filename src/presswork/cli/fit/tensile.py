@@ -15,6 +15,7 @@ import typer
 
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.sheet import check_sheet_material
+from presswork.case.material.yld2000_fit import N_PARAMETERS, YieldData, fit_yld2000
 from presswork.material.fit_plot import draw_fit
 from presswork.material.identify import (
     LAWS,
@@ -24,7 +25,7 @@ from presswork.material.identify import (
     fit_hardening,
     fit_r_value,
 )
-from presswork.material.identify_yld2000 import BIAXIAL, YieldData, fit_yld2000
+from presswork.material.identify_yld2000 import BIAXIAL
 from presswork.material.specimen_facts import Sizes
 from presswork.material.tensile import TensileTest, read_tensile
 from presswork.results.whole_file import write_whole
@@ -80,15 +81,23 @@ def _compare(test: TensileTest, along: TensileTest, young: float) -> float:
 
 def _find_surface(asked: Surface, r: dict[float, float | None], stress: dict[float, float]) -> dict[str, Any] | None:
     """Return the keys of the yield function that the tests give; None without r-values in three directions."""
-    if asked.law == "yld2000":
-        column = [math.nan if one is None else one for one in r.values()]
-        data = YieldData(
-            np.array(list(r)), np.array(list(stress.values())), np.array(column), asked.biaxial_stress, asked.biaxial_r
-        )
+    column = [math.nan if one is None else one for one in r.values()]
+    told = not math.isnan(asked.biaxial_stress)
+    biaxial = asked.biaxial_stress if told else 1.0
+    data = YieldData(np.array(list(r)), np.array(list(stress.values())), np.array(column), biaxial, asked.biaxial_r)
+    if asked.law == "yld2000" and not told:
+        typer.echo("yield in balanced biaxial tension is not given (--biaxial-stress): as along the rolling direction")
+    if asked.law == "yld2000" and data.count() >= N_PARAMETERS:
         return fit_surface(data, asked.exponent, asked.r_weight)
-    if all(r.get(angle) is not None for angle in (0.0, 45.0, 90.0)):
-        return {"law": "hill1948", "r00": r[0.0], "r45": r[45.0], "r90": r[90.0]}
-    return None
+    if any(r.get(angle) is None for angle in (0.0, 45.0, 90.0)):
+        typer.echo("no r-values at 0, 45 and 90 degrees: the material is isotropic, von Mises")
+        return None
+    found: dict[str, Any] = {"law": asked.law, "r00": r[0.0], "r45": r[45.0], "r90": r[90.0]}
+    if asked.law == "hill1948":
+        return found
+    known = {"stress_45": stress[45.0], "stress_90": stress[90.0], "stress_biaxial": asked.biaxial_stress}
+    measured = {key: value for key, value in known.items() if not math.isnan(value)}
+    return {**found, "exponent": asked.exponent, **measured}
 
 
 def fit_surface(data: YieldData, exponent: int, r_weight: float) -> dict[str, Any]:
@@ -154,11 +163,19 @@ def _write_material(
     table["hardening"] = {"law": best.law, **best.parameters}
     source = ", ".join(file.name for file in files)
     check_sheet_material(table, source)
+    assumed = {"young": "as given to the fit", "poisson": "as given to the fit"}
+    if (
+        surface is not None
+        and surface["law"] == "yld2000"
+        and "alpha" not in surface
+        and "stress_biaxial" not in surface
+    ):
+        assumed["yield_function"] = "yields in balanced biaxial tension as along the rolling direction; not measured"
     data = {
         "name": files[0].stem,
         "summary": f"fitted to {source}",
         "material": table,
         "sources": {"all": f"{source}, fitted to a plastic strain of {best.largest_strain:.3f}"},
-        "assumed": {"young": "as given to the fit", "poisson": "as given to the fit"},
+        "assumed": assumed,
     }
     write_whole(path, tomli_w.dumps(data).encode())

@@ -22,7 +22,7 @@ from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.laws import KeelerLimit, PointsLimit, SwiftHillLimit
 from presswork.case.material.sheet import SheetLaws
 from presswork.case.material.umat import UmatMaterial, build_umat
-from presswork.case.material.yield_function import r_value
+from presswork.case.material.yld2000_fit import r_value
 from presswork.formability import Formability, FormingLimitCurve
 from presswork.model import Material
 

@@ -22,7 +22,7 @@ import numpy as np
 from presswork import _core
 from presswork.case.errors import CaseError, Problem
 from presswork.case.material.forming_limit.proportional import ProportionalPath, find_stress, turn_stress
-from presswork.case.material.yield_function import r_value
+from presswork.case.material.yld2000_fit import r_value
 from presswork.formability import FormingLimitCurve
 from presswork.model import BoolArray, FloatArray
 
