@@ -31,7 +31,7 @@ def describe_drawing_ratio(problem: Model) -> Iterator[str]:
     diameter = 2.0 * punch.shape.corner_radius
     area = _measure_area(problem) * 2 ** sum(problem.symmetry)
     ratio = math.sqrt(4.0 * area / math.pi) / diameter
-    mu = max((tool.friction.mu for tool in problem.tools if tool.kind in ("die", "holder")), default=0.1)
+    mu = max((float(np.max(tool.friction.mu)) for tool in problem.tools if tool.kind in ("die", "holder")), default=0.1)
     limit = find_drawing_ratio(material, Cup(punch=diameter / section.thickness, mu=mu))
     text = f"drawing ratio: {ratio:.3g}; the wall bears {limit:.3g} (theory of a round cup)"
     yield text
