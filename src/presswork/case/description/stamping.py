@@ -74,8 +74,7 @@ def describe_stamping(problem: Model) -> Iterator[str]:
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     for each in problem.materials:
         yield f"material {each.name}: density {each.density:.3g} t/mm3, {describe_material(each)}"
-    yield f"forming limit: {describe_forming_limit(material)}"
-    yield from describe_drawing_ratio(problem)
+    yield from (f"forming limit: {describe_forming_limit(material)}", *describe_drawing_ratio(problem))
     if problem.heat is not None:
         yield from describe_heat_of_forming(problem, problem.heat)
         yield f"heat of the sheet: {problem.heat.levels} temperatures through the thickness of every node"
