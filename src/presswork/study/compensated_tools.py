@@ -121,9 +121,8 @@ def _mirror(points: FloatArray, triangles: IntArray, model: Model, position: Flo
             triangles = np.concatenate([triangles, triangles[:, ::-1] + len(points)])
             points = np.concatenate([points, points * sign])
     points, index = np.unique(np.round(points, 9) + 0.0, axis=0, return_inverse=True)
-    triangles = index.reshape(-1)[triangles]
-    used, index = np.unique(triangles, return_inverse=True)
-    cells = np.ascontiguousarray(index.reshape(-1, 3), dtype=np.int32)
+    used, numbers = np.unique(index.reshape(-1)[triangles], return_inverse=True)
+    cells = np.ascontiguousarray(numbers.reshape(-1, 3), dtype=np.int32)
     return Triangulation(points[used] - position, cells, is_closed=False)
 
 
