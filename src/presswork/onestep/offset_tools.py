@@ -29,6 +29,8 @@ STEEPER = np.radians(0.5)
 GENTLE, SMOOTH, CHORD = np.cos(np.radians(20.0)), 100.0, np.radians(0.5)
 """Of a curved flange: its least normal along the press [1], its least radius over the thickness, and the angle between
 facets that may be chords of any radius [rad]."""
+ISLAND = 0.02
+"""Part of the area inside the shoulder that a piece of the punch has at least."""
 MOST = 0.9
 """Part of a flange's outline that is level if the flange is flat."""
 _FREE = 5.0
@@ -62,7 +64,8 @@ def offset_tools(model: OneStepModel, blank_reach: float, clearance: float = CLE
     up = unit_normals(points, triangles)[:, 2]
     neighbours = _list_neighbours(triangles)
     flange = _find_flange(points, triangles, up, thickness, neighbours)
-    outside = ~_without_pinches(triangles, ~_find_shoulder(points, triangles, flange, neighbours))
+    inside = _without_islands(points, triangles, ~_find_shoulder(points, triangles, flange, neighbours), neighbours)
+    outside = ~_without_pinches(triangles, inside)
     flange = _without_pinches(triangles, flange)
     under_flange = np.zeros(len(points), dtype=bool)
     under_flange[triangles[flange]] = True
@@ -196,6 +199,24 @@ def _without_pinches(triangles: IntArray, kept: BoolArray) -> BoolArray:
         if not pinched.any():
             return kept
         kept &= ~np.isin(triangles, np.flatnonzero(pinched)).any(axis=1)
+
+
+def _without_islands(
+    points: FloatArray, triangles: IntArray, kept: BoolArray, neighbours: list[list[int]]
+) -> BoolArray:
+    """Return the kept triangles (n,) less pieces of a small part of their area: facets of a shoulder that happen to be
+    flat, on which no punch works.
+    """
+    area = np.linalg.norm(double_areas(points, triangles), axis=1)
+    found, left = np.zeros_like(kept), kept.copy()
+    while left.any():
+        start = np.zeros_like(kept)
+        start[np.argmax(left)] = True
+        piece = _spread(start, neighbours, lambda _, there: bool(kept[there]))
+        left &= ~piece
+        if area[piece].sum() > ISLAND * area[kept].sum():
+            found |= piece
+    return found
 
 
 def _spread(start: BoolArray, neighbours: list[list[int]], goes_on: Callable[[int, int], bool]) -> BoolArray:
@@ -347,7 +368,9 @@ def _width_of_pieces(
         at = np.flatnonzero(piece[beside] == number)
         away = np.abs(corners @ across[at].T - (middle[at] * across[at]).sum(axis=1))
         aside = np.abs(corners @ along[at].T - (middle[at] * along[at]).sum(axis=1))
-        width[at] = np.where(aside <= length[at], away, 0.0).max(axis=0)
+        beside_edge = np.where(aside <= length[at], away, 0.0).max(axis=0)
+        slanted = beside_edge < 1e-6 * length[at]  # a long triangle whose corner lies beyond the edge's ends
+        width[at] = np.where(slanted, away.max(axis=0), beside_edge)
     return width
 
 

@@ -74,8 +74,9 @@ def test_a_curved_flange_has_a_holder_that_leaves_the_thickness_all_round(tmp_pa
     over_part = under[(np.abs(under[:, :2]) < np.abs(model.points[:, :2]).max(axis=0)).all(axis=1)]
     gap = make_surface(find(tools, "die")).nearest(np.ascontiguousarray(over_part))[0]
     assert len(over_part) > 200
-    assert np.abs(gap[gap < 1.5 * T] - T).max() < 0.05
-    around = np.degrees(np.arctan2(over_part[:, 1], over_part[:, 0]))
+    assert gap.min() > T - 0.02, "nowhere nearer to the die than the sheet is thick"
+    pressing = over_part[gap < T + 0.02]  # all but the rolled edge
+    around = np.degrees(np.arctan2(pressing[:, 1], pressing[:, 0]))
     assert np.histogram(around, 12, (-180.0, 180.0))[0].min() > 5, "all round the part"
 
 
