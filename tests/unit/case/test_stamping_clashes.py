@@ -69,17 +69,33 @@ def test_bad_input_is_named(path, value, fragments) -> None:
     refuse(fragments, (path, value))
 
 
-def test_a_pushed_tool_from_a_file_that_lies_beside_the_blank_is_told_so(tmp_path: Path) -> None:
+def write_plate(path: Path, *starts: tuple[float, float], size: tuple[float, float]) -> str:
+    """Write plates at z = 0 that look down, each from its start."""
     facets = ""
-    for x in (60, -80):
-        plan = [(x, -60), (x + 20, -60), (x + 20, 60), (x, 60)]
+    for x, y in starts:
+        plan = [(x, y), (x + size[0], y), (x + size[0], y + size[1]), (x, y + size[1])]
         for face in ((0, 2, 1), (0, 3, 2)):
             corners = "".join(f"vertex {plan[i][0]} {plan[i][1]} 0\n" for i in face)
             facets += f"facet normal 0 0 -1\nouter loop\n{corners}endloop\nendfacet\n"
-    (tmp_path / "pad.stl").write_text(f"solid pad\n{facets}endsolid pad\n")
-    pad = {"kind": "holder", "shape": "file", "path": str(tmp_path / "pad.stl")}
+    path.write_text(f"solid plate\n{facets}endsolid plate\n")
+    return str(path)
+
+
+def test_a_pushed_tool_from_a_file_that_lies_beside_the_blank_is_told_so(tmp_path: Path) -> None:
+    path = write_plate(tmp_path / "pad.stl", (60, -60), (-80, -60), size=(20, 120))
+    pad = {"kind": "holder", "shape": "file", "path": path}
     refuse(["tools.pad:", "no part of it lies over the blank: the nearest is", "check the unit and the place"],
            ("tools.pad", pad), ("stages.0.tools.pad", {"force": 1e3}), ("blank.symmetry", []))  # fmt: skip
+
+
+def test_a_tool_between_the_nodes_of_the_blank_is_over_it(tmp_path: Path) -> None:
+    """A plate of 2 mm on elements of some 5 mm; and one beside the blank."""
+    path = write_plate(tmp_path / "pin.stl", (11.5, 11.5), size=(2, 2))
+    pin = {"kind": "punch", "shape": "file", "path": path, "position": [0, 0, 10]}
+    stroke = ("stages.0.tools.pin", {"stroke": 12})
+    build(("tools.pin", pin), stroke)
+    refuse(["tools.pin.position", "no part of the punch lies over the blank"],
+           ("tools.pin", pin | {"position": [200, 0, 10]}), stroke)  # fmt: skip
 
 
 def test_a_punch_off_the_blank_may_come_to_it_by_its_own_way_or_the_die_s() -> None:

@@ -16,7 +16,8 @@ from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool
 from presswork.geometry.tool_surface import make_surface
 from presswork.law.elastic_plastic import first_flow_stress
 from presswork.mesh.make.flange import find_held_area
-from presswork.model import Mesh, Tool, Triangulation
+from presswork.mesh.simplices import list_simplices
+from presswork.model import FloatArray, Mesh, Tool, Triangulation
 
 logger = logging.getLogger(__name__)
 
@@ -24,6 +25,8 @@ IDLE = 2.0
 """Thicknesses between die and holder from which on it holds nothing."""
 LOOSE = 5e-4
 """Part of the sheet's yield stress as a holder's pressure: less than a tenth of what is usual, about 1 %."""
+SAMPLES = 100_000
+"""Places on the blank at which a tool is looked for that lies over none of its nodes."""
 SQUEEZED = 0.9
 """Part of the thickness to which a holder may be moved towards the die."""
 
@@ -96,6 +99,8 @@ def _check_reach(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
         return None
     fault = (
         f"the {tool.kind} starts {gap:.4g} mm off the blank and moves {strokes[tool.name]:.4g} mm: it never touches it"
+        if np.isfinite(gap)
+        else f"no part of the {tool.kind} lies over the blank: it never touches it"
     )
     remedy = "leave position out: then it just touches the blank; or give it a longer stroke"
     return Problem(f"tools.{tool.name}.position", fault, remedy, list(position))
@@ -106,9 +111,21 @@ def _names_of(case: StampingCase, kind: str) -> list[str]:
 
 
 def _gap(case: StampingCase, mesh: Mesh, tool: Tool) -> float:
-    """Return what lies between a tool and the blank's surface at the start [mm]."""
-    gap = make_surface(tool.surface).nearest(mesh.points - np.asarray(tool.position))[0]
+    """Return what lies between a tool and the blank's surface at the start [mm], infinite if it lies beside it."""
+    surface, place = make_surface(tool.surface), np.asarray(tool.position)
+    gap = surface.nearest(mesh.points - place)[0]
+    if not np.isfinite(gap).any():  # a tool may lie between the nodes
+        gap = surface.nearest(_sample_cells(mesh) - place)[0]
     return float(gap.min()) - 0.5 * case.blank.thickness
+
+
+def _sample_cells(mesh: Mesh) -> FloatArray:
+    """Return places (n, 3) all over the cells of a sheet, the more in each the fewer there are [mm]."""
+    corners = mesh.points[list_simplices(mesh)]
+    parts = min(40, 2 + int(np.sqrt(SAMPLES / len(corners))))
+    first, second = (k.ravel() / parts for k in np.mgrid[: parts + 1, : parts + 1])
+    share = np.column_stack([1.0 - first - second, first, second])[first + second <= 1.0 + 1e-9]
+    return np.einsum("sk,nkd->nsd", share, corners).reshape(-1, 3)
 
 
 def _check_holders(case: StampingCase, tools: tuple[Tool, ...]) -> list[Problem]:
