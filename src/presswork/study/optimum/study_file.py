@@ -200,9 +200,9 @@ class Study(Part):
         return [*self.set, *written]
 
     @property
-    def variable_names(self) -> set[str]:
+    def variable_names(self) -> tuple[str, ...]:
         """The keys that are varied; goals and limits may name them, too."""
-        return {name for variable in self.variables for name in variable.names}
+        return tuple(name for variable in self.variables for name in variable.names)
 
     @property
     def measures(self) -> dict[str, str]:
