@@ -71,7 +71,9 @@ def _knows_all(model: Model) -> bool:
     flies = flies or any(np.ravel(getattr(model.explicit, "velocity_of_others", ())))
     is_heat = model.heat is not None and model.heat.alone
     springs = any(tool.spring is not None for tool in model.tools)
-    return not (loaded or turns or flies or is_heat or springs or model.formed or model.following) and bool(model.tools)
+    return not (
+        model.gravity or loaded or turns or flies or is_heat or springs or model.formed or model.following
+    ) and bool(model.tools)
 
 
 def _moves(model: Model, tool: Tool) -> bool:

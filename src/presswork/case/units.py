@@ -49,6 +49,7 @@ MOMENT = Dimension("a moment", "N*mm", "2 N*m")
 LINE_FORCE = Dimension("a force per length", "N/mm", "3 kN/m")
 BODY_FORCE = Dimension("a force per volume", "N/mm^3", "77 kN/m^3")
 VELOCITY = Dimension("a velocity", "mm/s", "2 m/s", 1e9)
+ACCELERATION = Dimension("an acceleration", "mm/s^2", "9.81 m/s^2", 1e9)
 DENSITY = Dimension("a density", "t/mm^3", "7850 kg/m^3")
 RATE = Dimension("a rate", "1/s", "100 1/s")
 HEAT_CAPACITY = Dimension("a specific heat capacity", "mm^2/(s^2*K)", "460 J/(kg*K)")
@@ -72,6 +73,7 @@ _USUAL = {
     ANGLE: {"degree": 1.0, "deg": 1.0},
     STIFFNESS: {"N/mm": 1.0, "kN/mm": 1e3},
     VELOCITY: {"mm/s": 1.0, "m/s": 1e3},
+    ACCELERATION: {"mm/s^2": 1.0, "m/s^2": 1e3},
     DENSITY: {"t/mm^3": 1.0, "kg/m^3": 1.0000000000000002e-12},
     HEAT_CAPACITY: {"J/(kg*K)": 1e6},
     CONDUCTIVITY: {"W/(m*K)": 1.0},
@@ -272,6 +274,8 @@ Sides = Annotated[
 ]
 ForceVector = Annotated[tuple[float, float], *_pair(FORCE)]
 StressVector = Annotated[tuple[float, float], *_pair(STRESS)]
+AccelerationVector = Annotated[tuple[float, float], *_pair(ACCELERATION)]
+AccelerationVector3 = Annotated[tuple[float, float, float], *_triple(ACCELERATION)]
 VelocityVector = Annotated[tuple[float, float], *_pair(VELOCITY)]
 Direction = Annotated[tuple[float, float], *_pair(PURE_NUMBER)]
 Point3 = Annotated[tuple[float, float, float], *_triple(LENGTH)]

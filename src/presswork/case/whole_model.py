@@ -7,6 +7,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from presswork.case.errors import CaseError
+from presswork.case.gravity import check_gravity
 from presswork.case.resistance import check_resistance
 from presswork.case.temperatures import warn_of_temperatures
 from presswork.case.tool_sizes import warn_of_sheet
@@ -27,6 +28,9 @@ def check_whole_model(case: CaseFile, model: Model) -> None:
     of_sheet = warn_of_sheet(case, model) if model.analysis == "stamping" else ()
     for warning in (*of_sheet, *warn_of_temperatures(model)):
         logger.warning("%s", warning)
+    impossible = check_gravity(case, model)
+    if impossible:
+        raise CaseError(impossible, case.source)
     problems = check_resistance(model) or check_cavity(model)
     if problems and model.limits.stop:
         raise CaseError(problems, case.source)

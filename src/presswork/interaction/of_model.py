@@ -12,6 +12,7 @@ from presswork.interaction.bodies.laps import LapMarks
 from presswork.interaction.bodies.sheet_on_itself import SheetOnItself
 from presswork.interaction.contract import Interaction
 from presswork.interaction.cyclic import CyclicTies
+from presswork.interaction.gravity import Gravity
 from presswork.interaction.inertia import Inertia
 from presswork.interaction.loads import Loads
 from presswork.interaction.loose_bodies import LooseBodies
@@ -54,6 +55,7 @@ class Interactions:
         self.all: tuple[Interaction, ...] = (
             self.supports,
             self.loads,
+            *((Gravity(model),) if model.gravity else ()),
             *((self.loose,) if self.loose else ()),
             *((self.bodies,) if model.contacts else ()),
             *((LapMarks(model, self.bodies),) if model.remeshing is not None else ()),

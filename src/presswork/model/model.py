@@ -84,6 +84,9 @@ class Model:
     """Conduction of heat; None: temperatures are those of the materials' own heating."""
     series: Series | None = None
     """Solids with heat: parts formed one after another; None: one part."""
+    gravity: tuple[float, ...] = ()
+    """Acceleration of gravity (d,) [mm/s2], over the first stage of an implicit run and from the first cycle on of an
+    explicit one; empty: none."""
     limits: Limits = field(default_factory=Limits)
     points: tuple[MarkedPoint, ...] = ()
     """Points of the material whose path, stress and strain the history has."""

@@ -11,7 +11,7 @@ import numpy as np
 from presswork import model
 from presswork.case.description.explicit import describe_explicit, describe_ramp
 from presswork.case.description.heat import describe_heat, describe_heat_of_forming
-from presswork.case.description.loads import describe_loads
+from presswork.case.description.loads import describe_gravity, describe_loads
 from presswork.case.description.material import describe_material
 from presswork.case.description.press import describe_drive
 from presswork.case.description.shell import describe_sheet
@@ -46,6 +46,7 @@ def describe(problem: model.Model | OneStepModel) -> str:
     lines += [f"tool {tool.name}: {_describe_space_tool(tool)}" for tool in problem.space_tools]
     lines += [f"contact {contact.name}: {_describe_contact(problem, contact)}" for contact in problem.contacts]
     lines += [describe_support(support, problem) for support in problem.supports]
+    lines += describe_gravity(problem)
     for number, stage in enumerate(problem.stages, 1):
         lines += [
             f'stage {number} "{stage.name}", {stage.duration:g} s:',

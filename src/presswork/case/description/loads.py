@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from presswork import model
+from presswork.interaction.gravity import find_weights
 from presswork.model import FloatArray
 
 NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
@@ -30,6 +31,14 @@ def describe_loads(problem: model.Model, number: int) -> Iterator[str]:
     for entry in before.prescribed:
         if (entry.node_set, entry.component) not in held:
             yield f"{entry.node_set} is no longer held, {NAMES[entry.component]}: its force goes to zero {force}"
+
+
+def describe_gravity(problem: model.Model) -> Iterator[str]:
+    """Describe the weight of the bodies, where there is gravity."""
+    if problem.gravity:
+        when = "from the first cycle on" if problem.explicit is not None else "from 0 over the first stage"
+        weight = float(np.linalg.norm(find_weights(problem).sum(axis=0)))
+        yield f"gravity: {_write(np.asarray(problem.gravity))} mm/s2 {when}; what is modelled weighs {weight:.4g} N"
 
 
 def _add_up(stage: model.Stage) -> dict[tuple[str, str], FloatArray]:

@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork.case.description.drawing_ratio import describe_drawing_ratio
 from presswork.case.description.heat import describe_heat_of_forming
+from presswork.case.description.loads import describe_gravity
 from presswork.case.description.material import describe_forming_limit, describe_material
 from presswork.case.description.press import describe_drive
 from presswork.case.description.supports import name_stages
@@ -75,6 +76,7 @@ def describe_stamping(problem: Model) -> Iterator[str]:
     for each in problem.materials:
         yield f"material {each.name}: density {each.density:.3g} t/mm3, {describe_material(each)}"
     yield from (f"forming limit: {describe_forming_limit(material)}", *describe_drawing_ratio(problem))
+    yield from describe_gravity(problem)
     if problem.heat is not None:
         yield from describe_heat_of_forming(problem, problem.heat)
         yield f"heat of the sheet: {problem.heat.levels} temperatures through the thickness of every node"

@@ -16,6 +16,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem
+from presswork.case.gravity import find_gravity
 from presswork.case.heat.forming_builder import build_heat, start_hot
 from presswork.case.held_stages import list_released
 from presswork.case.marked_points import build_points
@@ -61,7 +62,7 @@ def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model
         problems += check_places(case, mesh, bodies) or check_sizes(case.remesh, mesh, bodies)
         problems += check_tools(case.remesh, mesh, tools)
     problems = problems or check_motions(case, tools)
-    if not problems and all(body.velocity is None for _, body in list_bodies(case).values()):
+    if not problems and case.gravity is None and all(body.velocity is None for _, body in list_bodies(case).values()):
         problems = check_reach(tools, stages, mesh)
     tools, close = (tools, []) if problems else close_fits(tools, stages, mesh)
     held = ((name, entry.set, ("x" in entry.fix, "y" in entry.fix)) for name, entry in case.boundary.items())
@@ -94,6 +95,7 @@ def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
         heat=build_heat(case, bodies, dies),
         series=case.series.to_model() if case.series else None,
+        gravity=find_gravity(case.gravity),
         limits=case.limits.build(),
         points=points,
         remeshing=remeshing,

@@ -55,7 +55,7 @@ def check_references(case: schema.Case) -> list[Problem]:
         problems.append(Problem("solver.control", fault, 'take "load"', "arc_length"))
     names = [stage.name for stage in case.stages]
     problems += check_held_stages(case.boundary, names)
-    unloads = any(body.velocity is not None for _, body in list_bodies(case).values())
+    unloads = case.gravity is not None or any(body.velocity is not None for _, body in list_bodies(case).values())
     for index, stage in enumerate(case.stages):
         key = f"stages.{index}"
         if stage.name in names[:index]:

@@ -26,6 +26,8 @@ from pydantic_core import CoreSchema
 from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.gradients import Gradients
+from presswork.case.gravity import DESCRIPTION as GRAVITY
+from presswork.case.gravity import Gravity
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.series import Series
 from presswork.case.heat.thermal import Thermal
@@ -294,6 +296,7 @@ class Case(CaseFile):
     presses: dict[Name, Press] = Field(default={}, description="presses that stages refer to, by name")
     boundary: dict[Name, Boundary] = Field(default={}, description="supports, the axis and symmetry planes by name")
     heat: FormingHeat | None = Field(default=None, description="heat of the workpiece as it is formed")
+    gravity: Gravity | None = Field(default=None, description=GRAVITY)
     stages: tuple[Stage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     explicit: ExplicitSolver = Field(

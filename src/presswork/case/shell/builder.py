@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork import _core, model
 from presswork.case.errors import CaseError, Problem
+from presswork.case.gravity import find_gravity
 from presswork.case.held_stages import check_held_stages, list_released, releases
 from presswork.case.marked_points import build_points
 from presswork.case.material.forming_limit.build import build_sheets
@@ -60,6 +61,7 @@ def build_shell_model(case: ShellCase, *, run_user_code: bool = True) -> model.M
         stages=tuple(_build_stage(stage, case) for stage in case.stages),
         solver=solver,
         output=build_output(case.output),
+        gravity=find_gravity(case.gravity),
         limits=case.limits.build(),
         points=points,
         case_text=case.text,
@@ -111,7 +113,7 @@ def _check_names(case: ShellCase) -> list[Problem]:
                 problems.append(Problem("solver.control", fault, remedy, "arc_length"))
     names = [stage.name for stage in case.stages]
     problems += check_held_stages(case.boundary, names)
-    loaded = False
+    loaded = case.gravity is not None
     for index, stage in enumerate(case.stages):
         if stage.name in names[:index]:
             problems.append(

@@ -14,6 +14,8 @@ from pydantic import (
 from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.gradients import Gradients
+from presswork.case.gravity import DESCRIPTION as GRAVITY
+from presswork.case.gravity import Gravity3
 from presswork.case.held_stages import StagedBoundary
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
@@ -178,6 +180,7 @@ class ShellCase(CaseFile):
     workpiece: ShellWorkpiece = Field(description="the sheet that is formed")
     materials: dict[Name, SheetTable] = Field(default={}, description="materials by name")
     boundary: dict[Name, ShellBoundary] = Field(default={}, description="supports and symmetry planes by name")
+    gravity: Gravity3 | None = Field(default=None, description=GRAVITY)
     stages: tuple[ShellStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: Solver = Field(default=Solver(), description="how the implicit procedure integrates and iterates")
     output: Output = Field(default=Output(), description="what is saved, and when")

@@ -11,6 +11,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem, suggest
+from presswork.case.gravity import find_gravity
 from presswork.case.heat.forming_builder import start_hot
 from presswork.case.held_stages import check_held_stages, list_released, releases
 from presswork.case.marked_points import build_points
@@ -73,7 +74,8 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         *of_presses,
         *of_tools,
     ]
-    problems = problems or check_motions(case, tools) or check_reach(tools, stages, mesh)
+    problems = problems or check_motions(case, tools)
+    problems = problems or ([] if case.gravity else check_reach(tools, stages, mesh))
     _stop_at(problems, case)
     tools, close = close_fits_in_space(tools, stages, mesh)
     for warning in close:
@@ -93,6 +95,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
         bodies=bodies,
         contacts=contacts,
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
+        gravity=find_gravity(case.gravity),
         limits=case.limits.build(),
         points=points,
         heat=build_space_heat(case, bodies),
@@ -158,7 +161,7 @@ def _check_names(case: SpaceCase) -> list[Problem]:
         if stage.name in names[:index]:
             fault = "two stages have this name"
             problems.append(Problem(f"stages.{index}.name", fault, "give each its own", stage.name))
-        is_loaded = bool(stage.force or stage.face_force or stage.pressure)
+        is_loaded = bool(case.gravity or stage.force or stage.face_force or stage.pressure)
         moves = any(body.velocity is not None for _, body in list_space_bodies(case).values())
         moves = moves or any(motion.turn or motion.force or motion.position for motion in stage.tools.values())
         moves = moves or any(any(motion.build().move) for motion in stage.tools.values())

@@ -11,6 +11,8 @@ from pydantic import Field, model_validator
 from presswork import model
 from presswork.case.case_file import CaseFile
 from presswork.case.gradients import Gradients
+from presswork.case.gravity import DESCRIPTION as GRAVITY
+from presswork.case.gravity import Gravity3
 from presswork.case.heat.forming import FormingHeat
 from presswork.case.heat.quantities import Temperature
 from presswork.case.held_stages import StagedBoundary
@@ -201,6 +203,7 @@ class SpaceCase(CaseFile):
         default=None,
         description="when and how finely tetrahedra are meshed anew; without it: where their first mesh fails",
     )
+    gravity: Gravity3 | None = Field(default=None, description=GRAVITY)
     stages: tuple[SpaceStage, ...] = Field(min_length=1, description="the process, stage by stage")
     solver: SpaceSolver = Field(default=SpaceSolver(), description="how the implicit procedure integrates and iterates")
     explicit: ExplicitSolver = Field(

@@ -13,6 +13,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem
+from presswork.case.gravity import find_gravity
 from presswork.case.held_stages import check_held_stages, list_released
 from presswork.case.marked_points import build_points
 from presswork.case.material.forming_limit.build import build_sheets
@@ -178,6 +179,7 @@ def _build_first(case: StampingCase, stages: tuple[model.Stage, ...], run_user_c
         formed=_read_formed(case),
         self_contact=model.SheetSelfContact(case.self_contact.mu) if case.self_contact else None,
         heat=build_sheet_heat(case),
+        gravity=find_gravity(case.gravity),
         limits=case.limits.build(),
         points=points,
         draw_in=tuple(model.DrawInDirection(name, radians(angle)) for name, angle in case.draw_in.items()),

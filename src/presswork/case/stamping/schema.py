@@ -10,6 +10,8 @@ from pydantic.config import JsonDict
 
 from presswork.case.case_file import CaseFile
 from presswork.case.gradients import Gradients
+from presswork.case.gravity import DESCRIPTION as GRAVITY
+from presswork.case.gravity import Gravity3
 from presswork.case.heat.thermal import Thermal
 from presswork.case.limits import Limits
 from presswork.case.marked_points import DESCRIPTION as POINTS
@@ -196,6 +198,7 @@ class StampingCase(CaseFile):
     boundary: dict[Name, ShellBoundary] = Field(
         default={}, description="what holds the blank beside the tools, by name"
     )
+    gravity: Gravity3 | None = Field(default=None, description=GRAVITY)
     stages: tuple[StampingStage, ...] = Field(default=(), description="the process, stage by stage")
     explicit: Explicit = Field(default=Explicit(), description="how the explicit procedure steps through time")
     trim: dict[Name, Trim] = Field(

@@ -32,7 +32,7 @@ from presswork.observe.limits import Measure, Watched, measure_hydrostatic_stres
 from presswork.observe.reactions import Reactions
 from presswork.process.explicit.contacts import ContactsOfRun, find_touching
 from presswork.process.explicit.heat_of_solids import HeatOfSolids, heat_by_itself
-from presswork.process.explicit.intervals import LAST_COLUMNS, IntervalProgress, IntervalReport, IntervalRun
+from presswork.process.explicit.intervals import LAST_COLUMNS, IntervalProgress, IntervalReport, IntervalRun, weigh_nodes
 from presswork.process.explicit.loose_rows import LooseRows, find_held_by_wall
 from presswork.process.explicit.point_history import BlockPoints, PointHistory
 from presswork.process.explicit.shear_friction import find_coefficient
@@ -81,8 +81,8 @@ class ExplicitForming(IntervalRun):
         self.heat = self.domain.make_heat(model, self.contacts, self._threads) if model.heat else None
         self.points.start(self._find_points())
         velocities = (self.settings.velocity, *self.settings.velocity_of_others)
-        self.loose = None if np.any(np.ravel(velocities)) else LooseRows(model)
-        """None where bodies are meant to fly."""
+        self.loose = None if np.any(np.ravel(velocities)) or model.gravity else LooseRows(model)
+        """None where bodies are meant to fly or fall."""
         self.begin_stage()
 
     @property
@@ -107,6 +107,8 @@ class ExplicitForming(IntervalRun):
         density = np.broadcast_to(np.asarray(epoch.get("density", 1.0)), len(model.mesh.blocks))
         self.domain.make(model, density, touching, is_at_start=not epoch)
         self.solids.safety = self.settings.safety
+        if model.gravity:
+            self.solids.force = weigh_nodes(self.solids.mass, model.gravity, self.solids.force.shape[1])
         self.contacts = ContactsOfRun(model, touching, self.solids)
         self.domain.check_device()
         self._reaction = np.zeros((len(model.mesh.points), model.dimension))

@@ -357,6 +357,17 @@ class IntervalRun(ModelRun, ABC):
         }
 
 
+def weigh_nodes(mass: FloatArray, gravity: Sequence[float], freedoms: int) -> FloatArray:
+    """Return the weight of nodes (n_nodes, freedoms) [N] by their masses before any is added (n_nodes,) [t].
+
+    >>> weigh_nodes(np.array([2.0]), (0.0, 0.0, -10.0), 6).tolist()
+    [[0.0, 0.0, -20.0, 0.0, 0.0, 0.0]]
+    """
+    weight = np.zeros((len(mass), freedoms))
+    weight[:, : len(gravity)] = mass[:, None] * np.asarray(gravity)
+    return weight
+
+
 def process_time(stages: Sequence[Stage], time: float) -> float:
     """Return the time in the press [s] by the time that is computed [s]."""
     past = 0.0

@@ -41,6 +41,7 @@ from presswork.process.explicit.intervals import (
     IntervalReport,
     IntervalRun,
     process_time,
+    weigh_nodes,
 )
 from presswork.process.explicit.loose_rows import LooseRows
 from presswork.process.explicit.refined_sheet import RefinedSheet
@@ -144,7 +145,7 @@ class ExplicitStamping(IntervalRun):
         if model.refinement:
             refuse(self.settings.device, "refined sheets")
         start, rolling = self.refined.start, np.asarray(model.rolling_direction)
-        return ExplicitShells(
+        shells = ExplicitShells(
             model.mesh.points if start is None else start.position,
             model.cells,
             section.thickness if start is None else start.thickness,
@@ -164,6 +165,9 @@ class ExplicitStamping(IntervalRun):
             hanging=self.refined.find_hanging(),
             world=self._world,
         )
+        if model.gravity:
+            shells.force = weigh_nodes(shells.mass[:, 0], model.gravity, shells.force.shape[1])
+        return shells
 
     def _compute_interval(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         stage, rows = self.model.stages[number], self.model.output.rows
@@ -201,7 +205,7 @@ class ExplicitStamping(IntervalRun):
                 self.heat.sample()
             stop.look()
         self._reaction = self.shells.reaction_impulse / (end - begin)
-        if not self.tools.hold_sheet:
+        if not (self.tools.hold_sheet or self.model.gravity):
             self.loose.end_row(self.model, self.progress.stage, self.shells, self.shells.mass[:, 0])
         energies = self._energies(stage, end)
         self.progress.cycles += n

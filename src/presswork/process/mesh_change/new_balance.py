@@ -54,8 +54,8 @@ def balance_new_mesh(
 
 
 def _is_driven_by_motion(model: Model) -> bool:
-    """Say whether no load and no force on a tool acts in any stage."""
-    return not any(
+    """Say whether no load, no weight and no force on a tool acts in any stage."""
+    return not model.gravity and not any(
         stage.forces or stage.pressures or stage.edge_forces or stage.face_forces or stage.face_pressures
         or stage.body_forces or stage.drive or any(motion.push for motion in stage.tool_motion.values())
         for stage in model.stages

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Weight: density times the acceleration of gravity on the undeformed volume, in every family.
+
+A node takes rho g int N dV of its cells, so that a polynomial field of the cells' order is loaded as theory asks. The
+load keeps its direction and size, hence it has no derivative. In increments it comes linearly over the first stage and
+stays; explicit runs give each node its mass times g from the first cycle on (process/explicit), so that a free body
+falls without strain.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from presswork.interaction.contract import Forces, Guess, Interaction
+from presswork.model import CellBlock, FloatArray, Model, find_cell
+from presswork.state import State
+
+
+class Gravity(Interaction):
+    """The weight of one model's nodes."""
+
+    is_driving = True
+
+    def __init__(self, model: Model) -> None:
+        self._weight = find_weights(model)
+        d = model.dimension
+        self._no_pairs, self._no_blocks = np.zeros((0, 2), dtype=np.int32), np.zeros((0, d, d))
+
+    def evaluate(self, state_n: State, trial: State, guess: Guess) -> Forces:
+        """Return the weight at a guess."""
+        share = guess.step.fraction if guess.step.stage == 0 else 1.0
+        return Forces(share * self._weight, self._no_pairs, self._no_blocks)
+
+    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+        """Add the weight to the loads of a converged state, which are set before."""
+        external = trial.nodes.external_force.copy()
+        external[:, : own.force.shape[1]] += own.force
+        trial.nodes.external_force = external
+
+
+def find_weights(model: Model) -> FloatArray:
+    """Return the weight of each node of what is modelled (n_points, d) [N]; of full rings in axisymmetry."""
+    mass = np.zeros(len(model.mesh.points))
+    for block in model.mesh.blocks:
+        volumes = find_node_volumes(model, block)
+        np.add.at(mass, block.connectivity, model.materials[block.material].density * volumes)
+    return mass[:, None] * np.asarray(model.gravity)
+
+
+def find_node_volumes(model: Model, block: CellBlock) -> FloatArray:
+    """Return int N dV of the nodes of each cell (n_cells, n_nodes) [mm3], by the cells' largest quadrature rule."""
+    x = model.mesh.points[block.connectivity]
+    cell = find_cell(2 if block.section or model.dimension == 2 else 3, block.connectivity)
+    rule = cell.rules[max(cell.rules)]
+    tangents = np.einsum("qaj,eai->eqij", rule.slopes, x)  # of cell coordinates (n_cells, n_qp, d, dimension)
+    if block.section:
+        normal = np.cross(tangents[..., 0], tangents[..., 1])
+        size = block.section.thickness * np.linalg.norm(normal, axis=-1)
+    else:
+        size = np.linalg.det(tangents)
+    if model.analysis == "axisymmetric":
+        size = 2.0 * np.pi * size * np.einsum("qa,ea->eq", rule.shapes, x[..., 0])
+    elif model.dimension == 2:
+        size = model.depth * size
+    return np.einsum("eq,q,qa->ea", size, rule.weights, rule.shapes)
