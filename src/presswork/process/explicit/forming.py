@@ -32,7 +32,13 @@ from presswork.observe.limits import Measure, Watched, measure_hydrostatic_stres
 from presswork.observe.reactions import Reactions
 from presswork.process.explicit.contacts import ContactsOfRun, find_touching
 from presswork.process.explicit.heat_of_solids import HeatOfSolids, heat_by_itself
-from presswork.process.explicit.intervals import LAST_COLUMNS, IntervalProgress, IntervalReport, IntervalRun, weigh_nodes
+from presswork.process.explicit.intervals import (
+    LAST_COLUMNS,
+    IntervalProgress,
+    IntervalReport,
+    IntervalRun,
+    weigh_nodes,
+)
 from presswork.process.explicit.loose_rows import LooseRows, find_held_by_wall
 from presswork.process.explicit.point_history import BlockPoints, PointHistory
 from presswork.process.explicit.shear_friction import find_coefficient
