@@ -188,7 +188,8 @@ def test_added_mass_does_not_add_weight() -> None:
 
 def test_block_stands_on_a_table_with_its_weight() -> None:
     case = Case(
-        title="stand", analysis="plane_strain", materials=metal(0.3), gravity=[0.0, -G], depth=10.0, output={"steps": 1},
+        title="stand", analysis="plane_strain", materials=metal(0.3), gravity=[0.0, -G], depth=10.0,
+        output={"steps": 1},
         workpiece={"material": "steel", "element": "quad4_fbar", "mesh": {"size": [9.0, 8.0], "cells": [3, 2]}},
         tools={"table": {"profile": [[20, 0], [-20, 0]], "contact": "frictionless"}},
         boundary={"side": {"set": "left", "fix": ["x"]}}, stages=[{"name": "stand"}],

@@ -46,7 +46,7 @@ def find_weights(model: Model) -> FloatArray:
     for block in model.mesh.blocks:
         volumes = find_node_volumes(model, block)
         np.add.at(mass, block.connectivity, model.materials[block.material].density * volumes)
-    return mass[:, None] * np.asarray(model.gravity)
+    return np.asarray(mass[:, None] * np.asarray(model.gravity))
 
 
 def find_node_volumes(model: Model, block: CellBlock) -> FloatArray:
@@ -64,4 +64,4 @@ def find_node_volumes(model: Model, block: CellBlock) -> FloatArray:
         size = 2.0 * np.pi * size * np.einsum("qa,ea->eq", rule.shapes, x[..., 0])
     elif model.dimension == 2:
         size = model.depth * size
-    return np.einsum("eq,q,qa->ea", size, rule.weights, rule.shapes)
+    return np.asarray(np.einsum("eq,q,qa->ea", size, rule.weights, rule.shapes))
