@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 from presswork.interaction.contract import Forces, Guess, Interaction
-from presswork.model import CellBlock, FloatArray, Model, find_cell
+from presswork.mesh.node_weights import find_weights
+from presswork.model import Model
 from presswork.state import State
 
 
@@ -38,30 +39,3 @@ class Gravity(Interaction):
         external = trial.nodes.external_force.copy()
         external[:, : own.force.shape[1]] += own.force
         trial.nodes.external_force = external
-
-
-def find_weights(model: Model) -> FloatArray:
-    """Return the weight of each node of what is modelled (n_points, d) [N]; of full rings in axisymmetry."""
-    mass = np.zeros(len(model.mesh.points))
-    for block in model.mesh.blocks:
-        volumes = find_node_volumes(model, block)
-        np.add.at(mass, block.connectivity, model.materials[block.material].density * volumes)
-    return np.asarray(mass[:, None] * np.asarray(model.gravity))
-
-
-def find_node_volumes(model: Model, block: CellBlock) -> FloatArray:
-    """Return int N dV of the nodes of each cell (n_cells, n_nodes) [mm3], by the cells' largest quadrature rule."""
-    x = model.mesh.points[block.connectivity]
-    cell = find_cell(2 if block.section or model.dimension == 2 else 3, block.connectivity)
-    rule = cell.rules[max(cell.rules)]
-    tangents = np.einsum("qaj,eai->eqij", rule.slopes, x)  # of cell coordinates (n_cells, n_qp, d, dimension)
-    if block.section:
-        normal = np.cross(tangents[..., 0], tangents[..., 1])
-        size = block.section.thickness * np.linalg.norm(normal, axis=-1)
-    else:
-        size = np.linalg.det(tangents)
-    if model.analysis == "axisymmetric":
-        size = 2.0 * np.pi * size * np.einsum("qa,ea->eq", rule.shapes, x[..., 0])
-    elif model.dimension == 2:
-        size = model.depth * size
-    return np.asarray(np.einsum("eq,q,qa->ea", size, rule.weights, rule.shapes))

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from presswork import model
-from presswork.interaction.gravity import find_weights
+from presswork.mesh.node_weights import find_weights
 from presswork.model import FloatArray
 
 NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")

@@ -73,8 +73,7 @@ def describe_stamping(problem: Model) -> Iterator[str]:
         degrees = np.degrees(refinement.angle)
         yield f"refined as it is formed: at more than {degrees:g} degrees, down to a side of {shortest * finest:.3g} mm"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
-    for each in problem.materials:
-        yield f"material {each.name}: density {each.density:.3g} t/mm3, {describe_material(each)}"
+    yield from (f"material {m.name}: density {m.density:.3g} t/mm3, {describe_material(m)}" for m in problem.materials)
     yield from (f"forming limit: {describe_forming_limit(material)}", *describe_drawing_ratio(problem))
     yield from describe_gravity(problem)
     if problem.heat is not None:
