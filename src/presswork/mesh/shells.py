@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from presswork.mesh.directors import find_directors
 from presswork.mesh.files.readers import build_sets, read_raw, take_cells
 from presswork.mesh.make.structured import Pattern, mesh_rectangle
 from presswork.mesh.topology import drop_unused_points, find_boundary_edges
-from presswork.model import CellBlock, ElementName, FloatArray, IndexArray, Mesh, Section
+from presswork.model import CellBlock, ElementName, FloatArray, IntArray, Mesh, Section
 
 
 def mesh_shell_rectangle(
@@ -72,6 +73,6 @@ def read_shell_mesh(
     return Mesh(points, (block,), _add_boundary(node_sets, boundary), edge_sets, boundary), tuple(notes)
 
 
-def _add_boundary(node_sets: dict[str, IndexArray], edges: IndexArray) -> dict[str, IndexArray]:
+def _add_boundary(node_sets: Mapping[str, IntArray], edges: IntArray) -> dict[str, IntArray]:
     """Return sets of nodes with those of the edges (n, 2) as `boundary`, unless a file has its own."""
     return {"boundary": np.unique(edges), **node_sets}

@@ -161,13 +161,13 @@ def test_meshes_of_other_programs_keep_their_numbers(tmp_path: Path, ending: str
 
 def test_nastran_in_free_and_large_fields(tmp_path: Path) -> None:
     (tmp_path / "a.bdf").write_text(
-        "BEGIN BULK\nGRID,1,,0.,0.,0.\nGRID*,2,,1.0,0.\n*,0.\n"
+        "BEGIN BULK\nGRID,1,,0.,0.,0.\nGRID*,4,,1.0,0.\n*,2.\n"
         "GRID*                  2                           1.0+0             0.0\n*                    0.0\n"
-        "GRID           3             1.0     1.0   1.5-1\nCTRIA3,7,1,1,2,3\nENDDATA\n"
+        "GRID           3             1.0     1.0   1.5-1\nCTRIA3,7,1,1,2,3\nCTRIA3,8,1,1,2,4\nENDDATA\n"
     )
     found = read_shell_mesh(tmp_path / "a.bdf")
-    np.testing.assert_allclose(found.points, [[0, 0, 0], [1, 0, 0], [1, 1, 0.15]])
-    assert found.cells.tolist() == [[0, 1, 2, 2]]
+    np.testing.assert_allclose(found.points, [[0, 0, 0], [1, 0, 0], [1, 1, 0.15], [1, 0, 2]])
+    assert found.cells.tolist() == [[0, 1, 2, 2], [0, 1, 3, 3]]
 
 
 def test_a_deck_without_a_mesh_is_refused(tmp_path: Path) -> None:

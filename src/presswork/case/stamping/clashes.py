@@ -125,7 +125,7 @@ def _sample_cells(mesh: Mesh) -> FloatArray:
     parts = min(40, 2 + int(np.sqrt(SAMPLES / len(corners))))
     first, second = (k.ravel() / parts for k in np.mgrid[: parts + 1, : parts + 1])
     share = np.column_stack([1.0 - first - second, first, second])[first + second <= 1.0 + 1e-9]
-    return np.einsum("sk,nkd->nsd", share, corners).reshape(-1, 3)
+    return np.asarray(share @ corners).reshape(-1, 3)
 
 
 def _check_holders(case: StampingCase, tools: tuple[Tool, ...]) -> list[Problem]:

@@ -49,7 +49,7 @@ def cut_part(
     whole = Places(keys.astype(np.int32), np.column_stack([1.0 - part, part]))
     way = (whole.take(points)[:, :2] - start) @ out
     lines = []
-    for chain in _chain(number.reshape(-1, 2), way):
+    for chain in _chain(number.astype(np.int32).reshape(-1, 2), way):
         inside = np.isfinite(way[chain]) & ((way[chain] >= 0.0) & (way[chain] <= length) | np.isinf(length))
         ends = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(np.int8), [0]])))
         for first, last in ends.reshape(-1, 2):

@@ -100,6 +100,11 @@ def _lines(path: Path) -> list[str]:
     return lines
 
 
+def _node(number: str, place: list[str]) -> tuple[int, float, float, float]:
+    x, y, z = (_real(word) for word in place)
+    return int(number), x, y, z
+
+
 def _read_dyna(path: Path) -> Iterator[Row | tuple[int, float, float, float]]:
     keyword, skipped = "", 0
     for line in _lines(path):
@@ -110,7 +115,7 @@ def _read_dyna(path: Path) -> Iterator[Row | tuple[int, float, float, float]]:
             continue
         if keyword == "NODE":
             words = line.split(",") if "," in line else [line[:8], *(line[i : i + 16] for i in (8, 24, 40))]
-            yield (int(words[0]), *(_real(word) for word in words[1:4]))
+            yield _node(words[0], words[1:4])
         elif keyword.startswith("ELEMENT_SHELL") and "COMPOSITE" not in keyword:
             skipped -= 1
             if skipped < 0:
@@ -128,7 +133,7 @@ def _read_radioss(path: Path) -> Iterator[Row | tuple[int, float, float, float]]
         elif line.startswith(("#", "$")) or not line.strip():
             continue
         elif keyword == "NODE" or keyword.startswith("NODE/"):
-            yield (int(line[:10]), *(_real(line[i : i + 20]) for i in (10, 30, 50)))
+            yield _node(line[:10], [line[i : i + 20] for i in (10, 30, 50)])
         elif keyword.startswith(("SHELL/", "SH3N/")):
             end = 50 if keyword.startswith("SHELL/") else 40
             yield _shell([int(line[i : i + 10].strip() or 0) for i in range(0, end, 10)])
@@ -143,7 +148,8 @@ def _read_nastran(path: Path) -> Iterator[Row | tuple[int, float, float, float]]
         if name not in ("GRID", "CQUAD4", "CQUADR", "CTRIA3", "CTRIAR"):
             continue
         if "," in line:
-            words = [word.strip() for word in line.split(",")][1:]
+            rows = lines[i : i + 2] if head.endswith("*") else [line]
+            words = [word.strip() for row in rows for word in row.split(",")[1:]]
         elif head.endswith("*"):
             words = [row[c : c + 16].strip() for row in lines[i : i + 2] for c in range(8, 72, 16)]
         else:
@@ -151,7 +157,7 @@ def _read_nastran(path: Path) -> Iterator[Row | tuple[int, float, float, float]]
         if name == "GRID":
             if words[1] not in ("", "0"):
                 raise ValueError(f"GRID {words[0]} is given in system {words[1]}: write it in the basic system")
-            yield (int(words[0]), *(_real(word) for word in words[2:5]))
+            yield _node(words[0], words[2:5])
         else:
             yield _shell([int(words[0]), *(int(word) for word in words[2 : 6 if "QUAD" in name else 5])])
 
@@ -159,7 +165,7 @@ def _read_nastran(path: Path) -> Iterator[Row | tuple[int, float, float, float]]
 def _read_abaqus(path: Path) -> Iterator[Row | tuple[int, float, float, float]]:
     for block in read_blocks(path):
         if block.name == "NODE":
-            yield from ((int(row[0]), *(float(v) for v in row[1:4])) for row in block.table(4).tolist())
+            yield from ((int(n), float(x), float(y), float(z)) for n, x, y, z in block.table(4).tolist())
         elif block.name == "ELEMENT":
             kind = block.name_of("TYPE")
             cell = next((c for c in CELLS.values() if re.match(c.files.abaqus, kind)), None)
