@@ -160,7 +160,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
     ("workpiece.material", "stel", ["workpiece.material", "did you mean `steel`", "presswork materials"]),
     ("workpiece.material", "aa6016", ["workpiece.material", "did you mean `aa6016_t4`"]),
     ("materials", {"steel": {"library": "aa6016"}}, ["materials.steel.library", "did you mean `aa6016_t4`", ".toml"]),
-    ("materials", {"steel": {"library": "no.toml"}}, ["materials.steel.library", "there is no", "relative to the case"]),
+    ("materials", {"steel": {"library": "no.toml"}}, ["materials.steel.library", "there is no", "relative to"]),
     ("materials", {"steel": {"library": "aa6016_t4", "yung": 3}}, ["materials.steel.yung", "did you mean `young`"]),
     ("materials", {"steel": {}}, ["materials.steel.young: missing key", "materials.steel.poisson: missing key"]),
     ("materials.steel.kinematic", {"law": "chaboche", "C": [1] * 11, "gamma": [0] * 11},
