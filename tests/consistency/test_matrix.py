@@ -141,7 +141,7 @@ SOLIDS = ("implicit plane strain", "implicit axisymmetric", ONE_POINT, "explicit
 SHELLS = ("implicit shells", "explicit shells")
 FAMILIES = (*SOLIDS, *SHELLS, "one step")
 BULK = "is a yield function of plane stress alone"
-ONE_STEP = "one step knows no"
+ONE_STEP = "one step has no"
 USER = ("user law", "jaumann_kirchhoff")
 CLOSED_FORM = "gives no strain for a stress in closed form"
 HOT = ("hensel_spittel", "norton_hoff", "sinh_arrhenius", "whole johnson_cook", "hot_table")
@@ -155,7 +155,7 @@ REFUSED: dict[tuple[str, str], str] = {
             "yoshida_uemori", "young_decrease", "expansion", "young_factor", "poisson_by_temperature",
         )
     },
-    **{(name, "one step"): "one step knows no strain rate and temperature" for name in HOT},
+    **{(name, "one step"): "one step has no strain rate and temperature" for name in HOT},
     **{(name, "one step"): "takes no UMAT" for name in USER},
     **{(name, ONE_POINT): "its hourglass control needs a flow stress" for name in USER},
     **{("jaumann_kirchhoff", family): "no shell takes it" for family in SHELLS},

@@ -132,7 +132,7 @@ def test_three_ranks_share_solids_shells_pushed_tools_and_mass_scaling_and_tell_
         wrong = {name: by for name, by in apart.items() if by > (1e-11 if name.endswith(SHARES) else 0.0)}
         assert not wrong, run
     (shells, shells_shared), (cells, cells_shared) = found["failed"]
-    assert "has left for infinity" in shells
+    assert "has no finite position" in shells
     assert "is turned inside out in cycle" in cells
     assert (shells_shared, cells_shared) == (shells, cells)
 

@@ -280,6 +280,6 @@ def test_what_one_step_cannot_use_is_refused(part, material, key):
         "blank": {"material": "steel", "thickness": 0.8},
         "materials": {"steel": material if "library" in material else steel | material},
     }
-    with pytest.raises(CaseError, match="one step knows no") as error:
+    with pytest.raises(CaseError, match="one step has no") as error:
         OneStepCase.from_data(data)
     assert [problem.key for problem in error.value.problems] == [f"materials.steel.{key}"]

@@ -100,9 +100,7 @@ def test_tools_that_all_go_past_the_part_end_the_line_before_its_operation(tmp_p
     stages = [{"name": "close", "tools": {"punch": {"stroke": 5}}}]
     tools = {"die": EXAMPLE["operations"][1]["tools"]["die"], "punch": punch}
     outcome = strike(tmp_path / "out", {"tools": tools, "stages": stages})
-    assert (
-        "operations.restrike.tools.punch: the punch goes past the part, as every tool that moves does" in outcome.reason
-    )
+    assert "operations.restrike.tools.punch: the punch passes the part, as every tool that moves does" in outcome.reason
 
 
 def test_a_tool_that_is_pushed_from_afar_ends_the_line_before_its_operation(tmp_path) -> None:

@@ -164,7 +164,7 @@ def test_a_step_beyond_stability_ends_with_a_reason_and_the_last_good_state(tmp_
     wild = replace(model, explicit=replace(model.explicit, safety=3.0))
     outcome = run_model(wild, tmp_path / "out")
     assert outcome.status == "gave_up"
-    assert "left for infinity" in outcome.reason
+    assert "no finite position" in outcome.reason
     assert np.isfinite(outcome.result.field("displacement")).all()
 
 

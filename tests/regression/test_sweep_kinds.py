@@ -177,7 +177,7 @@ def test_a_sweep_of_a_stamping_says_what_is_wrong_with_it(tmp_path) -> None:
         ("max:stress_top", "stress_top has 6 components; name one, for instance stress_top_xx"),
         ("last:thinning", "last:thinning: the runs of this case have no thinning; "),
         ("last:incremnt", "did you mean `increment`?"),
-        ("last:stage", "stage is no number"),
+        ("last:stage", "stage is not a number"),
     ],
 )
 def test_columns_that_no_member_will_have_are_told_before_anything_is_run(tmp_path, column, told) -> None:

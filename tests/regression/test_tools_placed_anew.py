@@ -100,7 +100,7 @@ def test_a_resumed_run_places_it_alike(twice: Result, tmp_path: Path) -> None:
         (
             [PRESS, {"name": "lift", "tools": {"punch": {"position": "touch"}}}],
             "stages.1.tools.punch",
-            "no way to come from",
+            "no direction from which it comes",
         ),
     ],
 )

@@ -86,7 +86,10 @@ def test_a_dynain_has_thickness_strain_and_plane_stress(drawn_twice) -> None:
 def test_formed_sheets_that_cannot_begin_are_refused(drawn_twice, tmp_path) -> None:
     text = (drawn_twice.folder / "draw.dynain").read_text()
     for cut, told in (
-        (text.replace("*INITIAL_STRESS_SHELL", "*CONTACT_FORMING"), "CONTACT_FORMING is no part of a formed sheet"),
+        (
+            text.replace("*INITIAL_STRESS_SHELL", "*CONTACT_FORMING"),
+            "CONTACT_FORMING is not read as a part of a formed sheet",
+        ),
         (text[: text.index("*INITIAL_STRESS") + 400], "cut short"),
         ("*KEYWORD\n*END\n", "expected \\*NODE"),
     ):

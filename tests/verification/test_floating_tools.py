@@ -252,7 +252,7 @@ def test_a_workpiece_between_pushed_tools_alone_is_not_held() -> None:
         ({"stages": [{"name": "p", "tools": {"punch": {"force": 0, "direction": [0, -1]}}}]}, "expected a value > 0"),
         ({"stages": [{"name": "p", "tools": {"punch": {"force": 5}}}]}, "direction"),
         ({"stages": [{"name": "p", "tools": {"punch": {"force": 5, "stroke": 1, "direction": [0, 1]}}}]}, "travels or"),
-        ({"stages": [{"name": "p", "tools": {"punch": {"turn": 5}}}]}, "about which point"),
+        ({"stages": [{"name": "p", "tools": {"punch": {"turn": 5}}}]}, "its centre is not given"),
         ({"analysis": "axisymmetric", "depth": 1, "stages": [
             {"name": "p", "tools": {"punch": {"force": 5, "direction": [1, 0]}}}]}, "along y only"),
         ({"tools": {"punch": {"profile": [[-5, 6], [25, 6]], "contact": "sticking",

@@ -113,7 +113,7 @@ def test_a_block_cools_on_all_sides(element: str) -> None:
     ("changes", "where", "what"),
     [
         ({"heat": None}, "materials.steel.thermal", "has no meaning without [heat]"),
-        ({"stages": [{"name": "cool"}]}, "stages.0.duration", "heat takes time"),
+        ({"stages": [{"name": "cool"}]}, "stages.0.duration", "heat needs a duration"),
     ],
 )
 def test_bad_heat_in_space_is_told(changes, where, what) -> None:

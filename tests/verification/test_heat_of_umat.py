@@ -69,14 +69,14 @@ def test_a_umat_softens_by_the_heat_that_it_makes(library: Path, tells: int) -> 
 @pytest.mark.parametrize(
     ("changes", "where", "what"),
     [
-        ({"procedure": "explicit"}, "materials.steel.umat", "a UMAT knows no heat, so far"),
+        ({"procedure": "explicit"}, "materials.steel.umat", "computes no heat with a UMAT"),
         (
             {"procedure": "explicit", "heat": {"initial_temperature": 20, "max_change": 5}},
             "heat.max_change",
             "is for the implicit procedure",
         ),
         ({"heat": None}, "materials.steel.thermal", "has no meaning without [heat]"),
-        ({"analysis": "plane_strain", "procedure": "explicit"}, "materials.steel.umat", "a UMAT knows no heat, so far"),
+        ({"analysis": "plane_strain", "procedure": "explicit"}, "materials.steel.umat", "computes no heat with a UMAT"),
     ],
 )
 def test_where_a_umat_knows_no_heat_is_told(library: Path, changes, where, what) -> None:

@@ -165,7 +165,7 @@ BALL = {"shape": "round", "profile": [[0, 0], {"to": [3, 3], "centre": [0, 3], "
 @pytest.mark.parametrize(
     ("tool", "motion", "said"),
     [
-        ({**DIE, "position": [0, 0, 8]}, {"turn": 10}, r"stages\.0\.tools\.die\.turn .* about which axis"),
+        ({**DIE, "position": [0, 0, 8]}, {"turn": 10}, r"stages\.0\.tools\.die\.turn .* its axis is not given"),
         (
             {**DIE, "axis": [1, 0, 0], "position": [0, 0, 8]},
             {"turn": 10},
@@ -181,7 +181,7 @@ BALL = {"shape": "round", "profile": [[0, 0], {"to": [3, 3], "centre": [0, 3], "
             "on a spring",
         ),
         ({**DIE, "rotation": {"axis": [0, 0, 0], "angle": 1}}, {"stroke": 1, "direction": DOWN}, "not zero"),
-        (DIE, {"stroke": 1, "direction": DOWN, "force": 2}, "force stands beside stroke"),
+        (DIE, {"stroke": 1, "direction": DOWN, "force": 2}, "force and stroke are both given"),
     ],
 )
 def test_motions_that_mean_nothing_are_refused(tool: Any, motion: Any, said: str) -> None:

@@ -93,7 +93,7 @@ def json_schema(kind: str | None = None) -> dict[str, Any]:
     """
     names = {word: name for name, entry in KINDS.items() for word in (name, *entry.analyses)}
     if kind is not None and kind not in names:
-        raise CaseError([Problem("", f"`{kind}` is no kind of case", suggest(kind, names, "kinds"))], "schema")
+        raise CaseError([Problem("", f"unknown kind of case `{kind}`", suggest(kind, names, "kinds"))], "schema")
     head = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
     if kind is not None:
         return {**head, **_load(KINDS[names[kind]]).model_json_schema()}

@@ -121,7 +121,7 @@ def _refuse(built: model.Model) -> list[Problem]:
         ),
     )
     return [
-        Problem(f"gradients ({place})", f"there are no derivatives of {what} yet", f"{remedy} them")
+        Problem(f"gradients ({place})", f"derivatives of {what} are not available", f"{remedy} them")
         for applies, place, what, remedy in refused
         if applies
     ]
@@ -152,7 +152,7 @@ def _look_up(data: Any, key: str) -> float | Problem:
             choices = [str(i) for i in range(len(here))]
         if name not in choices:
             above = f"keys of `{'.'.join(names[:depth])}` in the case" if depth else "keys of the case"
-            return Problem("", f"the case does not say `{key}`", suggest(name, choices, above), key)
+            return Problem("", f"the case has no key `{key}`", suggest(name, choices, above), key)
         here = here[name] if isinstance(here, dict) else here[int(name)]
     if isinstance(here, list) and len(here) == 1 and isinstance(here[0], list) and len(here[0]) == 2:
         here = here[0][1]  # a table of one row, for which a case may give a number

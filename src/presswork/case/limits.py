@@ -24,9 +24,16 @@ class Limits(Part):
         description="depth of a tool or another body in an edge of a solid, over the edge's first length; in the "
         "surface of a sheet, over its thickness",
     )
-    thinning: Number = Field(default=_LIMITS.thinning, gt=0, lt=1, description="of a sheet, over its first thickness")
+    thinning: Number = Field(
+        default=_LIMITS.thinning,
+        gt=0,
+        lt=1,
+        description="largest loss of thickness of a sheet, over its first thickness",
+    )
     hydrostatic_stress: Number = Field(
-        default=_LIMITS.hydrostatic_stress, gt=0, description="of solids, either way, over the flow stress there"
+        default=_LIMITS.hydrostatic_stress,
+        gt=0,
+        description="largest hydrostatic stress of solids, positive or negative, over the flow stress there",
     )
     mean_pressure: Number = Field(
         default=_LIMITS.mean_pressure,

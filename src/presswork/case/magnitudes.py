@@ -13,8 +13,8 @@ from presswork.model import FloatArray
 
 Magnitudes = Literal["metal", "any"]
 DESCRIPTION = (
-    "metal: stiffness and strength that no metal has are refused, for they are slips of units; any: they are taken as "
-    "they are, for academic problems in any one system of units"
+    "metal: stiffness and strength that no metal has are refused, since they are errors of units; any: they are taken "
+    "as they are, for academic problems in any one system of units"
 )
 
 SOFTEST, STIFFEST = 1e3, 2e6

@@ -21,7 +21,7 @@ def _check_name(name: str) -> str:
     """Refuse a name that could not be that of a file."""
     remedy = 'take letters, digits, blanks, "_" and "-", for instance punch_2'
     if not name.strip(" ."):
-        raise fault("this name says nothing" if name else "the name is empty", remedy)
+        raise fault("the name is blank" if name else "the name is empty", remedy)
     if name != name.strip() or name.startswith("."):
         raise fault("the name begins with a dot, or begins or ends with a blank", remedy)
     if len(name) > LONGEST:

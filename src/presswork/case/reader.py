@@ -74,9 +74,7 @@ def _parse(text: str, source: Path | None) -> dict[str, Any]:
 
 
 def _too_deep() -> Problem:
-    return Problem(
-        "", f"tables and lists lie more than {DEEPEST} deep in each other", "no case has them deeper than 10"
-    )
+    return Problem("", f"tables and lists are nested more than {DEEPEST} deep", "no case has them deeper than 10")
 
 
 def _require_bounded(data: object, source: Path | None) -> None:
@@ -113,7 +111,7 @@ def apply_overrides(data: dict[str, Any], overrides: Sequence[str], source: Path
         key = key.strip()
         if not equals or not key:
             remedy = "write --set key=value, or --set key= to remove the key"
-            raise CaseError([Problem("", f"`{override}` is no override", remedy)], source)
+            raise CaseError([Problem("", f"`{override}` is not of the form key=value", remedy)], source)
         if not text.strip():
             _remove(data, key, source)
             continue

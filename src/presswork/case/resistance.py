@@ -148,8 +148,8 @@ def _explain_unresisted(model: Model, tool: Tool, stage: int, direction: FloatAr
     return Problem(
         f"stages.{stage}.tools.{tool.name}",
         f"the tool pushes the workpiece along ({arrow}), and nothing holds it against that, no other tool, support or "
-        "load: it would ride along",
-        f"{remedy}; limits.stop = false lets it run all the same",
+        "load: it would move with the tool",
+        f"{remedy}; limits.stop = false runs it anyway",
     )
 
 

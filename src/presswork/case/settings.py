@@ -115,7 +115,7 @@ class Solver(Part):
         description="mass over the material's, in the time of the stages: steadies what nothing holds and what snaps; "
         "solids need the materials' density",
     )
-    damping: Rate = Field(default=_SOLVER.damping, ge=0, description="of this mass [1/s]")
+    damping: Rate = Field(default=_SOLVER.damping, ge=0, description="damping in proportion to this mass [1/s]")
 
     @model_validator(mode="after")
     def _check_damping(self) -> Self:

@@ -111,7 +111,7 @@ def unit_factor(unit: str, dimension: Dimension) -> float:
         return usual[unit]
     if len(unit) > _LONGEST or not (unit == "" or _UNIT.fullmatch(unit)):
         shown = unit if len(unit) <= _LONGEST else f"{unit[:_LONGEST]} ..."
-        raise ValueError(f"`{shown}` is no known unit")
+        raise ValueError(f"unknown unit `{shown}`")
     return _ask_pint(unit, dimension)
 
 
@@ -123,7 +123,7 @@ def _ask_pint(unit: str, dimension: Dimension) -> float:
     try:
         parsed = registry.parse_units(unit.replace("·", "*"))
     except Exception as error:  # pint raises its own, tokenizer's and Python's errors
-        raise ValueError(f"`{unit}` is no known unit") from error
+        raise ValueError(f"unknown unit `{unit}`") from error
     try:
         return float((1.0 * parsed).to(dimension.unit or "dimensionless").magnitude)
     except (pint.DimensionalityError, pint.OffsetUnitCalculusError, ArithmeticError) as error:

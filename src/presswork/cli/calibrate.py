@@ -109,7 +109,7 @@ def damage(
         try:
             place = [float(part) for part in at.split(",") if part.strip()]
         except ValueError:
-            raise CaseError([Problem("--at", f"`{at}` is no place", "write --at 12.5,0.2")]) from None
+            raise CaseError([Problem("--at", f"`{at}` is not a place", "write --at 12.5,0.2")]) from None
         found = calibrate_damage(
             test, stroke, tool=tool, criterion=criterion, at=place, folder=output, settings=set_ or []
         )
@@ -166,7 +166,7 @@ def _read_values(text: str) -> list[float]:
     try:
         return [float(part) for part in text.split(",") if part.strip()]
     except ValueError:
-        raise CaseError([Problem("--values", f"`{text}` are no numbers", "write --values 0,0.1,0.2")]) from None
+        raise CaseError([Problem("--values", f"`{text}` are not numbers", "write --values 0,0.1,0.2")]) from None
 
 
 def _report_fit(calibration: Calibration) -> None:

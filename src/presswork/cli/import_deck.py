@@ -47,9 +47,7 @@ def import_deck(
             help=f"Units of the deck: {', '.join(SYSTEMS)}; without it: named in it, or by density and stiffness."
         ),
     ] = "",
-    drop: Annotated[
-        list[str] | None, typer.Option(help="A keyword that carries physics and is left out all the same.")
-    ] = None,
+    drop: Annotated[list[str] | None, typer.Option(help="A keyword that carries physics, to leave out anyway.")] = None,
 ) -> None:
     """Make a case of another program's deck, and say line by line what was kept, changed and dropped."""
     with exit_on(CaseError, OSError, OutputError):
@@ -87,8 +85,8 @@ def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
     sheets = [material for material in read.materials.values() if not material.is_rigid]
     found = SYSTEMS[units] if units else read.units or find_units(sheets)
     if found is None:
-        fault = "density and stiffness of the sheet are those of a metal in no units, or in several"
-        fault = fault if sheets else "no material of a sheet tells the units"
+        fault = "density and stiffness of the sheet fit a metal in no system of units, or in several"
+        fault = fault if sheets else "no material of a sheet shows the units"
         raise CaseError([Problem("--units", fault, f"give one of {', '.join(SYSTEMS)}")], deck)
     with _explain_misfits(deck):
         imported = make_stamping(read, found, notes)

@@ -178,5 +178,5 @@ def _read_stress(key: str, text: str) -> float:
     except Exception as error:
         raise CaseError([Problem(key, f"expected a stress, not `{text}`", 'for instance "206 GPa"')]) from error
     if value < 1e3:
-        raise CaseError([Problem(key, f"{value:g} MPa is no metal's modulus", 'for instance "206 GPa"', text)])
+        raise CaseError([Problem(key, f"{value:g} MPa is outside the range of metals", 'for instance "206 GPa"', text)])
     return value

@@ -218,7 +218,7 @@ class BlankAndTools:
             if held in taken:
                 continue
             if is_of_blank:
-                self.notes.refuse(held.place, held.keyword, "supports of the blank that are no symmetry plane")
+                self.notes.refuse(held.place, held.keyword, "supports of the blank that are not a symmetry plane")
             else:
                 self.notes.drop(held.place, held.keyword, "holds nodes of rigid tools, which move as stages say")
         self.notes.check()
@@ -280,7 +280,7 @@ class BlankAndTools:
     def _find_end(self) -> float:
         if self.deck.end is not None and self.deck.end > 0.0:
             return self.deck.end
-        raise self.notes.fail(None, "the deck does not say when it ends", "add *CONTROL_TERMINATION or /RUN")
+        raise self.notes.fail(None, "the deck has no end time", "add *CONTROL_TERMINATION or /RUN")
 
     def _curve(self, of: Motion | Push) -> FloatArray:
         curve = self.deck.curves.get(of.curve)

@@ -47,9 +47,9 @@ def to_number(text: str, parameters: Parameters) -> float:
         try:
             number = float(repaired)
         except ValueError:
-            raise FieldError(f"`{text}` is no number") from None
+            raise FieldError(f"`{text}` is not a number") from None
     if not math.isfinite(number):
-        raise FieldError(f"`{text}` is no finite number")
+        raise FieldError(f"`{text}` is not a finite number")
     return sign * number
 
 
@@ -72,7 +72,7 @@ def read_table(rows: Sequence[bytes], widths: Sequence[int], parameters: Paramet
             table[:, column] = [to_number(each.decode("latin-1"), parameters) for each in field]
         if not np.isfinite(table[:, column]).all():
             bad = field[int(np.flatnonzero(~np.isfinite(table[:, column]))[0])].decode("latin-1").strip()
-            raise FieldError(f"`{bad}` is no finite number")
+            raise FieldError(f"`{bad}` is not a finite number")
     return table
 
 

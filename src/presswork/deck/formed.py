@@ -63,7 +63,7 @@ def read_past(
     text = f"{len(own)} shells of {thickness.min():.4g} to {thickness.max():.4g} mm"
     if deck.layers:
         text += f", stresses in {len(heights)} layers up to {np.abs(stress).max():.4g} MPa"
-    notes.keep(part.place, part.keyword, f"a sheet with a past (blank.dynain): {text}")
+    notes.keep(part.place, part.keyword, f"a formed sheet (blank.dynain): {text}")
     sheet = FormedSheet(placed, cells.astype(np.int32), thickness, axis, heights, stress, layers[:, :, 7], strain)
     return sheet, rule
 

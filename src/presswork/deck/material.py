@@ -90,6 +90,6 @@ def _clean(points: FloatArray, card: MaterialCard, notes: Notes) -> FloatArray:
         )
         points = np.vstack([[0.0, points[0, 1]], points])
     if (np.diff(points[:, 1]) < 0).any():
-        notes.change(card.place, card.keyword, "the curve falls: its largest stress so far holds on")
+        notes.change(card.place, card.keyword, "the curve falls: from there on its largest stress holds")
         points[:, 1] = np.maximum.accumulate(points[:, 1])
     return points

@@ -140,7 +140,7 @@ def _describe_blank(reader: BlankAndTools) -> tuple[dict[str, Any], FormedSheet 
         sheet, rule = read_past(deck, reader.blank, surface.points, surface.cells, reader.seat, reader.units, notes)
         blank |= {"path": "blank.dynain", "points": len(sheet.heights), "rule": rule}
         if deck.levels:
-            notes.change(part.place, part.keyword, "shells of a sheet with a past are not split")
+            notes.change(part.place, part.keyword, "shells of a formed sheet are not split")
         return blank, sheet
     if deck.levels:
         blank["refine"] = {"levels": min(4, deck.levels)}

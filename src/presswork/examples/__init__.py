@@ -27,7 +27,7 @@ def copy_example(name: str, target_dir: str | Path) -> Path:
     """
     names = list_examples()
     if name not in names:
-        raise CaseError([Problem("", f"`{name}` is no example", suggest(name, names, "examples"))], "examples")
+        raise CaseError([Problem("", f"unknown example `{name}`", suggest(name, names, "examples"))], "examples")
     folder = Path(target_dir)
     case = tomllib.loads((_FOLDER / f"{name}.toml").read_text("utf-8"))
     tools, mesh = case.get("tools", {}), case.get("workpiece", {}).get("mesh", {})

@@ -204,7 +204,7 @@ class Dynamics(NodalMotion):
             allowed = self.safety * self.stable_step()
             now = f" (the elements allow {allowed:g} s now)" if np.isfinite(allowed) else ""
             raise ExplicitError(
-                f"node {gone} has left for infinity by cycle {self.cycle} (t = {self.time:g} s): the step "
+                f"node {gone} has no finite position by cycle {self.cycle} (t = {self.time:g} s): the step "
                 f"{self.dt:g} s is too long{now}, its elements have collapsed, or their material law has failed"
             )
         self._check()

@@ -97,7 +97,7 @@ def check_shells(points: Array, cells: npt.NDArray[np.int32], thickness: Array, 
     if stands.any():
         shell = int(np.argmax(stands))
         raise ExplicitError(
-            f"axis = {axes[shell].tolist()} is no direction in shell {shell} (nodes {cells[shell].tolist()}), but "
+            f"axis = {axes[shell].tolist()} is not a direction in shell {shell} (nodes {cells[shell].tolist()}), but "
             "normal to it or zero: turn it into the sheet"
         )
 

@@ -176,7 +176,7 @@ def _name_gap(pieces: Sequence[Piece], ends: IndexArray, chain: set[int], tolera
     places: tuple[list[FloatArray], list[FloatArray]] = ([], [])
     for i, side in np.argwhere(np.bincount(ends.ravel())[ends] == 1).tolist():
         places[i not in chain].append(pieces[i].end if side else pieces[i].start)
-    fault = f"the drawing is not one chain: {len(chain)} of {len(pieces)} pieces hang together"
+    fault = f"the drawing is not one chain: {len(chain)} of {len(pieces)} pieces are connected"
     remedy = "leave one chain in the drawing, or name its layer"
     if not places[0] or not places[1]:
         return ProfileFileError(fault, remedy)

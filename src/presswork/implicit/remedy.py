@@ -27,7 +27,7 @@ def find_remedy(model: Model, negative_pivots: int) -> str:
         if not loose or model.solver.inertia > 0.0:
             return MESH
         return (
-            f"{MESH}. Only tools hold the body along {' and '.join(loose)}: where they let go, nothing does. Hold it "
+            f"{MESH}. Only tools hold the body along {' and '.join(loose)}: where they come off, nothing does. Hold it "
             "there by a support or a displacement, or set solver.inertia = 1 (and a density in the materials)"
         )
     pivots = "a negative pivot" if negative_pivots == 1 else f"{negative_pivots} negative pivots"
@@ -35,7 +35,7 @@ def find_remedy(model: Model, negative_pivots: int) -> str:
         f"The tangent stiffness has {pivots} on the way: the shell comes to a limit, where it buckles, snaps or "
         "collapses, and smaller increments do not pass it. "
     )
-    inertia = "set solver.inertia = 1 (and a density in the materials) to let it snap"
+    inertia = "set solver.inertia = 1 (and a density in the materials) so that it can snap"
     if not _is_under_loads_alone(model):
         return f"{limit}S{inertia[1:]}"
     return f'{limit}Set solver.control = "arc_length" to follow its path on, with less load where need be; or {inertia}'

@@ -120,7 +120,7 @@ def elastic_constants(tangent: FloatArray) -> tuple[float, float]:
 
 TOLD = {
     _core.LawStatus.smaller: "the UMAT asks for a smaller increment (PNEWDT)",
-    _core.LawStatus.not_finite: "the UMAT gives a stress or tangent that is no number",
+    _core.LawStatus.not_finite: "the UMAT gives a stress or tangent that is not a number",
     _core.LawStatus.overrun: "the UMAT writes beyond its state variables",
     _core.LawStatus.stopped: "the UMAT stops the analysis (XIT)",
     _core.LawStatus.components: "the UMAT writes more stresses than NTENS",

@@ -36,7 +36,7 @@ class MeshError(Exception):
 def check_coordinates(points: FloatArray) -> None:
     """Refuse coordinates [mm] of any shape that are no numbers, or that no workpiece has."""
     if not np.isfinite(points).all():
-        raise MeshError("some coordinates are no finite numbers", "write it again from the mesher")
+        raise MeshError("some coordinates are not finite numbers", "write it again from the mesher")
     farthest = float(np.abs(points).max(initial=0.0))
     if farthest > FARTHEST:
         raise MeshError(

@@ -75,7 +75,7 @@ def explain_breach(measure: Measure, limits: Limits, row: Mapping[str, Any]) -> 
     key = f"limits.{measure.limit}={2.0 * measure.value:.2g}" if measure.limit in NEVER_PASSED else "limits.stop=false"
     return (
         f"{measure.fact}{presses}: no longer physics (limits.{measure.limit} = {limit:g}). "
-        f"{REMEDIES[measure.limit].capitalize()}. To go on all the same: --set {key}"
+        f"{REMEDIES[measure.limit].capitalize()}. To continue anyway: --set {key}"
     )
 
 

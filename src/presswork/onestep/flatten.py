@@ -37,7 +37,9 @@ def flatten(points: FloatArray, triangles: IntArray, outline: IntArray, *, threa
         flat = flat * np.sqrt(sheet.areas.sum() / _signed_areas(flat, triangles).sum())
         return sheet.relax(flat)
     except SolverError as error:
-        raise MeshError(f"the part cannot be laid flat: {error}", "is it one sheet, without tunnels?") from error
+        raise MeshError(
+            f"the part cannot be laid flat: {error}", "check that it is one sheet without tunnels"
+        ) from error
 
 
 class _Sheet:
@@ -192,5 +194,5 @@ def _map_to_circle(points: FloatArray, triangles: IntArray, outline: IntArray, t
     if _signed_areas(flat, triangles).sum() < 0.0:
         flat = flat * np.array([1.0, -1.0])
     if (_signed_areas(flat, triangles) <= 0.0).any():
-        raise MeshError("the part cannot be laid flat without folding", "is it one sheet, without tunnels?")
+        raise MeshError("the part cannot be laid flat without folding", "check that it is one sheet without tunnels")
     return flat

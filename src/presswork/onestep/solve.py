@@ -71,7 +71,7 @@ def solve_one_step(
             notes = (f"the stages were left out, the blank is that of one step: {error}",)
     elif has_deep_walls(process, part):
         notes = (
-            "the part is deep, and one step knows nothing of the path that its metal took: process.stages = 3 "
+            "the part is deep, and one step ignores the path that its metal took: process.stages = 3 "
             "(--stages 3) follows it, and found the blank of a square cup 25 mm deep within 0.9 in place of 2.1 mm",
         )
     solution = found.solution

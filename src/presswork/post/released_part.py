@@ -48,7 +48,7 @@ def read_released(result: Result) -> tuple[ReleasedPart, FloatArray, IntArray]:
     mesh = result.mesh_at(step)
     part = ReleasedPart(result.points(step), result.points(-1), triangulate_mesh(mesh, result.points(step)))
     if not np.isfinite(part.free).all():
-        raise ResultError(f"{result.folder}: the part after springback has places that are no finite numbers")
+        raise ResultError(f"{result.folder}: the part after springback has places that are not finite numbers")
     before = step
     while before > 0 and result.mesh_at(before) is mesh and result.mesh_at(before - 1) is mesh:
         before -= 1

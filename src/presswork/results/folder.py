@@ -100,9 +100,9 @@ def _find_remedy(folder: Path) -> str:
 
     other = "or choose another folder by --output"
     if (process := find_stopped(folder)) is not None:
-        return f"its process is stopped: let it go on by `kill -CONT {process}`, {other}"
+        return f"its process is stopped: continue it by `kill -CONT {process}`, {other}"
     if is_paused(folder):
-        return f"it is paused in the browser: let it go on there, {other}"
+        return f"it is paused in the browser: continue it there, {other}"
     return f"wait until it has ended, {other}"
 
 
@@ -146,7 +146,7 @@ def _require_file(path: Path) -> None:
     """Raise OutputError if something else than a file of its own is there: a link, a pipe."""
     refuse_link(path)
     if path.exists() and not stat.S_ISREG(path.stat().st_mode):
-        raise OutputError(f"{path} is no file; remove it, or choose another folder by --output")
+        raise OutputError(f"{path} is not a file; remove it, or choose another folder by --output")
 
 
 def refuse_link(path: Path) -> None:

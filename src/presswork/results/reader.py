@@ -91,7 +91,7 @@ class Result:
         except (ValueError, RecursionError) as error:
             raise ResultError(f"{path} is damaged: {error}") from error
         if not isinstance(content, dict):
-            raise ResultError(f"{path} is damaged: it is no table")
+            raise ResultError(f"{path} is damaged: it is not a table")
         return content
 
     @property

@@ -135,7 +135,7 @@ class Drafts:
             raise RefusedError(f"no case takes a .{ending} file; it may be {', '.join(_UPLOADS)}")
         _require_content(ending, content)
         if path.exists() and path.read_bytes() != content:
-            raise RefusedError(f"another {name} lies there already; rename yours", 409)
+            raise RefusedError(f"another {name} exists there already; rename yours", 409)
         write_whole(path, content)
         return path.name
 
@@ -223,7 +223,7 @@ def _require_content(ending: str, content: bytes) -> None:
     if ending == "stl" and content.lstrip()[:5].lower() != b"solid":
         count = int.from_bytes(content[80:84], "little")
         if len(content) < 84 or len(content) != 84 + 50 * count or not count:
-            raise RefusedError("this is no STL file: its length is not that of its triangles")
+            raise RefusedError("this is not an STL file: its length is not that of its triangles")
     if ending in ("stl", "msh", "vtk"):
         return
     try:
@@ -231,8 +231,8 @@ def _require_content(ending: str, content: bytes) -> None:
     except UnicodeDecodeError:
         text = content.decode("latin-1")
     if "\x00" in text:
-        raise RefusedError(f"this is no {ending.upper()} file: it has bytes that are no text")
+        raise RefusedError(f"this is not a file of {ending.upper()}: it has bytes that are not text")
     if ending in ("step", "stp") and not text.lstrip().upper().startswith("ISO-10303-21"):
-        raise RefusedError("this is no STEP file: it does not begin with ISO-10303-21")
+        raise RefusedError("this is not a STEP file: it does not begin with ISO-10303-21")
     if ending == "inp" and re.search(r"^\s*\*\s*include", text, re.IGNORECASE | re.MULTILINE):
         raise RefusedError("*INCLUDE takes in other files; join them into one first")

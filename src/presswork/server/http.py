@@ -60,7 +60,7 @@ class Request:
         """Return a whole number of the query. Raises RefusedError."""
         text = self.get(key)
         if not (text.isascii() and text.isdigit() and len(text) < 10):
-            raise RefusedError(f"{key} is no number")
+            raise RefusedError(f"{key} is not a number")
         return int(text)
 
     def get_json(self) -> dict[str, Any]:
@@ -71,7 +71,7 @@ class Request:
         except (ValueError, RecursionError) as error:
             raise RefusedError("the request is not JSON of finite numbers and text in UTF-8") from error
         if not isinstance(data, dict):
-            raise RefusedError("the request is no table")
+            raise RefusedError("the request is not a table")
         return data
 
 
@@ -226,7 +226,7 @@ class _Handler(BaseHTTPRequestHandler):
             address = urlsplit(self.path)
             query = parse_qs(address.query, max_num_fields=100)
         except ValueError:
-            raise RefusedError("this is no address") from None
+            raise RefusedError("this is not an address") from None
         token, *rest = address.path.removeprefix("/").split("/", 1)
         if not hmac.compare_digest(token.encode(), self.server.token.encode()):
             raise RefusedError("the address lacks the token", 403)

@@ -38,7 +38,7 @@ class OpenedFolder:
             path = (self.root / name).resolve()
             path.exists()  # raises for a name that no file can have
         except (OSError, ValueError, RuntimeError) as error:
-            raise RefusedError("this is no name of a file") from error
+            raise RefusedError("this is not the name of a file") from error
         if not path.is_relative_to(self.root):
             raise RefusedError("it is not in the folder that was opened", 403)
         return path
@@ -66,7 +66,7 @@ class OpenedFolder:
         folder = self.find(name)
         path, *others = [self.find(f"{name}/{file}") for file in (RESULTS, SUMMARY, HISTORY, CASE, CHECKPOINT)]
         if odd := next((other for other in others if other.exists() and not other.is_file()), None):
-            raise RefusedError(f"{self.name(odd)} is no file", 403)
+            raise RefusedError(f"{self.name(odd)} is not a file", 403)
         if not path.is_file():
             raise RefusedError(f"{name} holds no results yet", 404)
         changed = path.stat().st_mtime_ns

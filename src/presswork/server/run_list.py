@@ -98,7 +98,7 @@ class RunList:
         folder = self._opened.find(name)
         path = self._opened.find(f"{name}/{_TABLE}")
         if not path.is_file() or path.stat().st_size > _MOST_BYTES:
-            raise RefusedError(f"{name} is no sweep", 404)
+            raise RefusedError(f"{name} is not a sweep", 404)
         lines = list(csv.reader(io.StringIO(path.read_text(encoding="utf-8"))))
         columns, table = lines[0] if lines else [], [[_to_value(text) for text in row] for row in lines[1:]]
         there = {p.name for p in folder.glob("member_*") if (p / RESULTS).is_file()}

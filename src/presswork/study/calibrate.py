@@ -88,7 +88,7 @@ def fit_friction(curves: CalibrationCurves, measured: MeasuredRings) -> Friction
     beyond = float(measured.height_reduction.max())
     if beyond > largest * (1 + 1e-6):
         text = f"a point at {100 * beyond:.1f} % reduction lies beyond the {100 * largest:.1f} % that the case computes"
-        raise CaseError([Problem("height_reduction", text, "let the case press further (the platen's stroke)")])
+        raise CaseError([Problem("height_reduction", text, "press further in the case (the platen's stroke)")])
     bore = curves.interpolate(np.minimum(measured.height_reduction, largest))
     low, high = float(curves.friction[0]), float(curves.friction[-1])
 

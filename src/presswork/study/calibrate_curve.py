@@ -66,7 +66,7 @@ def calibrate_curve(
     case = read_case(case_file, settings)
     best = np.array([find_number(case, key) for key in keys])
     if len(points) < len(keys):
-        text = f"{len(points)} points cannot tell {len(keys)} numbers"
+        text = f"{len(points)} points cannot determine {len(keys)} numbers"
         raise CaseError([Problem("", text, "give more points, or fewer keys")], measured)
     scale, numbers, cost, damping = float(np.abs(points[:, 1]).max()), best, np.inf, 1e-6
     folder.mkdir(exist_ok=True)
@@ -149,7 +149,7 @@ def _compare(
     x, y = np.asarray(history[along]), np.asarray(history[of])
     if places[0] < 0.0 or places[-1] > x[-1] * (1.0 + 1e-9):
         text = f"points from {places[0]:g} to {places[-1]:g} lie beyond the {x[-1]:g} that the case computes"
-        raise CaseError([Problem(along, text, "let the case go as far as the curve")])
+        raise CaseError([Problem(along, text, "make the case go as far as the curve")])
     rise = np.gradient(y, x)
     found = []
     for key in keys:

@@ -41,7 +41,7 @@ class Column:
         if self.name in history:
             values = history[self.name]
             if values.dtype.kind not in "fi":
-                raise ResultError(f"{self.name} is no number")
+                raise ResultError(f"{self.name} is not a number")
         elif self.extreme == "last":
             known = ", ".join(name for name in history if name != "stage")
             raise ResultError(f"{result.folder} has no history column {self.name}; there are: {known}")
@@ -57,7 +57,7 @@ def parse_column(text: str) -> Column:
     extreme, colon, name = text.partition(":")
     if not colon or not name.strip() or extreme.strip() not in get_args(Extreme):
         remedy = "write max:FIELD or min:FIELD, or last:COLUMN of history.csv, for instance max:thinning"
-        raise CaseError([Problem("--column", f"`{text}` is no column", remedy)])
+        raise CaseError([Problem("--column", f"unknown column `{text}`", remedy)])
     return Column(extreme.strip(), name.strip())  # type: ignore[arg-type]
 
 

@@ -129,7 +129,7 @@ class _Start:
     def explain_missing(self, column: Column) -> str:
         """Return why the runs will not have a column, with the remedy behind a semicolon; empty: they may have it."""
         if column.name in self.history:
-            return "" if column.name != STAGE else f"{STAGE} is no number; name another column of history.csv"
+            return "" if column.name != STAGE else f"{STAGE} is not a number; name another column of history.csv"
         missing = f"the runs of this case have no {column.name}"
         if column.extreme == "last":
             return f"{missing}; {suggest(column.name, self.history, 'columns of history.csv')}"

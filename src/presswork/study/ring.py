@@ -43,7 +43,7 @@ def measure_ring(result: Result) -> RingMeasures:
     points = result.mesh.points
     low, high = points.min(axis=0), points.max(axis=0)
     if result.info.get("analysis") != "axisymmetric" or low[0] <= _NEAR * high[0]:
-        raise ResultError(f"{result.folder} is no ring: an axisymmetric body with a bore is needed")
+        raise ResultError(f"{result.folder} is not a ring: an axisymmetric body with a bore is needed")
     bore, outside = (_side(result, x) for x in (low[0], high[0]))
     middle = _find_middle(result, float(low[1]), float(high[1]))
     heights, squares, rows = [], [], []
@@ -85,7 +85,7 @@ def _find_middle(result: Result, low: float, high: float) -> float:
     above = any(tool[:, [1, 3]].min() >= high - near for tool in result.tools.values())
     below = any(tool[:, [1, 3]].max() <= low + near for tool in result.tools.values())
     if not (above or below):
-        raise ResultError(f"{result.folder} is no ring compression: there is no flat tool above or below the ring")
+        raise ResultError(f"{result.folder} is not a ring compression: there is no flat tool above or below the ring")
     return 0.5 * (low + high) if above and below else low if above else high
 
 

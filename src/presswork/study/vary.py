@@ -59,7 +59,7 @@ def parse_variation(text: str) -> tuple[str, list[Any]]:
     match = _RANGE.fullmatch(values)
     if match is None:
         if re.fullmatch(r"\s*[^:,\[\"']*:[^:,\[\"']*:[^:,\[\"']*\s*", values):
-            raise CaseError([Problem(key, f"`{values}` is no range of numbers", remedy)])
+            raise CaseError([Problem(key, f"`{values}` is not a range of numbers", remedy)])
         return key, _parse_list(values)
     first, last, count = float(match[1]), float(match[2]), int(match[3])
     if count < 2 or first == last or count > MAX_MEMBERS:
@@ -90,7 +90,7 @@ def format_override(key: str, value: object) -> str:
     try:
         return f"{key}={_format_toml(value)}"
     except (TypeError, ValueError):
-        raise CaseError([Problem(key, f"`{value!r}` is no value of a case file")]) from None
+        raise CaseError([Problem(key, f"`{value!r}` is not a value of a case file")]) from None
 
 
 def _format_toml(value: object) -> str:

@@ -104,7 +104,7 @@ FAULTS = {
     ),
     "unknown_unit": (
         ('"200 kN/mm^2"', '"200 kNN/mm^2"'),
-        ["materials.steel.young", "`kNN/mm^2` is no known unit", '"200 kN/mm^2"'],
+        ["materials.steel.young", "unknown unit `kNN/mm^2`", '"200 kN/mm^2"'],
     ),
     "no_unit": (("stroke = 9.0", 'stroke = "9.0"'), ['stroke = "9.0"', "it has no unit", "a plain number in mm"]),
     "not_finite": (("poisson = 0.3", "poisson = nan"), ["materials.steel.poisson", "finite"]),

@@ -173,9 +173,9 @@ BAD_FORMING = [
     ("materials.steel.heating.start", 1000, "heating.start", "gives the initial temperature"),
     ("heat.initial_temperature", 1500, "heat.initial_temperature", "not below the melting temperature"),
     ("heat.initial_temperature", 12000, "heat.initial_temperature", "a temperature of no forming"),
-    ("stages.0.duration", None, "stages.0.duration", "heat takes time"),
+    ("stages.0.duration", None, "stages.0.duration", "heat needs a duration"),
     ("tools.die.heat.conductance", -1, "tools.die.heat.conductance", "is not negative"),
-    ("tools.die.heat.conductivity", 25, "tools.die.heat.conductivity", "stands without the others"),
+    ("tools.die.heat.conductivity", 25, "tools.die.heat.conductivity", "is given without the others"),
     ("tools.die.heat.warms_up", True, "tools.die.heat.warms_up", "needs a steel"),
     ("heat.surroundings", {"emissivity": 2}, "emissivity", "<= 1"),
 ]

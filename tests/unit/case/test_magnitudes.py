@@ -151,7 +151,7 @@ def test_title_is_a_line_of_text() -> None:
     "unit", ["10**10**10*mm", "mm**9**9", "9**9**9", "mm" * 40, "mm;mm", "__import__", "mm^99", "(" * 50 + "mm", "2 mm"]
 )
 def test_units_are_names_and_small_powers_alone(unit: str) -> None:
-    with pytest.raises(ValueError, match="is no known unit"):
+    with pytest.raises(ValueError, match="unknown unit"):
         unit_factor(unit, LENGTH)
 
 
@@ -171,8 +171,8 @@ def test_a_pipe_or_a_device_is_no_case_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("a = " + "[" * 500 + "]" * 500, "deep in each other"),
-        (".".join("a" * 500) + " = 1", "deep in each other"),
+        ("a = " + "[" * 500 + "]" * 500, "nested more than"),
+        (".".join("a" * 500) + " = 1", "nested more than"),
         ("a = " + "9" * 5000, "not valid TOML"),
         ("depth = 1" + "0" * 400, "a whole number of 1329 bits"),
     ],

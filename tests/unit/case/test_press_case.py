@@ -86,7 +86,7 @@ BAD = [
     ("presses.hammer.efficiency", None, "presses.hammer.efficiency: missing key"),
     ("presses.hammer.mass", 400, "expected two quantities, and found energy, velocity, mass"),
     ("presses.hammer.velocity", None, "expected two quantities, and found energy; give two of"),
-    ("presses.hammer.height", 1000, "presses.hammer.height = 1000: velocity stands beside height"),
+    ("presses.hammer.height", 1000, "presses.hammer.height = 1000: velocity and height are both given"),
     ("presses.screw.mass", 400, "presses.screw.mass = 400: a screw press stores its energy in the flywheel"),
     ("presses.maxi.rpm", 0, "presses.maxi.rpm = 0.0: expected a value > 0"),
     ("presses.maxi.rod_ratio", 1, "presses.maxi.rod_ratio = 1.0: expected a value < 1"),
@@ -114,7 +114,7 @@ BAD = [
         {"name": "maxi", "angle_before_bottom": 10},
         "stages.0.press.angle_before_bottom: the ram turns round at bottom dead centre after 1.8",
     ),
-    ("stages.0.press", {"name": "maxi", "before_bottom": 9, "angle_before_bottom": 9}, "say the same; give one"),
+    ("stages.0.press", {"name": "maxi", "before_bottom": 9, "angle_before_bottom": 9}, "are both given; give one"),
 ]
 
 
@@ -146,5 +146,5 @@ def test_heat_needs_the_time_between_blows() -> None:
     data = deepcopy(CASE)
     data["stages"][0]["press"] = {"name": "hammer", "blows": 2}
     data["heat"] = {"initial_temperature": 1000}
-    with pytest.raises(CaseError, match=r"stages\.0\.press\.pause: missing key: heat takes time"):
+    with pytest.raises(CaseError, match=r"stages\.0\.press\.pause: missing key: heat needs a duration"):
         build_model(Case.model_validate(data))

@@ -96,7 +96,7 @@ def test_text_is_a_smooth_curve_unless_it_is_a_polyline(tmp_path: Path) -> None:
     ("changes", "fragments"),
     [
         ('profile_file = "punch.csv"', ["tools.punch.profile_file", "no such file", "relative to the case"]),
-        (PROFILE + '\nprofile_file = "a.csv"', ["tools.punch.profile_file", "stands beside", "one of them"]),
+        (PROFILE + '\nprofile_file = "a.csv"', ["tools.punch.profile_file", "both given", "one of them"]),
         (PROFILE + '\nunit = "cm"', ["tools.punch.unit", "no meaning without profile_file"]),
         ('profile_file = "a.csv"\nunit = "kg"', ['tools.punch.unit = "kg"', "unit of length"]),
         ('profile_file = "a.csv"\nlayer = "die"', ["tools.punch.layer", "text file"]),
@@ -182,7 +182,7 @@ def test_blocks_are_taken_apart_and_layers_told_apart(tmp_path: Path) -> None:
     np.testing.assert_allclose(read(tmp_path, draw_block, layer="DIE"), WALL_FILLET_FACE, atol=1e-12)
     with pytest.raises(ProfileFileError, match=r"nothing is drawn on the layer `dye`; did you mean `die`"):
         read(tmp_path, draw_block, layer="dye")
-    with pytest.raises(ProfileFileError, match=r"3 of 4 pieces hang together.*name its layer"):
+    with pytest.raises(ProfileFileError, match=r"3 of 4 pieces are connected.*name its layer"):
         read(tmp_path, draw_block)
 
 

@@ -16,7 +16,7 @@ FOLDER = Path(examples.__file__).parent
 SLIPS = (
     "looks like",
     "slides along",
-    "ride along",
+    "would move with the tool",
     "times the workpiece",
     "thinner than foil",
     "thick for a sheet",

@@ -80,9 +80,11 @@ def test_a_punch_over_no_anvil_is_refused_in_space_and_the_remedy_mends_it() -> 
 
 
 def test_dynamics_warn_of_it_for_inertia_resists(caplog: pytest.LogCaptureFixture) -> None:
-    assert "ride along" in build(plane_case({"punch": line(15)}, AXIS, DOWN, **DYNAMIC), caplog)
+    assert "would move with the tool" in build(plane_case({"punch": line(15)}, AXIS, DOWN, **DYNAMIC), caplog)
     caplog.clear()
-    assert "ride along" in build(space_case(BOX, {"punch": flat(15, -1)}, QUARTER, DOWN_IN_SPACE, **DYNAMIC), caplog)
+    assert "would move with the tool" in build(
+        space_case(BOX, {"punch": flat(15, -1)}, QUARTER, DOWN_IN_SPACE, **DYNAMIC), caplog
+    )
 
 
 def test_a_flat_tool_that_only_slides_along_itself_is_told(caplog: pytest.LogCaptureFixture) -> None:

@@ -104,7 +104,7 @@ def test_an_override_without_a_value_removes_a_key(write_case: WriteCase) -> Non
         ("solver.line_serch=false", ["solver.line_serch", "did you mean `line_search`?"]),
         ("stages.3.name=x", ["stages.3.name", "a list of 1", "`3` is not an index"]),
         ("title.x=1", ["title.x", "`title` is a value, not a table"]),
-        ("title", ["`title` is no override", "--set key=value"]),
+        ("title", ["`title` is not of the form", "--set key=value"]),
         ("solver.line_search=", ["solver.line_search", "no such key to remove"]),
         ("boundary.middle_plan=", ["boundary.middle_plan", "did you mean `middle_plane`?"]),
         ("stages.1=", ["stages.1", "no such key to remove"]),

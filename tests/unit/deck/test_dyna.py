@@ -188,10 +188,10 @@ BAD = {
         ("         2         3         0         3", "         2         7         0         3"),
         r"\*BOUNDARY_PRESCRIBED_MOTION_RIGID: part 2 is driven along a turn about z, the press works along z",
     ),
-    "no time to end": (("*CONTROL_TERMINATION\n    7.3E-3\n", ""), r"does not say when it ends; add \*CONTROL_TERM"),
+    "no time to end": (("*CONTROL_TERMINATION\n    7.3E-3\n", ""), r"the deck has no end time; add \*CONTROL_TERM"),
     "no curve": (("*DEFINE_CURVE\n         4\n", "*DEFINE_CURVE\n         5\n"), "there is no curve 4 of two points"),
     "cut short": (("*CONTROL_TERMINATION\n    7.3E-3\n", "*CONTROL_TERMINATION\n"), "the rows below it are cut short"),
-    "no number": (("    7.3E-3\n", "    7.x\n"), r"\*CONTROL_TERMINATION: `7\.x` is no number"),
+    "no number": (("    7.3E-3\n", "    7.x\n"), r"\*CONTROL_TERMINATION: `7\.x` is not a number"),
     "tools that are placed by the program": (
         ("*END", "*CONTROL_FORMING_AUTOPOSITION_PARAMETER\n         2         0         3        -1\n*END"),
         r"\*CONTROL_FORMING_AUTOPOSITION_PARAMETER: places or drives tools",
@@ -215,9 +215,12 @@ BAD = {
         ("*SET_NODE_LIST\n", "*SET_NODE_GENERAL\n"),
         r"\*SET_NODE_GENERAL: a set by GENERAL; list its members by \*SET_NODE_LIST",
     ),
-    "a number without end": (("    7.3E-3\n", "     1e400\n"), "`1e400` is no finite number"),
-    "a node nowhere": (("*NODE\n       1", "*NODE\n       7             nan\n       1"), "`nan` is no finite number"),
-    "an end before the beginning": (("    7.3E-3\n", "   -7.3E-3\n"), "does not say when it ends"),
+    "a number without end": (("    7.3E-3\n", "     1e400\n"), "`1e400` is not a finite number"),
+    "a node nowhere": (
+        ("*NODE\n       1", "*NODE\n       7             nan\n       1"),
+        "`nan` is not a finite number",
+    ),
+    "an end before the beginning": (("    7.3E-3\n", "   -7.3E-3\n"), "the deck has no end time"),
     "a part that is not there": (
         ("*PART\npunch\n         2         2         2\n", ""),
         "shells of part 2, which the deck does not have",

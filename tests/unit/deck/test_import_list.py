@@ -65,10 +65,10 @@ def test_every_keyword_of_a_dyna_deck_is_listed(tmp_path) -> None:
     assert re.search(r"\d+ nodes", " ".join(fate_of(fates, deck, "*NODE").values()))
     assert "rigid" in fate_of(fates, deck, "*MAT_RIGID")["kept"]
     assert "BOUNDARY_PRESCRIBED_MOTION_RIGID" in fate_of(fates, deck, "*DEFINE_CURVE_TITLE")["kept"]
-    assert "nothing that is taken over" in fate_of(fates, tmp_path / "curves.k", "*DEFINE_CURVE")["dropped"]
+    assert "nothing that is imported" in fate_of(fates, tmp_path / "curves.k", "*DEFINE_CURVE")["dropped"]
     assert "rigid tools" in fates[deck.name, text[: text.index("        98 ")].count("\n")]["dropped"]
     last = len(text.splitlines()) + 1
-    assert fates[deck.name, last] == {"dropped": "stands below *END"}
+    assert fates[deck.name, last] == {"dropped": "comes after *END"}
 
 
 def test_every_keyword_of_an_abaqus_deck_is_listed(tmp_path) -> None:
@@ -98,7 +98,7 @@ def test_every_keyword_of_a_radioss_deck_and_its_engine_is_listed(tmp_path) -> N
         fate_of(fates, deck, "/FUNCT/1").values()
     )
     assert fate_of(fates, deck, "/FUNCT/9").keys() == {"dropped"}
-    assert fates[deck.name, len(deck.read_text().splitlines()) - 1] == {"dropped": "stands below the end"}
+    assert fates[deck.name, len(deck.read_text().splitlines()) - 1] == {"dropped": "comes after the end"}
 
 
 @pytest.mark.parametrize("count", [3])

@@ -109,7 +109,7 @@ def test_the_command_leaves_a_formed_sheet_that_a_run_begins_with(tmp_path) -> N
     done = CliRunner().invoke(app, ["import", str(tmp_path / "cup.k")])
     assert done.exit_code == 0, done.output
     assert "history variables beyond the plastic strain (back stresses, damage) are left out" in done.output
-    assert "a sheet with a past (blank.dynain): 144 shells of 1.001 to 1.144 mm, stresses in 3 layers" in done.output
+    assert "a formed sheet (blank.dynain): 144 shells of 1.001 to 1.144 mm, stresses in 3 layers" in done.output
     model = build_model(read_case(tmp_path / "cup" / "case.toml"))
     assert model.formed is not None
     assert model.formed.stress[9, 2, 0] == pytest.approx(stress(10, HEIGHTS[2])[0, 0], rel=1e-8)
@@ -145,7 +145,7 @@ BAD = {
     ),
     "another form": (
         deck_with_past().replace("*INITIAL_STRAIN_SHELL", "*INITIAL_STRAIN_SHELL_SET"),
-        "a past that is not read",
+        "a state of the formed sheet that is not read",
     ),
     "cut short": (deck_with_past().partition("*INITIAL_STRAIN")[0][:-200] + "\n*END\n", "cut short"),
 }

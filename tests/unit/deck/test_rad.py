@@ -154,7 +154,7 @@ BAD = {
         "no rigid body",
     ),
     "a group that is not there": (("0      2003     ", "0      2009     "), r"/CLOAD: there is no group 2009 of GRNOD"),
-    "no number": (("              0.0012 ", "              0.00x2 "), r"/FUNCT: `0\.00x2` is no number"),
+    "no number": (("              0.0012 ", "              0.00x2 "), r"/FUNCT: `0\.00x2` is not a number"),
     "cut short": (
         ("/BCS/1\nthe die\n   111 111         0      2004\n", "/BCS/1\nthe die\n"),
         "/BCS: the rows below it are cut",
@@ -210,7 +210,7 @@ def test_other_decks_are_refused_with_a_remedy(tmp_path, name) -> None:
 
 
 def test_a_bad_number_in_an_engine_file_names_file_line_and_remedy(tmp_path) -> None:
-    with pytest.raises(CaseError, match=r"cup_0001\.rad:1.*/RUN.*`x` is no number; check"):
+    with pytest.raises(CaseError, match=r"cup_0001\.rad:1.*/RUN.*`x` is not a number; check"):
         import_it(tmp_path, write_deck(), end="x")
 
 
@@ -226,7 +226,7 @@ def test_what_the_engine_changes_is_refused_and_it_tells_the_end(tmp_path) -> No
         notes.check()
     (tmp_path / "cup_0001.rad").unlink()
     deck = RadDeck(path, notes := Notes(path)).read()
-    with pytest.raises(CaseError, match=r"does not say when it ends; add \*CONTROL_TERMINATION or /RUN"):
+    with pytest.raises(CaseError, match=r"the deck has no end time; add \*CONTROL_TERMINATION or /RUN"):
         make_stamping(deck, SYSTEMS["mm-t-s"], notes)
 
 

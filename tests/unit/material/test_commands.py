@@ -152,7 +152,7 @@ def test_fit_finds_yld2000_from_tests_at_all_angles(tmp_path: Path) -> None:
         (["plot", "aa6016"], "did you mean `aa6016_t4`"),
         (["flc", "aa1100_o"], "forming_limit: missing table"),
         (["fit", "nowhere.csv", "--young", "206 GPa"], "no such file"),
-        (["fit", "STEEL", "--young", "206"], "206 MPa is no metal's modulus"),
+        (["fit", "STEEL", "--young", "206"], "206 MPa is outside the range of metals"),
         (["fit", "STEEL", "--young", "steel"], "expected a stress, not `steel`"),
         (["fit", "STEEL", "--young", "206 GPa", "--law", "vose"], "did you mean `voce`"),
     ],

@@ -68,7 +68,7 @@ def test_margin_r_and_least_stretch_move_the_borders() -> None:
     ("points", "words"),
     [
         ([(0.0, 0.3)], "at least two points"),
-        ([(0.0, 0.3), (0.0, 0.4)], "stands twice"),
+        ([(0.0, 0.3), (0.0, 0.4)], "is given twice"),
         ([(0, 30), (10, 40)], "not per cent"),
         ([(0.3, 0.0), (0.0, 0.2)], r"\[minor, major\] pairs"),
     ],

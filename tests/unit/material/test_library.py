@@ -133,7 +133,7 @@ def test_a_users_file_is_found_by_its_path(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("[sources]\nall", "[sources]\nyoung", ["material.poisson", "nothing says where it comes from"]),
+        ("[sources]\nall", "[sources]\nyoung", ["material.poisson", "its source is missing"]),
         ('name = "', 'nam = "', ["nam", "did you mean `name`?", "name: expected a text"]),
         ("r00 = 1.79", "r00 = 0", ["material.yield_function.r00 = 0", "> 0"]),
         ("thickness = 0.78", "thickness = -1", ["thickness = -1", "from 0 to 100", "in mm"]),
@@ -168,7 +168,7 @@ def test_an_unknown_material_is_suggested_the_nearest() -> None:
 def test_computed_limits_refuse_back_stresses(limit: str) -> None:
     material = find_sheet("numisheet93_mild_steel").material.model_dump()
     material |= {"kinematic": {"law": "chaboche", "C": [2000], "gamma": [20]}, "forming_limit": {"law": limit}}
-    with pytest.raises(CaseError, match=rf"forming_limit\.law: {limit} knows isotropic hardening alone"):
+    with pytest.raises(CaseError, match=rf"forming_limit\.law: {limit} is for isotropic hardening alone"):
         build_curve(check_sheet_material(material))
 
 

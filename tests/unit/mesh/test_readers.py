@@ -211,7 +211,7 @@ def test_solid_mesh_is_refused(tmp_path: Path) -> None:
 
 
 def test_unknown_ending_names_the_known_ones(tmp_path: Path) -> None:
-    with pytest.raises(MeshError, match=r"`\.stp` is no known mesh format; known endings: \.msh"):
+    with pytest.raises(MeshError, match=r"unknown mesh format `\.stp`; known endings: \.msh"):
         read_mesh(tmp_path / "billet.stp", element="quad4")
 
 

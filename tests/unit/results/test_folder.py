@@ -165,7 +165,7 @@ def test_links_are_replaced_by_an_overwrite_and_refused_by_all_else(tmp_path: Pa
 
 def test_a_pipe_in_the_place_of_a_file_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "run.log")
-    with pytest.raises(OutputError, match=r"run\.log is no file; remove it"):
+    with pytest.raises(OutputError, match=r"run\.log is not a file; remove it"):
         open_output_folder(tmp_path)
     (tmp_path / "run.log").unlink()
     open_output_folder(tmp_path)

@@ -112,7 +112,7 @@ def _check_bodies(case: HeatCase) -> Iterator[Problem]:
                 fault = f"expected a unit of length, but {error}"
                 yield Problem(f"{key}.mesh.unit", fault, "e.g. mm, m, inch", body.mesh.unit)
         if case.contacts and case.geometry != "solid" and model.cell_of(element).is_quadratic:
-            fault = "heat flows between bodies with straight edges of two nodes only, so far"
+            fault = "heat flows between bodies with straight edges of two nodes only"
             yield Problem(f"{key}.element", fault, "take quad4 or tri3", element)
         elif case.bodies and model.ELEMENTS[element].cell != model.ELEMENTS[_element(case, case.workpiece)].cell:
             fault = "hexahedra and tetrahedra do not go together in one case"

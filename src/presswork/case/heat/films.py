@@ -43,7 +43,9 @@ class Convection(Part):
         description='coefficient of heat transfer [N/(mm s K)], e.g. "2000 W/(m^2*K)", or rows '
         "[temperature of the surface, coefficient]"
     )
-    ambient: TemperatureByTime = Field(description="temperature of the surroundings [degrees C], or rows [time, it]")
+    ambient: TemperatureByTime = Field(
+        description="temperature of the surroundings [degrees C], or rows [time, temperature]"
+    )
 
     def to_model(self) -> model.Convection:
         """Return the Model's."""
@@ -54,8 +56,10 @@ class Radiation(Part):
     """Heat radiated to large surroundings."""
 
     set: str = Field(description="name of a set of edges, in space of faces")
-    emissivity: Number = Field(gt=0, le=1, description="emissivity of the surface, 0.8 of scale")
-    ambient: TemperatureByTime = Field(description="temperature of the surroundings [degrees C], or rows [time, it]")
+    emissivity: Number = Field(gt=0, le=1, description="emissivity of the surface, 0 to 1; 0.8 for scale")
+    ambient: TemperatureByTime = Field(
+        description="temperature of the surroundings [degrees C], or rows [time, temperature]"
+    )
 
     def to_model(self) -> model.Radiation:
         """Return the Model's."""

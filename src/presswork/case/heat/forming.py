@@ -22,7 +22,7 @@ class Surroundings(Part):
     """What takes heat from surfaces that touch no tool and that no boundary entry holds."""
 
     ambient: Temperature = Field(default=20.0, description="temperature of the surroundings [degrees C]")
-    emissivity: Number = Field(default=0.0, ge=0, le=1, description="emissivity of the surface, 0.8 of scale")
+    emissivity: Number = Field(default=0.0, ge=0, le=1, description="emissivity of the surface, 0 to 1; 0.8 for scale")
     coefficient: HeatTransfer = Field(
         default=0.0, ge=0, description='coefficient of convection [N/(mm s K)], e.g. "10 W/(m^2*K)"'
     )
@@ -32,7 +32,7 @@ class ContactHeat(Part):
     """How well heat passes between surfaces in contact, and across a gap."""
 
     conductance: HeatTransferByPressure = Field(
-        description='conductance of the contact [N/(mm s K)], e.g. "10 kW/(m^2*K)", or rows [contact pressure, it]'
+        description='conductance of the contact [N/(mm s K)], e.g. "10 kW/(m^2*K)", or rows [pressure, conductance]'
     )
     gap: Length = Field(
         default=0.0,
@@ -66,7 +66,7 @@ class DieBlock(Part):
     @model_validator(mode="after")
     def _check_one_shape(self) -> Self:
         if self.depth is not None and self.corners:
-            raise fault("corners stand beside depth", "give one of them", key="corners")
+            raise fault("corners and depth are both given", "give one of them", key="corners")
         return self
 
 
@@ -75,10 +75,18 @@ class ToolHeat(ContactHeat):
 
     temperature: Temperature = Field(description="temperature of the tool at the start [degrees C]")
     conductivity: Conductivity | None = Field(
-        default=None, gt=0, description="of the tool's steel [N/(s K)], by which friction heat is shared"
+        default=None,
+        gt=0,
+        description="conductivity of the tool's steel [N/(s K)], which is W/(m K); it divides the friction heat",
     )
-    specific_heat: HeatCapacity | None = Field(default=None, ge=1e6, description="of the tool's steel")
-    density: Density | None = Field(default=None, gt=0, description="of the tool's steel")
+    specific_heat: HeatCapacity | None = Field(
+        default=None,
+        ge=1e6,
+        description='specific heat capacity of the tool\'s steel [mm^2/(s^2 K)], e.g. "460 J/(kg*K)"',
+    )
+    density: Density | None = Field(
+        default=None, gt=0, description='density of the tool\'s steel [t/mm^3], e.g. "7850 kg/m^3"'
+    )
     warms_up: bool = Field(
         default=False,
         description="true: the steel behind each node that touches it takes up heat; false: its temperature stays",
@@ -99,7 +107,7 @@ class ToolHeat(ContactHeat):
         present = [key for key in ("conductivity", "specific_heat", "density") if getattr(self, key) is not None]
         if len(present) in (1, 2):
             remedy = "give conductivity, specific_heat and density, or none: friction heat is then halved"
-            raise fault("stands without the others", remedy, key=present[0])
+            raise fault("is given without the others", remedy, key=present[0])
         if self.warms_up and not present:
             remedy = "give conductivity, specific_heat and density of its steel"
             raise fault("a tool that warms up needs a steel", remedy, key="warms_up")

@@ -47,17 +47,17 @@ def check_heat(case: schema.Case) -> Iterator[Problem]:
     for index, stage in enumerate(case.stages):
         if stage.velocity is None and stage.press is None and "duration" not in stage.model_fields_set:
             remedy = "add it, in seconds, or velocity, or press"
-            yield Problem(f"stages.{index}.duration", "missing key: heat takes time", remedy)
+            yield Problem(f"stages.{index}.duration", "missing key: heat needs a duration", remedy)
         if stage.press is not None and stage.press.blows > 1 and stage.press.pause is None:
-            yield Problem(f"stages.{index}.press.pause", "missing key: heat takes time", "add it, in seconds")
+            yield Problem(f"stages.{index}.press.pause", "missing key: heat needs a duration", "add it, in seconds")
 
 
 def _check_explicit(case: schema.Case) -> Iterator[Problem]:
     """Yield what of heat the explicit procedure does not do."""
-    fault_text, remedy = "is for the implicit procedure alone, so far", 'leave it out, or set procedure = "implicit"'
+    fault_text, remedy = "is for the implicit procedure alone", 'leave it out, or set procedure = "implicit"'
     for name, material in case.materials.items():
         if isinstance(material, UmatMaterial):
-            umat = "in the explicit procedure a UMAT knows no heat, so far"
+            umat = "the explicit procedure computes no heat with a UMAT"
             yield Problem(f"materials.{name}.umat", umat, 'give a law of presswork, or set procedure = "implicit"')
     if case.series is not None:
         yield Problem("series", fault_text, remedy)

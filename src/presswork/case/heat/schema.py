@@ -66,7 +66,7 @@ class HeatBody(Part):
 class HeatContact(Part):
     """Heat that flows between two bodies where their boundaries lie on each other."""
 
-    between: tuple[str, str] = Field(description="names of the two bodies; the first of the case is workpiece")
+    between: tuple[str, str] = Field(description="names of the two bodies; the body of the case is called workpiece")
     conductance: HeatTransfer = Field(gt=0, description='conductance [N/(mm s K)], e.g. "10 kW/(m^2*K)"')
 
 
@@ -76,9 +76,9 @@ class HeatStage(Part):
     name: Name = Field(description="name of the stage")
     duration: Time = Field(gt=0, description="duration [s]")
     temperature: tuple[PrescribedTemperature, ...] = Field(default=(), description="prescribed temperatures")
-    flux: tuple[Flux, ...] = Field(default=(), description="given fluxes of heat")
-    convection: tuple[Convection, ...] = Field(default=(), description="convection to surroundings")
-    radiation: tuple[Radiation, ...] = Field(default=(), description="radiation to surroundings")
+    flux: tuple[Flux, ...] = Field(default=(), description="surfaces with a given flux of heat")
+    convection: tuple[Convection, ...] = Field(default=(), description="surfaces that lose heat by convection")
+    radiation: tuple[Radiation, ...] = Field(default=(), description="surfaces that lose heat by radiation")
 
 
 class HeatSolver(Part):
@@ -99,7 +99,7 @@ class HeatSolver(Part):
 class HeatCase(CaseFile):
     """A complete case of heat alone. Raises CaseError, with every problem found, when it is not valid."""
 
-    title: Title = Field(description="what the case shows, in one line")
+    title: Title = Field(description="what the case shows, in one line; it is the title of pictures")
     analysis: Literal["heat"] = Field(description="heat")
     geometry: Geometry = Field(description="plane; axisymmetric, x the radius and y the axis; or solid, in x, y and z")
     depth: Length = Field(default=1.0, gt=0, description="plane: extent normal to the plane [mm]")

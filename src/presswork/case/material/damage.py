@@ -11,7 +11,7 @@ from presswork import model
 from presswork.case.part import Part
 from presswork.case.units import Length, Number, Stress, fault
 
-CRITICAL = "value at which a crack begins, found by `presswork calibrate damage`; without it no crack is told"
+CRITICAL = "value at which a crack begins, found by `presswork calibrate damage`; without it no crack is reported"
 
 
 class _Damage(Part):
@@ -42,15 +42,17 @@ class RiceTracey(_Damage):
     """Integral of factor exp(exponent x), x the mean stress over the effective stress: growth of voids."""
 
     criterion: Literal["rice_tracey"] = Field(default="rice_tracey", description="criterion of fracture")
-    factor: Number = Field(default=0.283, gt=0, description="0.283 of Rice and Tracey")
-    exponent: Number = Field(default=1.5, gt=0, description="1.5 of Rice and Tracey")
+    factor: Number = Field(default=0.283, gt=0, description="factor of the exponential; 0.283 by Rice and Tracey")
+    exponent: Number = Field(
+        default=1.5, gt=0, description="factor of the triaxiality in the exponential; 1.5 by Rice and Tracey"
+    )
 
 
 class Oyane(_Damage):
     """Integral of 1 + x/A where that is positive, x the mean stress over the effective stress."""
 
     criterion: Literal["oyane"] = Field(default="oyane", description="criterion of fracture")
-    A: Number = Field(gt=0, description="constant of the material, of the order of 0.3")
+    A: Number = Field(gt=0, description="Oyane's constant of the material, about 0.3")
 
 
 class Freudenthal(_Damage):
@@ -66,13 +68,20 @@ class JohnsonCookFracture(_Damage):
     criterion: Literal["johnson_cook"] = Field(default="johnson_cook", description="criterion of fracture")
     critical: Number | None = Field(default=1.0, gt=0, description="value at which a crack begins; 1 by the law")
     d1: Number = Field(description="part of the fracture strain that does not depend on triaxiality")
-    d2: Number = Field(ge=0, description="part that does")
-    d3: Number = Field(le=0, description="by how much it falls with triaxiality, as exp(d3 x); below zero")
-    d4: Number = Field(default=0.0, description="rise with the logarithm of the strain rate")
-    d5: Number = Field(default=0.0, description="rise with temperature")
-    reference_rate: Number = Field(default=1.0, gt=0, description="plastic strain rate from which d4 counts [1/s]")
-    reference: Number = Field(default=20.0, description="temperature from which d5 counts [degrees C]")
-    melting: Number = Field(default=1500.0, description="temperature at which d5 counts in full [degrees C]")
+    d2: Number = Field(ge=0, description="part of the fracture strain that depends on triaxiality")
+    d3: Number = Field(le=0, description="how fast that part falls with the triaxiality x, as exp(d3 x); below zero")
+    d4: Number = Field(
+        default=0.0,
+        description="how much the fracture strain rises with the logarithm of the strain rate; 0: not at all",
+    )
+    d5: Number = Field(default=0.0, description="how much the fracture strain rises with temperature; 0: not at all")
+    reference_rate: Number = Field(
+        default=1.0,
+        gt=0,
+        description="plastic strain rate beyond which d4 acts, the rate of the tests of d1 to d3 [1/s]",
+    )
+    reference: Number = Field(default=20.0, description="temperature above which d5 acts [degrees C]")
+    melting: Number = Field(default=1500.0, description="melting temperature, at which d5 acts in full [degrees C]")
 
     @model_validator(mode="after")
     def _check(self) -> Self:

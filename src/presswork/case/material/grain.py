@@ -18,10 +18,10 @@ DEFORMATION = "deformation_energy"
 class PowerLaw(Part):
     """A d0^grain strain^strain rate^rate exp(energy/(R T)), or with zener: times Z^zener, Z = rate exp(Q/(R T))."""
 
-    A: Number = Field(gt=0, description="coefficient, with d0 in um, times in s")
-    grain: Number = Field(default=0.0, description="exponent of the grain size before deformation [um]")
+    A: Number = Field(gt=0, description="coefficient A of the law, with grain sizes in um and times in s")
+    grain: Number = Field(default=0.0, description="exponent of the grain size before deformation (in um)")
     strain: Number = Field(default=0.0, description="exponent of the strain")
-    rate: Number = Field(default=0.0, description="exponent of the strain rate [1/s]")
+    rate: Number = Field(default=0.0, description="exponent of the strain rate (in 1/s)")
     energy: Number = Field(default=0.0, description="activation energy [J/mol]; above zero where heat makes it smaller")
     zener: Number = Field(
         default=0.0, description="exponent of Zener and Hollomon's Z = rate exp(deformation_energy/(R T)) [1/s]"
@@ -72,7 +72,7 @@ class Growth(Part):
     """Growth of recrystallised grains: d^exponent = d0^exponent + A t exp(-energy/(R T))."""
 
     A: Number = Field(gt=0, description="coefficient [um^exponent/s]")
-    exponent: Number = Field(ge=1, description="exponent, often 7 to 10")
+    exponent: Number = Field(ge=1, description="exponent of the grain size, often 7 to 10")
     energy: Number = Field(gt=0, description="activation energy [J/mol]")
 
     def build(self) -> model.GrainGrowth:

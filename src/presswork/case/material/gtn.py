@@ -19,18 +19,28 @@ PARAMETERS = 6
 class Gtn(Part):
     """Pores that grow, nucleate and coalesce, and soften the metal."""
 
-    porosity: Number = Field(ge=0, lt=0.5, description="volume of pores at the start, e.g. 0.002")
+    porosity: Number = Field(ge=0, lt=0.5, description="volume share of pores at the start, e.g. 0.002")
     length: Length = Field(
         gt=0, description="radius over which the growth of pores is averaged [mm], at least two cells"
     )
     q1: Number = Field(default=1.5, gt=0, description="Tvergaard's q1")
     q2: Number = Field(default=1.0, gt=0, description="Tvergaard's q2")
     q3: Number | None = Field(default=None, gt=0, description="Tvergaard's q3; without it q1 squared")
-    coalescence: Number | None = Field(default=None, gt=0, lt=1, description="porosity at which pores coalesce")
-    failure: Number | None = Field(default=None, gt=0, lt=1, description="porosity at which nothing is left")
-    nucleation_strain: Number | None = Field(default=None, gt=0, description="mean strain at which pores nucleate")
-    nucleation_deviation: Number | None = Field(default=None, gt=0, description="standard deviation of that strain")
-    nucleated: Number | None = Field(default=None, gt=0, lt=0.5, description="volume of all pores that may nucleate")
+    coalescence: Number | None = Field(
+        default=None, gt=0, lt=1, description="porosity at which pores coalesce, e.g. 0.15"
+    )
+    failure: Number | None = Field(
+        default=None, gt=0, lt=1, description="porosity at which the metal bears nothing, e.g. 0.25"
+    )
+    nucleation_strain: Number | None = Field(
+        default=None, gt=0, description="mean strain at which pores nucleate, e.g. 0.3"
+    )
+    nucleation_deviation: Number | None = Field(
+        default=None, gt=0, description="standard deviation of the strain of nucleation, e.g. 0.1"
+    )
+    nucleated: Number | None = Field(
+        default=None, gt=0, lt=0.5, description="volume share of all pores that may nucleate, e.g. 0.04"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:

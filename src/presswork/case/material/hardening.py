@@ -43,8 +43,8 @@ class Swift(_Named):
 
     law: Literal["swift"] = "swift"
     K: Stress = Field(gt=0, description="strength coefficient [MPa]")
-    e0: Number = Field(gt=0, description="pre-strain")
-    n: Number = Field(ge=0, le=1, description="hardening exponent")
+    e0: Number = Field(gt=0, description="strain before the test begins, e.g. 0.007")
+    n: Number = Field(ge=0, le=1, description="hardening exponent, about 0.2 for steel")
 
 
 class Ludwik(_Named):
@@ -53,7 +53,7 @@ class Ludwik(_Named):
     law: Literal["ludwik"] = "ludwik"
     yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
     K: Stress = Field(ge=0, description="strength coefficient [MPa]")
-    n: Number = Field(gt=0, le=1, description="hardening exponent")
+    n: Number = Field(gt=0, le=1, description="hardening exponent, about 0.5")
 
 
 class Voce(_Named):
@@ -91,7 +91,7 @@ class HockettSherby(_Named):
     law: Literal["hockett_sherby"] = "hockett_sherby"
     yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
     saturation_stress: Stress = Field(gt=0, description="flow stress at large strain [MPa]")
-    rate: Number = Field(gt=0, description="rate of saturation")
+    rate: Number = Field(gt=0, description="rate of saturation per unit of plastic strain to the power `exponent`")
     exponent: Number = Field(gt=0, description="exponent of the plastic strain")
 
     @model_validator(mode="after")
@@ -104,10 +104,10 @@ class SwiftVoce(_Named):
     """Flow stress = (1 - voce_share) Swift + voce_share Voce."""
 
     law: Literal["swift_voce"] = "swift_voce"
-    voce_share: Number = Field(ge=0, le=1, description="share of Voce's law; the rest is Swift's")
+    voce_share: Number = Field(ge=0, le=1, description="share of Voce's law, 0 to 1; the rest is Swift's")
     K: Stress = Field(gt=0, description="strength coefficient [MPa]")
-    e0: Number = Field(gt=0, description="pre-strain")
-    n: Number = Field(ge=0, le=1, description="hardening exponent")
+    e0: Number = Field(gt=0, description="strain before the test begins, e.g. 0.007")
+    n: Number = Field(ge=0, le=1, description="hardening exponent, about 0.2 for steel")
     yield_stress: Stress = Field(gt=0, description="initial flow stress of Voce's law [MPa]")
     saturation_stress: Stress = Field(gt=0, description="flow stress of Voce's law at large strain [MPa]")
     rate: Number = Field(gt=0, description="rate of saturation per unit of plastic strain")
@@ -124,7 +124,7 @@ class _Points(Part):
     points: tuple[tuple[Number, Stress], ...] = Field(
         description="[plastic strain, stress in MPa] rows; strain starts at 0 and increases, stress does not decrease"
     )
-    softening: bool = Field(default=False, description="let the stress decrease from row to row")
+    softening: bool = Field(default=False, description="whether the stress may decrease from row to row")
 
     @model_validator(mode="after")
     def _check_rows(self) -> Self:

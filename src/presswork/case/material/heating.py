@@ -33,7 +33,7 @@ class Heating(Part):
     """
 
     melting: Number | None = Field(default=None, description="temperature at which no flow stress is left [degrees C]")
-    exponent: Number | None = Field(default=None, gt=0, description="exponent of softening")
+    exponent: Number | None = Field(default=None, gt=0, description="exponent of softening by temperature")
     heat_capacity: HeatCapacity | None = Field(
         default=None,
         ge=1e6,

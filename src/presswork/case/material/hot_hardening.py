@@ -119,7 +119,7 @@ class FittedLaw(HotLaw):
                 f"at its smallest strain the flow stress is {least:.2g} MPa, next to nothing of the {most:.4g} later on"
             )
             raise fault(
-                text, "raise the smallest strain: m4 < 0 lets the flow stress vanish there", key="strain_window"
+                text, "raise the smallest strain: with m4 < 0 the flow stress vanishes there", key="strain_window"
             )
         falls = np.diff(stress, axis=1) < -1e-12 * stress[:, :-1]
         if falls.any():
@@ -129,7 +129,7 @@ class FittedLaw(HotLaw):
             raise fault(
                 f"the flow stress falls from {first:.4g} to {second:.4g} MPa as the rate rises from "
                 f"{r[row, column]:.3g} to {r[row, column + 1]:.3g} 1/s, at {place}",
-                "check the signs of what stands at the rate; without resistance to rate there is no one answer",
+                "check the signs of the terms with the rate; the flow stress must rise with the rate",
             )
         self._check_isotherms(strains, rates, degrees, stress.reshape(POINTS, TEMPERATURES, POINTS))
 
@@ -143,7 +143,7 @@ class FittedLaw(HotLaw):
             f"the flow stress rises from {stress[e, t, r]:.4g} to {stress[e, t + 1, r]:.4g} MPa as the temperature "
             f"rises from {degrees[t]:.4g} to {degrees[t + 1]:.4g} degrees C, at strain {strains[e]:g} and "
             f"{rates[r]:.3g} 1/s: its isotherms cross",
-            "check the signs of what stands at the temperature, or narrow the windows to where it falls",
+            "check the signs of the terms with the temperature, or narrow the windows to where it falls",
             key="temperature_window",
         )
 
@@ -152,15 +152,19 @@ class HenselSpittel(FittedLaw):
     """A exp(m1 T) T^m9 e^m2 exp(m4/e) (1 + e)^(m5 T) exp(m7 e) rate^(m3 + m8 T), T in degrees C."""
 
     law: Literal["hensel_spittel"] = "hensel_spittel"
-    A: Stress = Field(gt=0, description="factor [MPa s^m3]")
-    m1: Number = Field(description="of temperature [1/degree C], about -0.003")
-    m2: Number = Field(description="of strain: hardening")
-    m3: Number = Field(description="of strain rate, about 0.1")
-    m4: Number = Field(description="of 1/strain: softening")
-    m5: Number = Field(default=0.0, description="of strain and temperature [1/degree C]")
-    m7: Number = Field(default=0.0, description="of strain: softening")
-    m8: Number = Field(default=0.0, description="of strain rate and temperature [1/degree C]")
-    m9: Number = Field(default=0.0, description="of the logarithm of temperature")
+    A: Stress = Field(gt=0, description="factor of the flow stress [MPa s^m3]")
+    m1: Number = Field(description="coefficient of the temperature [1/degree C], about -0.003")
+    m2: Number = Field(description="exponent of the strain, for hardening")
+    m3: Number = Field(description="exponent of the strain rate, about 0.1")
+    m4: Number = Field(description="coefficient of 1/strain, for softening")
+    m5: Number = Field(
+        default=0.0, description="coefficient of temperature in the exponent of (1 + strain) [1/degree C]"
+    )
+    m7: Number = Field(default=0.0, description="coefficient of the strain, for softening")
+    m8: Number = Field(
+        default=0.0, description="coefficient of temperature in the exponent of the strain rate [1/degree C]"
+    )
+    m9: Number = Field(default=0.0, description="exponent of the temperature; 0 in most fits")
 
     def _check_window_of_law(self) -> None:
         if (self.m2 != 0.0 or self.m4 != 0.0) and not self.strain_window[0] > 0.0:
@@ -177,10 +181,10 @@ class NortonHoff(FittedLaw):
 
     law: Literal["norton_hoff"] = "norton_hoff"
     K: Stress = Field(gt=0, description="consistency [MPa s^m]")
-    e0: Number = Field(default=0.0, ge=0, description="pre-strain")
-    n: Number = Field(default=0.0, ge=0, le=1, description="hardening exponent")
+    e0: Number = Field(default=0.0, ge=0, description="strain before the test begins, e.g. 0.007")
+    n: Number = Field(default=0.0, ge=0, le=1, description="hardening exponent, 0 to 1")
     m: Number = Field(gt=0, le=1, description="sensitivity to strain rate")
-    beta: Number = Field(default=0.0, ge=0, description="of temperature [K]")
+    beta: Number = Field(default=0.0, ge=0, description="coefficient of 1/temperature [K]")
 
     def _check_window_of_law(self) -> None:
         if self.n > 0.0 and not self.e0 + self.strain_window[0] > 0.0:
@@ -193,8 +197,8 @@ class SinhArrhenius(FittedLaw):
 
     law: Literal["sinh_arrhenius"] = "sinh_arrhenius"
     A: Number = Field(gt=0, description="factor [1/s]")
-    alpha: Number = Field(gt=0, lt=10, description="of stress [1/MPa], about 0.01")
-    n: Number = Field(gt=0, description="exponent, about 5")
+    alpha: Number = Field(gt=0, lt=10, description="coefficient of the stress [1/MPa], about 0.01")
+    n: Number = Field(gt=0, description="exponent of the sinh, about 5")
     Q: ActivationEnergy = Field(
         ge=1e4, le=2e6, description='activation energy of hot working [J/mol], e.g. "312 kJ/mol"'
     )
@@ -209,10 +213,10 @@ class JohnsonCookHardening(FittedLaw):
     law: Literal["johnson_cook"] = "johnson_cook"
     A: Stress = Field(gt=0, description="flow stress before hardening [MPa]")
     B: Stress = Field(ge=0, description="hardening coefficient [MPa]")
-    n: Number = Field(gt=0, le=1, description="hardening exponent")
+    n: Number = Field(gt=0, le=1, description="hardening exponent, 0 to 1")
     C: Number = Field(ge=0, description="sensitivity to strain rate")
     reference_rate: Number = Field(gt=0, description="strain rate of A, B and n [1/s]")
-    m: Number = Field(gt=0, description="exponent of softening")
+    m: Number = Field(gt=0, description="exponent of softening by temperature")
     reference: Temperature = Field(default=20.0, description="temperature of A, B and n [degrees C]")
     melting: Temperature = Field(description="temperature at which no flow stress is left [degrees C]")
 

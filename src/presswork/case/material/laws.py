@@ -23,9 +23,13 @@ class Chaboche(Part):
 
     law: Literal["chaboche"] = "chaboche"
     C: tuple[Stress, ...] = Field(
-        min_length=1, max_length=MOST_BACK_STRESSES, description="growth of each back stress [MPa]"
+        min_length=1,
+        max_length=MOST_BACK_STRESSES,
+        description="rate of growth of each back stress per plastic strain [MPa]",
     )
-    gamma: tuple[Number, ...] = Field(min_length=1, description="fading of each; C/gamma is what it saturates at")
+    gamma: tuple[Number, ...] = Field(
+        min_length=1, description="rate at which each fades per plastic strain; each saturates at C/gamma"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Self:
@@ -106,7 +110,10 @@ class _Limit(Part):
     """What every forming limit has."""
 
     safety_margin: Number | None = Field(
-        default=None, ge=0, lt=1, description="part of the limit's height held in reserve; 0.1, of aluminium 0.08"
+        default=None,
+        ge=0,
+        lt=1,
+        description="part of the limit's height held in reserve; 0.1 is usual, 0.08 for aluminium",
     )
 
 

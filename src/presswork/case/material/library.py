@@ -68,7 +68,7 @@ def find_sheet(name: str, folder: Path | None = None) -> NamedSheet:
         return read_sheet(path)
     if name not in list_keys():
         remedy = f"{suggest(name, list_keys(), 'materials')}; or the path of a file of your own, which ends with .toml"
-        problem = Problem("", f"`{name}` is no material of the library", remedy)
+        problem = Problem("", f"the library has no material `{name}`", remedy)
         raise CaseError([problem], "materials")
     return read_sheet(FOLDER / f"{name}.toml")
 
@@ -148,8 +148,8 @@ def read_sheet(path: Path) -> NamedSheet:
     for key in data:
         if key not in known:
             problems.append(Problem(key, "unknown key", suggest(key, known, "keys here")))
-    name = _text(data, "name", "what the sheet is called", problems)
-    summary = _text(data, "summary", "one line that says what it is", problems)
+    name = _text(data, "name", "name of the sheet", problems)
+    summary = _text(data, "summary", "one line that describes it", problems)
     thickness = data.get("thickness")
     if thickness is not None and not (type(thickness) in (int, float) and 0 < thickness <= THICKEST):
         problems.append(Problem("thickness", f"expected a thickness from 0 to {THICKEST:g}", "in mm", thickness))
@@ -170,7 +170,7 @@ def read_sheet(path: Path) -> NamedSheet:
                 remedy = (
                     'say it under [sources], or under [assumed] why it was assumed; all = "..." stands for every key'
                 )
-                problems.append(Problem(f"material.{key}", "nothing says where it comes from", remedy))
+                problems.append(Problem(f"material.{key}", "its source is missing", remedy))
     else:
         problems.append(Problem("material", "missing table", "young, poisson, yield_function, hardening"))
     if problems or material is None:

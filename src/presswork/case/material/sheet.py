@@ -29,7 +29,7 @@ class NamedLaws(SheetLaws):
 
     hardening: Hardening = Field(description="flow stress along the rolling direction against plastic strain")
     density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
-    thermal: Thermal | None = Field(default=None, description="what it conducts and stores")
+    thermal: Thermal | None = Field(default=None, description="thermal properties of the sheet, needed with [heat]")
 
     def list_laws(self, *names: str) -> dict[str, Any]:
         """Return the keys that the case of a solid has: those of the laws that are given, and of `names`.

@@ -54,7 +54,7 @@ class ThermalExpansion(Part):
     )
     secant_from: Temperature | None = Field(
         default=None,
-        description="temperature from which the coefficient is the mean one [degrees C], as handbooks tell it; without "
+        description="temperature from which the coefficient is the mean one [degrees C], as handbooks have it; without "
         "this key it is that of the next degree",
     )
 

@@ -77,11 +77,13 @@ class Transformation(Part):
         if self.steel is not None and self.composition is not None:
             raise fault("steel and composition both give the composition", "give one of them", key="composition")
         if self.find_composition() == {} and self.ms is None:
-            raise fault("nothing says when martensite begins", "give steel, composition or ms", key="ms")
+            raise fault("the start of martensite is not given", "give steel, composition or ms", key="ms")
         carbon = self.find_composition().get("C", 0.0)
         if carbon > MOST_CARBON:
             raise fault(
-                f"{carbon:g} % of carbon is no steel for stamping", "mass per cent, e.g. 0.23", key="composition"
+                f"{carbon:g} % of carbon is outside the range of stamping steels",
+                "mass per cent, e.g. 0.23",
+                key="composition",
             )
         if min(self.latent_heat) < 0:
             raise fault("a transformation on cooling sets heat free", "give values >= 0", key="latent_heat")
@@ -129,7 +131,7 @@ def check_austenite(transformation: Transformation, key: str, start: float) -> I
     austenite = transformation.to_model().ferrite_start
     remedy = 'plain numbers are degrees C; with a unit: "1223 K"'
     if start < austenite:
-        text = f"it is no austenite at {start:g} degrees C: Ae3 is {austenite:.0f} degrees C"
+        text = f"it is not austenite at {start:g} degrees C: Ae3 is {austenite:.0f} degrees C"
         yield Problem(key, text, f"heat it further, or leave transformation out; {remedy}", start)
     if start > HOTTEST_FURNACE:
         yield Problem(key, f"hotter than any furnace for steel, {HOTTEST_FURNACE:g} degrees C", remedy, start)

@@ -22,7 +22,7 @@ from presswork.law.umat import elastic_constants, try_umat
 
 _FAULTS = {
     "not_finite": (
-        "its first call gives stresses or a tangent that are no numbers",
+        "its first call gives stresses or a tangent that are not numbers",
         "it may read more than the {n_props} props given, or need more than {n_state} state variables",
     ),
     "overrun": (
@@ -66,7 +66,7 @@ class UmatMaterial(Part):
     density: Density | None = Field(
         default=None, description='density [t/mm^3], e.g. "7850 kg/m^3", for dynamics and heat'
     )
-    thermal: Thermal | None = Field(default=None, description="what it conducts and stores, for [heat]")
+    thermal: Thermal | None = Field(default=None, description="thermal properties, needed with [heat]")
     thread_safe: bool = Field(
         default=False, description="whether several threads may call the routine at once; most Fortran routines may not"
     )
@@ -108,7 +108,7 @@ def build_umat(
         fault = f"there are only {n_state} state variables"
         return Problem(f"{key}.plastic_strain", fault, "count from 1", material.plastic_strain)
     if components == 3 and material.jacobian != "stress_increment":
-        fault = "no shell takes it: the rate of stress asks for the strain across the sheet, which no routine tells"
+        fault = "no shell takes it: the rate of stress asks for the strain across the sheet, which no routine gives"
         return Problem(f"{key}.jacobian", fault, 'take "stress_increment"', material.jacobian)
     law = model.Umat(
         str(path),

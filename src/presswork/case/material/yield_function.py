@@ -71,7 +71,7 @@ class Hill1948(Part):
             if name not in present:
                 raise fault("missing key", remedy, key=name)
         if len(present) > 3:
-            raise fault(f"{', '.join(present)} are two ways of saying it", remedy, key=present[-1])
+            raise fault(f"{', '.join(present)} give the same quantity", remedy, key=present[-1])
         check_surface(self.build(), "stress_biaxial" if wanted is stresses else "r00")
         return self
 
@@ -102,9 +102,9 @@ class Barlat1989(Part):
     """The yield function of Barlat and Lian (1989), from r-values."""
 
     law: Literal["barlat1989"] = "barlat1989"
-    r00: RValue
-    r45: RValue
-    r90: RValue
+    r00: RValue = Field(description=_R_VALUE.format(0))
+    r45: RValue = Field(description=_R_VALUE.format(45))
+    r90: RValue = Field(description=_R_VALUE.format(90))
     exponent: Exponent
 
     @model_validator(mode="after")
@@ -169,7 +169,7 @@ class Yld2000(Part):
                     raise fault("missing key", remedy, key="alpha" if not measured else name)
             self._find_alpha()
         elif measured:
-            raise fault(f"alpha and {measured[0]} are two ways of saying it", remedy, key=measured[0])
+            raise fault(f"alpha and {measured[0]} give the same quantity", remedy, key=measured[0])
         check_surface(self.build(), "alpha" if self.alpha else "r00")
         return self
 

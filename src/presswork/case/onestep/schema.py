@@ -102,7 +102,7 @@ NOT_IN_ONE_STEP = {
 class OneStepCase(CaseFile):
     """A complete case of the one-step solver. Raises CaseError, with every problem found, when it is not valid."""
 
-    title: Title = Field(description="what the case shows, in one line")
+    title: Title = Field(description="what the case shows, in one line; it is the title of pictures")
     analysis: Literal["onestep"] = Field(description="onestep")
     part: PartFile = Field(description="the finished part")
     blank: FlatBlank = Field(description="the sheet")
@@ -128,7 +128,7 @@ class OneStepCase(CaseFile):
             raise fault(fault_text, 'for instance {law = "swift", K = 565, e0 = 0.007, n = 0.26}', key=key)
         if material is not None and isinstance(material.hardening, HotLaw):
             raise fault(
-                f"one step knows no strain rate and temperature, which {material.hardening.law} depends on",
+                f"one step has no strain rate and temperature, which {material.hardening.law} depends on",
                 "give the flow stress against plastic strain alone, e.g. a table at one rate and temperature",
                 key=f"materials.{self.blank.material}.hardening",
             )
@@ -136,7 +136,7 @@ class OneStepCase(CaseFile):
         for key, words in NOT_IN_ONE_STEP.items():
             if material is not None and getattr(material, key) not in (None, getattr(library, key, None)):
                 raise fault(
-                    f"one step knows no {words}: it goes from the blank to the part at once",
+                    f"one step has no {words}: it goes from the blank to the part at once",
                     f"leave {key} out of the material",
                     key=f"materials.{self.blank.material}.{key}",
                 )

@@ -176,7 +176,7 @@ def _find_symmetry_planes(
             problems.append(
                 Problem(
                     f"boundary.{name}.symmetry",
-                    f"the set `{entry.set}` with fix = {fixed} is no symmetry plane of the workpiece",
+                    f"the set `{entry.set}` with fix = {fixed} is not a symmetry plane of the workpiece",
                     "fix one component in all stages, on the whole of an outermost straight side normal to it, or "
                     "leave symmetry out",
                     True,

@@ -23,8 +23,15 @@ class ExplicitSolver(Part):
         description="time step to reach by adding mass to cells that need a shorter one [s]; without it: no mass is "
         "added. It is for slow forming: in an impact inertia is what forms the part",
     )
-    safety: Number = Field(default=_EXPLICIT.safety, gt=0, le=0.9, description="time step over its stable bound")
-    damping: Rate = Field(default=_EXPLICIT.damping, ge=0, description="mass damping [1/s]")
+    safety: Number = Field(
+        default=_EXPLICIT.safety,
+        gt=0,
+        le=0.9,
+        description="time step over its stable bound; lower it where the energy balance is off",
+    )
+    damping: Rate = Field(
+        default=_EXPLICIT.damping, ge=0, description="damping in proportion to the mass [1/s]; 0: none"
+    )
     hourglass_stiffness: Number = Field(
         default=_EXPLICIT.hourglass_stiffness,
         ge=0,

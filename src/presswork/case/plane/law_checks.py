@@ -85,7 +85,7 @@ def _check_pores_in(case: schema.Case, name: str, material: schema.Material) -> 
     problems, key = [], f"materials.{name}.gtn"
     if case.procedure == "explicit":
         if case.heat is not None:
-            text = "in the explicit procedure a metal with pores knows no heat, so far"
+            text = "in the explicit procedure heat is not computed in a metal with pores"
             problems.append(Problem(key, text, 'leave [heat] out, or set procedure = "implicit"'))
         return problems
     for _, (place, body) in list_bodies(case).items():
@@ -118,7 +118,7 @@ def _check_umats(case: schema.Case) -> list[Problem]:
     problems = []
     for _, (key, body) in list_bodies(case).items():
         if case.procedure == "implicit" and body.material in users and body.element == "quad4_1pt":
-            fault = "its hourglass control needs a flow stress, which a UMAT does not tell"
+            fault = "its hourglass control needs a flow stress, which a UMAT does not give"
             problems.append(Problem(f"{key}.element", fault, "take quad4_fbar", body.element))
     if users and case.solver.tangent == "thesis":
         fault = "its terms are for the laws of presswork; a UMAT brings its tangent with it"

@@ -135,7 +135,7 @@ def _explain_room(tool: Tool, stage: int, node: FloatArray, part: float, move: F
         f"stages.{stage}.tools.{tool.name}",
         f"after {part * stroke:.4g} of its {stroke:.4g} mm the tool meets nodes that are held against it, at "
         f"({x:.4g}, {y:.4g}): no metal fits between",
-        "shorten the stroke, or let these nodes go",
+        "shorten the stroke, or release these nodes",
     )
 
 

@@ -30,7 +30,9 @@ OF_SMALLEST = 0.5
 class BodyRemesh(SizesOfCells):
     """When and how finely a body is meshed anew in the run."""
 
-    max_cells: Whole = Field(default=20_000, ge=50, description="budget of cells: beyond it all become larger")
+    max_cells: Whole = Field(
+        default=20_000, ge=50, description="largest number of cells; where more would be needed all become larger"
+    )
     quality: Number = Field(
         default=0.2,
         gt=0,

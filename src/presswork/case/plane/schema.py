@@ -79,7 +79,7 @@ class Material(PlasticLaws):
         "given beside it replace its own",
     )
     density: Density | None = Field(default=None, description='density [t/mm^3], e.g. "7850 kg/m^3"')
-    thermal: Thermal | None = Field(default=None, description="what it conducts and stores, for [heat]")
+    thermal: Thermal | None = Field(default=None, description="thermal properties, needed with [heat]")
     gtn: Gtn | None = Field(default=None, description="pores that soften the metal, with an internal length")
     grain: Grain | None = Field(default=None, description="grain size in hot forming")
     transformation: Transformation | None = Field(
@@ -205,7 +205,7 @@ class NodeForce(Part):
     """
 
     set: str = Field(description="name of a node set")
-    value: ForceVector = Field(description="force [x, y] [N], on the whole ring in axisymmetry")
+    value: ForceVector = Field(description="force [x, y] [N], e.g. [0, -5000]; on the whole ring in axisymmetry")
 
 
 class EdgeForce(Part):
@@ -277,7 +277,7 @@ class Stage(Part):
 class Case(CaseFile):
     """A complete forming case. Raises CaseError, with every problem found, when it is not valid."""
 
-    title: Title = Field(description="what the case shows, in one line")
+    title: Title = Field(description="what the case shows, in one line; it is the title of pictures")
     analysis: Literal["axisymmetric", "plane_strain"] = Field(
         description="axisymmetric (x is the radius, y the axis) or plane_strain"
     )
@@ -315,7 +315,9 @@ class Case(CaseFile):
     gradients: Gradients | None = Field(
         default=None, description="derivatives of the history by numbers of the case, found in the run itself"
     )
-    limits: Limits = Field(default=Limits(), description="beyond which a run stops")
+    limits: Limits = Field(
+        default=Limits(), description="limits beyond which a run stops, since its result would no longer be physics"
+    )
 
     @model_validator(mode="before")
     @classmethod

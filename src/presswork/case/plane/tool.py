@@ -45,14 +45,14 @@ def check_motion(motion: Any, place: str = "[x, y]") -> None:
     remedy = f"give stroke or force, with direction; or move = {place}; or turn"
     along = [name for name in ("stroke", "force") if getattr(motion, name) is not None]
     if motion.move is not None and (along or motion.direction is not None):
-        raise fault(f"move stands beside {(along or ['direction'])[0]}", remedy, key="move")
+        raise fault(f"move and {(along or ['direction'])[0]} are both given", remedy, key="move")
     if len(along) == 2:
-        raise fault("force stands beside stroke", "a tool either travels or pushes in a stage", key="force")
+        raise fault("force and stroke are both given", "a tool either travels or pushes in a stage", key="force")
     if along and motion.direction is None:
         raise fault("missing key", remedy, key="direction")
     if motion.position == "touch" and not along and not (motion.move and any(motion.move)):
         remedy = f"give stroke, move or force, or position = {place}"
-        raise fault("the tool has no way to come from", remedy, key="position")
+        raise fault("the tool has no direction from which it comes", remedy, key="position")
     is_placed = isinstance(motion.position, tuple)
     if not along and (motion.direction is not None or (motion.move is None and not motion.turn and not is_placed)):
         raise fault("missing key", remedy, key="stroke")
@@ -89,8 +89,8 @@ class ProfilePoint(ShortForm):
 class Spring(Part):
     """A spring behind a tool, which stands at its stop until it is pushed with more than the preload."""
 
-    stiffness: Stiffness = Field(gt=0, description="of the whole tool [N/mm]")
-    preload: Force = Field(default=0.0, ge=0, description="push from which the tool moves back [N]")
+    stiffness: Stiffness = Field(gt=0, description="stiffness of the spring of the whole tool [N/mm]")
+    preload: Force = Field(default=0.0, ge=0, description="preload: the tool moves back where it is pushed by more [N]")
     direction: Direction = Field(description="direction [x, y] in which the tool is pushed back, of any length")
 
     @model_validator(mode="after")
@@ -180,7 +180,7 @@ class Tool(Part):
             self._check_file()
             return self
         if self.profile_file is not None:
-            raise fault("profile stands beside profile_file", "give one of them", key="profile_file")
+            raise fault("profile and profile_file are both given", "give one of them", key="profile_file")
         for key in ("unit", "layer"):
             if getattr(self, key) is not None:
                 raise fault("has no meaning without profile_file", "remove it", key=key)

@@ -86,8 +86,8 @@ class EnergyPress(Part):
     energy: Energy | None = Field(
         default=None, gt=0, description="kinetic energy of ram and flywheel when it strikes [kJ]"
     )
-    velocity: Velocity | None = Field(default=None, gt=0, description="of the ram when it strikes [mm/s]")
-    mass: Mass | None = Field(default=None, gt=0, description="of the ram with the upper die [kg]")
+    velocity: Velocity | None = Field(default=None, gt=0, description="speed of the ram when it strikes [mm/s]")
+    mass: Mass | None = Field(default=None, gt=0, description="mass of the ram with the upper die [kg]")
     height: Length | None = Field(default=None, gt=0, description="instead of a velocity: height of its free fall [mm]")
     efficiency: Number = Field(
         gt=0,
@@ -98,7 +98,7 @@ class EnergyPress(Part):
     @model_validator(mode="after")
     def _check_two_of_three(self) -> Self:
         if self.velocity is not None and self.height is not None:
-            raise fault("velocity stands beside height", "the height of its fall gives the velocity", key="height")
+            raise fault("velocity and height are both given", "the height of its fall gives the velocity", key="height")
         if self.kind == "screw" and (self.height is not None or self.mass is not None):
             key = "height" if self.height is not None else "mass"
             raise fault("a screw press stores its energy in the flywheel", "give energy and velocity", key=key)
@@ -158,7 +158,7 @@ class StagePress(Part):
     def _check_one_start(self) -> Self:
         if self.before_bottom is not None and self.angle_before_bottom is not None:
             remedy = "give one of them"
-            raise fault("before_bottom and angle_before_bottom say the same", remedy, key="angle_before_bottom")
+            raise fault("before_bottom and angle_before_bottom are both given", remedy, key="angle_before_bottom")
         if self.pause is not None and self.blows == 1:
             raise fault("a single blow has no pause", "leave it out, or give blows", key="pause")
         return self

@@ -175,7 +175,7 @@ class ShellStage(Part):
 class ShellCase(CaseFile):
     """A complete case of a shell. Raises CaseError, with every problem found, when it is not valid."""
 
-    title: Title = Field(description="what the case shows, in one line")
+    title: Title = Field(description="what the case shows, in one line; it is the title of pictures")
     analysis: Literal["shell"] = Field(description="shell")
     workpiece: ShellWorkpiece = Field(description="the sheet that is formed")
     materials: dict[Name, SheetTable] = Field(default={}, description="materials by name")
@@ -188,7 +188,9 @@ class ShellCase(CaseFile):
         default=None, description="derivatives of the history by numbers of the case, found in the run itself"
     )
     points: dict[Name, Point3] = Field(default={}, description=POINTS)
-    limits: Limits = Field(default=Limits(), description="beyond which a run stops")
+    limits: Limits = Field(
+        default=Limits(), description="limits beyond which a run stops, since its result would no longer be physics"
+    )
 
     @model_validator(mode="before")
     @classmethod

@@ -37,7 +37,7 @@ def check_space_bodies(case: SpaceCase) -> list[Problem]:
             )
             problems.append(Problem(f"{key}.element", fault, "take cells of one kind for all bodies", body.element))
     if (case.bodies or case.contacts) and model.cell_of(choose_element(case)).is_quadratic:
-        fault = "bodies of tetrahedra of 10 nodes do not touch each other, so far"
+        fault = "bodies of tetrahedra of 10 nodes cannot touch each other"
         problems.append(Problem("workpiece.element", fault, "take tet4_mini", choose_element(case)))
     return problems + check_contacts(case.bodies, case.contacts, case.tools)
 

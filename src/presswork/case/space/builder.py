@@ -214,7 +214,7 @@ def _check_pores_in(case: SpaceCase, name: str, material: Material) -> list[Prob
         return []
     problems, key = [], f"materials.{name}.gtn"
     if case.heat is not None:
-        problems.append(Problem(key, "in space a metal with pores knows no heat, so far", "leave [heat] out"))
+        problems.append(Problem(key, "in space heat is not computed in a metal with pores", "leave [heat] out"))
     for place, body in list_space_bodies(case).values():
         if body.material == name and choose_element(case, body) == "tet4_mini":
             fault = "the pressure at its nodes knows the elastic change of volume alone, and pores add to it"

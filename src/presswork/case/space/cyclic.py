@@ -52,8 +52,8 @@ def _find_obstacles(case: SpaceCase) -> list[str]:
     """Return why a case cannot be computed as a sector of cyclic symmetry."""
     mirrors = ({"x"}, {"y"}, {"normal"})
     obstacles = {
-        "bodies push each other across the two faces, which is not followed, so far": bool(case.bodies),
-        "heat does not pass through the two faces, so far": case.heat is not None,
+        "contact across the two faces is not computed": bool(case.bodies),
+        "heat does not pass through the two faces": case.heat is not None,
         "there are planes of symmetry along z too": any(
             other.symmetry is not False and set(other.fix) in mirrors for other in case.boundary.values()
         ),

@@ -40,16 +40,16 @@ def check_space_heat(case: SpaceCase) -> Iterator[Problem]:
             yield from check_material(name, case.materials.get(name))
     for key, tool in case.tools.items():
         if tool.heat is not None and tool.heat.mesh is not None:
-            fault = "tools have meshes in the plane and in axisymmetry alone, so far"
+            fault = "tools have meshes in the plane and in axisymmetry alone"
             yield Problem(f"tools.{key}.heat.mesh", fault, "leave it out; warms_up = true heats the steel behind nodes")
     if case.solver.displacements == "small":
         yield Problem("heat", "heat in forming is for large displacements", "leave [heat] out")
     for index, stage in enumerate(case.stages):
         if stage.velocity is None and stage.press is None and "duration" not in stage.model_fields_set:
             remedy = "add it, in seconds, or velocity, or press"
-            yield Problem(f"stages.{index}.duration", "missing key: heat takes time", remedy)
+            yield Problem(f"stages.{index}.duration", "missing key: heat needs a duration", remedy)
         if stage.press is not None and stage.press.blows > 1 and stage.press.pause is None:
-            yield Problem(f"stages.{index}.press.pause", "missing key: heat takes time", "add it, in seconds")
+            yield Problem(f"stages.{index}.press.pause", "missing key: heat needs a duration", "add it, in seconds")
 
 
 def _check_body(case: SpaceCase, heat: FormingHeat, key: str, part: SpaceWorkpiece) -> Iterator[Problem]:
@@ -57,7 +57,7 @@ def _check_body(case: SpaceCase, heat: FormingHeat, key: str, part: SpaceWorkpie
     material = case.materials.get(part.material)
     if isinstance(material, UmatMaterial):
         yield Problem(
-            f"materials.{part.material}.umat", "in space a UMAT knows no heat, so far", "give a law of presswork"
+            f"materials.{part.material}.umat", "in space heat is not computed with a UMAT", "give a law of presswork"
         )
         return
     if part.element == "tet10":

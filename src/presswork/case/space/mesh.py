@@ -13,7 +13,7 @@ from presswork.case.plane.workpiece import Count, MeshFile
 from presswork.case.units import Angle, Length, Number, Point, Point3, fault
 
 Sector = Annotated[Angle, Field(gt=0, le=360)]
-_ANGLE = "of the sector that is meshed, from the x axis towards y [degrees]; 90 is a quarter, 360 the whole"
+_ANGLE = "angle of the sector that is meshed, from the x axis towards y [degrees]; 90 is a quarter, 360 the whole"
 _AROUND = "number of cells [radial, around, along]"
 
 

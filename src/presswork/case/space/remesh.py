@@ -24,7 +24,9 @@ if TYPE_CHECKING:
 class SpaceBodyRemesh(SizesOfCells):
     """When and how finely a body of tetrahedra is meshed anew in the run."""
 
-    max_cells: Whole = Field(default=60_000, ge=50, description="budget of cells: beyond it all become larger")
+    max_cells: Whole = Field(
+        default=60_000, ge=50, description="largest number of cells; where more would be needed all become larger"
+    )
     quality: Number = Field(
         default=0.2,
         gt=0,

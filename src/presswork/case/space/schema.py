@@ -84,7 +84,7 @@ class SpaceBoundary(StagedBoundary):
         if self.cyclic is not None and self.stages is not None:
             raise fault("the faces of a sector are tied in every stage", "leave it out", key="stages")
         if "normal" in self.fix and len(set(self.fix)) > 1:
-            raise fault("normal stands beside other components", 'give ["normal"] alone', key="fix")
+            raise fault("normal is given with other components", 'give ["normal"] alone', key="fix")
         return self
 
 
@@ -111,7 +111,7 @@ class FaceForce(Part):
 
     set: str = Field(description="name of a face set")
     value: StressVector3 | None = Field(default=None, description="force per undeformed area [x, y, z] [MPa]")
-    total: Force3 | None = Field(default=None, description="instead: the whole force [x, y, z] [N]")
+    total: Force3 | None = Field(default=None, description="instead of value: the whole force [x, y, z] [N]")
 
     @model_validator(mode="after")
     def _check_one_value(self) -> Self:
@@ -182,7 +182,7 @@ class SpaceSolver(Solver):
 class SpaceCase(CaseFile):
     """A complete case of a solid in space. Raises CaseError, with every problem found, when it is not valid."""
 
-    title: Title = Field(description="what the case shows, in one line")
+    title: Title = Field(description="what the case shows, in one line; it is the title of pictures")
     analysis: Literal["solid"] = Field(description="solid")
     procedure: Literal["implicit", "explicit"] = Field(
         default="implicit",
@@ -214,7 +214,9 @@ class SpaceCase(CaseFile):
     gradients: Gradients | None = Field(
         default=None, description="derivatives of the history by numbers of the case, found in the run itself"
     )
-    limits: Limits = Field(default=Limits(), description="beyond which a run stops")
+    limits: Limits = Field(
+        default=Limits(), description="limits beyond which a run stops, since its result would no longer be physics"
+    )
 
     @model_validator(mode="before")
     @classmethod

@@ -37,7 +37,7 @@ def build_supports(case: SpaceCase, mesh: model.Mesh) -> tuple[tuple[model.Suppo
             supports.append(model.Support(entry.set, tuple(axis in entry.fix for axis in AXES), name))
             continue
         if mesh.blocks[0].element == "tet4_mini":
-            fault = "tetrahedra are held along x, y and z alone, so far"
+            fault = "tetrahedra are held along x, y and z alone"
             problems.append(Problem(f"boundary.{name}.fix", fault, "take a quarter or a half", ["normal"]))
             continue
         normal = _find_normal(mesh, entry.set)
@@ -135,7 +135,7 @@ def check_symmetry(case: SpaceCase, mesh: model.Mesh, bodies: tuple[model.Body, 
             or entry.stages is not None
             or not is_whole_side(mesh, bodies, entry.set, AXES.index(components[0]))
         ):
-            fault = f"the set `{entry.set}` with fix = {components} is no symmetry plane of the workpiece"
+            fault = f"the set `{entry.set}` with fix = {components} is not a symmetry plane of the workpiece"
             remedy = (
                 "fix one component in all stages, on the whole of an outermost flat side normal to it, or leave "
                 "symmetry out"

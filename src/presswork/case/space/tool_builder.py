@@ -219,7 +219,9 @@ def check_motions(case: SpaceCase, tools: Sequence[Tool]) -> list[Problem]:
                 continue
             if motion.turn and case.tools[tool.name].turning_axis is None:
                 remedy = f"set tools.{tool.name}.axis = [x, y, z], and centre where it misses the origin"
-                problems.append(Problem(f"{key}.turn", "the tool turns, but about which axis?", remedy, motion.turn))
+                problems.append(
+                    Problem(f"{key}.turn", "the tool turns, and its axis is not given", remedy, motion.turn)
+                )
             axis, mirrors = np.abs(find_axis(tool)), np.array(tool.mirrored_across)
             if motion.turn and (axis[mirrors] < 1.0 - 1e-9).any():
                 fault = (

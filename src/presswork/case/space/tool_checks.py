@@ -114,7 +114,7 @@ def check_mirrors(
             return Problem(
                 f"tools.{name}",
                 f"the symmetry plane {'xyz'[axis]} = {plane:g} cuts this tool, but {found.describe()}",
-                "let the plane halve the tool, end the tool at it, or model the whole workpiece",
+                "move the tool so that the plane halves it, end the tool at it, or model the whole workpiece",
             )
     return None
 

@@ -51,8 +51,8 @@ class Rotation(Part):
 class SpaceSpring(Part):
     """A spring behind a tool, which stands at its stop until it is pushed with more than the preload."""
 
-    stiffness: Stiffness = Field(gt=0, description="of the whole tool [N/mm]")
-    preload: Force = Field(default=0.0, ge=0, description="push from which the tool moves back [N]")
+    stiffness: Stiffness = Field(gt=0, description="stiffness of the spring of the whole tool [N/mm]")
+    preload: Force = Field(default=0.0, ge=0, description="preload: the tool moves back where it is pushed by more [N]")
     direction: Direction3 = Field(description="direction [x, y, z] in which the tool is pushed back, of any length")
 
     @model_validator(mode="after")
@@ -105,7 +105,9 @@ class PlaneTool(_SpaceTool):
     """A flat tool without end, through its position."""
 
     shape: Literal["plane"] = Field(description="a flat tool without end, through its position")
-    normal: Direction3 = Field(description="direction [x, y, z] out of the tool, to the workpiece, of any length")
+    normal: Direction3 = Field(
+        description="normal [x, y, z] of the plane, out of the tool to the workpiece, of any length"
+    )
 
     @model_validator(mode="after")
     def _check_normal(self) -> Self:
@@ -146,9 +148,9 @@ class CylinderTool(_SpaceTool):
     """A cylinder about z, its middle at the tool's origin."""
 
     shape: Literal["cylinder"] = Field(description="a cylinder about z, its middle at the origin")
-    radius: Length = Field(gt=0, description="of the cylinder [mm]")
-    length: Length = Field(gt=0, description="of the cylinder along z [mm]")
-    edge_radius: Length = Field(default=0.0, ge=0, description="fillet of its two edges [mm]")
+    radius: Length = Field(gt=0, description="radius of the cylinder [mm]")
+    length: Length = Field(gt=0, description="length of the cylinder along z [mm]")
+    edge_radius: Length = Field(default=0.0, ge=0, description="radius that rounds its two edges [mm]")
 
     @model_validator(mode="after")
     def _check_edge(self) -> Self:
@@ -165,15 +167,15 @@ class SphereTool(_SpaceTool):
     """A sphere about the tool's origin."""
 
     shape: Literal["sphere"] = Field(description="a sphere about the origin")
-    radius: Length = Field(gt=0, description="of the sphere [mm]")
+    radius: Length = Field(gt=0, description="radius of the sphere [mm]")
 
 
 class BoxTool(_SpaceTool):
     """A box with rounded edges, its middle at the tool's origin."""
 
     shape: Literal["box"] = Field(description="a box, its middle at the origin")
-    size: Point3 = Field(description="extent along x, y and z, as drawn [mm]")
-    edge_radius: Length = Field(default=0.0, ge=0, description="fillet of all its edges [mm]")
+    size: Point3 = Field(description="extent of the box along x, y and z, as drawn [mm]")
+    edge_radius: Length = Field(default=0.0, ge=0, description="radius that rounds all its edges [mm]")
 
     @model_validator(mode="after")
     def _check_size(self) -> Self:

@@ -23,9 +23,11 @@ CHORD = math.radians(2.0)
 class Bead(Part):
     """A drawbead."""
 
-    points: tuple[Point, ...] = Field(min_length=2, description="its corners seen from above [mm]")
-    force: LineForce = Field(ge=0, description="restraining force per length [N/mm]")
-    radius: Length = Field(default=0.0, ge=0, description="radius that its corners are rounded with [mm]")
+    points: tuple[Point, ...] = Field(
+        min_length=2, description="its corners [x, y] seen from above [mm], e.g. [[-40, 30], [40, 30]]"
+    )
+    force: LineForce = Field(ge=0, description='restraining force per length [N/mm], e.g. "50 N/mm"')
+    radius: Length = Field(default=0.0, ge=0, description="radius that rounds its corners [mm]; 0: sharp")
     closed: bool = Field(
         default=False, strict=True, description="whether it goes on from the last point to the first, round the part"
     )

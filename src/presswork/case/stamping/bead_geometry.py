@@ -23,7 +23,7 @@ class BeadGeometry(Part):
         description="width of the groove [mm]; without it the bead's and 2.6 thicknesses",
     )
     gap: Length | None = Field(
-        default=None, gt=0, description="between die and holder beside the bead [mm]; without it 1.15 thicknesses"
+        default=None, gt=0, description="gap between die and holder beside the bead [mm]; without it 1.15 thicknesses"
     )
     mu: Number = Field(default=0.1, ge=0, le=1, description="Coulomb coefficient of friction in the bead")
 

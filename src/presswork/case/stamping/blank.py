@@ -23,7 +23,7 @@ class Refine(Part):
         default=10.0,
         gt=0,
         le=90,
-        description="from a shell to its neighbour, or of a tool along it, above which it is split [degree]",
+        description="angle from a shell to its neighbour, or of a tool along it, above which it is split [degree]",
     )
 
 

@@ -247,7 +247,7 @@ def _check_umat(key: str, material: UmatMaterial, case: StampingCase) -> list[Pr
     if material.density is None:
         problems.append(Problem(f"{key}.density", "missing key", 'add it: steel has "7850 kg/m^3"'))
     if material.yield_stress is None:
-        remedy = "add it: the routine does not tell it, and holder forces and energies are judged by it"
+        remedy = "add it: the routine does not give it, and holder forces and energies are judged by it"
         problems.append(Problem(f"{key}.yield_stress", "missing key", remedy))
     if case.procedure == "explicit" and case.explicit.precision == "single":
         fault = "a UMAT computes in double precision"

@@ -123,7 +123,7 @@ def _check_pair(
         )
         remedy = (
             f"shorten the stroke to {travel[mover] - before[mover]:.4g}, or see that {one.name} and {other.name} fit, "
-            "not swapped; limits.stop = false lets it run all the same"
+            "not swapped; limits.stop = false runs it anyway"
         )
         return Problem(f"stages.{index}.tools.{mover}.stroke", fault, remedy, after[mover] - before[mover])
     return None

@@ -20,7 +20,7 @@ class StampingHeat(FormingHeat):
     """Heat of the blank: in its plane, through its thickness, and exchanged with tools and surroundings."""
 
     levels: Annotated[int, Field(strict=True, ge=2, le=41)] = Field(
-        default=5, description="temperatures through the thickness at every node"
+        default=5, description="number of temperatures through the thickness at every node"
     )
     tolerance: Number = Field(
         default=1.0, gt=0, description="error that a time step of heat may add at any point, as estimated [K]"
@@ -30,7 +30,7 @@ class StampingHeat(FormingHeat):
 class Dwell(Part):
     """A stage in which nothing moves and heat alone flows."""
 
-    duration: Time = Field(gt=0, description="how long it takes [s]")
+    duration: Time = Field(gt=0, description="duration of the dwell [s]")
     place: Literal["air", "tools"] = Field(
         default="air",
         description="air: no tool is near, as on the way from the furnace; tools: between the closed tools, as the "

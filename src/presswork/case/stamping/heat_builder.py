@@ -86,7 +86,9 @@ def _check_material(case: StampingCase) -> Iterator[Problem]:
     name, start = case.blank.material, case.heat.initial_temperature
     material = case.materials.get(name)
     if isinstance(material, UmatMaterial):
-        yield Problem(f"materials.{name}.umat", "a UMAT knows no heat in forming, so far", "give a law of presswork")
+        yield Problem(
+            f"materials.{name}.umat", "heat in forming is not computed with a UMAT", "give a law of presswork"
+        )
         return
     if material is None:
         return
@@ -115,7 +117,7 @@ def _check_process(case: StampingCase) -> Iterator[Problem]:
     if case.procedure == "explicit" and "max_change" in case.heat.model_fields_set:
         yield Problem("heat.max_change", "is for the implicit procedure", "leave it out")
     if case.blank.refine is not None:
-        yield Problem("blank.refine", "temperatures do not pass to split shells, so far", "leave refine or [heat] out")
+        yield Problem("blank.refine", "temperatures do not pass to split shells", "leave refine or [heat] out")
     for name, tool in case.tools.items():
         if tool.heat is not None and tool.heat.temperature > HOTTEST_TOOL:
             text = f"no die steel works at {tool.heat.temperature:g} degrees C"
@@ -136,4 +138,4 @@ def _check_process(case: StampingCase) -> Iterator[Problem]:
                 yield Problem(f"stages.{index}.dwell.place", text, 'take place = "air"', "tools")
         elif stage.process_time is None and stage.duration is None and stage.press is None:
             remedy = "give process_time, how long the stage takes in the press; the computation may be faster"
-            yield Problem(f"stages.{index}.process_time", "missing key: heat takes time", remedy)
+            yield Problem(f"stages.{index}.process_time", "missing key: heat needs a duration", remedy)

@@ -95,7 +95,7 @@ def _check_tip(key: str, operation: Operation) -> list[Problem]:
         return []
     if not dies:
         return [Problem(f"{key}.place.tip", "there is no die to rest on", "add one, or leave tip out")]
-    fault = "one of several dies that the part tips onto: how high they stand beside each other is not known"
+    fault = "one of several dies that the part tips onto: their heights relative to each other are not known"
     return [
         Problem(f"{key}.tools.{name}.position", fault, "give it, of each die")
         for name, tool in dies.items()

@@ -26,7 +26,7 @@ class Place(Part):
         default=None, description="axis through the origin about which the part is turned over; without it: it is not"
     )
     turn: Angle = Field(default=0.0, description="angle about z, counter-clockwise seen from above [degree]")
-    move: Point3 = Field(default=(0.0, 0.0, 0.0), description="by which it is moved [mm]")
+    move: Point3 = Field(default=(0.0, 0.0, 0.0), description="vector by which the part is moved [mm], e.g. [0, 0, 20]")
 
     tip: bool = Field(
         default=False,
@@ -58,6 +58,6 @@ class Operation(Part):
     stages: tuple[StampingStage, ...] = Field(min_length=1, description="the operation, stage by stage")
     trim: dict[Name, Trim] = Field(default={}, description="lines that the part is cut along after the last stage")
     springback: Springback | None = Field(
-        default=None, description="an empty table lets the part go after the last stage and the trimming"
+        default=None, description="an empty table releases the part after the last stage and the trimming"
     )
     hem: Hem | None = Field(default=None, description="the hem that the summary measures at the end")

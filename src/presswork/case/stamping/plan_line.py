@@ -34,9 +34,9 @@ class RectangularLine(Part):
     """A rectangle with sides along x and y."""
 
     shape: Literal["rectangle"] = Field(description="a rectangle along x and y")
-    size: Point = Field(description="length along x and y [mm]")
-    corner_radius: Length = Field(default=0.0, ge=0, description="radius of its corners [mm]")
-    centre: Point = Field(default=(0.0, 0.0), description="its middle [mm]")
+    size: Point = Field(description="length along x and y [mm], e.g. [60, 40]")
+    corner_radius: Length = Field(default=0.0, ge=0, description="radius of its corners [mm]; 0: sharp")
+    centre: Point = Field(default=(0.0, 0.0), description="middle [x, y] [mm]")
 
     @model_validator(mode="after")
     def _check_size(self) -> Self:
@@ -57,8 +57,8 @@ class CircularLine(Part):
     """A circle."""
 
     shape: Literal["circle"] = Field(description="a circle")
-    diameter: Length = Field(gt=0, description="its diameter [mm]")
-    centre: Point = Field(default=(0.0, 0.0), description="its middle [mm]")
+    diameter: Length = Field(gt=0, description="diameter of the circle [mm]")
+    centre: Point = Field(default=(0.0, 0.0), description="middle [x, y] [mm]")
 
     def draw(self, folder: Path) -> FloatArray:
         """Return the line's segments: two half circles."""
@@ -71,7 +71,7 @@ class PolygonLine(Part):
 
     shape: Literal["polygon"] = Field(description="a polygon")
     points: tuple[Point, ...] = Field(min_length=3, description="its corners in turn [mm]; the last meets the first")
-    corner_radius: Length = Field(default=0.0, ge=0, description="radius of its corners [mm]")
+    corner_radius: Length = Field(default=0.0, ge=0, description="radius of its corners [mm]; 0: sharp")
 
     def draw(self, folder: Path) -> FloatArray:
         """Return the line's segments."""

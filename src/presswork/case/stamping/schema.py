@@ -46,7 +46,7 @@ OWN_TEXT = "operations.N." + ", operations.N.".join(OWN)
 class StampingMaterial(HeavyShellMaterial):
     """A sheet material that has a density in every case."""
 
-    thermal: Thermal | None = Field(default=None, description="what it conducts and stores, with [heat]")
+    thermal: Thermal | None = Field(default=None, description="thermal properties, needed with [heat]")
     transformation: Transformation | None = Field(
         default=None, description="what its austenite becomes on cooling, with [heat]"
     )
@@ -79,16 +79,23 @@ class Explicit(Part):
         description="time step to reach by adding mass to elements that need a shorter one [s]; without it: no mass is "
         "added. Kinetic energy, in the history, says how far one may go",
     )
-    safety: Number = Field(default=_EXPLICIT.safety, gt=0, le=1, description="time step over its stable bound")
+    safety: Number = Field(
+        default=_EXPLICIT.safety,
+        gt=0,
+        le=1,
+        description="time step over its stable bound; lower it where the energy balance is off",
+    )
     step_bound: Literal["shells", "mesh"] = Field(
         default=_EXPLICIT.step_bound,
-        description="that bound: of the worst shell by itself, or of the mesh as a whole, which bears a longer step",
+        description="bound of the step: that of the worst shell alone, or that of the mesh, which allows longer steps",
     )
-    damping: Rate = Field(default=_EXPLICIT.damping, ge=0, description="mass damping [1/s]")
+    damping: Rate = Field(
+        default=_EXPLICIT.damping, ge=0, description="damping in proportion to the mass [1/s]; 0: none"
+    )
     precision: Literal["double", "single"] | None = Field(
         default=_EXPLICIT.precision,
-        description="of shells and velocities; positions, contact and sums are always double. Without it: single where "
-        "it is faster, for von Mises with isotropic hardening alone, else double",
+        description="precision of shells and velocities; positions, contact and sums are always double. Without it: "
+        "single where it is faster, for von Mises with isotropic hardening alone, else double",
     )
     device: Literal["cpu", "host", "cuda"] = Field(
         default=_EXPLICIT.device,
@@ -125,8 +132,8 @@ class Implicit(Part):
         default=_SOLVER.contact_stiffness,
         gt=0,
         le=1,
-        description="of contact with the tools over that of the sheet across its thickness; the sheet sinks in by "
-        "pressure thickness/(contact_stiffness E)",
+        description="stiffness of contact with the tools over that of the sheet across its thickness; the sheet sinks "
+        "in by pressure thickness/(contact_stiffness E)",
     )
 
     inertia: Number = Field(
@@ -134,7 +141,7 @@ class Implicit(Part):
         ge=0,
         description="mass over the sheet's, in the time of the stages: steadies what nothing holds and what snaps",
     )
-    damping: Rate = Field(default=_SOLVER.damping, ge=0, description="of this mass [1/s]")
+    damping: Rate = Field(default=_SOLVER.damping, ge=0, description="damping in proportion to this mass [1/s]")
 
     @model_validator(mode="after")
     def _check_increments(self) -> Self:
@@ -184,7 +191,7 @@ class StampingOutput(Part):
 class StampingCase(CaseFile):
     """A complete case of a stamping. Raises CaseError, with every problem found, when it is not valid."""
 
-    title: Title = Field(description="what the case shows, in one line")
+    title: Title = Field(description="what the case shows, in one line; it is the title of pictures")
     analysis: Literal["stamping"] = Field(description="stamping")
     procedure: Literal["explicit", "implicit"] = Field(
         default="explicit",
@@ -206,7 +213,7 @@ class StampingCase(CaseFile):
     )
     springback: Springback | None = Field(
         default=None,
-        description="an empty table lets the part go after the last stage and the trimming, by the implicit procedure",
+        description="an empty table releases the part after the last stage and the trimming, by the implicit procedure",
     )
     hem: Hem | None = Field(default=None, description="the hem that the summary measures at the end")
     operations: tuple[Operation, ...] = Field(
@@ -233,7 +240,9 @@ class StampingCase(CaseFile):
         default={},
         description="directions by name, as angles from x [degree]: the history has how far the edge has come in there",
     )
-    limits: Limits = Field(default=Limits(), description="beyond which a run stops")
+    limits: Limits = Field(
+        default=Limits(), description="limits beyond which a run stops, since its result would no longer be physics"
+    )
 
     @model_validator(mode="before")
     @classmethod

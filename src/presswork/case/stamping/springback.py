@@ -78,7 +78,7 @@ class Springback(Part):
     """The formed part is released after the last stage: tools and boundaries away, symmetry planes kept."""
 
     increments: Annotated[int, Field(strict=True, ge=1)] = Field(
-        default=_DEFAULT.increments, description="in which the tools' forces are taken away"
+        default=_DEFAULT.increments, description="number of increments in which the tools' forces are taken away"
     )
     sections: dict[Name, Section] = Field(
         default={},

@@ -99,7 +99,7 @@ class StampingStage(Part):
     @model_validator(mode="after")
     def _check_single_timing(self) -> Self:
         if self.velocity is not None and self.duration is not None:
-            raise fault("velocity and duration both time the stage", "give one of them", key="duration")
+            raise fault("velocity and duration are both given", "give one of them", key="duration")
         if self.press is not None and self.ramp is not None:
             raise fault("a press neither starts nor stops smoothly", "leave it out", key="ramp")
         if self.press is not None and self.process_time is not None:

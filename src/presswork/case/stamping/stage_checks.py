@@ -33,7 +33,7 @@ def _check_actions(case: StampingCase, key: str, stage: StampingStage) -> list[P
         if name in case.tools and all(getattr(action, each) is None for each in ACTIONS):
             usual = "force = 20000" if case.tools[name].kind == "holder" else "stroke = 25"
             remedy = f"for instance {usual}; leave {name} out where it stands still"
-            problems.append(Problem(f"{key}.tools.{name}.{usual.split()[0]}", "what does the tool do?", remedy))
+            problems.append(Problem(f"{key}.tools.{name}.{usual.split()[0]}", "no motion given", remedy))
     return problems
 
 

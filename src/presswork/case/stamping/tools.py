@@ -79,7 +79,7 @@ class _DrawnTool(_Tool):
     )
 
     depth: Length | None = Field(
-        default=None, gt=0, description="die: of its flat bottom under its face [mm]; without it: open below"
+        default=None, gt=0, description="die: depth of its flat bottom under its face [mm]; without it: open below"
     )
     bottom_radius: Length = Field(
         default=0.0, ge=0, description="die with a bottom: radius between bottom and wall [mm]"
@@ -284,8 +284,8 @@ class ToolFile(_Tool):
     )
     offset: Length = Field(
         default=0.0,
-        description="by which the surface is moved back from the sheet along its normals [mm]: so far from the die's "
-        "face a punch of the same file stands when both have closed",
+        description="distance by which the surface is moved back from the sheet along its normals [mm]; so far from "
+        "the die's face a punch of the same file stands when both have closed",
     )
     cut: Trim | None = Field(
         default=None,

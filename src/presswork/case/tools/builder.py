@@ -144,7 +144,9 @@ def check_motions(case: schema.Case, tools: Sequence[Tool]) -> list[Problem]:
                 continue
             if motion.turn and case.tools[tool.name].centre is None and find_centre(start_profile(tool)) is None:
                 remedy = f"set tools.{tool.name}.centre = [x, y]"
-                problems.append(Problem(f"{key}.turn", "the tool turns, but about which point?", remedy, motion.turn))
+                problems.append(
+                    Problem(f"{key}.turn", "the tool turns, and its centre is not given", remedy, motion.turn)
+                )
             if motion.turn and case.analysis == "axisymmetric":
                 remedy = "leave turn out, or take plane strain"
                 problems.append(Problem(f"{key}.turn", "a ring cannot turn in its plane", remedy, motion.turn))

@@ -74,7 +74,7 @@ def _explain(index: int, stage: Stage, move: Mapping[str, FloatArray], part: flo
         f"stages.{index}.tools.{mover}",
         f"after about {part * stroke:.3g} of its {stroke:.4g} mm the tools close on the workpiece: when the stage "
         f'"{stage.name}" ends, they leave {room}',
-        "shorten the stroke, make the workpiece smaller, or open the die; limits.stop = false lets it run all the same",
+        "shorten the stroke, make the workpiece smaller, or open the die; limits.stop = false runs it anyway",
     )
 
 

@@ -106,7 +106,7 @@ def _read(
     try:
         scale = unit_factor(file.unit, LENGTH)
     except ValueError as error:
-        raise MeshError(f"the unit {file.unit} is no unit of length", "e.g. mm, m, inch") from error
+        raise MeshError(f"{file.unit} is not a unit of length", "e.g. mm, m, inch") from error
     try:
         mesh, _ = read_mesh(folder / file.path, element="quad4", scale=scale)
     except MeshError:

@@ -53,7 +53,7 @@ def fit_compression(
         if fit.left_out:
             names = ", ".join(fit.left_out)
             typer.echo(
-                f"{fit.law}: the tests do not tell {names}, which are 0; more strains, rates, temperatures would"
+                f"{fit.law}: the tests do not determine {names}, which are 0; more strains, rates or temperatures would"
             )
     target = output or path.with_suffix(".toml")
     _write(target, path, fits[0], {"young": young, "poisson": poisson}, capacity)

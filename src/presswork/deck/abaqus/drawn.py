@@ -46,7 +46,7 @@ class DrawnSurface:
                     middle, end = numbers[:2], numbers[2:]
                     points += list((1 - t) * (1 - 2 * t) * start + 4 * t * (1 - t) * middle + t * (2 * t - 1) * end)
                 case _:
-                    raise DataError(f"`{word}` with {len(numbers)} numbers is no piece of a profile")
+                    raise DataError(f"`{word}` with {len(numbers)} numbers is not a piece of a profile")
         return np.array(points)
 
     def mesh(self, sheet: FloatArray, tolerance: float) -> tuple[FloatArray, IndexArray]:
@@ -100,7 +100,7 @@ def read_drawn(block: Block) -> DrawnSurface:
     kind, origin, axes = block.name_of("TYPE"), np.zeros(3), np.array([[1.0, 0, 0], [0, 1.0, 0], [0, 0, -1.0]])
     if frame:
         if len(frame[0]) != 6 or (kind == "CYLINDER" and (len(frame) < 2 or len(frame[1]) != 3)):
-            raise DataError("the rows above START are no points a, b and c")
+            raise DataError("the rows above START are not points a, b and c")
         origin, along = frame[0][:3], frame[0][3:] - frame[0][:3]
         along = along / np.linalg.norm(along)
         if kind == "CYLINDER":

@@ -60,7 +60,7 @@ class MaterialReader:
             if block.name_of("NAME") in self._found:
                 raise DataError(f"a second material {block.name_of('NAME')}")
             self._now = self._found.setdefault(block.name_of("NAME"), _Material(block.place))
-            self._notes.see(block.place, "*MATERIAL", "of no sheet that is taken over", "dropped")
+            self._notes.see(block.place, "*MATERIAL", "belongs to no sheet that is imported", "dropped")
         elif self._now is not None:
             self._notes.belong(block.place, f"*{block.name}", self._now.place)
             self._take(block, self._now)
@@ -92,7 +92,7 @@ class MaterialReader:
                     self._notes.refuse(block.place, "*RATE DEPENDENT", "rates by another law", "give TYPE=POWER LAW")
                 material.rate = (float(rows[0, 0]), float(rows[0, 1]))
             case _:
-                self._notes.drop(block.place, f"*{block.name}", "steers numerics: presswork has its own")
+                self._notes.drop(block.place, f"*{block.name}", "controls numerics: presswork has its own")
 
     def _take_plastic(self, block: Block, rows: np.ndarray, material: _Material) -> None:
         if block.name_of("HARDENING") not in ("", "ISOTROPIC") or "RATE" in block.parameters:

@@ -54,7 +54,7 @@ _NUMERICS = (
     "ROTARY INERTIA",
     "TRANSVERSE SHEAR STIFFNESS",
 )
-"""What steers numerics and output."""
+"""What controls numerics and output."""
 _CHORD = 1e-4
 """Of the sheet's size: how far chords lie off the arcs of analytical surfaces."""
 
@@ -110,11 +110,9 @@ class AbaqusDeck:
         elif self._materials.take(block) or self._steps.take(block) or self._contacts.take(block):
             return
         elif block.name in _NUMERICS:
-            self.notes.drop(block.place, f"*{block.name}", "steers numerics or output: presswork has its own")
+            self.notes.drop(block.place, f"*{block.name}", "controls numerics or output: presswork has its own")
         elif block.name in _SILENT:
-            self.notes.see(
-                block.place, f"*{block.name}", f"how the deck is put together {block.name_of('NAME')}".strip()
-            )
+            self.notes.see(block.place, f"*{block.name}", f"structure of the deck {block.name_of('NAME')}".strip())
         else:
             self.notes.refuse(block.place, f"*{block.name}", "carries physics that has no counterpart here")
 
@@ -344,9 +342,9 @@ _HANDLERS: dict[str, Callable[[AbaqusDeck, Block], None]] = {
 _SEEN: dict[str, tuple[Fate, str]] = {
     "HEADING": ("kept", "the case's title"),
     "PART": ("kept", "nodes and shells of a part"),
-    "END PART": ("kept", "how the deck is put together"),
+    "END PART": ("kept", "structure of the deck"),
     "INSTANCE": ("kept", "where a part lies"),
-    "END INSTANCE": ("kept", "how the deck is put together"),
+    "END INSTANCE": ("kept", "structure of the deck"),
     "NSET": ("kept", "a set, for keywords that name it"),
     "ELSET": ("kept", "a set, for keywords that name it"),
     "SHELL SECTION": ("dropped", "of rigid bodies, or of no shells"),

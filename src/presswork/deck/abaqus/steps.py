@@ -81,7 +81,7 @@ class Steps:
             case "STATIC" | "DYNAMIC":
                 self._time(block)
             case "END STEP":
-                self.notes.see(block.place, "*END STEP", "how the deck is put together")
+                self.notes.see(block.place, "*END STEP", "structure of the deck")
             case "AMPLITUDE":
                 self._take_amplitude(block)
             case "BOUNDARY" | "CLOAD":
@@ -127,7 +127,7 @@ class Steps:
     def _take_amplitude(self, block: Block) -> None:
         kind, place = block.name_of("DEFINITION"), block.place
         if kind not in ("", "TABULAR", "SMOOTH STEP"):
-            self.notes.refuse(place, "*AMPLITUDE", f"an amplitude that is no table ({kind})", "give it as a table")
+            self.notes.refuse(place, "*AMPLITUDE", f"an amplitude that is not a table ({kind})", "give it as a table")
             return
         if block.name_of("VALUE") not in ("", "RELATIVE"):
             self.notes.refuse(place, "*AMPLITUDE", f"VALUE = {block.name_of('VALUE')}", "give VALUE=RELATIVE")

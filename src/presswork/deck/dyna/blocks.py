@@ -68,7 +68,7 @@ class BlocksOfDeck:
             block = self._make(line)
             keyword = f"*{block.name}"
             if is_over:
-                self._notes.see(block.place, keyword, "stands below *END", "dropped")
+                self._notes.see(block.place, keyword, "comes after *END", "dropped")
             elif block.name == "END":
                 is_over = True
                 self._notes.see(block.place, keyword, "the file ends here")
@@ -76,7 +76,7 @@ class BlocksOfDeck:
                 self._notes.see(block.place, keyword, "lines of the files are listed by their names")
                 yield from self._include(block, path, depth)
             elif block.name.startswith("PARAMETER"):
-                self._notes.see(block.place, keyword, "values stand where they are named")
+                self._notes.see(block.place, keyword, "values take the place of their names")
                 self._define(block)
             else:
                 yield block

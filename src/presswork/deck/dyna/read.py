@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A deck of LS-DYNA, read: nodes, shells, parts, materials, curves, motions, forces and contacts of a forming job.
 
-What only steers numerics or output is dropped and noted; what carries physics and has no counterpart is refused.
+What only controls numerics or output is dropped and noted; what carries physics and has no counterpart is refused.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from presswork.mesh.files.dynain import read_layers, read_strains
 
 _SILENT = ("KEYWORD", "COMMENT")
 _NUMERICS = ("CONTROL_", "DATABASE_", "HOURGLASS", "INTERFACE_", "TITLE", "DAMPING_", "DEFINE_BOX", "CASE", "SENSOR_")
-"""What steers numerics and output."""
+"""What controls numerics and output."""
 _PHYSICS = ("CONTROL_THERMAL_", "SENSOR_CONTROL")
 """What begins as numerics do, and is physics."""
 _OUTPUT_OF_FORMING = "CONTROL_FORMING_OUTPUT"
@@ -75,7 +75,7 @@ class DynaDeck:
             return
         if block.name.startswith(_NUMERICS):
             self.notes.drop(
-                block.place, f"*{block.name}", "steers numerics or output: the program's own take its place"
+                block.place, f"*{block.name}", "controls numerics or output: the program's own take its place"
             )
             return
         self.notes.refuse(block.place, f"*{block.name}", "carries physics that has no counterpart here")
@@ -279,7 +279,9 @@ class DynaDeck:
         if block.name not in ("INITIAL_STRESS_SHELL", "INITIAL_STRAIN_SHELL") or block.is_long:
             what = block.name.removeprefix("INITIAL_").lower().replace("_", " ")
             remedy = "write it by *INITIAL_STRESS_SHELL and *INITIAL_STRAIN_SHELL in the standard form, as a dynain"
-            self.notes.refuse(block.place, f"*{block.name}", f"a past that is not read ({what})", remedy)
+            self.notes.refuse(
+                block.place, f"*{block.name}", f"a state of the formed sheet that is not read ({what})", remedy
+            )
             return
         rows = [row.decode("latin-1") for row in block.rows() if row.strip()]
         if block.name == "INITIAL_STRAIN_SHELL":
@@ -348,10 +350,10 @@ _HANDLERS: dict[str, Callable[[DynaDeck, Block], None]] = {
 _SEEN: dict[str, tuple[Fate, str]] = {
     "PART": ("dropped", "no part of shells"),
     "SECTION_SHELL": ("dropped", "of rigid tools, whose thickness does not count, or of no part"),
-    "MAT": ("dropped", "of no sheet that is taken over"),
-    "DEFINE_CURVE": ("dropped", "nothing that is taken over refers to it"),
-    "BOUNDARY_PRESCRIBED_MOTION_RIGID": ("dropped", "moves no tool that is taken over"),
-    "LOAD_RIGID_BODY": ("dropped", "pushes no tool that is taken over"),
+    "MAT": ("dropped", "belongs to no sheet that is imported"),
+    "DEFINE_CURVE": ("dropped", "nothing that is imported refers to it"),
+    "BOUNDARY_PRESCRIBED_MOTION_RIGID": ("dropped", "moves no tool that is imported"),
+    "LOAD_RIGID_BODY": ("dropped", "pushes no tool that is imported"),
     "CONTACT": ("dropped", "adds no tool: it joins none with the sheet, or one that has a contact above"),
     "BOUNDARY_SPC": ("dropped", "holds nothing"),
     "SET_NODE": ("kept", "a set, for keywords that name it"),

@@ -81,7 +81,7 @@ def read_blocks(path: Path, source: Path, notes: Notes, depth: int = 0) -> Itera
         words = [word.strip() for word in line.text.strip().split("/")]
         sign = "#" if words[0].lower().startswith(("include", "enddata")) else "/"
         if is_over:
-            notes.see(line.place, f"{sign}{words[0]}", "stands below the end", "dropped")
+            notes.see(line.place, f"{sign}{words[0]}", "comes after the end", "dropped")
             continue
         if words[0].upper() in ("END", "ENDDATA"):
             is_over = True

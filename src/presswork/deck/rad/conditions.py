@@ -109,7 +109,7 @@ class Conditions:
             text = f"{len(others)} nodes of no rigid body that is driven, the first {others[0]}"
             self.notes.leave(block.place, block.keyword, text)
         if not bodies:
-            text = "drives nodes that are no rigid body"
+            text = "drives nodes that are not a rigid body"
             self.notes.refuse(block.place, block.keyword, text, "drive the main nodes of /RBODY")
         return bodies
 
@@ -130,7 +130,7 @@ class Conditions:
         skew, group = (int(each) for each in read_row(row[10:], 10, 10))
         leave_fields(block, row, "fixed skew_ID grnod_ID", self.notes)
         if len(fixed) != 6:
-            raise FieldError(f"`{row[:10].decode('latin-1')}` is no row of six digits")
+            raise FieldError(f"`{row[:10].decode('latin-1')}` is not a row of six digits")
         if skew:
             self.notes.refuse(block.place, block.keyword, "a support in a frame of its own")
             return

@@ -40,6 +40,6 @@ def take_engine_block(block: Block, deck: Deck, notes: Notes) -> None:
             deck.springs_back = True
             notes.change(block.place, block.keyword, "the part is released in the same run ([springback])")
         case (word, *_) if word in ENGINE:
-            notes.drop(block.place, block.keyword, "steers numerics or output: the program's own take its place")
+            notes.drop(block.place, block.keyword, "controls numerics or output: the program's own take its place")
         case _:
             notes.refuse(block.place, block.keyword, "changes the model while it runs, which has no counterpart here")

@@ -39,7 +39,7 @@ STARTER = frozenset(
         "VERS",
     }
 )
-"""What steers numerics and output, and groups and frames, which matter only where they are named."""
+"""What controls numerics and output, and groups and frames, which matter only where they are named."""
 ENGINE = frozenset(
     {
         "ABF",
@@ -70,20 +70,20 @@ ENGINE = frozenset(
         "VERS",
     }
 )
-"""What steers numerics and output."""
+"""What controls numerics and output."""
 SEEN: dict[str, tuple[Fate, str]] = {
     "UNIT": ("kept", "units, for keywords that name them"),
     "TITLE": ("kept", "the case's title"),
     "PART": ("dropped", "has no shells, or moves with a part that is a tool"),
     "PROP": ("dropped", "of rigid parts, whose thickness does not count, or of none"),
     "MAT": ("dropped", "of rigid parts, or of none"),
-    "FUNCT": ("dropped", "nothing that is taken over refers to it"),
+    "FUNCT": ("dropped", "nothing that is imported refers to it"),
     "ADMESH": ("dropped", "shells are split as /ADMESH/GLOBAL says"),
     "RBODY": ("kept", "makes its parts rigid"),
-    "IMPVEL": ("dropped", "moves no tool that is taken over"),
-    "IMPACC": ("dropped", "moves no tool that is taken over"),
-    "IMPDISP": ("dropped", "moves no tool that is taken over"),
-    "CLOAD": ("dropped", "pushes no tool that is taken over"),
+    "IMPVEL": ("dropped", "moves no tool that is imported"),
+    "IMPACC": ("dropped", "moves no tool that is imported"),
+    "IMPDISP": ("dropped", "moves no tool that is imported"),
+    "CLOAD": ("dropped", "pushes no tool that is imported"),
     "BCS": ("dropped", "holds nothing"),
     "INTER": ("dropped", "adds no tool: it joins none with the sheet, or one that has a contact above"),
 }

@@ -108,7 +108,9 @@ class RadDeck:
         elif word == "RUN":
             self._take_engine(block)
         elif word in STARTER:
-            self.notes.drop(block.place, block.keyword, "steers numerics or output, or matters only where it is named")
+            self.notes.drop(
+                block.place, block.keyword, "controls numerics or output, or matters only where it is named"
+            )
         else:
             self.notes.refuse(block.place, block.keyword, "carries physics that has no counterpart here")
 

@@ -77,12 +77,12 @@ def _check_file(path: Path) -> None:
     content = path.read_bytes()
     if path.suffix.lower() in _IGES:
         if content[72:73] not in (b"S", b"C") or not _LAST_RECORD.search(content.replace(b"\r", b"")):
-            fault = "this is no whole IGES file of records of 80 columns"
+            fault = "this is not a whole IGES file with records of 80 columns"
             raise MeshError(fault, "export it again, uncompressed, or as STEP AP214 or AP242")
         return
     if not content.lstrip()[:13].upper().startswith(b"ISO-10303-21"):
         raise MeshError(
-            "this is no STEP file: it does not begin with ISO-10303-21", "export it again as STEP AP214 or AP242"
+            "this is not a STEP file: it does not begin with ISO-10303-21", "export it again as STEP AP214 or AP242"
         )
     if _ELSEWHERE.search(content):
         raise MeshError("parts of this model lie in other files", "export the assembly as one file")

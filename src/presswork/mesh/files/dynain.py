@@ -111,7 +111,7 @@ def read_dynain(path: Path) -> FormedSheet:
             elif name == "INITIAL_STRAIN_SHELL":
                 strains |= read_strains(rows)
             elif name not in _WHOLE:
-                fault = f"*{name} is no part of a formed sheet that is read here"
+                fault = f"*{name} is not read as a part of a formed sheet"
                 raise MeshError(fault, "take it out, or give the whole deck to presswork import")
     except (ValueError, IndexError) as error:
         raise MeshError(f"the rows below *{name} are cut short, or hold no numbers", "write it again") from error

@@ -116,7 +116,7 @@ def _take_cells(raw: RawMesh, scale: float) -> tuple[FloatArray, Cells]:
         others = f" (it has {', '.join(sorted(raw.other_kinds))})" if raw.other_kinds else ""
         raise MeshError(f"the file has no triangles or quadrilaterals{others}", "save the part's mid-surface")
     if raw.points.shape[1] != 3 or not np.isfinite(raw.points).all():
-        raise MeshError("some coordinates are no finite numbers, or not three", "write it again from the CAD program")
+        raise MeshError("some coordinates are not finite numbers, or not three", "write it again from the CAD program")
     found = {kind: [np.zeros((0, CELLS[kind].nodes), dtype=np.int32)] for kind in ("tri3", "quad4")}
     for blocks in raw.cells.values():
         cells = np.concatenate(blocks)

@@ -62,7 +62,7 @@ def read_raw(path: Path) -> RawMesh:
     reader = readers.get(path.suffix.lower())
     if reader is None:
         remedy = f"known endings: {', '.join(readers)}; of tools and surfaces also .step, .stp, .iges, .igs"
-        raise MeshError(f"`{path.suffix}` is no known mesh format", remedy)
+        raise MeshError(f"unknown mesh format `{path.suffix}`", remedy)
     if not path.is_file():
         near = sorted(entry.name for entry in path.parent.glob("*") if entry.suffix.lower() in readers)[:5]
         raise MeshError(f"no such file ({path})", f"mesh files there: {', '.join(near) or 'none'}")
@@ -145,7 +145,7 @@ def _take_plane(points: FloatArray) -> FloatArray:
     if len(points) == 0:
         raise MeshError("the file has no nodes", "write it again from the mesher")
     if not np.isfinite(points).all():
-        raise MeshError("some coordinates are no finite numbers", "write it again from the mesher")
+        raise MeshError("some coordinates are not finite numbers", "write it again from the mesher")
     if points.shape[1] == 3:
         extent = np.ptp(points, axis=0)
         if extent[2] > 1e-9 * max(extent.max(), 1e-300):

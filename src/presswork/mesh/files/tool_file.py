@@ -80,7 +80,7 @@ def _take_facets(raw: RawMesh, scale: float) -> tuple[FloatArray, IntArray]:
         others = f" (it has {', '.join(sorted(raw.other_kinds))})" if raw.other_kinds else ""
         raise MeshError(f"the file has no triangles or quadrilaterals{others}", "save the surface of the tool")
     if raw.points.shape[1] != 3 or not np.isfinite(raw.points).all():
-        raise MeshError("some coordinates are no finite numbers, or not three", "write it again from the CAD program")
+        raise MeshError("some coordinates are not finite numbers, or not three", "write it again from the CAD program")
     points = raw.points * scale
     for blocks in raw.cells.values():
         cells = np.concatenate(blocks)

@@ -74,7 +74,7 @@ class HeatOfShells:
         """Return the plastic work of the row at the layers (n_cells, q, k) [N mm]."""
         shells, law = self._shells, self._shells.blocks[0].law
         after = shells.history_at_points
-        assert isinstance(law, _core.SheetLaw), "a UMAT knows no heat"
+        assert isinstance(law, _core.SheetLaw), "heat is not computed with a UMAT"
         n, given = after.shape[-1], shells.given_temperature
         assert given is not None
         density = plastic_work_density(

@@ -31,6 +31,6 @@ def explain_passed_ends(
             nearest = int(np.argmin(distance))
             if distance[nearest] < NEAR and not held[edges[nearest, :2]].any():
                 found.append(
-                    f"the profile of {name} ends on the metal, at ({end[0]:.4g}, {end[1]:.4g}) mm: let it reach farther"
+                    f"the profile of {name} ends on the metal, at ({end[0]:.4g}, {end[1]:.4g}) mm: extend the profile"
                 )
     return found

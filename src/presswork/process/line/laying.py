@@ -209,7 +209,7 @@ def _touch(operation: Operation, tool: Tool, points: FloatArray, half: FloatArra
     travel = find_touch(make_surface(tool.surface), points - begin, half, direction, float(np.ptp(ahead) + np.ptp(own)))
     if travel is None:
         raise LayingError(
-            f"{key_of(operation, tool.name)}: the {tool.kind} goes past the part without touching it, so its height is "
+            f"{key_of(operation, tool.name)}: the {tool.kind} passes the part without touching it, so its height is "
             "not known: give it a position = [x, y, z], or move the part (place.move)"
         )
     x, y, z = (float(each) for each in begin + travel * direction)

@@ -85,7 +85,7 @@ def check_reach(operation: Operation, tools: Sequence[Tool], stages: Sequence[St
         return
     gap, tool = min(missed, key=lambda pair: pair[0])
     raise LayingError(
-        f"{key_of(operation, tool.name)}: the {tool.kind} goes past the part, as every tool that moves does; it starts "
+        f"{key_of(operation, tool.name)}: the {tool.kind} passes the part, as every tool that moves does; it starts "
         f"{gap:.4g} mm off: check its position, size and stroke, and how the part is laid in (place)"
     )
 
@@ -150,7 +150,7 @@ def explain_misfit(
         "turned and moved (place)"
     )
     if stops and found.share > NO_FIT[0] and found.off > NO_FIT[1] * 2.0 * half.mean():
-        raise LayingError(f"{text}; limits.stop = false lets it run all the same")
+        raise LayingError(f"{text}; limits.stop = false runs it anyway")
     return [text]
 
 

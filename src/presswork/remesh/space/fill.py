@@ -65,7 +65,7 @@ def mesh_to_size(
     )  # fmt: skip
     points, cells = made["points"], np.asarray(made["cells"], dtype=np.intp)
     if not len(cells) or cells.max() >= len(points):
-        raise MeshError("MMG has left no whole mesh", "smaller cells")
+        raise MeshError("MMG returned an incomplete mesh", "smaller cells")
     used, number = np.unique(cells, return_inverse=True)  # MMG leaves nodes behind that no cell has
     place = np.zeros(len(points), dtype=np.intp)
     place[used] = np.arange(len(used))

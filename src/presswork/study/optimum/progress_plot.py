@@ -84,7 +84,7 @@ def _draw_history(ax: Axes, study: Study, runs: Sequence[Run], best: Run | None)
         so_far = [min(feasible[: i + 1], key=_sum_of_goals) for i in range(len(feasible))]
         numbers = [run.number for run in feasible] + [max(run.number for run in runs)]
         goals = [_goal(study, run) for run in [*so_far, so_far[-1]]]
-        ax.step(numbers, goals, where="post", color=_BEST, linewidth=1.2, label="best so far")
+        ax.step(numbers, goals, where="post", color=_BEST, linewidth=1.2, label="best yet")
         ax.scatter([best.number], [_goal(study, best)], s=110, facecolors="none", edgecolors=_BEST, label="best")
     ax.set_xlabel("run")
     ax.set_ylabel(_name_of_goal(study))

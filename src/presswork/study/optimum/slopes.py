@@ -82,7 +82,7 @@ def find_slopes(study: Study, case_file: Path, columns: Sequence[str]) -> Slopes
     for measure, key in study.measures.items():
         source = _find_source(measure, columns)
         if source is None:
-            text = f"`{measure}` is no column of the history, so its runs find no derivatives of it"
+            text = f"`{measure}` is not a column of the history, so its runs find no derivatives of it"
             problems.append(Problem(key, text, 'set search.slopes = "differences"'))
         else:
             sources[measure] = source

@@ -154,7 +154,9 @@ class Search(Part):
     tolerance: float = Field(
         default=0.01, gt=0, lt=0.5, description="distance at which two runs are alike, as a part of the bounds' range"
     )
-    step: float = Field(default=0.02, gt=0, lt=0.5, description="of finite differences, as a part of the bounds' range")
+    step: float = Field(
+        default=0.02, gt=0, lt=0.5, description="step of finite differences, as a part of the bounds' range"
+    )
 
 
 class Study(Part):
@@ -162,10 +164,12 @@ class Study(Part):
 
     case: str = Field(min_length=1, description="the case file, relative to the study file")
     set: tuple[str, ...] = Field(default=(), description="`key=value` texts that change the case, for all runs")
-    variables: tuple[Variable, ...] = Field(min_length=1, max_length=20, description="what is varied")
-    goals: tuple[Goal, ...] = Field(min_length=1, description="what is to be small or large")
-    limits: tuple[Limit, ...] = Field(default=(), description="what must be kept")
-    search: Search = Field(default_factory=Search, description="how to look for the optimum")
+    variables: tuple[Variable, ...] = Field(
+        min_length=1, max_length=20, description="keys that are varied, each with its bounds"
+    )
+    goals: tuple[Goal, ...] = Field(min_length=1, description="measures to be made small or large")
+    limits: tuple[Limit, ...] = Field(default=(), description="limits that the best case must keep")
+    search: Search = Field(default_factory=Search, description="how the optimum is searched")
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -57,12 +57,11 @@ def build_curve(material: SheetLaws, thickness: float | None = None) -> FormingL
             return measured
         return scale_with_thickness(measured, limit.thickness, thickness)
     if material.kinematic is not None:
-        text = f"{limit.law} knows isotropic hardening alone, and this material has back stresses"
+        text = f"{limit.law} is for isotropic hardening alone, and this material has back stresses"
         raise CaseError([Problem("forming_limit.law", text, "give keeler or points")], "material")
     if isinstance(material.hardening, HotLaw):
-        text = (
-            f"{limit.law} is computed for one temperature and no strain rate, and {material.hardening.law} knows both"
-        )
+        hot = material.hardening.law
+        text = f"{limit.law} is computed for one temperature and no strain rate, and {hot} depends on both"
         raise CaseError([Problem("forming_limit.law", text, "give keeler or points")], "material")
     function, law = material.yield_function.build(), material.build_law()
     if isinstance(limit, SwiftHillLimit):

@@ -69,7 +69,7 @@ def curve_from_points(points: Sequence[tuple[float, float]]) -> FormingLimitCurv
         problems.append(Problem("points", "expected at least two points", "give [[minor, major], ...]"))
     if (np.diff(table[:, 0]) <= 0).any():
         twice = float(table[1:][np.diff(table[:, 0]) <= 0][0, 0])
-        problems.append(Problem("points", f"the minor strain {twice:g} stands twice", "give one limit for each"))
+        problems.append(Problem("points", f"the minor strain {twice:g} is given twice", "give one limit for each"))
     if (np.abs(table) > 3).any():
         problems.append(Problem("points", "a strain beyond 3", "give true strains as fractions, not per cent"))
     if (table[:, 1] <= table[:, 0]).any():
