@@ -27,7 +27,7 @@ from tests.mutants.mutate import change_data
 
 FEW_CELLS = 1000
 """Of a case whose start is computed, too."""
-WHOLE_FILE = ("not valid TOML", "tables and lists lie more than", "not a text file")
+WHOLE_FILE = ("not valid TOML", "tables and lists are nested more than", "not a text file")
 """Faults that belong to no key."""
 
 

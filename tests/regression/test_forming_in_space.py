@@ -92,7 +92,7 @@ def test_a_resumed_run_gives_the_same_bits_on_any_number_of_threads(case, whole,
         (["tools.die.m="], "missing key"),
         (["tools.die.mu=0.1"], "has no meaning with contact"),
         (["tools.die.path=die.stl", 'tools.die.shape="file"', "tools.die.normal="], "die.stl"),
-        (['boundary.x.fix=["x","y"]', "boundary.x.symmetry=true"], "no symmetry plane"),
+        (['boundary.x.fix=["x","y"]', "boundary.x.symmetry=true"], "not a symmetry plane"),
         (["stages.0.tools.dye.move=[0,0,-1]"], "no such tool"),
     ],
 )

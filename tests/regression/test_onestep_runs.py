@@ -74,7 +74,7 @@ def test_the_case_it_leaves_gives_the_same(part, tmp_path):
     ("words", "said"),
     [
         (["--thickness", "0.8"], "--material"),
-        (["--material", "dc99", "--thickness", "0.8"], "no material of the library"),
+        (["--material", "dc99", "--thickness", "0.8"], "the library has no material"),
         (["--material", "numisheet93_mild_steel", "--thickness", "-1"], "blank.thickness"),
         (["--material", "numisheet93_mild_steel", "--thickness", "0.8 kN"], "blank.thickness"),
         ([*SHEET, "--unit", "furlong"], "part.unit"),

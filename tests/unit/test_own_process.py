@@ -14,7 +14,7 @@ def test_results_and_errors_pass_back() -> None:
     assert call_apart("builtins:pow", 3, 4) == 81
     with pytest.raises(ValueError, match="invalid literal"):
         call_apart("builtins:int", "x")
-    with pytest.raises(MeshError, match="no finite numbers"):
+    with pytest.raises(MeshError, match="not finite numbers"):
         call_apart("presswork.mesh.checks:check_coordinates", np.array([[np.nan, 0.0]]))
 
 

@@ -190,7 +190,7 @@ FAULTS = {
     "axis_free": (('fix = ["x"]', 'fix = ["y"]'), ["boundary", "axis of rotation", 'fix = ["x"]']),
     "no_symmetry_plane": (
         ('set = "bottom"', 'set = "right"\nsymmetry = true'),
-        ["boundary.middle_plane.symmetry = true", "no symmetry plane", "leave symmetry out"],
+        ["boundary.middle_plane.symmetry = true", "not a symmetry plane", "leave symmetry out"],
     ),
     "tool_inside_workpiece": (
         ("[[0, 15], [30, 15]]", "[[0, 14], [30, 14]]"),

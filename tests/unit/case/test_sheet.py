@@ -107,7 +107,7 @@ REFUSED: dict[str, tuple[dict[str, Any], list[str]]] = {
     "r_zero": ({"yield_function": {"r45": 0.0}}, ["yield_function.r45 = 0.0", "> 0"]),
     "r_negative": ({"yield_function": {"r00": -1.0}}, ["yield_function.r00 = -1.0", "> 0"]),
     "r_missing": ({"yield_function": {"r90": None}}, ["yield_function.r90", "missing key", "r00, r45 and r90"]),
-    "r_and_stress": ({"yield_function": {"stress_45": 1.0}}, ["yield_function.stress_45", "two ways"]),
+    "r_and_stress": ({"yield_function": {"stress_45": 1.0}}, ["yield_function.stress_45", "the same quantity"]),
     "concave": (
         {"yield_function": {"law": "hill1948", "stress_45": 1.0, "stress_90": 1.0, "stress_biaxial": 0.4}},
         ["yield_function.stress_biaxial = 0.4", "not closed"],

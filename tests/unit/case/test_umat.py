@@ -38,7 +38,7 @@ def test_the_first_tangent_gives_the_elastic_constants(tmp_path, umat_laws):
 BAD = {
     "no such file": ({"library": "nowhere.so"}, ["materials.steel.umat", "nowhere.so", "no such file"]),
     "no library": ({"library": "text.so"}, ["materials.steel.umat", "invalid ELF header"]),
-    "too few properties": ({"props": "[1, 200e3, 0.3]"}, ["steel.umat", "no numbers", "than the 3 props"]),
+    "too few properties": ({"props": "[1, 200e3, 0.3]"}, ["steel.umat", "not numbers", "than the 3 props"]),
     "too few state variables": ({"state_variables": "0"}, ["steel.umat", "state variables"]),
     "writes too far": ({"props": "[7, 200e3, 0.3]"}, ["steel.umat", "beyond its 1 state variables", "*DEPVAR"]),
     "stops": ({"props": "[6, 200e3, 0.3, -1, 1]"}, ["steel.umat", "stops (XIT) at its first call"]),

@@ -111,7 +111,7 @@ def test_parabolas_pass_through_their_middle_and_arcs_go_the_short_way() -> None
 
 BAD = {
     "an arc whose ends": "START, 0., 0.5\nCIRCL, 10., 0.5, 4., 0.5",
-    "no piece of a profile": "START, 0., 0.5\nSPLINE, 10., 0.5",
+    "not a piece of a profile": "START, 0., 0.5\nSPLINE, 10., 0.5",
     "START and at least one piece": "LINE, 0., 0.5",
     "beyond its axis": "START, -5., 0.5\nLINE, 10., 0.5",
 }

@@ -151,7 +151,7 @@ BAD = {
     ),
     "a node that is free": (
         ("2         Z         0         0      2002", "2         Z         0         0         1"),
-        "no rigid body",
+        "not a rigid body",
     ),
     "a group that is not there": (("0      2003     ", "0      2009     "), r"/CLOAD: there is no group 2009 of GRNOD"),
     "no number": (("              0.0012 ", "              0.00x2 "), r"/FUNCT: `0\.00x2` is not a number"),

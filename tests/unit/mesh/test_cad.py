@@ -144,8 +144,8 @@ def test_damaged_models_in_iges_are_refused_with_a_remedy(tmp_path: Path) -> Non
     pytest.importorskip("netgen.occ", reason='no netgen: pip install "presswork[cad]"')
     text = write_iges(WALL, 0.5 * np.pi)
     faults = {
-        text[: len(text) // 2]: "no whole IGES file",
-        "solid x": "no whole IGES file",
+        text[: len(text) // 2]: "not a whole IGES file",
+        "solid x": "not a whole IGES file",
         write_iges(WALL[:1], 0.5 * np.pi): "no faces|cannot be read",
     }
     for content, words in faults.items():

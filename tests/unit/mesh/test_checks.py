@@ -71,7 +71,7 @@ def test_overlapping_cells_are_found() -> None:
 
 
 def test_nodes_that_no_workpiece_has_are_refused() -> None:
-    for bad, says in ((np.inf, "no finite numbers"), (-1e308, "1e+308 mm from the origin")):
+    for bad, says in ((np.inf, "not finite numbers"), (-1e308, "1e+308 mm from the origin")):
         with pytest.raises(MeshError) as error:
             check_coordinates(np.array([[0.0, 1.0], [2.0, bad]]))
         assert says in str(error.value)

@@ -328,14 +328,14 @@ def test_case_changed_elsewhere_is_not_written_over(server: Server, folder: Path
 @pytest.mark.parametrize(
     ("name", "content", "word"),
     [
-        ("part.stl", b"\x00" * 80 + b"\xff\xff\xff\xff" + b"\x00" * 500, "no STL"),
+        ("part.stl", b"\x00" * 80 + b"\xff\xff\xff\xff" + b"\x00" * 500, "not an STL"),
         ("part.exe", b"MZ", "takes"),
-        ("part.step", b"MZ", "no STEP"),
-        ("part.stp", b"ISO-10303-21;\x00", "no text"),
+        ("part.step", b"MZ", "not a STEP"),
+        ("part.stp", b"ISO-10303-21;\x00", "not text"),
         ("law.so", b"\x7fELF", "takes"),
         ("..%2Fpart.stl", b"solid x", "name"),
         ("%2Ftmp%2Fpart.stl", b"solid x", "name"),
-        ("profile.csv", b"\x00\x01\x02", "no text"),
+        ("profile.csv", b"\x00\x01\x02", "not text"),
         ("mesh.inp", b"*Node\n*INCLUDE, INPUT=/etc/passwd\n", "INCLUDE"),
         ("results.vtkhdf", b"", "takes"),
     ],

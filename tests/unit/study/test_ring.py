@@ -76,7 +76,7 @@ def test_frictionless_ring_has_its_neutral_radius_on_the_axis():
 
 
 def test_ring_measures_refuse_what_is_no_ring():
-    with pytest.raises(ResultError, match="no ring"):
+    with pytest.raises(ResultError, match="not a ring"):
         measure_ring(FlownRing(info={"analysis": "plane_strain"}))
 
 
