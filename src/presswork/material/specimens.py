@@ -165,7 +165,7 @@ def _read_group(
     if faults:
         problems += faults[:SHOWN]
         if len(faults) > SHOWN:
-            problems.append(Problem("", f"{len(faults) - SHOWN} more cells that are no numbers", "mend the file"))
+            problems.append(Problem("", f"{len(faults) - SHOWN} more cells that are not numbers", "mend the file"))
         return []
     found = []
     for key, points in parts.items():

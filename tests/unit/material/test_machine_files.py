@@ -200,7 +200,7 @@ def test_faults_of_hundreds_of_lines_are_one_message(tmp_path: Path) -> None:
     with pytest.raises(CaseError) as caught:
         read_text(tmp_path, "engineering_strain,engineering_stress,width_engineering_strain\n0,0,0\n1,1,0\n" + rows)
     assert len(str(caught.value).splitlines()) <= 5
-    assert "more cells that are no numbers" in str(caught.value)
+    assert "more cells that are not numbers" in str(caught.value)
 
 
 @pytest.mark.parametrize(

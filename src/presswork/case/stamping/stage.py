@@ -53,9 +53,7 @@ class ToolAction(Part):
     def _check_one_action(self) -> Self:
         present = [key for key in ACTIONS if getattr(self, key) is not None]
         if len(present) > 1:
-            raise fault(
-                f"{present[0]} and {present[1]} both say what it does", f"leave {present[1]} out", key=present[1]
-            )
+            raise fault(f"{present[0]} and {present[1]} are both given", f"leave {present[1]} out", key=present[1])
         rows = self.force if isinstance(self.force, tuple) else ((0.0, self.force or 0.0),)
         if not rows or min(force for _, force in rows) < 0:
             raise fault("expected forces >= 0", "a tool pushes, it does not pull", key="force")
