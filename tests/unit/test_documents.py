@@ -146,8 +146,9 @@ def test_messages_are_plain() -> None:
     assert not found
 
 
-def test_messages_that_the_page_of_warnings_explains_are_there() -> None:
-    rows = re.findall(r"^\| (?!message)([^|]+) \|", (DOCS / "howto/warnings.md").read_text("utf-8"), re.MULTILINE)
+@pytest.mark.parametrize("page", ["howto/warnings.md", "howto/refused_files.md"])
+def test_messages_that_a_page_of_warnings_explains_are_there(page: str) -> None:
+    rows = re.findall(r"^\| (?!message)([^|]+) \|", (DOCS / page).read_text("utf-8"), re.MULTILINE)
     strings = "\n".join(s for texts in list_texts().values() for s in texts)
     parts = {part.strip() for row in rows for part in row.split("…")} - {""}
     assert not {part for part in parts if part not in strings}
