@@ -8,12 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork import _core
 from presswork.geometry.swept_tool import triangulate
 from presswork.geometry.tool_surface import make_surface
 from presswork.model import FloatArray, Surface, SweptProfile, Triangulation
 
 MOST_ADVANCES = 200
 """A gap between surfaces that lie 60 degrees to the way is halved by each or by every other one."""
+MOST_TOUCHES = 20_000
+WITHIN = 1e-4
+"""Part of the thickness that is left between a tool and the part that it touches."""
 
 
 WALL = 0.7
@@ -61,6 +65,30 @@ def find_clearance(
             near = gap < least
             gap[near] = surface.nearest(x[near] + advance * along)[0]
     return math.inf
+
+
+def find_touch(
+    surface: _core.ToolSurface, points: FloatArray, half: FloatArray, direction: FloatArray, farthest: float
+) -> float | None:
+    """Return how far a tool goes along its way until it touches a sheet; None where it does not within `farthest`.
+
+    points: nodes in the tool's frame (n, 3), half the thickness there (n,) [mm]. No gap falls by more than the tool
+    advances: it advances by the least, and asks again those that may be small.
+    """
+    tolerance = WITHIN * float(half.mean())
+    gaps = surface.nearest(points)[0] - half
+    travel = 0.0
+    for _ in range(MOST_TOUCHES):
+        least = float(gaps.min())
+        if least < tolerance:
+            return travel + least
+        travel += least
+        if travel > farthest + tolerance or not math.isfinite(travel):
+            return None
+        gaps = gaps - least
+        near = gaps < least
+        gaps[near] = surface.nearest(np.ascontiguousarray(points[near] - travel * direction))[0] - half[near]
+    return None
 
 
 @dataclass(frozen=True)

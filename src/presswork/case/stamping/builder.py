@@ -14,16 +14,15 @@ import numpy as np
 from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.gravity import find_gravity
-from presswork.case.held_stages import check_held_stages, list_released
+from presswork.case.held_stages import check_held_stages
 from presswork.case.marked_points import build_points
 from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.plane.references import check_set_names
-from presswork.case.press.builder import Halves, build_drive
-from presswork.case.settings import RAMP
 from presswork.case.shell.schema import FREEDOMS, HOLDS
 from presswork.case.stamping.bead_strip import refuse_unknown
-from presswork.case.stamping.beads import build_beads, check_bead_stages, check_closing, closed_stages
+from presswork.case.stamping.beads import build_beads, check_bead_stages, check_closing
+from presswork.case.stamping.binder import resolve_closings
 from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank
 from presswork.case.stamping.checks import (
     MOST_CELLS,
@@ -45,10 +44,10 @@ from presswork.case.stamping.line import (
     name_parts,
     view_operation,
 )
-from presswork.case.stamping.place import build_tools, find_tool_direction
+from presswork.case.stamping.place import build_tools
 from presswork.case.stamping.plan_line import LineFile, draw_line
 from presswork.case.stamping.schema import StampingCase
-from presswork.case.stamping.stage import VELOCITY, StampingStage
+from presswork.case.stamping.stage_builder import build_stages
 from presswork.case.stamping.symmetry import check_line_symmetry, check_tool_symmetry
 from presswork.case.tool_sizes import check_thickness
 from presswork.case.units import LENGTH, unit_factor
@@ -78,13 +77,13 @@ def build_stamping_model(case: StampingCase, *, run_user_code: bool = True) -> m
     if run_user_code:
         refuse_unknown(case)
     if not case.operations:
-        return _build_first(case, _check_first(case, None), run_user_code)
+        return _build_first(case, _check_first(case), run_user_code)
     _stop_at(check_operations(case), case)
     views = [view_operation(case, number) for number in range(len(case.operations))]
     checked = []
     for number, view in enumerate(views):
         with name_operation(number):
-            checked.append(_check_first(view, number))
+            checked.append(_check_first(view))
     with name_operation(0):
         first = _build_first(views[0], checked[0], run_user_code)
     following, before = [], _sum_strokes(views[0])
@@ -101,12 +100,12 @@ def _sum_strokes(case: StampingCase) -> float:
     return sum(abs(action.stroke) for stage in case.stages for action in stage.tools.values() if action.stroke)
 
 
-def _check_first(case: StampingCase, number: int | None) -> tuple[model.Stage, ...]:
-    """Raise CaseError for what shows without geometry; return the stages. number: of the operation of a line."""
+def _check_first(case: StampingCase) -> tuple[model.Stage, ...]:
+    """Raise CaseError for what shows without geometry; return the stages."""
     _stop_at(check_names(case) + check_bead_stages(case), case)
     _stop_at(check_sheet_heat(case), case)
-    _stop_at(check_tools(case) + check_travel(case) + check_closings(case, number), case)
-    stages, problems = _build_stages(case)
+    _stop_at(check_tools(case) + check_travel(case) + check_closings(case), case)
+    stages, problems = build_stages(case)
     _stop_at(problems, case)
     _stop_at(check_target_step(case, stages) + check_speeds(case, stages), case)
     return stages
@@ -126,6 +125,11 @@ def _build_parts(
     tools, problems = build_tools(case, mesh, before)
     _stop_at(problems, case)
     _stop_at(check_tool_symmetry(case, mesh, tools), case)
+    if before is None and any(action.close for stage in case.stages for action in stage.tools.values()):
+        case, problems = resolve_closings(case, tools)
+        _stop_at(problems, case)
+        stages, _ = build_stages(case)
+        _stop_at(check_target_step(case, stages) + check_speeds(case, stages), case)
     is_flat = not isinstance(case.blank, BlankFile) or not is_dynain(case.blank.path)
     if before is None and is_flat:  # how a formed part lies in its tools shows when it begins
         _stop_at(check_fit(case, mesh, tools), case)
@@ -348,59 +352,3 @@ def _name_nodes(case: StampingCase, blank: BlankFile, mesh: model.Mesh, symmetry
         outline = outline[~np.isin(outline, node_sets[name]).all(axis=1)]
     node_sets.setdefault("edge", np.unique(outline).astype(np.int32))
     return replace(mesh, node_sets=node_sets)
-
-
-def _build_stages(case: StampingCase) -> tuple[tuple[model.Stage, ...], list[Problem]]:
-    """Return the Model's stages, and the problems of presses."""
-    stages, problems = [], []
-    for number, stage_case in enumerate(case.stages):
-        stage = build_stage(stage_case, case)
-        drive = build_drive(stage_case.find_timing(number), case.presses, Halves())
-        if isinstance(drive, Problem):
-            problems.append(drive)
-        elif drive is not None:
-            stage = replace(stage, drive=drive, duration=drive.duration, ramp=RAMP * drive.duration)
-        stages.append(stage)
-    return tuple(stages), problems
-
-
-def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
-    """Turn a stage of a case into the Model's."""
-    moved = [action.travel for action in stage.tools.values() if action.travel]
-    moved += [e.value for e in stage.displacement]
-    farthest = max((abs(m) for m in moved), default=0.0)
-    if stage.dwell is not None:
-        duration, ramp = stage.dwell.duration, RAMP * stage.dwell.duration
-    elif stage.duration is not None:
-        duration = stage.duration
-        ramp = RAMP * duration if stage.ramp is None else stage.ramp
-    else:
-        way = farthest / (stage.velocity or VELOCITY)  # its time at full speed
-        ramp = way * RAMP / (1 - RAMP) if stage.ramp is None else stage.ramp
-        duration = way + ramp
-    way = max((abs(a.stroke) for a in stage.tools.values() if a.stroke), default=0.0)
-    motions = {}
-    for name, action in stage.tools.items():
-        x, y, z = find_tool_direction(case.tools[name])
-        if isinstance(action.force, tuple):
-            rows = np.array(action.force, dtype=float)
-            push = model.Push((x, y, z), np.column_stack([rows[:, 0] / way, rows[:, 1]]))
-            motions[name] = model.ToolMotion(push=push)
-        elif action.force is not None:
-            motions[name] = model.ToolMotion(push=model.Push((x, y, z), np.array([[0.0, action.force]])))
-        else:
-            stroke = action.travel
-            motions[name] = model.ToolMotion((stroke * x, stroke * y, stroke * z))
-    prescribed = [(e.set, FREEDOMS.index(e.component), e.value) for e in stage.displacement]
-    shares = {f"bead_{i + 1}": float(stage.name in closed_stages(bead, case)) for i, bead in enumerate(case.beads)}
-    return model.Stage(
-        name=stage.name,
-        duration=duration,
-        ramp=ramp,
-        tool_motion=motions,
-        bead_share={name: np.array([[0.0, share]]) for name, share in shares.items()},
-        prescribed=tuple(model.PrescribedDisplacement(*entry) for entry in prescribed),  # type: ignore[arg-type]
-        process_time=stage.process_time,
-        released=list_released(case.boundary, stage.name),
-        dwell=stage.dwell.to_model() if stage.dwell else None,
-    )

@@ -10,6 +10,7 @@ import numpy as np
 
 from presswork.case.errors import Problem
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.stamping.binder import IDLE, SQUEEZED, check_binders, is_from_file
 from presswork.case.stamping.closing import check_pairs, is_pushed, list_strokes
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool
@@ -21,14 +22,10 @@ from presswork.model import FloatArray, Mesh, Tool, Triangulation
 
 logger = logging.getLogger(__name__)
 
-IDLE = 2.0
-"""Thicknesses between die and holder from which on it holds nothing."""
 LOOSE = 5e-4
 """Part of the sheet's yield stress as a holder's pressure: less than a tenth of what is usual, about 1 %."""
 SAMPLES = 100_000
 """Places on the blank at which a tool is looked for that lies over none of its nodes."""
-SQUEEZED = 0.9
-"""Part of the thickness to which a holder may be moved towards the die."""
 
 
 def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> list[Problem]:
@@ -36,7 +33,7 @@ def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> li
     problems = [problem for tool in tools if (problem := _check_laid(case, mesh, tool))]
     if problems:
         return problems
-    problems = [*_check_holders(case, tools), *_check_forces(case, mesh, tools)]
+    problems = [*_check_holders(case, tools), *check_binders(case, tools), *_check_forces(case, mesh, tools)]
     problems += [p for tool in tools if (p := _check_pushed(case, mesh, tool))]
     problems += [p for tool in tools if (p := _check_reach(case, mesh, tool))]
     problems += check_pairs(case, tools)
@@ -133,7 +130,12 @@ def _check_holders(case: StampingCase, tools: tuple[Tool, ...]) -> list[Problem]
     thickness = case.blank.thickness
     problems = []
     for holder, die in itertools.product(tools, tools):
-        if (holder.kind, die.kind) != ("holder", "die") or is_pushed(case, holder.name) or is_pushed(case, die.name):
+        if (
+            (holder.kind, die.kind) != ("holder", "die")
+            or is_from_file(holder, die)
+            or is_pushed(case, holder.name)
+            or is_pushed(case, die.name)
+        ):
             continue
         apart = _height(holder) - _height(die)
         drawn = case.tools[holder.name]

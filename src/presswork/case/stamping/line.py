@@ -141,8 +141,8 @@ def _list_closings(operation: Operation, dies: list[str]) -> Iterator[model.Clos
                 yield model.Closing(number, f"{operation.name}_{name}", tuple(dies), action.close, is_timed)
 
 
-def check_closings(case: StampingCase, number: int | None) -> list[Problem]:
-    """Return the problems of tools that close on dies; number: of the operation, None: there is but one."""
+def check_closings(case: StampingCase) -> list[Problem]:
+    """Return the problems of tools that close on dies."""
     problems = []
     dies = [name for name, tool in case.tools.items() if tool.kind == "die"]
     for index, stage in enumerate(case.stages):
@@ -150,10 +150,7 @@ def check_closings(case: StampingCase, number: int | None) -> list[Problem]:
             if action.close is None:
                 continue
             key = f"stages.{index}.tools.{name}.close"
-            if not number:
-                fault = "only tools that a formed part is laid into close on their die"
-                problems.append(Problem(key, fault, "give the stroke", action.close))
-            elif name in dies or not dies:
+            if name in dies or not dies:
                 fault = "a die is what others close on" if name in dies else "there is no die to close on"
                 problems.append(Problem(key, fault, "give the stroke", action.close))
             elif stage.press is not None or (stage.ramp is not None and stage.duration is None):

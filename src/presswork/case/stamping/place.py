@@ -15,9 +15,12 @@ from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.shapes import draw_shape
 from presswork.case.stamping.tools import Tool, ToolFile
 from presswork.case.units import LENGTH, unit_factor
+from presswork.geometry.polygon import contains
+from presswork.geometry.tool_surface import make_surface
 from presswork.mesh import MeshError
 from presswork.mesh.files.tool_file import read_tool
 from presswork.mesh.make.surface_offset import cut_surface, move_surface
+from presswork.mesh.tool_clearance import find_touch
 from presswork.model import FloatArray, Friction, Mesh, Surface, ToolKind, Triangulation
 from presswork.model import Tool as ToolModel
 
@@ -26,6 +29,8 @@ logger = logging.getLogger(__name__)
 BEYOND = 1.5
 """Times the blank's radius: as far as a face reaches that is given no width."""
 
+LEVEL = 1e-2
+"""Part of the thickness below which a tool's face counts as level with the blank."""
 CUT = 1e-4
 """Of the extent of a line that cuts a tool: how far the chords of its arcs may be off."""
 
@@ -121,7 +126,25 @@ def _place(
     height = float(z[0]) + side * 0.5 * case.blank.thickness - find_face(tool, shape)
     if tool.gap is not None:
         height += tool.gap - case.blank.thickness
+    elif isinstance(shape, Triangulation):
+        height -= side * _find_way_to_blank(shape, height, side, mesh, case.blank.thickness)
     return (0.0, 0.0, height)
+
+
+def _find_way_to_blank(shape: Triangulation, height: float, side: float, mesh: Mesh, thickness: float) -> float:
+    """Return how far a tool still goes until it touches the flat blank [mm], since its face may be curved.
+
+    height: of its origin where the highest point of its whole face is level with the blank. side: 1 above it, -1 below.
+    """
+    surface, down = make_surface(shape), np.array([0.0, 0.0, -side])
+    half = np.full(len(mesh.points), 0.5 * thickness)
+    way = find_touch(surface, mesh.points - [0.0, 0.0, height], half, down, float(np.ptp(shape.points[:, 2])))
+    if way is None or way < LEVEL * thickness:
+        return 0.0
+    above = side * (shape.points[:, 2] + height - mesh.points[0, 2]) - half[0]
+    near = np.flatnonzero(above < way)
+    inside = contains(mesh.points[mesh.boundary_edges[:, :2], :2], shape.points[near, :2])
+    return float(above[near[inside]].min(initial=way))
 
 
 def find_face(tool: Tool, shape: Surface) -> float:

@@ -45,8 +45,8 @@ class ToolAction(Part):
     close: Length | None = Field(
         default=None,
         gt=0,
-        description="instead, after the first operation of a line: punch or holder goes on until so much room is left "
-        "between it and the die [mm]",
+        description="instead: punch or holder goes on until so much room is left between its surface and the die's "
+        "[mm], as a binder that wraps the blank; in a first operation it starts and stops over the whole stage",
     )
 
     @model_validator(mode="after")
@@ -63,8 +63,13 @@ class ToolAction(Part):
 
     @property
     def travel(self) -> float:
-        """How far it moves [mm]; 1 where that shows once the part lies in its tools."""
-        return 1.0 if self.close is not None else self.stroke or 0.0
+        """How far it moves [mm]; 1 where that shows once the tools are placed."""
+        return 1.0 if self.close is not None and self.stroke is None else self.stroke or 0.0
+
+    @property
+    def closes_softly(self) -> bool:
+        """Whether it closes by a distance whose stroke is known by now."""
+        return self.close is not None and self.stroke is not None
 
 
 class StampingStage(Part):

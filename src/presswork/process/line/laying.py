@@ -7,33 +7,28 @@ on its dies by its weight; another one only along the press.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from presswork import _core
 from presswork.geometry.pose import turn_about
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.space.sheet_contact import share_surface
 from presswork.mesh.faces import nodal_normals
-from presswork.mesh.tool_clearance import find_closing, sample_tool
+from presswork.mesh.tool_clearance import find_closing, find_touch, sample_tool
 from presswork.mesh.topology import list_cell_edges
 from presswork.model import FloatArray, IntArray, Operation, PartPlace, Stage, Tool, ToolMotion
 from presswork.process.line.tipping import TippingError, tip_part
 from presswork.process.mesh_change.refinement import sag_of_sides
 from presswork.process.mesh_change.transfer import SheetState
 
-WITHIN = 1e-4
-"""Part of the thickness that is left between a tool and the part that it touches."""
 ON_EDGES = (0.25, 0.5, 0.75)
 """Parts of an edge of the mesh at which the part is held against tools, beside its nodes."""
 FACETS = 0.02
 """Part of the gap that facets of drawn tools may be off them where tools close."""
 STEP = 0.5
 """Part of the thickness by which closing tools advance."""
-MOST_ADVANCES = 20_000
 DEEPEST_START = 0.05
 """Part of the thickness by which a node may stick in a tool at the start, as explicit contact allows it."""
 
@@ -214,30 +209,6 @@ def _touch(operation: Operation, tool: Tool, points: FloatArray, half: FloatArra
         )
     x, y, z = (float(each) for each in begin + travel * direction)
     return replace(tool, position=(x, y, z))
-
-
-def find_touch(
-    surface: _core.ToolSurface, points: FloatArray, half: FloatArray, direction: FloatArray, farthest: float
-) -> float | None:
-    """Return how far a tool goes along `way` until it touches a sheet; None where it does not within `farthest`.
-
-    points: nodes in the tool's frame (n, 3), half the thickness there (n,) [mm]. No gap falls by more than the tool
-    advances: it advances by the least, and asks again those that may be small.
-    """
-    tolerance = WITHIN * float(half.mean())
-    gaps = surface.nearest(points)[0] - half
-    travel = 0.0
-    for _ in range(MOST_ADVANCES):
-        least = float(gaps.min())
-        if least < tolerance:
-            return travel + least
-        travel += least
-        if travel > farthest + tolerance or not math.isfinite(travel):
-            return None
-        gaps = gaps - least
-        near = gaps < least
-        gaps[near] = surface.nearest(np.ascontiguousarray(points[near] - travel * direction))[0] - half[near]
-    return None
 
 
 def _check_clear(operation: Operation, tool: Tool, points: FloatArray, half: FloatArray) -> None:

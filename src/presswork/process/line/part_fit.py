@@ -16,11 +16,11 @@ import numpy as np
 from presswork import _core
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.space.sheet_contact import share_surface
+from presswork.mesh.tool_clearance import find_touch
 from presswork.model import FloatArray, Operation, Stage, Tool, ToolMotion
 from presswork.process.line.laying import (
     LayingError,
     find_half_thickness,
-    find_touch,
     gone_before,
     key_of,
     sample_part,
