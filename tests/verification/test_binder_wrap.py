@@ -101,11 +101,14 @@ def test_strokes_and_forces_that_close_the_binder_are_accepted(binder) -> None:
 
 
 def test_wrapping_takes_the_energy_of_bending_and_ends_softly(binder) -> None:
-    """E t^3/(24 (1 - nu^2)) k^2 an area is that of a wide strip bent about one axis; 1/(1 - nu^2) less if narrow."""
+    """E t^3/(24 (1 - nu^2)) k^2 an area is that of a wide strip bent about one axis; 1/(1 - nu^2) less if narrow.
+
+    The play of CLOSE leaves the free ends straight, over some sqrt(8 RADIUS 0.04 mm) = 14 mm, which takes less.
+    """
     run = ExplicitStamping(build(binder, WRAP), threads=1)
     energies = [report.energies for report in run.advance()][-1]
     bending = YOUNG * THICKNESS**3 / 24.0 / RADIUS**2 * LENGTH * WIDTH
-    assert 0.9 * bending < energies.internal < 1.1 * bending / (1.0 - POISSON**2)
+    assert 0.87 * bending < energies.internal < 1.1 * bending / (1.0 - POISSON**2)
     assert energies.kinetic < 0.05 * energies.internal
     x, _, z = run.positions().T
     assert np.abs(z + x**2 / (2.0 * RADIUS)).max() < 0.1
