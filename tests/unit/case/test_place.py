@@ -32,9 +32,9 @@ def test_a_tool_is_drawn_about_its_own_origin_and_placed() -> None:
     np.testing.assert_allclose(
         start_profile(billet(profile=FLAT, position=[1, 15]).tools[0])[:, :4], [[31, 15, -4, 15]]
     )
-    placed = billet(profile=ROUND, position=[5, "0.5 cm"], centre=[0, 30]).tools[0]
-    assert start_centre(placed).tolist() == [5.0, 35.0]
-    np.testing.assert_allclose(start_profile(placed)[0, 4:6], [5, 35])
+    placed = billet(profile=ROUND, position=[0, "0.5 cm"], centre=[0, 30]).tools[0]
+    assert start_centre(placed).tolist() == [0.0, 35.0]
+    np.testing.assert_allclose(start_profile(placed)[0, 4:6], [0, 35])
 
 
 @pytest.mark.parametrize("height", [15.0, 16.0, 400.0])
