@@ -221,7 +221,7 @@ def test_hill_of_the_same_r_values_is_stronger() -> None:
     [
         ({"law": "yld2000", "exponent": 6}, "alpha: missing key"),
         ({"law": "yld2000", "exponent": 6, "r00": 1.7, "r45": 1.3}, "r90: missing key"),
-        ({"law": "yld2000", "exponent": 6, "alpha": [1.0] * 8, "r00": 1.7}, "two ways of saying it"),
+        ({"law": "yld2000", "exponent": 6, "alpha": [1.0] * 8, "r00": 1.7}, "give the same quantity"),
         ({**GRADE, "stress_biaxial": 40.0}, "no parameters give"),
     ],
 )

@@ -32,7 +32,7 @@ def test_a_hot_strip_is_read() -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (("heat.initial_temperature", 20), "no austenite at 20 degrees C: Ae3 is 824"),
+        (("heat.initial_temperature", 20), "it is not austenite at 20 degrees C: Ae3 is 824"),
         (("heat.initial_temperature", 1400), "hotter than any furnace"),
         (("heat.initial_temperature", 5000), "a temperature of no forming"),
         (("tools.holder.heat.temperature", 1500), "no die steel works at 1500 degrees C"),
@@ -47,7 +47,7 @@ def test_a_hot_strip_is_read() -> None:
         (("materials.steel.thermal", None), "add it: conductivity and specific_heat"),
         (("materials.steel.transformation", {}), "the start of martensite is not given"),
         (("materials.steel.transformation", {"composition": {"C": 23}}), "composition"),
-        (("materials.steel.transformation", {"composition": {"C": 2.3}}), "no steel for stamping"),
+        (("materials.steel.transformation", {"composition": {"C": 2.3}}), "outside the range of stamping steels"),
         (("materials.steel.transformation", {"steel": "22MnB5", "ms": 600}), "do not increase"),
         (("materials.steel.transformation", {"steel": "22MnB5", "latent_heat": [-1, 1]}), "sets heat free"),
         (("materials.steel.transformation", {"steel": "22MnB5", "composition": {"C": 0.2}}), "give one of them"),
