@@ -47,7 +47,7 @@ def test_a_law_and_a_whole_table_come_of_few_points(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["fit", str(path), "--young", "100 GPa"])
     assert result.exit_code == 0, result.output
     told = " ".join(result.output.split())
-    assert "the tests do not tell m4, m7, m8, which are 0" in told
+    assert "the tests do not determine m4, m7, m8, which are 0" in told
     assert "untested, so of the law: 1 1/s at 1100 degrees C" in told
     assert "left out: sinh_arrhenius: 3 pairs of rate and temperature" in told
     numbers = read_hot_table(path.with_name("few_table.csv"))

@@ -257,8 +257,8 @@ def _check_clear(key: str, nodes: FloatArray, segments: FloatArray, tolerance: f
 def _check_mirrors(key: str, segments: FloatArray, nodes: FloatArray, planes: dict[int, FloatArray]) -> Problem | None:
     """Return a problem where a symmetry plane, or the axis, cuts a profile whose halves differ beside the workpiece.
 
-    planes: positions [mm] by the axis that they are normal to. A profile that ends there, or a little beyond, is one of
-    a half.
+    planes: positions [mm] by the axis that they are normal to. A profile that ends there, or a little beyond, or runs
+    straight on to its end there, is one of a half.
     """
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
     places = np.concatenate(
@@ -267,6 +267,8 @@ def _check_mirrors(key: str, segments: FloatArray, nodes: FloatArray, planes: di
     window = nodes.min(axis=0) - size, nodes.max(axis=0) + size
     for axis, levels in planes.items():
         half = HalfSpace(axis, float(levels[0]), 1.0 if nodes[:, axis].mean() > levels[0] else -1.0)
+        if _runs_straight_on(segments, places, half, UNLIKE * size):
+            continue
         found = find_asymmetry(
             places, lambda at: measure_distance(at, segments).distance, half, window, OVER * size, UNLIKE * size
         )
@@ -275,6 +277,18 @@ def _check_mirrors(key: str, segments: FloatArray, nodes: FloatArray, planes: di
             remedy = f"let {plane} halve it, end it there, or model the whole workpiece"
             return Problem(key, f"the symmetry plane {plane} cuts this profile, but {found.describe()}", remedy)
     return None
+
+
+def _runs_straight_on(segments: FloatArray, places: FloatArray, half: HalfSpace, tolerance: float) -> bool:
+    """Say whether all of a profile that lies beyond a plane continues the straight line that crosses it."""
+    start, end = half.depth(segments[:, X0]), half.depth(segments[:, X1])
+    crossing = np.flatnonzero((start * end < 0.0) & (segments[:, TURN] == 0.0))
+    beyond = half.depth(places) < 0.0
+    if len(crossing) != 1 or not beyond.any():
+        return False
+    first, last = segments[crossing[0], X0], segments[crossing[0], X1]
+    normal = np.array([first[1] - last[1], last[0] - first[0]]) / np.linalg.norm(last - first)
+    return bool(np.abs((places[beyond] - first) @ normal).max() < tolerance)
 
 
 def _find_mirrors(
