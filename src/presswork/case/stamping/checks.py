@@ -281,6 +281,8 @@ def check_speeds(case: StampingCase, stages: tuple[Stage, ...]) -> list[Problem]
     )
     problems = []
     for index, (stage_case, stage) in enumerate(zip(case.stages, stages, strict=True)):
+        if any(action.close is not None and action.stroke is None for action in stage_case.tools.values()):
+            continue  # how far it goes shows once the tools are placed
         distances = [max(abs(part) for part in motion.move) for motion in stage.tool_motion.values()]
         farthest = max([*distances, *(abs(each.value) for each in stage.prescribed)], default=0.0)
         speed = farthest / (stage.duration - stage.ramp)
