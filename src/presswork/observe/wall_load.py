@@ -15,7 +15,7 @@ from presswork.law.wall import find_flow_stress, find_strengths, find_wall_force
 from presswork.model import FloatArray, Model, SweptProfile, Tool
 
 NEAR = 0.9
-"""Part of what the wall bears from which the force is told."""
+"""Part of what the wall bears from which on the force is a warning."""
 BEYOND = 1.1
 """Part above which the force is no longer the wall's: the punch presses the sheet against the die."""
 
