@@ -67,13 +67,13 @@ def compare(one: Result, other: Result, step: int) -> Difference:
     for angle in ANGLES:
         cuts = [cut_sheet(run, angle, step) for run in (one, other)]
         rim.append(abs(np.subtract(*(cut.line[:, 1, 0].max() for cut in cuts))))
-        least, most = max(c.way[0] for c in cuts), min(c.way[-1] for c in cuts)
+        least, most = max(c.distance[0] for c in cuts), min(c.distance[-1] for c in cuts)
         way = np.linspace(least, most, 60)
         values = [
-            np.interp(way, c.way, run.field("thickness", step)[c.cell])
+            np.interp(way, c.distance, run.field("thickness", step)[c.cell])
             for run, c in zip((one, other), cuts, strict=True)
         ]
-        middle = [np.interp(way, c.way, c.line[:, :, 1].mean(axis=1)) for c in cuts]
+        middle = [np.interp(way, c.distance, c.line[:, :, 1].mean(axis=1)) for c in cuts]
         thicknesses.append(np.abs(values[0] - values[1]))
         heights.append(np.abs(middle[0] - middle[1]).max())
     thick = float(one.field("thickness", 0).mean())

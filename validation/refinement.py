@@ -88,7 +88,7 @@ def time_shells(results: dict[str, Result], rounds: int = 6, cycles: int = 300) 
 def thickness_along(result: Result, angle: float, ways: np.ndarray) -> np.ndarray:
     """Thickness strain at distances from the middle of the undeformed blank [mm], along a ray [rad]."""
     section = cut_sheet(result, angle)
-    return np.interp(ways, section.way, result.field("thickness_strain")[section.cell])
+    return np.interp(ways, section.distance, result.field("thickness_strain")[section.cell])
 
 
 def count_shell_cycles(result: Result) -> float:

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.validation
 
 ROOT = Path(__file__).parents[1]
 TESTS = {
-    "consistency": ("explicit_shells", "explicit_cup", "explicit_edges", "given_temperature", "mixed_dynamics"),
+    "consistency": ("explicit_shells", "explicit_cup", "explicit_edges", "prescribed_temperature", "mixed_dynamics"),
     "verification": (
         *("explicit_patch", "explicit_stretching", "explicit_contact", "explicit_dynamics", "explicit_precision"),
         *("drawbeads", "squeezed_sheet", "damage", "reactions", "transfer", "presses"),

@@ -50,8 +50,8 @@ def find_bead_forces(case: AnyCase, *, may_compute: bool = True) -> AnyCase:
         try:
             model = build_model(make_strip(case, geometry))
         except CaseError as error:
-            said = "; ".join(str(problem) for problem in error.problems)
-            text = f"the strip that is pulled through the bead cannot be computed: {said}"
+            wording = "; ".join(str(problem) for problem in error.problems)
+            text = f"the strip that is pulled through the bead cannot be computed: {wording}"
             raise CaseError([Problem(key, text, "change the geometry, or give force instead")], case.source) from None
         name = fingerprint(model)
         if name not in kept and not may_compute:

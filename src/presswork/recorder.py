@@ -223,7 +223,7 @@ class _Run:
         """Advance to the end, recording; always leaves a checkpoint of what the history holds, and a summary."""
         status: Status = "completed"
         reason = ""
-        self.progress.tell(1.0 - self.recording.remaining(), "")
+        self.progress.report(1.0 - self.recording.remaining(), "")
         try:
             with _leading(self.world):
                 if self.recorded:
@@ -293,7 +293,7 @@ class _Run:
             self.save_checkpoint()
         recording.timing.add("output", started)
         now = Progress(1.0 - recording.remaining(), recording.progress_text(report))
-        self.progress.tell(now.fraction, now.text)
+        self.progress.report(now.fraction, now.text)
         if on_increment:
             on_increment(now)
         if reason is not None:

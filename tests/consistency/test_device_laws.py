@@ -97,7 +97,7 @@ def test_a_law_by_its_formula_agrees() -> None:
 def test_layers_are_computed_at_their_own_temperatures(precision: Precision, element: ExplicitElement) -> None:
     runs = [pull(device, law_of("adiabatic heating"), precision, element=element) for device in ("cpu", "host")]
     for run in runs:
-        run.given_temperature = np.array([40.0, 150.0, 350.0])
+        run.prescribed_temperature = np.array([40.0, 150.0, 350.0])
         run.advance(CYCLES)
     assert np.ptp(runs[0].stress[:, :, 0], axis=1).max() > 30.0
     compare(runs, AGREEMENT[precision])

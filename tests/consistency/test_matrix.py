@@ -283,7 +283,7 @@ def error_of_tangent(model: Any, freedoms: int, size: float, *, hottest: float |
         force(increment, state)
         trial.nodes.displacement = state.nodes.displacement + increment
         trial.nodes.increment = increment.copy()
-        mechanics.settle(state, trial, DT)
+        mechanics.end_increment(state, trial, DT)
         state, trial = trial, state
     trial = state.duplicate()
     increment = increment + 0.1 * size * rng.standard_normal(increment.shape)

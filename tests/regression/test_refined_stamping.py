@@ -77,7 +77,7 @@ def test_fields_pictures_and_sections_follow_the_mesh(formed) -> None:
         n_cells = len(formed.mesh_at(step).blocks[0].connectivity)
         assert formed.field("thickness", step).shape == (n_cells,)
         assert formed.points(step).shape == formed.mesh_at(step).points.shape
-    assert (cut_sheet(formed, 0.0).way[1:] > cut_sheet(formed, 0.0).way[:-1]).all()
+    assert (cut_sheet(formed, 0.0).distance[1:] > cut_sheet(formed, 0.0).distance[:-1]).all()
     assert 0.3 < measure_draw_in(formed, 0.0) < 4
     assert plot_shell(formed, "thickness_strain").axes
     assert formed.summary["work"].endswith("shells")

@@ -86,7 +86,7 @@ def test_a_umat_of_von_mises_is_the_built_in_law_in_every_implicit_shell(element
             forces.append(found)
             matrices.append(each._stiffness[0].copy())
             trial.nodes.displacement, trial.nodes.increment = states[k].nodes.displacement + increment, increment
-            each.settle(states[k], trial, 0.0)
+            each.end_increment(states[k], trial, 0.0)
             states[k] = trial
         for own, user in (forces, matrices):
             np.testing.assert_allclose(user, own, rtol=0, atol=SAME * np.abs(own).max())

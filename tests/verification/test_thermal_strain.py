@@ -209,7 +209,7 @@ def test_an_explicit_cell_that_is_held_all_round_is_pressed_by_heat() -> None:
     built = build_model(Case.model_validate(data))
     run = ExplicitSolids(built.mesh, [SolidMaterial.from_model(built.materials[0])], axisymmetric=False)
     run.fix("all", "uv", np.zeros(len(built.mesh.points)))
-    run.given_temperature = np.full(len(run.stress), END)
+    run.prescribed_temperature = np.full(len(run.stress), END)
     run.dt = 1e-7
     run.advance(2)
     pressure = YOUNG * ALPHA * (END - START) / (1 - 2 * POISSON)

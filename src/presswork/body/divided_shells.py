@@ -56,4 +56,4 @@ class DividedShellMechanics(ShellMechanics):
         for i in range(len(self._connectivity)):
             whole = super()._take_block(trial, i)
             self._divided.share(i, whole.filled)
-            self._tell_plastic_strain(trial, i)
+            self._store_plastic_strain(trial, i)

@@ -25,9 +25,9 @@ def find_heat(material: Material, state_n: State, trial: State, block: int, frac
     if heat.any():
         return np.asarray(heat)
     before, after = (state.cells.find_kept(block, ENERGY) for state in (state_n, trial))
-    told = after[..., PLASTIC] + after[..., CREEP]
-    if told.any():
-        return np.asarray(fraction * (told - before[..., PLASTIC] - before[..., CREEP]))
+    reported = after[..., PLASTIC] + after[..., CREEP]
+    if reported.any():
+        return np.asarray(fraction * (reported - before[..., PLASTIC] - before[..., CREEP]))
     stored, stored_n = (
         elastic_density(state.cells.stress[block], material.young, material.poisson) for state in (trial, state_n)
     )

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from presswork import _core
-from presswork.law.umat import TOLD
+from presswork.law.umat import STATUS_MESSAGES
 from presswork.outcome import BadGuess, Step
 
 _CUT = {
@@ -45,7 +45,7 @@ class LawFailed(BadGuess):
         return self.step_factor
 
     def __str__(self) -> str:
-        return f"{TOLD[self.status]} in cell {self.cell} of block {self.block}"
+        return f"{STATUS_MESSAGES[self.status]} in cell {self.cell} of block {self.block}"
 
 
 def place_increment(step: Step) -> _core.UmatPlace:

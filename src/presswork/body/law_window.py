@@ -59,12 +59,12 @@ class LawWindow(Arrays):
 
     def summarise(self, materials: Sequence[Material]) -> dict[str, Any]:
         """Return windows, what was reached and the shares outside, by material and quantity."""
-        told: dict[str, Any] = {}
+        windows: dict[str, Any] = {}
         for i, material in enumerate(materials):
             window = None if material.hardening is None else material.hardening.window
             if window is None or not self.flowed[i]:
                 continue
-            told[material.name] = {
+            windows[material.name] = {
                 name: {
                     "window": window[k].tolist(),
                     "reached": self.reached[i, k].tolist(),
@@ -73,7 +73,7 @@ class LawWindow(Arrays):
                 }
                 for k, name in enumerate(QUANTITIES)
             }
-        return {"law_windows": told} if told else {}
+        return {"law_windows": windows} if windows else {}
 
     def warnings(self, materials: Sequence[Material]) -> list[str]:
         """Say which laws were taken beyond their windows; below the smallest strain every law is, as metal yields."""

@@ -252,17 +252,17 @@ class SheetConduction:
             return np.asarray(share * (matrix @ t.T).T)
 
         residual = -conduct(temperature)
-        change, way, last = np.zeros_like(temperature), np.zeros_like(temperature), 1.0
+        change, direction, last = np.zeros_like(temperature), np.zeros_like(temperature), 1.0
         aim = PLANE_ACCURACY**2 * float((residual**2 / diagonal).sum())
         for _ in range(1000):
             scaled = residual / diagonal
             now = float((residual * scaled).sum())
             if now <= aim:
                 break
-            way = scaled + (now / last) * way
-            answer = capacity * way + conduct(way)
-            size = now / float((way * answer).sum())
-            change += size * way
+            direction = scaled + (now / last) * direction
+            answer = capacity * direction + conduct(direction)
+            size = now / float((direction * answer).sum())
+            change += size * direction
             residual -= size * answer
             last = now
         return -conduct(temperature + change)

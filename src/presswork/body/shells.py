@@ -189,7 +189,7 @@ class ShellMechanics:
         is_small = model.solver.is_small
         points = model.mesh.points if is_small else model.mesh.points + state_n.nodes.displacement[:, :3]
         for i, block in enumerate(model.mesh.blocks):
-            law, told = self._laws[i], _core.LawFault()
+            law, law_fault = self._laws[i], _core.LawFault()
             before, now = self._take_block(state_n, i), self._take_block(trial, i)
             cell, fault = _core.evaluate_shells(
                 block.element,
@@ -215,14 +215,14 @@ class ShellMechanics:
                 poisson=law.poisson,
                 first_cell=int(self._first_cell[i]),
                 when=self._when,
-                fault=told,
+                fault=law_fault,
             )
             if cell >= 0:
-                if fault == _core.ShellFault.law and told.status != _core.LawStatus.done:
-                    return LawFailed.of(i, told)
+                if fault == _core.ShellFault.law and law_fault.status != _core.LawStatus.done:
+                    return LawFailed.of(i, law_fault)
                 return ShellFailed(i, cell, fault)
             self._keep_block(now, trial, i)
-            self._tell_plastic_strain(trial, i)
+            self._store_plastic_strain(trial, i)
         return None
 
     def _take_block(self, state: State, i: int) -> ShellBlock:
@@ -236,7 +236,7 @@ class ShellMechanics:
     def _keep_block(self, block: ShellBlock, state: State, i: int) -> None:
         """Put evaluated arrays where _take_block has taken them from; these are the arrays themselves."""
 
-    def _tell_plastic_strain(self, trial: State, i: int) -> None:
+    def _store_plastic_strain(self, trial: State, i: int) -> None:
         """Let the state have the equivalent plastic strain, the first that laws keep, by itself."""
         trial.cells.eqps[i][:] = trial.cells.find_kept(i, EQPS).reshape(trial.cells.eqps[i].shape)
 
@@ -251,7 +251,7 @@ class ShellMechanics:
     def complete(self, trial: State) -> None:
         """Let a trial state in equilibrium have the arrays of all cells; it has."""
 
-    def settle(self, state_n: State, trial: State, dt: float) -> None:
+    def end_increment(self, state_n: State, trial: State, dt: float) -> None:
         """Turn the directors of a converged trial state by its increment; with small displacements they stay.
 
         Find the rates of plastic strain, after dt [s].

@@ -162,7 +162,7 @@ class Mechanics:
         """Keep which increment this is, for laws that ask."""
         self._when = place_increment(step)
 
-    def settle(self, state_n: State, trial: State, dt: float) -> None:
+    def end_increment(self, state_n: State, trial: State, dt: float) -> None:
         """Find the rates of plastic strain of a converged trial state, after an increment over dt [s]."""
         for i, block in enumerate(self._model.mesh.blocks):
             if trial.cells.rate[i].size and dt > 0.0:

@@ -28,8 +28,8 @@ def _check_name(name: str) -> str:
         raise fault(f"the name has {len(name)} letters, more than {LONGEST}", "shorten it")
     wrong = sorted({letter for letter in name if letter in _RESERVED or not letter.isprintable()})
     if wrong:
-        said = " ".join(letter if letter.isprintable() else f"U+{ord(letter):04X}" for letter in wrong)
-        raise fault(f"the name has {said} in it, which no name of a file may have", remedy)
+        letters = " ".join(letter if letter.isprintable() else f"U+{ord(letter):04X}" for letter in wrong)
+        raise fault(f"the name has {letters} in it, which no name of a file may have", remedy)
     return name
 
 
@@ -46,8 +46,8 @@ def _check_title(title: str) -> str:
         raise fault(f"the title has {len(title)} letters, more than {LONGEST_TITLE}", "shorten it")
     wrong = sorted({letter for letter in title if not letter.isprintable()})
     if wrong:
-        said = " ".join(f"U+{ord(letter):04X}" for letter in wrong)
-        raise fault(f"the title has {said} in it", "write one line of text")
+        letters = " ".join(f"U+{ord(letter):04X}" for letter in wrong)
+        raise fault(f"the title has {letters} in it", "write one line of text")
     return title
 
 

@@ -176,8 +176,8 @@ def to_entries(values: Sequence[object], *converts: Callable[[object], float]) -
         try:
             found.append(convert(value))
         except PydanticCustomError as error:
-            said = error.context or {}
-            raise fault(said["expected"], said["remedy"], key=str(index)) from None
+            context = error.context or {}
+            raise fault(context["expected"], context["remedy"], key=str(index)) from None
     return tuple(found)
 
 

@@ -58,7 +58,7 @@ def blank(
             def show(number: int, now: RunProgress) -> None:
                 bar.update(task, completed=now.fraction, description=f"draw {number}: {now.text}")
 
-            def tell(draw: Draw) -> None:
+            def report(draw: Draw) -> None:
                 if not quiet:
                     share = 100.0 * float((abs(draw.fit.deviation) <= tolerance).mean())
                     text = f"{draw.fit.worst:.3g} mm off at most, {share:.0f} % within {tolerance:g} mm"
@@ -68,7 +68,7 @@ def blank(
                 case, wanted, folder, tolerance=tolerance, most=draws, damping=damping, settings=set_ or [],
                 threads=threads, cluster=choose_cluster(cluster, bring_back, quiet),
                 member_timeout=member_timeout or None, resume=resume, overwrite=overwrite,
-                on_progress=show, on_draw=tell,
+                on_progress=show, on_draw=report,
             )  # fmt: skip
     except (CaseError, OutputError, ClusterError) as error:
         raise refuse(str(error)) from error

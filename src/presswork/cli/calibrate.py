@@ -138,10 +138,10 @@ def curve(
 ) -> None:
     """Find numbers of a case from a measured curve, by the derivatives of its runs."""
 
-    def tell(number: int, values: Mapping[str, float], misfit: float) -> None:
+    def report(number: int, values: Mapping[str, float], misfit: float) -> None:
         if not quiet:
-            told = ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
-            console().print(f"run {number}: misfit {misfit:.2e}; {told}", markup=False)
+            listed = ", ".join(f"{key} = {value:.6g}" for key, value in values.items())
+            console().print(f"run {number}: misfit {misfit:.2e}; {listed}", markup=False)
 
     with exit_on(CaseError, OutputError, StartError):
         found = calibrate_curve(
@@ -152,7 +152,7 @@ def curve(
             settings=set_ or [],
             most_runs=most_runs,
             overwrite=overwrite,
-            on_run=tell,
+            on_run=report,
         )
     for key, value in found.values.items():
         typer.echo(f"{key} = {value:.6g} +- {found.interval[key]:.2g}")

@@ -50,7 +50,7 @@ def compensate(
             def show(number: int, now: RunProgress) -> None:
                 bar.update(task, completed=now.fraction, description=f"loop {number}: {now.text}")
 
-            def tell(loop: Loop, row: dict[str, Any]) -> None:
+            def report(loop: Loop, row: dict[str, Any]) -> None:
                 if not quiet:
                     bar.console.print(_describe(loop, row, tolerance), markup=False)
 
@@ -58,7 +58,7 @@ def compensate(
                 case, folder, tolerance=tolerance, target=target, unit=unit, most=loops,
                 fix_binder=fix_binder, settings=set_ or [],
                 threads=threads, member_timeout=member_timeout or None, resume=resume, overwrite=overwrite,
-                on_progress=show, on_loop=tell,
+                on_progress=show, on_loop=report,
             )  # fmt: skip
     except (CaseError, OutputError) as error:
         raise refuse(str(error)) from error

@@ -8,5 +8,5 @@ from presswork.explicit.device import describe_devices
 
 def devices() -> None:
     """List what explicit runs can compute on: the CPU, and NVIDIA cards where there are any."""
-    for name, said in describe_devices():
-        typer.echo(f"{name:6s} {said}")
+    for name, text in describe_devices():
+        typer.echo(f"{name:6s} {text}")

@@ -62,7 +62,7 @@ def export(
             _export_solid(result, step, files)
             return
         part = read_formed_part(result, step, lambda: read_last_sheet(folder))
-        _tell(part.sheet, part)
+        _print_sheet(part.sheet, part)
         for note in part.notes:
             console().print(f"note: {note}", markup=False)
         sheet = part.sheet if onto is None else _map(part, onto, scale, within)
@@ -92,7 +92,7 @@ def _export_solid(result: Result, step: int, files: list[Path]) -> None:
         console().print(f"{path}: {name}, {len(content) / 1e6:.2g} MB", markup=False)
 
 
-def _tell(sheet: FormedSheet, part: FormedPart) -> float:
+def _print_sheet(sheet: FormedSheet, part: FormedPart) -> float:
     """Say how many shells and layers there are, how thick, and what energy they store; return that [N mm]."""
     from presswork.mesh.files.formed.layers import elastic_energy
 
@@ -119,7 +119,7 @@ def _map(part: FormedPart, onto: Path, scale: float, within: float | None) -> Fo
         fault = f"{onto}: no shell lies at the part, the nearest one {near:.4g} mm off"
         raise MeshError(fault, "lay it where the part is, or give --scale for its unit, or --within")
     own = covered_part(mapped)
-    energy, before = _tell(own, part), elastic_energy(part.sheet, part.young, part.poisson)
+    energy, before = _print_sheet(own, part), elastic_energy(part.sheet, part.young, part.poisson)
     share = f", {energy / before - 1.0:+.2%} of the part's" if before > 0.0 else ""
     console().print(
         f"mapped to {covered.sum()} of {len(covered)} shells, {mapped.distance[covered].mean():.3g} mm off the part on "

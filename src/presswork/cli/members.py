@@ -44,11 +44,11 @@ def choose_cluster(address: str, bring_back: bool, quiet: bool) -> Cluster | Non
             raise ClusterError("--bring-back goes with --cluster: here results need no bringing back")
         return None
 
-    def tell(dashboard: str) -> None:
+    def report(dashboard: str) -> None:
         if not quiet:
             console().print(f"dashboard of the cluster: {dashboard}", markup=False)
 
-    return Cluster(address, bring_back, tell)
+    return Cluster(address, bring_back, report)
 
 
 @contextmanager

@@ -81,8 +81,8 @@ def _find_breaks(reader: BlankAndTools, pushes: dict[int, list[Push]], motions: 
 
 def _stroke(reader: BlankAndTools, free: set[int], inside: BoolArray) -> FloatArray:
     """Return how far the tool with the longest way has gone in a stage (n,) [mm]."""
-    ways = (w for p, w in reader.displacements.items() if p not in free)
-    longest = max(ways, key=np.ptp, default=np.zeros(len(reader.times)))
+    strokes = (w for p, w in reader.displacements.items() if p not in free)
+    longest = max(strokes, key=np.ptp, default=np.zeros(len(reader.times)))
     return np.asarray(np.abs(longest[inside] - longest[inside][0]))
 
 

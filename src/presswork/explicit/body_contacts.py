@@ -140,7 +140,7 @@ class BodyContactOfRun:
         return self._by_node(self._loop.contact_push(self._number))
 
     @property
-    def rub(self) -> Array:
+    def friction_force(self) -> Array:
         """Forces of friction on them (n_nodes, 3) [N]."""
         return self._by_node(self._loop.contact_rub(self._number))
 

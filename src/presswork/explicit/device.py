@@ -49,6 +49,6 @@ def describe_devices() -> list[tuple[str, str]]:
     ]
     for name, capability, memory, free in cards:
         fit = "" if capability >= OLDEST else ", too old: 8.0 is needed"
-        said = f"compute capability {capability / 10:.1f}{fit}, {free * 1e-9:.1f} of {memory * 1e-9:.1f} GB free"
-        rows.append(("cuda", f"{name}, {said}"))
+        wording = f"compute capability {capability / 10:.1f}{fit}, {free * 1e-9:.1f} of {memory * 1e-9:.1f} GB free"
+        rows.append(("cuda", f"{name}, {wording}"))
     return rows if cards else [*rows, ("cuda", f"not here: {why or 'there is no NVIDIA card'}")]

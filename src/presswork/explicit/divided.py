@@ -78,7 +78,7 @@ class DividedLoop:
         self._pulled: dict[tuple[Any, ...], Any] = {}
         self._shapes: dict[tuple[Any, ...], tuple[int, ...]] = {}
         self._number = world.register(self)
-        self._told: Array = np.zeros((0, 0))
+        self._reported: Array = np.zeros((0, 0))
         """What came of the last cycles on each rank: a row (6 + n) by rank."""
         self._sums = np.zeros(0)
         """Of the ranks' forces (n)."""
@@ -88,7 +88,7 @@ class DividedLoop:
         if name.startswith("_"):
             raise AttributeError(name)
         if name in FOR_BOTH:
-            return partial(self._tell_both, name)
+            return partial(self._call_both, name)
         if name in OF_CONTACTS:  # which every rank computes whole
             self._enter()
             return getattr(self._own, name)
@@ -154,17 +154,17 @@ class DividedLoop:
     def keep(self) -> Callable[[], dict[str, dict[str, Array]]]:
         """Keep the present state; return what goes back to it and gives it, which all ranks call."""
         self._enter()
-        own, told = self._own.state(), (self._told, self._sums)
+        own, reported = self._own.state(), (self._reported, self._sums)
 
-        def give() -> dict[str, dict[str, Array]]:
+        def collect() -> dict[str, dict[str, Array]]:
             self._own.restore(own)
-            self._told, self._sums = told
+            self._reported, self._sums = reported
             self._where = "parts"
             self.bring_together()
             found: dict[str, dict[str, Array]] = self._whole.state()
             return found
 
-        return give
+        return collect
 
     # --- cycles ---------------------------------------------------------------------------------------------------
 
@@ -177,11 +177,11 @@ class DividedLoop:
         failed, status, cycle = self._own.advance(time, dt, dt_before, force_scale, velocity_scale, damping=damping)
         self._where = "parts"
         self._pulled.clear()
-        self._tell(failed, status, cycle)
-        when, element, told = min((row[:3] for row in self._told.tolist()), key=lambda row: (row[0], row[1]))
+        self._report(failed, status, cycle)
+        when, element, fault = min((row[:3] for row in self._reported.tolist()), key=lambda row: (row[0], row[1]))
         if np.isinf(when):
             return -1, _core.LawStatus.done, -1
-        return int(element), _core.LawStatus(int(told)), int(when)
+        return int(element), _core.LawStatus(int(fault)), int(when)
 
     def _enter(self) -> None:
         """Let the rank's own loop have its part of the present state."""
@@ -202,26 +202,28 @@ class DividedLoop:
         """Return this rank's part of forces that ranks sum up after cycles [N]."""
         return []
 
-    def _tell(self, failed: int, status: _core.LawStatus, cycle: int) -> None:
+    def _report(self, failed: int, status: _core.LawStatus, cycle: int) -> None:
         """Let all ranks know what came of cycles on each."""
         own, mine = self._own, self._part.owner[self._part.nodes] == self._world.rank
         failure = (cycle, self._name_element(failed), status.value) if failed >= 0 else (np.inf, 0, 0)
         row = [*failure, self._find_lost(), np.isfinite(own.position[mine]).all(), own.bound_frequencies().max()]
         forces = self._list_forces()
         counts = np.full(self._world.size, len(row) + len(forces), dtype=np.int32)
-        self._told = self._world.gather(np.array([*row, *forces], dtype=float), counts).reshape(self._world.size, -1)
-        self._sums = self._told[:, len(row) :].sum(axis=0)  # of multiples of 2^-25 N: exact
+        self._reported = self._world.gather(np.array([*row, *forces], dtype=float), counts).reshape(
+            self._world.size, -1
+        )
+        self._sums = self._reported[:, len(row) :].sum(axis=0)  # of multiples of 2^-25 N: exact
 
     @property
     def highest_frequency(self) -> float:
         """Bound of the squared highest frequency of all elements [1/s2]."""
-        told = self._whole.bound_frequencies() if self._where == "all" else self._told[:, 5]
-        return float(told.max())
+        highest = self._whole.bound_frequencies() if self._where == "all" else self._reported[:, 5]
+        return float(highest.max())
 
     @property
     def is_finite(self) -> bool:
         """Whether the positions of all nodes are finite numbers after the last cycles."""
-        return bool(self._told[:, 4].all())
+        return bool(self._reported[:, 4].all())
 
     @property
     def seconds(self) -> tuple[float, float, float, float]:
@@ -235,7 +237,7 @@ class DividedLoop:
 
     # --- what is said to both loops ---------------------------------------------------------------------------------
 
-    def _tell_both(self, name: str, *given: Any, **named: Any) -> None:
+    def _call_both(self, name: str, *given: Any, **named: Any) -> None:
         for loop in (self._whole, self._own):
             getattr(loop, name)(*given, **named)
         self._channel.sums = self._count_sums()

@@ -78,15 +78,15 @@ class DividedSpaceLoop(DividedLoop):
         forces = [force for tool in range(self._tools) for force in own.tool_state(tool)[2]]
         return [*forces, *(own.bead_restraint(bead) for bead in range(self._beads))]
 
-    def _tell(self, failed: int, status: _core.LawStatus, cycle: int) -> None:
-        super()._tell(failed, status, cycle)
+    def _report(self, failed: int, status: _core.LawStatus, cycle: int) -> None:
+        super()._report(failed, status, cycle)
         if self._tools:  # energies of pushed tools, which rank 0 counts, need the whole force
             self._own.set_tool_forces(self._forces * (self._world.rank == 0))
 
     @property
     def lost_point(self) -> int:
         """A point that has gone through a tool; -1: none."""
-        first = np.inf if self._where == "all" else self._told[:, 3].min()
+        first = np.inf if self._where == "all" else self._reported[:, 3].min()
         return -1 if np.isinf(first) else int(first)
 
     def _name_point(self, point: int) -> int:
@@ -98,10 +98,10 @@ class DividedSpaceLoop(DividedLoop):
 
     # --- what is said to both loops -------------------------------------------------------------------------------
 
-    def _tell_both(self, name: str, *given: Any, **named: Any) -> None:
+    def _call_both(self, name: str, *given: Any, **named: Any) -> None:
         if name in ("push_tool", "move_tool", "remove_tool"):
             self._pushed = (self._pushed | {given[0]}) if name == "push_tool" else self._pushed - {given[0]}
-        super()._tell_both(name, *given, **named)
+        super()._call_both(name, *given, **named)
 
     def _count_sums(self) -> int:
         return 3 * self._tools + super()._count_sums() if self._pushed or self._walls else 0

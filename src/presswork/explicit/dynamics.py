@@ -19,12 +19,12 @@ from presswork.explicit.energy import EnergyBalance, MassScaling, compute_balanc
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.motion import Motion
 from presswork.explicit.nodal_motion import Array, NodalMotion, Numbers
-from presswork.law.umat import TOLD
+from presswork.law.umat import STATUS_MESSAGES
 from presswork.state import State
 
 Loop = _core.PlaneLoop | _core.SpaceLoop | _core.SpaceLoopSingle | DividedLoop
 Failed = tuple[int, _core.LawStatus, int]
-"""Element that has failed, what its law told, and the cycle; the element is -1 where none has."""
+"""Element that has failed, what its law reported, and the cycle; the element is -1 where none has."""
 SAFETY = 0.9
 """Time step over the bound of the stable one."""
 RENEWAL = 10
@@ -191,10 +191,10 @@ class Dynamics(NodalMotion):
         self._prepare(velocity)
         if self._reference is None:
             self._begin_balance(damping, float(force[0]), float(velocity[0]))
-        failed, told, cycle = self._advance_loop(force, velocity, damping)
+        failed, status, cycle = self._advance_loop(force, velocity, damping)
         if failed >= 0:
             when = f"in cycle {self.cycle + cycle + 1} (t = {self.time + (cycle + 1) * self.dt:g} s)"
-            raise ExplicitError(self._explain(int(self._elements[failed]), told, when))
+            raise ExplicitError(self._explain(int(self._elements[failed]), status, when))
         self._scales = (damping, float(force[-1]), float(velocity[-1]))
         self._dt_before = self.dt
         self.cycle += n
@@ -222,15 +222,15 @@ class Dynamics(NodalMotion):
         start = sum_energies(self._energies(*self._scales))
         self._reference = (start, abs(start))
 
-    def _explain(self, element: int, told: _core.LawStatus, when: str) -> str:
+    def _explain(self, element: int, status: _core.LawStatus, when: str) -> str:
         """Return why an element has failed, and what to do."""
-        if told == _core.LawStatus.done:
+        if status == _core.LawStatus.done:
             return (
                 f"cell {element} is turned inside out {when}: shorten the step {self.dt:g} s (the cells allow "
                 f"{self.safety * self.stable_step():g} s now), refine the mesh, or set explicit.hourglass_stiffness "
                 "higher"
             )
-        return f"{TOLD[told]} in cell {element} {when}: shorten the step {self.dt:g} s"
+        return f"{STATUS_MESSAGES[status]} in cell {element} {when}: shorten the step {self.dt:g} s"
 
     def run_to(
         self, end: float, *, damping: float = 0.0, target_step: float | None = None, motion: Motion | None = None
@@ -325,8 +325,8 @@ class Dynamics(NodalMotion):
         keeper = self._resident or self._parts
         if not keeper:
             return None
-        run, give = self._dump_run(), keeper.keep()
-        return lambda: self._name_state({**give(), RunArrays.owner: run}).to_arrays()
+        run, kept = self._dump_run(), keeper.keep()
+        return lambda: self._name_state({**kept(), RunArrays.owner: run}).to_arrays()
 
     def _dump_run(self) -> dict[str, Array]:
         """Return what the loop does not keep."""

@@ -32,7 +32,7 @@ class LayersOfRun:
     _counts: list[int]
     """Shells of each block."""
     _fixed: npt.NDArray[np.uint8]
-    _given_temperature: Array | None = None
+    _prescribed_temperature: Array | None = None
     _young: float
     _damage_names: tuple[str, ...] = ()
     _poisson: float
@@ -110,30 +110,30 @@ class LayersOfRun:
         return [self._loop.history(block).shape[:3] for block in range(len(self._counts))]
 
     @property
-    def given_temperature(self) -> Array | None:
+    def prescribed_temperature(self) -> Array | None:
         """Temperature given from outside at the layers (n, q, n_points) [degrees C], from the bottom up.
 
         None, which cannot be set: that of the law's start. Set by an array of this shape, by one for all points in the
         plane (n, n_points), or by what broadcasts to that, such as a profile (n_points,) for all shells. It holds until
         it is set again; what the law heats itself comes on top.
         """
-        return self._given_temperature
+        return self._prescribed_temperature
 
-    @given_temperature.setter
-    def given_temperature(self, value: npt.ArrayLike) -> None:
+    @prescribed_temperature.setter
+    def prescribed_temperature(self, value: npt.ArrayLike) -> None:
         degrees, shape = np.asarray(value, dtype=float), self._shape_of_layers
         if not np.isfinite(degrees).all():
-            raise ExplicitError("given_temperature: every value must be a finite number [degrees C]")
+            raise ExplicitError("prescribed_temperature: every value must be a finite number [degrees C]")
         try:
             at_points = np.broadcast_to(degrees if degrees.ndim == 3 else np.atleast_2d(degrees)[:, None], shape)
         except ValueError:
             raise ExplicitError(
-                f"given_temperature has shape {degrees.shape}: these shells have layers {shape}"
+                f"prescribed_temperature has shape {degrees.shape}: these shells have layers {shape}"
             ) from None
         for block, part in enumerate(np.split(at_points[self._shells], np.cumsum(self._counts)[:-1])):
             of_block = part.mean(axis=1, keepdims=True) if self._layers_of_blocks[block][1] == 1 else part
             self._loop.set_temperature(block, np.ascontiguousarray(of_block))
-        self._given_temperature = np.array(at_points)
+        self._prescribed_temperature = np.array(at_points)
 
     @property
     def damage(self) -> dict[str, Array]:

@@ -110,11 +110,12 @@ class VelocityCurve:
     def __init__(self, times: npt.ArrayLike, velocities: npt.ArrayLike, *, stroke: float | None = None) -> None:
         self.times, self.velocities = check_table(times, velocities, "velocity")
         steps = 0.5 * (self.velocities[1:] + self.velocities[:-1]) * np.diff(self.times)
-        self._ways = np.concatenate([[0.0], np.cumsum(steps)])
-        if stroke is not None and abs(self._ways[-1] - stroke) > FIT * abs(stroke):
+        self._travelled = np.concatenate([[0.0], np.cumsum(steps)])
+        if stroke is not None and abs(self._travelled[-1] - stroke) > FIT * abs(stroke):
             raise ExplicitError(
-                f"stroke = {stroke:g} mm, but the velocity curve comes to {self._ways[-1]:g} mm: scale the velocities "
-                f"by {stroke / self._ways[-1] if self._ways[-1] else np.inf:g}, or correct the stroke"
+                f"stroke = {stroke:g} mm, but the velocity curve comes to {self._travelled[-1]:g} mm: scale the "
+                f"velocities by {stroke / self._travelled[-1] if self._travelled[-1] else np.inf:g}, or correct the "
+                "stroke"
             )
 
     def position(self, time: Array) -> Array:
@@ -123,7 +124,7 @@ class VelocityCurve:
         at = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
         since = t - self.times[at]
         slope = np.diff(self.velocities)[at] / np.diff(self.times)[at]
-        return np.asarray(self._ways[at] + (self.velocities[at] + 0.5 * slope * since) * since)
+        return np.asarray(self._travelled[at] + (self.velocities[at] + 0.5 * slope * since) * since)
 
 
 def check_table(times: npt.ArrayLike, values: npt.ArrayLike, name: str) -> tuple[Array, Array]:

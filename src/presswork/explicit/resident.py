@@ -51,7 +51,7 @@ MEASURES: dict[str, tuple[_core.DevicePart, ...]] = {
 }
 """The same of those that need a few rows of the elements' state alone."""
 MOVES_WALLS = {"move_wall", "push_wall", "float_wall", "hold_wall"}
-GIVES = {"set_temperature", "limit_wall_friction"}
+SETS = {"set_temperature", "limit_wall_friction"}
 HOST_MEMORY = 1e15
 """Memory of the host build [bytes]."""
 SESSIONS: dict[type, type[_core.DeviceSession] | type[_core.DeviceSessionSingle]] = {
@@ -101,7 +101,7 @@ class ResidentLoop:
     def __getattr__(self, name: str) -> Any:
         if name in PRESENT or self._session is None:
             return getattr(self.loop, name)
-        if name in MOVES_WALLS | GIVES | {"begin_wall_sums"}:
+        if name in MOVES_WALLS | SETS | {"begin_wall_sums"}:
             return partial(self._change, name)
         if name in MEASURES:
             self._fetch_measures()
@@ -212,9 +212,9 @@ class ResidentLoop:
         """Keep the present state on the device; return what gives it, until it is asked again."""
         self.enter().keep()
         self._kept = "there"
-        return self._give_kept
+        return self._return_kept
 
-    def _give_kept(self) -> State:
+    def _return_kept(self) -> State:
         self._leave()
         assert isinstance(self._kept, dict)
         return self._kept

@@ -93,8 +93,8 @@ class ExplicitShells(SpaceDynamics):
             share[self._elements],
             other.dt,
         )
-        if other.given_temperature is not None:
-            self.given_temperature = other.given_temperature[parent]
+        if other.prescribed_temperature is not None:
+            self.prescribed_temperature = other.prescribed_temperature[parent]
         self.cycle, self.time = other.cycle, other.time
         self.dt = min(other.dt, SAFETY * self.stable_step())
         self._contact_step, self._new_tools = other._contact_step, []

@@ -94,15 +94,15 @@ class ExplicitSolids(TouchingBodies, Dynamics):
             start = materials[mesh.blocks[number].material].start
             for law in laws:
                 loop.add_damage(number, law.name, law.kernel, temperature=start, rise=rise)
-        self._given_temperature = np.concatenate(
+        self._prescribed_temperature = np.concatenate(
             [np.full(len(b.connectivity), materials[b.material].start) for b in mesh.blocks]
         )
         self._walls: list[Wall] = []
         fastest = max(materials[b.material].wave_speed for b in mesh.blocks)
-        n_cells = len(self._given_temperature)
+        n_cells = len(self._prescribed_temperature)
         super().__init__(loop, np.arange(n), np.arange(n_cells), mesh.node_sets, fastest)
         if any(materials[block.material].gtn is not None for block in mesh.blocks):
-            self.given_temperature = self._given_temperature
+            self.prescribed_temperature = self._prescribed_temperature
 
     @property
     def mass(self) -> Array:
@@ -161,7 +161,7 @@ class ExplicitSolids(TouchingBodies, Dynamics):
     @property
     def temperature(self) -> Array:
         """Temperature (n_cells) [degrees C]: what is given from outside, and the rise by plastic work."""
-        return self._given_temperature + self._loop.rise
+        return self._prescribed_temperature + self._loop.rise
 
     @property
     def rise(self) -> Array:
@@ -169,19 +169,19 @@ class ExplicitSolids(TouchingBodies, Dynamics):
         return self._loop.rise
 
     @property
-    def given_temperature(self) -> Array:
+    def prescribed_temperature(self) -> Array:
         """What is given from outside (n_cells) [degrees C]; at first that of the materials' start."""
-        return self._given_temperature.copy()
+        return self._prescribed_temperature.copy()
 
-    @given_temperature.setter
-    def given_temperature(self, value: npt.ArrayLike) -> None:
-        degrees = np.array(np.broadcast_to(np.asarray(value, dtype=float), self._given_temperature.shape))
+    @prescribed_temperature.setter
+    def prescribed_temperature(self, value: npt.ArrayLike) -> None:
+        degrees = np.array(np.broadcast_to(np.asarray(value, dtype=float), self._prescribed_temperature.shape))
         if not np.isfinite(degrees).all():
-            raise ExplicitError("given_temperature: every value must be a finite number [degrees C]")
+            raise ExplicitError("prescribed_temperature: every value must be a finite number [degrees C]")
         ends = np.cumsum([len(block.connectivity) for block in self.mesh.blocks])[:-1]
         for block, part in enumerate(np.split(degrees, ends)):
             self._loop.set_temperature(block, part)
-        self._given_temperature = degrees
+        self._prescribed_temperature = degrees
 
     def set_velocity(self, nodes: str | npt.ArrayLike, velocity: tuple[float, float]) -> None:
         """Give nodes a velocity (2,) [mm/s] to start from."""
@@ -221,11 +221,11 @@ class ExplicitSolids(TouchingBodies, Dynamics):
         self._check_contacts()
 
     def _dump_run(self) -> dict[str, Array]:
-        return {**super()._dump_run(), "temperature": self._given_temperature.copy()}
+        return {**super()._dump_run(), "temperature": self._prescribed_temperature.copy()}
 
     def _restore_run(self, own: Mapping[str, Array]) -> None:
         super()._restore_run(own)
-        self.given_temperature = own["temperature"]
+        self.prescribed_temperature = own["temperature"]
 
     def _name_state(self, arrays: LoopState) -> State:
         state = super()._name_state(arrays)

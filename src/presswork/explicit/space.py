@@ -30,7 +30,7 @@ from presswork.explicit.resident import ResidentLoop, Traffic
 from presswork.explicit.shell_contact import ShellContactOfRun
 from presswork.explicit.tools import ToolsOfRun
 from presswork.law.history import RISE, STRESS
-from presswork.law.umat import TOLD, SheetUmat, list_sheet_history
+from presswork.law.umat import STATUS_MESSAGES, SheetUmat, list_sheet_history
 from presswork.ranks.parts import make_part
 from presswork.ranks.world import World
 
@@ -223,11 +223,11 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
     def _check(self) -> None:
         self._check_tools()
 
-    def _explain(self, element: int, told: _core.LawStatus, when: str) -> str:
+    def _explain(self, element: int, status: _core.LawStatus, when: str) -> str:
         if element >= len(self._shells):
-            return super()._explain(element, told, when)
-        if told != _core.LawStatus.no_stress:
-            return f"{TOLD[told]} in shell {element} {when}: shorten the step"
+            return super()._explain(element, status, when)
+        if status != _core.LawStatus.no_stress:
+            return f"{STATUS_MESSAGES[status]} in shell {element} {when}: shorten the step"
         return (
             f"the material law of shell {element} has failed {when}, it finds no stress for the strain of this step: "
             f"the step {self.dt:g} s is too long, the shell has collapsed, or the law's parameters are not those of a "
@@ -235,7 +235,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         )
 
     def _dump_run(self) -> dict[str, Array]:
-        given = self.given_temperature
+        given = self.prescribed_temperature
         return {
             **super()._dump_run(),
             "contact_step": np.array([self._contact_step]),
@@ -246,7 +246,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
         super()._restore_run(own)
         self._contact_step, self._new_tools = float(own["contact_step"][0]), []
         if "temperature" in own:
-            self.given_temperature = own["temperature"]
+            self.prescribed_temperature = own["temperature"]
 
 
 Piece = tuple[Shells | Solids, npt.NDArray[np.intp]]

@@ -147,7 +147,7 @@ class SpaceWall:
         return np.asarray(-self.nodal_force.sum(axis=0))
 
     def begin_sums(self) -> None:
-        """Sum up `pressed` and `rubbed` anew."""
+        """Sum up `pressed` and `friction_work` anew."""
         self._loop.begin_wall_sums(self._number)
 
     @property
@@ -156,7 +156,7 @@ class SpaceWall:
         return self._by_node(self._loop.wall_pressed(self._number))
 
     @property
-    def rubbed(self) -> Array:
+    def friction_work(self) -> Array:
         """Work that friction on the tool has taken at the nodes since begin_sums (n_nodes,) [N mm]."""
         return self._by_node(self._loop.wall_rubbed(self._number))
 

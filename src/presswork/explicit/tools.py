@@ -29,7 +29,7 @@ class RigidTool:
         self.name = name
         self._loop, self.number, self._penalty = loop, number, penalty
         self._velocity = np.zeros(3)
-        self._way: tuple[Array, Motion] | None = None
+        self._prescribed: tuple[Array, Motion] | None = None
         self._force: tuple[Array, Array] | None = None
         self.mass: float | None = None
         """Mass [t] of a pushed tool; None of one that is moved."""
@@ -39,7 +39,7 @@ class RigidTool:
     @property
     def velocity(self) -> Array:
         """Prescribed translation (3) [mm/s], times `velocity_scale`; a pushed or following tool's present velocity."""
-        if self._force is None and self._way is None:
+        if self._force is None and self._prescribed is None:
             return self._velocity.copy()
         return np.array(self._loop.tool_state(self.number)[1])
 
@@ -51,11 +51,11 @@ class RigidTool:
     def follow(self, direction: npt.ArrayLike, motion: Motion) -> None:
         """Move along a direction (3), of any length, as a motion says: at time t [s] at motion.position(t) [mm]."""
         self._refuse_second_motion("follow")
-        self._way = (self._unit(direction), motion)
+        self._prescribed = (self._unit(direction), motion)
 
     def stop(self) -> None:
         """Let it stand still where it is, whatever has moved or pushed it; then it may be moved or pushed anew."""
-        self._velocity, self._way, self._force, self.mass = np.zeros(3), None, None, None
+        self._velocity, self._prescribed, self._force, self.mass = np.zeros(3), None, None, None
         self._loop.move_tool(self.number)
 
     def push(
@@ -117,8 +117,8 @@ class RigidTool:
         times: Array = time + dt * np.arange(len(velocity_scale) + 1, dtype=float)
         if self._force is not None:
             values = np.interp(times[:-1], *self._force)
-        elif self._way is not None:
-            values = np.outer(np.diff(self._way[1].position(times)) / dt, self._way[0])
+        elif self._prescribed is not None:
+            values = np.outer(np.diff(self._prescribed[1].position(times)) / dt, self._prescribed[0])
         else:
             values = np.outer(velocity_scale, self._velocity)
         self._loop.drive_tool(self.number, np.ascontiguousarray(values))
@@ -140,7 +140,7 @@ class RigidTool:
         return given / length
 
     def _refuse_second_motion(self, name: str) -> None:
-        if self._force is not None or (self._way is not None and name != "follow"):
+        if self._force is not None or (self._prescribed is not None and name != "follow"):
             now = "is pushed by a force" if self._force is not None else "follows a curve"
             raise ExplicitError(f"tool {self.name!r} {now}: it cannot have {name} too")
 

@@ -48,7 +48,7 @@ class Wall:
         return self._loop.wall_force(self._number)
 
     def begin_sums(self) -> None:
-        """Sum up `pressed` and `rubbed` anew."""
+        """Sum up `pressed` and `friction_work` anew."""
         self._loop.begin_wall_sums(self._number)
 
     @property
@@ -57,7 +57,7 @@ class Wall:
         return self._loop.wall_pressed(self._number)
 
     @property
-    def rubbed(self) -> Array:
+    def friction_work(self) -> Array:
         """Work that friction on the wall has taken at the nodes since begin_sums (n_nodes,) [N mm]."""
         return self._loop.wall_rubbed(self._number)
 

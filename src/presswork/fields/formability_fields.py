@@ -91,14 +91,14 @@ class FormingVerdict:
             thin = f"thinning up to {self.thinning.value:.1f} % {self.thinning.where()}"
         cracks = "the material has no forming_limit, so nothing is said of cracks"
         if self.margin is not None:
-            cracks = self._tell_strains(self.margin) + self._tell_path()
-        said = [thin, cracks] if self.margin is None else [cracks, thin]
+            cracks = self._describe_strains(self.margin) + self._describe_path()
+        parts = [thin, cracks] if self.margin is None else [cracks, thin]
         if self.fold and self.folds:  # first, unless the part splits
             places = "1 place" if self.folds == 1 else f"{self.folds} places"
-            said.insert(1 if self.failing else 0, f"the sheet folds in {places}, most {self.fold.where()}")
-        return "; ".join(said)
+            parts.insert(1 if self.failing else 0, f"the sheet folds in {places}, most {self.fold.where()}")
+        return "; ".join(parts)
 
-    def _tell_strains(self, margin: Extreme) -> str:
+    def _describe_strains(self, margin: Extreme) -> str:
         """Return what strains say of cracks, as if they had come straight."""
         count, worst = sum(self.zones.values()), 100 * margin.value
         if self.failing:
@@ -110,7 +110,7 @@ class FormingVerdict:
         risk = f", {near} of {count} elements at risk" if near else ""
         return f"no element lies above the forming limit{risk}; least margin {worst:.1f} % {margin.where()}"
 
-    def _tell_path(self) -> str:
+    def _describe_path(self) -> str:
         """Return what the paths say of cracks, with a word before; empty where they were not followed."""
         if POLAR not in self.by_path:
             return ""
@@ -139,8 +139,8 @@ class FormingVerdict:
 
     def warnings(self) -> list[str]:
         """Return the verdict if the part splits or folds, and what to know of the curve."""
-        tells = self.failing or self.failing_by_path or self.folds
-        return [text for text in (self.text() if tells else "", self.note) if text]
+        has_failed = self.failing or self.failing_by_path or self.folds
+        return [text for text in (self.text() if has_failed else "", self.note) if text]
 
 
 def judge_fields(

@@ -41,9 +41,9 @@ def find_cavity_wall(
 ) -> CavityWall | None:
     """Return the wall of a die's cavity; None if the profile has no flash land, or no cavity.
 
-    profile: segments (n, 7) as in model.Profile; way: unit vector along which the die closes (2,); beside: the middle
-    of the workpiece (2,) [mm], in front of which the cavity is; plane: a place on the axis, or on the symmetry plane
-    along the way (2,) [mm], if there is one: no land lies between it and the middle.
+    profile: segments (n, 7) as in model.Profile; direction: unit vector along which the die closes (2,); beside: the
+    middle of the workpiece (2,) [mm], in front of which the cavity is; plane: a place on the axis, or on the symmetry
+    plane along the stroke (2,) [mm], if there is one: no land lies between it and the middle.
     """
     line = ProfilePath(profile)
     piece = line.length / SAMPLES

@@ -79,7 +79,7 @@ class ArcLengthProcedure(ImplicitProcedure):
         self._start = self.state
         self.equilibrium.forces.fill(self._start, trial, found.point, found.constraints)
         size = find_next_arc(arc, first, len(log), settings.target_iterations)
-        self.settle(self._start, trial, self._step(stage, fraction_n, 1.0 if over else fraction))
+        self.end_increment(self._start, trial, self._step(stage, fraction_n, 1.0 if over else fraction))
         self._commit(trial, stage, fraction_n, 1.0 if over else fraction, arc, log, len(cutbacks))
         now = self.state[Progress]
         if not over:

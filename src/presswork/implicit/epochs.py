@@ -64,7 +64,7 @@ def balance_at_rest(run: ImplicitProcedure) -> Converged | Failed:
         return outcome
     for follower in run.followers:
         follower.note(trial)
-    settle_at_rest(run, state_n, trial, step)
+    end_increment_at_rest(run, state_n, trial, step)
     trial[Progress].iterations += len(outcome.log)
     for follower in run.followers:
         follower.follow(state_n, trial, step, None)
@@ -72,9 +72,9 @@ def balance_at_rest(run: ImplicitProcedure) -> Converged | Failed:
     return outcome
 
 
-def settle_at_rest(run: ImplicitProcedure, state_n: State, trial: State, step: Step) -> None:
+def end_increment_at_rest(run: ImplicitProcedure, state_n: State, trial: State, step: Step) -> None:
     """Complete a trial state in equilibrium on a new mesh: no time passes, and the last increment stays."""
-    run.mechanics.settle(state_n, trial, 0.0)
+    run.mechanics.end_increment(state_n, trial, 0.0)
     for interaction in run.interactions.all:
         interaction.commit(state_n, trial, step)
     for interaction in run.interactions.all:

@@ -63,7 +63,7 @@ class HalfSteps:
         half = self._evaluate(state_n, trial, 0.5, replace(step, dt=dt))
         if sudden is None or half is None:
             return 0.0
-        self._mechanics.settle(state_n, half, dt)
+        self._mechanics.end_increment(state_n, half, dt)
         second = replace(step, dt=dt, time_n=step.time_n + dt, stage_time_n=step.stage_time_n + dt)
         twice = self._evaluate(half, trial, 0.5, second)
         if twice is None:

@@ -40,11 +40,11 @@ class HeatSources:
         plastic = np.zeros(self._n_points)
         for i, heat in enumerate(now.plastic):
             plastic += self._shapes.to_nodes(i, heat)
-        into_bodies = self._shares * now.rubbed
-        friction = into_bodies.sum(axis=0) + self._rub_bodies(now, surface)
-        return MadeHeat(plastic, friction, now.rubbed - into_bodies)
+        into_bodies = self._shares * now.friction_work
+        friction = into_bodies.sum(axis=0) + self._heat_bodies(now, surface)
+        return MadeHeat(plastic, friction, now.friction_work - into_bodies)
 
-    def _rub_bodies(self, now: FormingInstant, surface: SurfaceNow) -> FloatArray:
+    def _heat_bodies(self, now: FormingInstant, surface: SurfaceNow) -> FloatArray:
         """Return the heat of friction between bodies at the nodes (n_points,) [N mm].
 
         All that friction takes in the increment, shared by shear times slip at the pairs of nodes, and between the two
@@ -57,7 +57,7 @@ class HeatSources:
         parts = []
         for meeting in surface.meetings:
             first, second = meeting.film.pairs.T
-            slip = np.linalg.norm(between.way[first] - between.way[second], axis=1)
+            slip = np.linalg.norm(between.moved[first] - between.moved[second], axis=1)
             parts.append(meeting.area * between.shear[meeting.contact.name][first] * slip)
         total = sum(float(part.sum()) for part in parts)
         for meeting, part in zip(surface.meetings, parts, strict=True):

@@ -264,7 +264,7 @@ class HeatOfForming:
             own = np.zeros(self._dies.n_points)
             own[: self._n_points] = made.into_tools[t]
             source += pass_on(film.pairs, area, own)
-        rubbed = float(source.sum()) if surface.links else 0.0
+        friction_heat = float(source.sum()) if surface.links else 0.0
         source[: self._n_points] += made.plastic + made.friction
         problem = HeatProblem(
             points=places,
@@ -282,11 +282,16 @@ class HeatOfForming:
         if isinstance(found, Failed):
             return found
         heat[0, :2] = made.plastic.sum(), made.friction.sum()
-        heat[1, 0] = rubbed
+        heat[1, 0] = friction_heat
         return self._collect(arrays_n, found, heat)
 
     def _take_steps(
-        self, arrays: HeatArrays, problem: HeatProblem, touches: list[Touch], rubbed: FloatArray, heat: FloatArray
+        self,
+        arrays: HeatArrays,
+        problem: HeatProblem,
+        touches: list[Touch],
+        friction_heat: FloatArray,
+        heat: FloatArray,
     ) -> _Instant | Failed:
         """Go through an increment in time steps that follow their error; adds up the heat (2, n_kinds) [N mm]."""
         dt, films = problem.dt, problem.films
@@ -295,7 +300,7 @@ class HeatOfForming:
         done, part = 0.0, min(dt, now.next_step or FIRST_PART * dt)
         while True:
             part = dt - done if done + part > dt * (1 - 1e-9) else min(part, 0.5 * (dt - done) + 0.5 * part)
-            columns, chilled = self._chill(touches, now.columns, rubbed, part)
+            columns, chilled = self._chill(touches, now.columns, friction_heat, part)
             at_tools: list[Film] = [
                 ToolFilm(t.nodes, t.area * t.conductance, t.heat.temperature)
                 for t in touches
@@ -352,11 +357,11 @@ class HeatOfForming:
         )
 
     def _chill(
-        self, touches: list[Touch], columns: FloatArray, rubbed: FloatArray, dt: float
+        self, touches: list[Touch], columns: FloatArray, friction_heat: FloatArray, dt: float
     ) -> tuple[FloatArray, dict[int, ColumnFilm]]:
         """Return the columns after a time step of dt [s] without a flux, and the films of tools that warm up.
 
-        rubbed: (n_tools, n_points) [N mm/s].
+        friction_heat: (n_tools, n_points) [N mm/s].
         """
         still, films = columns.copy(), {}
         touched = {touch.tool: touch for touch in touches}
@@ -366,7 +371,7 @@ class HeatOfForming:
                 continue
             still[t, self._skin], answer = column.step(columns[t, self._skin], dt)
             if touch is not None:
-                flux = rubbed[t, touch.nodes] / touch.area
+                flux = friction_heat[t, touch.nodes] / touch.area
                 own = still[t, touch.nodes]
                 films[t] = ColumnFilm(column, touch.nodes, touch.area, touch.conductance, own, answer, flux)
         return still, films

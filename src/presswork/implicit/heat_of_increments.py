@@ -99,11 +99,12 @@ class HeatOfIncrements:
         """Return what heat asks of an increment in equilibrium."""
         n, tools = len(self._model.mesh.points), self._interactions.tools
         shape = (len(self._model.tools), n)
-        holds, push, rubbed, gap = np.zeros(shape, dtype=bool), np.zeros(shape), np.zeros(shape), np.full(shape, np.inf)
+        holds, push = np.zeros(shape, dtype=bool), np.zeros(shape)
+        friction_work, gap = np.zeros(shape), np.full(shape, np.inf)
         if (space := self._interactions.space_tools) is not None:
             placed = trial[SpaceToolArrays]
             push = np.linalg.norm(placed.force - placed.friction, axis=2)
-            holds, rubbed = push > 0.0, space.contact.lost_at(state_n, trial)
+            holds, friction_work = push > 0.0, space.contact.lost_at(state_n, trial)
             for t, tool in enumerate(self._model.tools):
                 width = self._across.get(tool.name, 0.0)
                 if width > 0.0:
@@ -113,8 +114,8 @@ class HeatOfIncrements:
             held, pushes = contact.pushes(trial, self._interactions.supports.fixed(step.stage))
             holds[:, contact.nodes], push[:, contact.nodes] = held, np.maximum(pushes, 0.0)
             gap[:, contact.nodes] = contact.gap[::2]
-            rubs_on = np.argmax(trial[ContactArrays].status > 0, axis=0) // 2
-            rubbed[rubs_on, contact.nodes] = tools.friction.lost_at
+            tool_at = np.argmax(trial[ContactArrays].status > 0, axis=0) // 2
+            friction_work[tool_at, contact.nodes] = tools.friction.lost_at
         return FormingInstant(
             points=self._points(trial),
             poses=self._poses(trial),
@@ -122,7 +123,7 @@ class HeatOfIncrements:
             push=push,
             gap=gap,
             plastic=list(self._cells.plastic_heat_at_points(state_n, trial, dt, self._fraction)),
-            rubbed=rubbed,
+            friction_work=friction_work,
             between=self._show_bodies(state_n, trial),
         )
 
@@ -137,7 +138,7 @@ class HeatOfIncrements:
         return BetweenBodies(
             pressure={contact.name: self._spread(contact, arrays.pressure) for contact in entries},
             shear={contact.name: self._spread(contact, shear) for contact in entries},
-            way=trial.nodes.increment,
+            moved=trial.nodes.increment,
             lost=self._interactions.bodies.work(state_n, trial)["friction_work"],
         )
 

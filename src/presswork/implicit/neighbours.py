@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from presswork.implicit.epochs import settle_at_rest
+from presswork.implicit.epochs import end_increment_at_rest
 from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.linear.bordered_tangent import BorderedTangent
 from presswork.implicit.linear.system import Lacking
@@ -154,10 +154,10 @@ class Neighbour:
         """
         now, procedure = self.now, self.procedure
         procedure.equilibrium.forces.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
-        procedure.settle(now.state_n, now.trial, now.step)
+        procedure.end_increment(now.state_n, now.trial, now.step)
         return procedure.ram.find_excess(now.state_n, now.trial, now.step)
 
-    def settle(self, progress: Progress, next_stage: int | None, *, stops: bool = False) -> None:
+    def end_increment(self, progress: Progress, next_stage: int | None, *, stops: bool = False) -> None:
         """Complete its state at the end of an increment; the run's progress goes with it. Raises GaveUpError.
 
         stops: whether the stage ends here, before its way is gone.
@@ -166,9 +166,9 @@ class Neighbour:
         if not procedure.only_heat_flows(now.step.stage):
             procedure.equilibrium.forces.fill(now.state_n, now.trial, now.point, now.lacking.constraints)
         if now.step.is_at_rest:
-            settle_at_rest(procedure, now.state_n, now.trial, now.step)
+            end_increment_at_rest(procedure, now.state_n, now.trial, now.step)
         else:
-            procedure.settle(now.state_n, now.trial, now.step)
+            procedure.end_increment(now.state_n, now.trial, now.step)
             if procedure.sheet_heat is not None:
                 procedure.sheet_heat.find(now.state_n, now.trial, now.step, IterationLog())
             if self._counts_work or procedure.ram.is_needed:

@@ -144,7 +144,7 @@ class Equilibrium:
             if has_converged:
                 augmented = self._augment(state_n, trial, point)
                 if augmented is None:
-                    return self._settle(state_n, trial, point, balance, log)
+                    return self._complete(state_n, trial, point, balance, log)
                 if len(log.augmented) == MOST_AUGMENTATIONS:
                     break
                 point = augmented
@@ -181,7 +181,7 @@ class Equilibrium:
         if not isinstance(point, BadGuess) or point.is_final:
             return point
         for interaction in self._interactions:
-            interaction.give_up_guess(state_n, trial)
+            interaction.discard_guess(state_n, trial)
         return self.forces.evaluate(state_n, trial, step, np.zeros_like(guess), with_stiffness=True)
 
     def _find_balance(
@@ -225,13 +225,13 @@ class Equilibrium:
         is_full = self._model.solver.newton == "full" and not keeps
         return is_full or balance.changes > 0 or self._largest(balance.constraints.value) > 1e-3 * size
 
-    def _settle(
+    def _complete(
         self, state_n: State, trial: State, point: Point, balance: Balance, log: IterationLog
     ) -> Converged | Failed:
-        """Fill the trial state, unless contact does not settle or an interaction finds a fault."""
-        unsettled = sum(i.n_unsettled for i in self._interactions)
-        if unsettled:
-            return Failed(log, f"contact of {unsettled} nodes does not settle", 0.5)
+        """Fill the trial state, unless contact does not converge or an interaction finds a fault."""
+        n_undecided = sum(i.n_undecided for i in self._interactions)
+        if n_undecided:
+            return Failed(log, f"contact of {n_undecided} nodes does not converge", 0.5)
         if fault := self.forces.find_fault(point, state_n[Progress].peak_force):
             return Failed(log, fault, 0.5)
         self._mechanics.complete(trial)

@@ -136,7 +136,7 @@ class NodalForces:
         trial.nodes.displacement, trial.nodes.increment = point.guess.displacement, point.guess.increment
         trial.nodes.reaction = point.reaction
         for interaction, forces in zip(self._interactions, point.forces, strict=True):
-            interaction.settle(state_n, trial, forces, constraints)
+            interaction.end_increment(state_n, trial, forces, constraints)
         trial[Progress].peak_force = max(state_n[Progress].peak_force, self.largest_force(point))
 
     def find_fault(self, point: Point, peak: float) -> str:

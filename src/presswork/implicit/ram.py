@@ -76,12 +76,12 @@ class Ram:
         drive = self._drives[stage]
         if drive is None or drive.is_prescribed or fraction == fraction_n:
             return self._model.stages[stage].time_between(fraction_n, fraction)
-        way, force = (fraction - fraction_n) * drive.travel, self.find_force(start, stage)
+        travel, force = (fraction - fraction_n) * drive.travel, self.find_force(start, stage)
         if isinstance(drive.motion, Blow):
             left = drive.motion.energy - self._spent(start, fraction_n)
-            speeds = [drive.motion.speed_with(energy) for energy in (left, 0.0 if to_rest else left - force * way)]
-            return 2.0 * way / sum(speeds)
-        return max(drive.time_between(fraction_n, fraction), force * way / drive.power)
+            speeds = [drive.motion.speed_with(energy) for energy in (left, 0.0 if to_rest else left - force * travel)]
+            return 2.0 * travel / sum(speeds)
+        return max(drive.time_between(fraction_n, fraction), force * travel / drive.power)
 
     def stage_time(self, state: State, stage: int, fraction_n: float) -> float:
         """Return the time since the stage began [s]."""
@@ -108,17 +108,17 @@ class Ram:
         force_n, force = self.find_force(start, step.stage), self.find_force(trial, step.stage)
         part, ends = 1.0, True
         if isinstance(drive.motion, Blow):
-            way, energy = size * drive.travel, drive.motion.energy
+            travel, energy = size * drive.travel, drive.motion.energy
             left = energy - self._spent(start, step.fraction_n)
-            unsure = 0.5 * abs(force - force_n) * way
+            unsure = 0.5 * abs(force - force_n) * travel
             if unsure > UNSURE * energy * (1.0 + SPENT):
                 part, ends = UNSURE * energy / unsure, False
             elif (
-                0.5 * (force_n + force) * way > left + SPENT * energy
+                0.5 * (force_n + force) * travel > left + SPENT * energy
             ):  # left = force_n s + (force - force_n)/way s^2/2
                 # left = force_n s + (force - force_n) / way s^2 / 2
-                root = math.sqrt(max(force_n**2 + 2.0 * (force - force_n) / way * left, 0.0))
-                part = 2.0 * left / ((force_n + root) * way)
+                root = math.sqrt(max(force_n**2 + 2.0 * (force - force_n) / travel * left, 0.0))
+                part = 2.0 * left / ((force_n + root) * travel)
         elif force > drive.force * (1.0 + SPENT):
             part = (drive.force - force_n) / (force - force_n) if force > force_n else 0.5
         return (max(min(part, 1.0 - SPENT), 1e-3) * size, ends) if part < 1.0 else None
@@ -145,9 +145,9 @@ class Ram:
         force = self.find_force(trial, step.stage)
         if not isinstance(drive.motion, Blow):
             return force - drive.force
-        way = (step.fraction - step.fraction_n) * drive.travel
+        travel = (step.fraction - step.fraction_n) * drive.travel
         mean = 0.5 * (self.find_force(start, step.stage) + force)
-        return self._spent(start, step.fraction_n) + mean * way - drive.motion.energy
+        return self._spent(start, step.fraction_n) + mean * travel - drive.motion.energy
 
     def commit(self, start: State, trial: State, step: Step) -> None:
         """Add up work and time of a converged increment. trial: a copy of start before."""
@@ -159,8 +159,8 @@ class Ram:
         if drive is None:
             return
         now.force = self.find_force(trial, step.stage)
-        way = (step.fraction - step.fraction_n) * drive.travel
-        work = 0.5 * (self.find_force(start, step.stage) + now.force) * way
+        travel = (step.fraction - step.fraction_n) * drive.travel
+        work = 0.5 * (self.find_force(start, step.stage) + now.force) * travel
         now.work += work
         now.stage_work += work
         now.speed = self._find_speed(drive, step.fraction * drive.travel, now)
@@ -189,12 +189,12 @@ class Ram:
         return state[RamArrays].stage_work if fraction_n > 0.0 else 0.0
 
     @staticmethod
-    def _find_speed(drive: Drive, way: float, now: RamArrays) -> float:
+    def _find_speed(drive: Drive, travel: float, now: RamArrays) -> float:
         """Return the speed of the ram [mm/s]."""
         if isinstance(drive.motion, Blow):
             left = drive.motion.energy - now.stage_work
             return drive.motion.speed_with(left) if left > SPENT * drive.motion.energy else 0.0
-        speed = drive.motion.speed_at(way)
+        speed = drive.motion.speed_at(travel)
         if isinstance(drive.motion, SpeedTable) and now.force > 0.0:
             return min(speed, drive.power / now.force)
         return speed

@@ -93,11 +93,11 @@ class Sensitivities:
             if stops:
                 self._end_together(courses, state_n, step)
             self._go_along(courses, state_n, step)
-            self._same.settle(trial[Progress], next_stage, stops=stops)
+            self._same.end_increment(trial[Progress], next_stage, stops=stops)
         except (GaveUpError, LostWorkpieceError):
             courses = []
         for course in courses:
-            course.settle(trial[Progress], next_stage, stops=stops)
+            course.end_increment(trial[Progress], next_stage, stops=stops)
         found = {c.number: c.each for c in courses if not c.is_lost}
         arrays, names = trial.to_arrays(), state_n[SensitivityArrays].slope
         slopes = [
@@ -157,7 +157,7 @@ class Sensitivities:
         """
         size = step.fraction - step.fraction_n
         change, same = min(LATER, 0.1 * size), self._same.procedure
-        sides = (Neighbour(same, way * change, later=way * change) for way in (1.0, -1.0))
+        sides = (Neighbour(same, sign * change, later=sign * change) for sign in (1.0, -1.0))
         end = _Course(ALL_ALIKE, Neighbours("", *sides))
         self._go_along([*courses, end], state_n, step)
         if end.is_lost:
@@ -188,8 +188,8 @@ class Sensitivities:
             if not open_:
                 break
             rests, goals = [c.rest for c in open_], [INNER * enough * c.force for c in open_]
-            ways = tangent.respond([r[0] for r in rests], [r[1] for r in rests], goals)
-            open_ = [c for c, way in zip(open_, ways, strict=True) if c.go(way, enough, evaluate)]
+            directions = tangent.respond([r[0] for r in rests], [r[1] for r in rests], goals)
+            open_ = [c for c, direction in zip(open_, directions, strict=True) if c.go(direction, enough, evaluate)]
         for course in open_:
             course.is_lost = True
         self.rounds += tangent.rounds
@@ -225,29 +225,29 @@ class _Course:
         """Begin with what was predicted, or nodes that do not move by the parameter; return whether to go on."""
         first = np.zeros_like(increment) if self.start is None else self.start
         self._lack, self._begin, self._slope = _Lack(length, increment, self.each.apart), first, first
-        self._ways: list[FloatArray] = []
+        self._directions: list[FloatArray] = []
         self._taken: list[FloatArray] = []
         if not self._evaluate(self._slope, evaluate):
             return False
         self.rest = self._first = self._lack.find(self.each)
         return True
 
-    def go(self, way: FloatArray, enough: float, evaluate: Evaluate) -> bool:
+    def go(self, direction: FloatArray, enough: float, evaluate: Evaluate) -> bool:
         """Go a way further; return whether the derivative is still to be found."""
-        if not self._evaluate(self._slope + way, evaluate):
+        if not self._evaluate(self._slope + direction, evaluate):
             return False
         # 1. what the way leaves
         left, lack = self._lack.find(self.each), self._lack
-        reached = self._slope + way
+        reached = self._slope + direction
         stays = lack.size(left, reached) > 0.5 * lack.size(self.rest, reached)
         if lack.size(left, reached) < enough or (stays and lack.is_round_off(left, reached)):
             self._slope = reached
             return False
         # 2. the ways so far, combined so that the least is left: what is lacking is linear in the slope
-        self._ways.append(way)
+        self._directions.append(direction)
         self._taken.append(np.subtract(self.rest, left))
         share = lack.combine(self._first, self._taken, reached)
-        slope = self._begin + np.tensordot(share, self._ways, axes=1)
+        slope = self._begin + np.tensordot(share, self._directions, axes=1)
         rest = np.subtract(self._first, np.tensordot(share, self._taken, axes=1))
         stagnates = lack.size(rest, slope) > 0.5 * lack.size(self.rest, slope)
         self._slope, self.rest = slope, rest
@@ -279,11 +279,11 @@ class _Course:
         for side in self.each.own:
             side.later = -side.change * excess / by_end
 
-    def settle(self, progress: Progress, next_stage: int | None, *, stops: bool) -> None:
+    def end_increment(self, progress: Progress, next_stage: int | None, *, stops: bool) -> None:
         """Complete the neighbours' states at the end of the increment."""
         try:
             for side in [] if self.is_lost else self.each.own:
-                side.settle(progress, next_stage, stops=stops)
+                side.end_increment(progress, next_stage, stops=stops)
                 side.later = 0.0
         except GaveUpError:
             self.is_lost = True
@@ -302,7 +302,7 @@ class _Lack:
 
     def __init__(self, length: FloatArray, increment: FloatArray, apart: float) -> None:
         self._length = length
-        self._least_way = max(NOTHING * float(np.abs(increment * length).max()) / apart, 1e-300)
+        self._least_displacement = max(NOTHING * float(np.abs(increment * length).max()) / apart, 1e-300)
         self._round_off = 0.0
         self.force = 0.0
         """Largest derivative of a nodal force that holds the nodes so far, made a force."""
@@ -322,8 +322,8 @@ class _Lack:
 
     def is_round_off(self, lack: FloatArray, slope: FloatArray) -> bool:
         """Say whether forces and ways lack no more than round-off leaves."""
-        forces, ways = np.abs(self._weigh(lack, slope)).max(axis=(1, 2))
-        return bool(forces * self.force <= self._round_off and ways <= ENOUGH)
+        forces, displacements = np.abs(self._weigh(lack, slope)).max(axis=(1, 2))
+        return bool(forces * self.force <= self._round_off and displacements <= ENOUGH)
 
     def combine(self, first: FloatArray, taken: Sequence[FloatArray], slope: FloatArray) -> FloatArray:
         """Return the shares of what ways have taken (n, 2, n_points, freedoms) that leave the least of the first."""
@@ -331,8 +331,8 @@ class _Lack:
         return np.asarray(np.linalg.lstsq(columns, self._weigh(first, slope).ravel(), rcond=None)[0])
 
     def _weigh(self, lack: FloatArray, slope: FloatArray) -> FloatArray:
-        way = max(float(np.abs(slope * self._length).max()), self._least_way)
-        return np.array([lack[0] / self._length / self.force, lack[1] * self._length / way])
+        largest = max(float(np.abs(slope * self._length).max()), self._least_displacement)
+        return np.array([lack[0] / self._length / self.force, lack[1] * self._length / largest])
 
 
 def _lose(slope: Mapping[str, FloatArray]) -> dict[str, FloatArray]:

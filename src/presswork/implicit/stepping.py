@@ -113,7 +113,7 @@ class ImplicitProcedure:
         self.followers: list[Follower] = []
         """Who is told of every increment in equilibrium."""
         self.state = self.at_rest()
-        self._start, self._lets_go, self._to_rest = self.state, False, False
+        self._start, self._releases, self._to_rest = self.state, False, False
         if before:
             self.initial_volume: float = before.initial_volume
             return
@@ -177,7 +177,7 @@ class ImplicitProcedure:
         size, first = progress.next_size, 0.0
         least = self.model.solver.min_increment if size >= self.model.solver.min_increment else size / SMALLEST
         cutbacks: list[str] = []
-        self._start, self._lets_go, self._to_rest = self.state, False, False
+        self._start, self._releases, self._to_rest = self.state, False, False
         if fraction_n == 0.0 and stage > 0:
             self._begin_stage(stage)
         fitting = self.ram.longest(self._start, stage, fraction_n)
@@ -240,7 +240,7 @@ class ImplicitProcedure:
         """Complete a trial state in equilibrium, and judge whether the increment is short enough."""
         for follower in self.followers:
             follower.note(trial)
-        self.settle(self._start, trial, made)
+        self.end_increment(self._start, trial, made)
         if self.sheet_heat is not None:
             outcome = self.sheet_heat.find(self._start, trial, made, log)
             if isinstance(outcome, Failed):
@@ -251,8 +251,8 @@ class ImplicitProcedure:
     def _begin_stage(self, stage: int) -> None:
         """Prepare a copy of the converged state for a stage that begins. Raises GaveUpError."""
         self._start = self.state.duplicate()
-        let_go = [i.begin_stage(self._start, stage) for i in self.interactions.all]
-        self._lets_go = any(let_go)
+        released = [i.begin_stage(self._start, stage) for i in self.interactions.all]
+        self._releases = any(released)
         if self.heat is not None:
             self.heat.forming.begin_stage(self._start[HeatArrays])
         try:
@@ -280,8 +280,8 @@ class ImplicitProcedure:
             self.heat.begin_increment(state_n, trial, step.dt)
         for interaction in self.interactions.all:
             interaction.place(state_n, trial, step, ratio)
-        guess = state_n.nodes.increment * (-BACK if self._lets_go else ratio)
-        is_led = FormerIncrement in state_n and not self._lets_go
+        guess = state_n.nodes.increment * (-BACK if self._releases else ratio)
+        is_led = FormerIncrement in state_n and not self._releases
         if is_led:
             fixed = self.interactions.supports.fixed(stage)
             guess = find_first_guess(state_n, trial, fraction - fraction_n, self.interactions.all, fixed)
@@ -332,9 +332,9 @@ class ImplicitProcedure:
         since = self.ram.stage_time(state_n, step.stage, step.fraction_n)
         return replace(step, fraction=fraction, dt=dt, stage_time_n=since)
 
-    def settle(self, state_n: State, trial: State, step: Step) -> None:
+    def end_increment(self, state_n: State, trial: State, step: Step) -> None:
         """Complete a trial state in equilibrium."""
-        self.mechanics.settle(state_n, trial, step.dt)
+        self.mechanics.end_increment(state_n, trial, step.dt)
         for interaction in self.interactions.all:
             interaction.commit(state_n, trial, step)
         self.accuracy.correct(state_n, trial, step)

@@ -15,7 +15,7 @@ Newton's method asks every interaction of a run the same questions, in this orde
     find_travel       where its own freedoms are
     augment           in equilibrium: whether multipliers are taken over and the iteration goes on
     find_fault        in equilibrium: why it is none
-    settle            the increment has converged; what the next one needs goes into the trial state
+    end_increment     the increment has converged; what the next one needs goes into the trial state
     commit, work      the trial state becomes the converged one; work done in the increment [N mm]
     stop              the stage ends before its way is gone
     stored            energy that is stored in it [N mm]
@@ -159,7 +159,7 @@ class Interaction:
     """Whether residuals are measured against its forces too."""
     softness: float = 1.0
     """How many times softer than they are its springs are taken, on the way to equilibrium."""
-    n_unsettled: int = 0
+    n_undecided: int = 0
     """Nodes that may change no more in this increment, and pull."""
 
     @property
@@ -200,7 +200,7 @@ class Interaction:
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Take note of an increment that begins."""
 
-    def give_up_guess(self, state_n: State, trial: State) -> None:
+    def discard_guess(self, state_n: State, trial: State) -> None:
         """Take back what place() has guessed: the guess is bad."""
 
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> Forces | BadGuess | None:
@@ -273,7 +273,7 @@ class Interaction:
         """
         return ""
 
-    def settle(self, state_n: State, trial: State, own: Forces | None, constraints: Constraints) -> None:
+    def end_increment(self, state_n: State, trial: State, own: Forces | None, constraints: Constraints) -> None:
         """Keep what an increment in equilibrium has found."""
 
     def commit(self, state_n: State, trial: State, step: Step) -> None:

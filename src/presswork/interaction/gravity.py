@@ -34,7 +34,7 @@ class Gravity(Interaction):
         share = guess.step.fraction if guess.step.stage == 0 else 1.0
         return Forces(share * self._weight, self._no_pairs, self._no_blocks)
 
-    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+    def end_increment(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Add the weight to the loads of a converged state, which are set before."""
         external = trial.nodes.external_force.copy()
         external[:, : own.force.shape[1]] += own.force

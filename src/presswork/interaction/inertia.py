@@ -70,7 +70,7 @@ class Inertia(Interaction):
         blocks[:, :d, :d] = (self._mass * (1.0 / dt + self._damping) / dt)[:, None, None] * np.eye(d)
         return InertiaForces(-resistance, self._pairs, blocks, velocity)
 
-    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+    def end_increment(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep velocity and resistance."""
         moving = trial[InertiaArrays]
         moving.velocity, moving.force = own.velocity, -own.force

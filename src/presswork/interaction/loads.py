@@ -92,7 +92,7 @@ class Loads(Interaction):
         """Return the loads at a guess."""
         return self.at(state_n, guess.increment, guess.step.stage, guess.step.fraction)
 
-    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+    def end_increment(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep the loads of a converged state."""
         trial.nodes.external_force = np.zeros_like(trial.nodes.displacement)
         trial.nodes.external_force[:, : own.force.shape[1]] = own.force

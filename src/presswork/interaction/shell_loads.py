@@ -81,7 +81,7 @@ class ShellLoads(Interaction):
         """Keep from where the loads of the next stage go on."""
         end_stage(self._model, self._supports, state, next_stage)
 
-    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+    def end_increment(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep the loads of a converged state."""
         trial.nodes.external_force = own.force
 

@@ -49,11 +49,11 @@ class ToolCourse:
         placed.displacement, placed.angle = pose[:, :-1] + placed.restart + placed.travel, pose[:, -1]
 
     def find_jumps(
-        self, placed: ToolArrays | SpaceToolArrays, stage: int, find_way: Callable[[int, ToolMotion], FloatArray]
+        self, placed: ToolArrays | SpaceToolArrays, stage: int, find_travel: Callable[[int, ToolMotion], FloatArray]
     ) -> list[tuple[int, FloatArray]]:
         """Return each tool that a stage puts elsewhere when it begins, and its displacement there (d,) [mm].
 
-        find_way: returns the way (d,) [mm] of a tool with a motion until it touches the workpiece.
+        find_travel: returns the travel (d,) [mm] of a tool with a motion until it touches the workpiece.
         """
         jumps = []
         for t, tool in enumerate(self._tools):
@@ -61,7 +61,7 @@ class ToolCourse:
             if motion.start is None:
                 continue
             if isinstance(motion.start, str):
-                target = placed.displacement[t] + find_way(t, motion)
+                target = placed.displacement[t] + find_travel(t, motion)
             else:
                 target = np.subtract(motion.start, tool.position[: self._dimension])
             if motion.start != "touch_again":

@@ -20,7 +20,7 @@ class TravellingTools(Led, Interaction):
     _arrays: type[ToolArrays] | type[SpaceToolArrays]
     """What a state has of them."""
 
-    def _ways(self, stage: int) -> dict[int, FloatArray]:
+    def _directions(self, stage: int) -> dict[int, FloatArray]:
         """Return the ways (d,) of the tools that float in a stage, by their numbers."""
         raise NotImplementedError
 
@@ -33,11 +33,11 @@ class TravellingTools(Led, Interaction):
         return self._along(state[self._arrays].travel_increment, step.stage)
 
     def _along(self, travel: FloatArray, stage: int) -> FloatArray:
-        return np.array([float(travel[t] @ way) for t, way in self._ways(stage).items()])
+        return np.array([float(travel[t] @ direction) for t, direction in self._directions(stage).items()])
 
     def travel_like(self, state_n: State, trial: State, step: Step, travel: FloatArray) -> None:
         """Put the tools that float where they have gone so far along their ways in the increment (n,) [mm]."""
-        ways, arrays = self._ways(step.stage), trial[self._arrays]
-        directions = np.array(list(ways.values())).reshape(-1, arrays.travel.shape[1])
+        moving, arrays = self._directions(step.stage), trial[self._arrays]
+        directions = np.array(list(moving.values())).reshape(-1, arrays.travel.shape[1])
         further = travel - self.find_travel(state_n, trial, step)
-        move_tools(arrays, Placed(list(ways), directions, further), further)
+        move_tools(arrays, Placed(list(moving), directions, further), further)

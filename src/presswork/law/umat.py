@@ -118,7 +118,7 @@ def elastic_constants(tangent: FloatArray) -> tuple[float, float]:
     return young, young / (2.0 * shear) - 1.0
 
 
-TOLD = {
+STATUS_MESSAGES = {
     _core.LawStatus.smaller: "the UMAT asks for a smaller increment (PNEWDT)",
     _core.LawStatus.not_finite: "the UMAT gives a stress or tangent that is not a number",
     _core.LawStatus.overrun: "the UMAT writes beyond its state variables",
@@ -126,7 +126,7 @@ TOLD = {
     _core.LawStatus.components: "the UMAT writes more stresses than NTENS",
     _core.LawStatus.no_stress: "the law found no stress on the yield surface",
 }
-"""What a law that failed has told."""
+"""What is reported of a law that failed."""
 _SMALL = 1e-6
 """Strain of the trial, far below yield of any metal."""
 _LONGEST = 60.0
@@ -176,8 +176,8 @@ def try_umat(law: model.Umat, components: int) -> Trial:
         )
     if done.returncode or not text:
         return Trial(f"its first call ends the process with status {done.returncode}")
-    said = json.loads(text)
-    return Trial(said["fault"], said["status"], tuple(map(tuple, said["tangent"])))
+    trial = json.loads(text)
+    return Trial(trial["fault"], trial["status"], tuple(map(tuple, trial["tangent"])))
 
 
 def _answer_trial(law: model.Umat, components: int) -> Trial:

@@ -34,7 +34,7 @@ TERMS: dict[str, Callable[[FloatArray, FloatArray, FloatArray], FloatArray]] = {
 """Of Hensel-Spittel: what stands with each parameter in the logarithm of the stress; e, rate, T [degrees C]."""
 USUAL_TERMS = ("m1", "m3", "m2", "m8", "m5", "m7", "m4")
 """Those that few tests tell come first; m9 beside m1 says the same over most windows."""
-TOLD = 1e-6
+DISTINCT = 1e-6
 """Least singular value over the largest, of columns of length 1, from which the points tell terms apart."""
 OF_SINH = 4
 """Constants of the sinh law, which do not depend on the strain."""
@@ -152,7 +152,7 @@ def _choose_terms(e: FloatArray, r: FloatArray, t: FloatArray) -> tuple[str, ...
         terms = (*chosen, name)
         columns = np.column_stack([np.ones_like(e), *(TERMS[term](e, r, t) for term in terms)])
         values = np.linalg.svd(columns / np.linalg.norm(columns, axis=0), compute_uv=False)
-        if len(e) > columns.shape[1] and values[-1] > TOLD * values[0]:
+        if len(e) > columns.shape[1] and values[-1] > DISTINCT * values[0]:
             chosen = terms
     return chosen
 

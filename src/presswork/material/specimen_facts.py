@@ -36,7 +36,7 @@ class Sizes:
 
 def read_facts(head: Sequence[Line], sizes: Sizes, decimal: str) -> Sizes:
     """Return the sizes and the angle that the lines of a head say, beside those said before."""
-    said: dict[str, float] = {}
+    facts: dict[str, float] = {}
     for key, text, unit in _list_facts(head, decimal):
         name, bracket = key, re.search(r"[\[(]([^\])]*)[\])]\s*$", key)
         if bracket and find_unit(bracket[1]):
@@ -50,10 +50,10 @@ def read_facts(head: Sequence[Line], sizes: Sizes, decimal: str) -> Sizes:
         if fact == "angle":
             angle = read_angle(text if not unit else f"{text} {unit}", plain(name), decimal)
             if angle is not None:
-                said["angle"] = angle
+                facts["angle"] = angle
         elif fact is not None and value is not None and value > 0.0 and dimension in ("", "length", "area"):
-            said.setdefault(fact, factor * value)
-    return replace(sizes, **said)
+            facts.setdefault(fact, factor * value)
+    return replace(sizes, **facts)
 
 
 def _list_facts(head: Sequence[Line], decimal: str) -> Iterator[tuple[str, str, str]]:

@@ -198,9 +198,9 @@ def _make_specimen(
     problems: list[Problem],
 ) -> Specimen | None:
     """Turn the columns of a specimen into strains and stresses; None where a size is missing."""
-    force, way = group[places[0]], group[places[1]]
-    said = [f"stress from {force.title}", f"strain from {way.title}"]
-    stress, strain = force.factor * table[places[0]], way.factor * table[places[1]]
+    force, stretch = group[places[0]], group[places[1]]
+    sources = [f"stress from {force.title}", f"strain from {stretch.title}"]
+    stress, strain = force.factor * table[places[0]], stretch.factor * table[places[1]]
     missing: list[Problem] = []
     if force.kind == "force":
         area = sizes.find_area()
@@ -209,20 +209,20 @@ def _make_specimen(
             missing.append(Problem(force.title, text, "give --thickness and --width [mm]"))
         else:
             stress = stress / area
-            said[0] += f" over {area:g} mm2"
-    if way.kind == "path" or (way.kind == "extensometer" and way.dimension != "strain"):
-        length = sizes.extensometer_length if way.kind == "extensometer" else None
+            sources[0] += f" over {area:g} mm2"
+    if stretch.kind == "path" or (stretch.kind == "extensometer" and stretch.dimension != "strain"):
+        length = sizes.extensometer_length if stretch.kind == "extensometer" else None
         length = length or sizes.gauge_length
         if length is None:
             text = "a change of length needs the gauge length"
-            missing.append(Problem(way.title, text, "give --gauge-length [mm]"))
+            missing.append(Problem(stretch.title, text, "give --gauge-length [mm]"))
         else:
             strain = strain / length
-            said[1] += f" over {length:g} mm"
+            sources[1] += f" over {length:g} mm"
     across = None
     if places[2] is not None:
         across = _read_width(group[places[2]], table[places[2]], sizes, missing)
-        said.append(f"width from {group[places[2]].title}")
+        sources.append(f"width from {group[places[2]].title}")
     problems += missing
     if missing:
         return None
@@ -230,13 +230,13 @@ def _make_specimen(
         problems.append(Problem("", "strains of -1 and below: nothing would be left", "mend their signs"))
         return None
     true_strain, true_stress = (
-        column.title in TRUE_NAMES if column.true is None else column.true for column in (way, force)
+        column.title in TRUE_NAMES if column.true is None else column.true for column in (stretch, force)
     )
     kinds = ["true" if true else "engineering" for true in (true_strain, true_stress)]
-    said = [f"{kind} {text}" for kind, text in zip(kinds, said[:2], strict=True)] + said[2:]
+    sources = [f"{kind} {text}" for kind, text in zip(kinds, sources[:2], strict=True)] + sources[2:]
     angle = sizes.angle or 0.0
-    how = f"{angle:g} degrees: {', '.join(said)}"
-    return Specimen(angle, strain, stress, across, true_strain, true_stress, way.kind == "path", how)
+    how = f"{angle:g} degrees: {', '.join(sources)}"
+    return Specimen(angle, strain, stress, across, true_strain, true_stress, stretch.kind == "path", how)
 
 
 def _read_width(column: Quantity, values: FloatArray, sizes: Sizes, missing: list[Problem]) -> FloatArray:

@@ -86,7 +86,7 @@ def _make_test(one: Specimen, young: float | None) -> tuple[TensileTest, str]:
     last = int(np.argmax(force)) + 1
     note = ""
     if young is not None and not one.true_strain:
-        strain, note = _take_off_give(strain, force, last, young, one.of_machine)
+        strain, note = _take_off_compliance(strain, force, last, young, one.of_machine)
         true_strain = np.log1p(strain)
     if width is not None and not one.true_strain:
         width = np.log1p(width)
@@ -95,7 +95,7 @@ def _make_test(one: Specimen, young: float | None) -> tuple[TensileTest, str]:
     return TensileTest(one.angle, true_strain[:last], true_stress[:last], across), note
 
 
-def _take_off_give(
+def _take_off_compliance(
     strain: FloatArray, force: FloatArray, last: int, young: float, of_machine: bool
 ) -> tuple[FloatArray, str]:
     """Return engineering strains [-] without the give of the machine, by the slope of the first rise, and a note.
@@ -109,8 +109,8 @@ def _take_off_give(
         return strain, ""
     slope, start = np.polyfit(strain[rise], force[rise], 1)
     if of_machine and 0.0 < slope < STIFF * young:
-        give = force / slope - force / young - start / slope
-        return strain - give, f"; the machine's give is taken off (slope {slope:.0f} MPa)"
+        compliance = force / slope - force / young - start / slope
+        return strain - compliance, f"; the machine's give is taken off (slope {slope:.0f} MPa)"
     if slope <= 0.0 or not young / ODD_SLOPE < slope < ODD_SLOPE * young:
         return strain, f"; note: it rises with {slope:.0f} MPa, not with Young's modulus; check units and sizes"
     return strain, ""

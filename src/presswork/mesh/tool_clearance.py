@@ -42,7 +42,7 @@ def find_clearance(
 ) -> float:
     """Return how far a tool can go along its way before it strikes another [mm]; infinite where it never does.
 
-    between: from the other's origin to the one's (3,) [mm]. way: unit vector (3,). within: as in `sample_tool`.
+    between: from the other's origin to the one's (3,) [mm]. direction: unit vector (3,). within: as in `sample_tool`.
     tolerance: of the gap that is left [mm].
 
     Points of either are held against the surface of the other. While the least gap is g nothing can touch within g, so
@@ -174,8 +174,8 @@ def find_closing(
 ) -> Closing | None:
     """Return where a tool, going along its way, first leaves less than `room` [mm] to another; None where it does not.
 
-    between, way, within: as in `find_clearance`. step: of the travel [mm]; what they leave less room in over a shorter
-    way is not found. Tools that slide along each other with more room between them go on.
+    between, direction, within: as in `find_clearance`. step: of the travel [mm]; what they leave less room in over
+    a shorter stroke is not found. Tools that slide along each other with more room between them go on.
     """
     room = room if isinstance(room, Room) else Room(room, room)
     pair = _Pair(one, other, between, direction, within, room)

@@ -15,7 +15,7 @@ from presswork.onestep.part import OneStepError, PartSurface
 FLAT = 0.996
 """z of the normals of a flange: within 5 degrees of level."""
 
-_GIVE = 0.01
+_COMPLIANCE = 0.01
 """Stiffness of holder, sheet and press across the flange over that of the sheet alone."""
 
 
@@ -52,7 +52,7 @@ class Holder:
 
 def find_holder(force: float, share: float, young: float, thickness: float) -> Holder:
     """Return the holder of a sheet. share: of the whole part that is modelled."""
-    return Holder(force * share, _GIVE * young / thickness)
+    return Holder(force * share, _COMPLIANCE * young / thickness)
 
 
 def holder_friction(part: PartSurface, tools: Tools, holder: Holder, thickness: FloatArray, mu: float) -> Friction:

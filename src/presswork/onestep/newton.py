@@ -178,8 +178,8 @@ class OneStep:
     def _drag(self, blank: FloatArray, friction: Friction) -> tuple[FloatArray, FloatArray]:
         """Return friction along the tangents (n_nodes, 2) and its derivative by the blank's places (n_nodes, 2, 2)."""
         part = self.problem.part
-        way = part.points - np.column_stack([blank, friction.level])
-        slip = np.einsum("nai,ni->na", self._bases, way)
+        travel = part.points - np.column_stack([blank, friction.level])
+        slip = np.einsum("nai,ni->na", self._bases, travel)
         smooth = _SLIP_SCALE * self.problem.thickness
         length = np.sqrt((slip**2).sum(axis=1) + smooth**2)
         direction = slip / length[:, None]

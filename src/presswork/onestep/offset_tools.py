@@ -164,8 +164,8 @@ def _find_flange(
 
     def is_smooth(here: int, there: int) -> bool:
         turn = float(np.linalg.norm(normals[here] - normals[there]))
-        way = float(np.linalg.norm(middle[here] - middle[there]))
-        return bool(up[there] > GENTLE) and (turn < CHORD or turn * SMOOTH * thickness < way)
+        distance = float(np.linalg.norm(middle[here] - middle[there]))
+        return bool(up[there] > GENTLE) and (turn < CHORD or turn * SMOOTH * thickness < distance)
 
     curved = _spread(flat & is_owner, neighbours, is_smooth)
     return flat if flat[owner].sum() >= MOST * curved[owner].sum() else curved

@@ -73,9 +73,9 @@ class Stages:
         self._triangles: IntArray = np.concatenate([model.triangles, halves])
         self._depth = _find_depth(part)
         self._share, highest = _raise_bottom(process, part)
-        self._ways = highest * np.linspace(1.0, 0.0, model.stages)[:-1]
+        self._heights = highest * np.linspace(1.0, 0.0, model.stages)[:-1]
         up = np.array([0.0, 0.0, 1.0])
-        self._raised = [process.shape(part.points + way * self._share[:, None] * up) for way in self._ways]
+        self._raised = [process.shape(part.points + height * self._share[:, None] * up) for height in self._heights]
         self.residuals: list[float] = []
         """Of all iterations on the way, as OneStepSolution has them."""
 
@@ -98,8 +98,8 @@ class Stages:
         """
         strained = blank - self._lay_flat(self._part.points)
         places = []
-        for way, raised in zip(self._ways, self._raised, strict=True):
-            flat = self._lay_flat(raised.points) + (1.0 - way / self._depth) * strained
+        for height, raised in zip(self._heights, self._raised, strict=True):
+            flat = self._lay_flat(raised.points) + (1.0 - height / self._depth) * strained
             places.append(carry_nodes(blank, flat, raised.points, self._triangles))
         return places
 

@@ -55,11 +55,11 @@ def fit_flange(result: Result, target: FloatArray) -> FlangeFit:
     nearest = _find_nearest(drawn, target)
     apart = np.linalg.norm(drawn - nearest, axis=1)
     deviation = np.where(_is_inside(drawn, target), -apart, apart)
-    way = drawn - blank
-    length = np.linalg.norm(way, axis=1)
+    travel = drawn - blank
+    length = np.linalg.norm(travel, axis=1)
     along_edge = np.roll(drawn, -1, axis=0) - np.roll(drawn, 1, axis=0)
     inwards = np.stack([-along_edge[:, 1], along_edge[:, 0]], axis=1)
-    direction = np.where((length > _SHORT * length.max())[:, None], way, inwards)
+    direction = np.where((length > _SHORT * length.max())[:, None], travel, inwards)
     wanted = _go_along(drawn, direction, target, nearest) - drawn
     back = loop.signs[:, :, None] * _pull_back(mesh, now)[loop.nodes] * loop.signs[:, None, :]
     correction = np.einsum("nij,nj->ni", back, wanted)
@@ -100,10 +100,10 @@ def _go_along(points: FloatArray, direction: FloatArray, polygon: FloatArray, ne
         cross = unit[:, 0] * side[1] - unit[:, 1] * side[0]
         parallel = np.abs(cross) < 1e-12 * np.linalg.norm(side)
         cross = np.where(parallel, 1.0, cross)
-        way = (out[:, 0] * side[1] - out[:, 1] * side[0]) / cross
+        distance = (out[:, 0] * side[1] - out[:, 1] * side[0]) / cross
         part = (out[:, 0] * unit[:, 1] - out[:, 1] * unit[:, 0]) / cross
-        meets = ~parallel & (part >= 0.0) & (part <= 1.0) & (np.abs(way) < best)
-        found[meets], best[meets] = (points + way[:, None] * unit)[meets], np.abs(way)[meets]
+        meets = ~parallel & (part >= 0.0) & (part <= 1.0) & (np.abs(distance) < best)
+        found[meets], best[meets] = (points + distance[:, None] * unit)[meets], np.abs(distance)[meets]
     return found
 
 

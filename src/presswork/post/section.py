@@ -25,7 +25,7 @@ class SheetSection:
     """The sheet along a plane that cuts it, cell by cell, outwards from where the section begins; one sheet after the
     other where several lie on each other."""
 
-    way: FloatArray
+    distance: FloatArray
     """Undeformed distance from the beginning of the middle of each piece (n,) [mm]."""
     line: FloatArray
     """Ends of each piece as distance from the beginning, and height (n, 2, 2) [mm], as deformed."""
@@ -194,7 +194,7 @@ def write_section(
     sheet = cut_sheet(result, angle, step, start=start, whole=start == ORIGIN)
     middle = sheet.line.mean(axis=1)
     fields = [result.field(name, step)[sheet.cell] for name in ("thickness", "thickness_strain")]
-    rows = np.column_stack([sheet.way, middle, *fields])
+    rows = np.column_stack([sheet.distance, middle, *fields])
     lines = ["undeformed_distance_mm,distance_mm,z_mm,thickness_mm,thickness_strain"]
     lines += [",".join(f"{value:.7g}" for value in row) for row in rows]
     content = ("\n".join(lines) + "\n").encode()

@@ -44,6 +44,6 @@ def measure_springback(
     """
     formed = cut_sheet(result, angle, find_formed_step(result, step), start=start)
     free = cut_sheet(result, angle, step, start=start)
-    if len(formed.way) != len(free.way):
+    if len(formed.distance) != len(free.distance):
         raise ResultError(f"{result.folder}: the section does not cut the same sheet before and after springback")
     return SectionSpringback(formed, free, measure_walls(formed.line, free.line))

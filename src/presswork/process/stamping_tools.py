@@ -90,7 +90,7 @@ class StampingTools:
             if is_pushed_in(self._model, tool, number):
                 times, forces = tabulate_force(self._model, tool.name)
                 at_work.push(
-                    way_of(tool),
+                    working_direction_of(tool),
                     (times, forces / self._model.whole),
                     mass=self._pushing_mass,
                     stop=self._stop_in(tool, number),
@@ -107,7 +107,9 @@ class StampingTools:
         other = self._model.tools[index]
         if is_pushed_in(self._model, other, number):
             return None
-        return self._tools[index], float(np.subtract(tool.position, other.position) @ way_of(tool)) + clearance
+        return self._tools[index], float(
+            np.subtract(tool.position, other.position) @ working_direction_of(tool)
+        ) + clearance
 
     def begin_row(self) -> None:
         """Forget the forces felt so far."""
@@ -178,12 +180,12 @@ def describe_stamping(model: Model) -> Info:
     """Return what results say of a stamping."""
     planes = "".join(name for name, is_cut in zip("xy", model.symmetry, strict=True) if is_cut)
     judged = model.sheet[1].formability
-    told: dict[str, str | float | FloatArray] = {"title": model.title, "analysis": "stamping", "symmetry": planes}
+    described: dict[str, str | float | FloatArray] = {"title": model.title, "analysis": "stamping", "symmetry": planes}
     beads = [*model.beads, *(bead for operation in model.following for bead in operation.beads)]
     if beads:
-        told["beads"] = "\n".join(bead.name for bead in beads)
-        told["bead_points"] = _thin([bead.place for bead in beads])
-    return {**told, **describe_sheet(model), "whole": float(model.whole), **judged.to_info()}
+        described["beads"] = "\n".join(bead.name for bead in beads)
+        described["bead_points"] = _thin([bead.place for bead in beads])
+    return {**described, **describe_sheet(model), "whole": float(model.whole), **judged.to_info()}
 
 
 def describe_sheet(model: Model) -> Info:
@@ -203,7 +205,7 @@ def _thin(lines: Sequence[FloatArray]) -> FloatArray:
     return points[:: 1 + len(points) // BEAD_POINTS]
 
 
-def way_of(tool: Tool) -> tuple[float, float, float]:
+def working_direction_of(tool: Tool) -> tuple[float, float, float]:
     """Return the unit vector along which a tool of a stamping works."""
     assert tool.working_direction is not None, f"{tool.name} has no way"
     return tool.working_direction
@@ -229,8 +231,10 @@ def find_stops(model: Model) -> dict[str, tuple[str, float]]:
     for tool, other in itertools.permutations(model.tools, 2):
         if not is_pushed(model, tool) or {tool.kind, other.kind} != {"holder", "die"}:
             continue
-        between, way = np.subtract(tool.position, other.position), np.array(tool.working_direction)
-        clearance = find_clearance(tool.surface, other.surface, between, way, SHEET_CHORD * model.sheet[0].thickness)
+        between, direction = np.subtract(tool.position, other.position), np.array(tool.working_direction)
+        clearance = find_clearance(
+            tool.surface, other.surface, between, direction, SHEET_CHORD * model.sheet[0].thickness
+        )
         if clearance < found.get(tool.name, ("", math.inf))[1]:
             found[tool.name] = other.name, clearance
     return found

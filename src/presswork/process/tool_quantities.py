@@ -47,9 +47,9 @@ def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQua
         if tool.spring is not None:
             direction = np.asarray(tool.spring.direction)
             stroke, force = float(state[ToolArrays].travel[t] @ direction), float(vector @ direction)
-        elif (way := find_working_direction(procedure.model, tool)) is not None:
+        elif (unit := find_working_direction(procedure.model, tool)) is not None:
             moved = state[ToolArrays].displacement[t] - state[ToolArrays].placed[t]
-            stroke, force = float(moved @ way), -float(vector @ way)
+            stroke, force = float(moved @ unit), -float(vector @ unit)
         else:
             stroke, force = 0.0, size_of_force(procedure.model, vector)
         motion = procedure.model.stages[stage].tool_motion.get(tool.name, ToolMotion())
@@ -70,12 +70,12 @@ def _measure_space_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, 
     placed = state[SpaceToolArrays]
     for t, tool in enumerate(procedure.model.space_tools):
         force = force_on_whole(tool, forces[t])
-        way = find_working_direction(procedure.model, tool)
+        unit = find_working_direction(procedure.model, tool)
         if tool.spring is not None:
             direction = np.asarray(tool.spring.direction)
             stroke, along = float(placed.travel[t] @ direction), float(force @ direction)
-        elif way is not None:
-            stroke, along = float((placed.displacement[t] - placed.placed[t]) @ way), -float(force @ way)
+        elif unit is not None:
+            stroke, along = float((placed.displacement[t] - placed.placed[t]) @ unit), -float(force @ unit)
         else:
             stroke, along = 0.0, float(np.linalg.norm(force))
         motion = procedure.model.stages[stage].tool_motion.get(tool.name, ToolMotion())

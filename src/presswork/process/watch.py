@@ -53,7 +53,7 @@ class Watch:
         if not self._limits.stop:
             final = find_breach(self._limits, [m for m in watched.measures if m.limit in NEVER_PASSED])
             breach = breach if final is None else final
-        reason = f"{_say_when(row)}{explain_breach(breach, self._limits, row)}"
+        reason = f"{_describe_when(row)}{explain_breach(breach, self._limits, row)}"
         self._passed.setdefault(breach.limit, reason)
         return reason if self._limits.stop or breach.limit in NEVER_PASSED else None
 
@@ -143,7 +143,7 @@ def describe_instant(row: Mapping[str, Any]) -> dict[str, Any]:
 
 def _row_of(instant: Mapping[str, Any]) -> dict[str, Any]:
     """Return a row of the history that describe_instant describes so."""
-    return {"stage": instant["stage"]} | {f"{tool}{STROKE}": way for tool, way in instant["strokes_mm"].items()}
+    return {"stage": instant["stage"]} | {f"{tool}{STROKE}": stroke for tool, stroke in instant["strokes_mm"].items()}
 
 
 def _explain_crack(name: str, first: Mapping[str, Any]) -> str:
@@ -151,12 +151,12 @@ def _explain_crack(name: str, first: Mapping[str, Any]) -> str:
     at = ", ".join(f"{x:.4g}" for x in first["at_mm"])
     mean = f"{first['value']:.4g} in the mean over {first['length_mm']:.3g} mm round ({at}) mm"
     return (
-        f"{_say_when(_row_of(first))}the {describe_field(name)} is {mean}, beyond the critical "
+        f"{_describe_when(_row_of(first))}the {describe_field(name)} is {mean}, beyond the critical "
         f"{first['critical']:.4g}: a crack begins there"
     )
 
 
-def _say_when(row: Mapping[str, Any]) -> str:
+def _describe_when(row: Mapping[str, Any]) -> str:
     """Return the beginning of a sentence on a row of the history."""
     now = describe_instant(row)
     parts = [f"stage {now['stage']!r}", *(f"{tool} at {stroke:.4g} mm" for tool, stroke in now["strokes_mm"].items())]

@@ -174,9 +174,9 @@ def _find_crossing(ends: FloatArray) -> FloatArray:
 
 def _find_middle(loop: FloatArray) -> FloatArray:
     """Return the line midway between the two sides of a loop (m, 2) that begins and ends at its mouth, to its end."""
-    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(loop, axis=0), axis=1))])
-    at = np.linspace(0.0, 0.5 * way[-1], len(loop) + 1)
-    sides = [np.column_stack([np.interp(x, way, axis) for axis in loop.T]) for x in (at, way[-1] - at)]
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(loop, axis=0), axis=1))])
+    at = np.linspace(0.0, 0.5 * along[-1], len(loop) + 1)
+    sides = [np.column_stack([np.interp(x, along, axis) for axis in loop.T]) for x in (at, along[-1] - at)]
     return np.asarray(0.5 * (sides[0] + sides[1]))
 
 
@@ -191,10 +191,10 @@ class _Curve:
 
     def __init__(self, old: OldLine) -> None:
         self.old, self.n = old, len(old.points)
-        self._ways = [ProfilePath(profile) for profile in old.profiles]
-        self._way = np.zeros((len(self._ways), self.n))
-        for t, way in enumerate(self._ways):
-            self._way[t] = way.find(old.points)[0]
+        self._paths = [ProfilePath(profile) for profile in old.profiles]
+        self._place = np.zeros((len(self._paths), self.n))
+        for t, path in enumerate(self._paths):
+            self._place[t] = path.find(old.points)[0]
         after = np.roll(old.points, -1, axis=0)
         self._chord = np.linalg.norm(after - old.points, axis=1)
         self.kind = self._find_kinds()
@@ -212,7 +212,7 @@ class _Curve:
         points, after = self.old.points, np.roll(self.old.points, -1, axis=0)
         kind = np.full(self.n, FREE)
         scale = float(np.ptp(points, axis=0).max())
-        for t in range(len(self._ways)):
+        for t in range(len(self._paths)):
             both = self.old.on_tool[t] & np.roll(self.old.on_tool[t], -1)
             stretch = np.abs(self._stretch(t))
             filled = (stretch < VOID * self._chord) | self._passes_outer_corner(t)
@@ -224,22 +224,22 @@ class _Curve:
 
     def _stretch(self, t: int) -> FloatArray:
         """Return the way along a tool's profile from each node to the next (n,) [mm], the shorter one if closed."""
-        stretch = np.roll(self._way[t], -1) - self._way[t]
-        if self._ways[t].is_closed:
-            length = self._ways[t].length
+        stretch = np.roll(self._place[t], -1) - self._place[t]
+        if self._paths[t].is_closed:
+            length = self._paths[t].length
             stretch = np.mod(stretch + 0.5 * length, length) - 0.5 * length
         return np.asarray(stretch)
 
     def _corners_passed(self, t: int) -> list[tuple[int, float, float]]:
         """Return the corners of a tool that edges between nodes it holds pass: edge, part of it, turn."""
-        corners, turns = self._ways[t].corners()
-        begin, stretch = self._way[t], self._stretch(t)
+        corners, turns = self._paths[t].corners()
+        begin, stretch = self._place[t], self._stretch(t)
         both = self.old.on_tool[t] & np.roll(self.old.on_tool[t], -1) & (stretch != 0.0)
         passed = []
         for corner, turn in zip(corners.tolist(), turns.tolist(), strict=True):
             ahead = corner - begin
-            if self._ways[t].is_closed:
-                length = self._ways[t].length
+            if self._paths[t].is_closed:
+                length = self._paths[t].length
                 ahead = np.where(stretch > 0.0, np.mod(ahead, length), -np.mod(-ahead, length))
             part = ahead / np.where(both, stretch, 1.0)
             passed += [(int(i), float(part[i]), turn) for i in np.flatnonzero(both & (part >= 0.0) & (part <= 1.0))]
@@ -268,14 +268,14 @@ class _Curve:
                 continue
             edges = (start + np.arange(count)) % self.n
             nodes = (start + np.arange(count + 1)) % self.n
-            way = np.concatenate([[0.0], np.cumsum(self._chord[edges])])
-            cubic = CubicSpline(way, self.old.points[nodes])
-            middle = cubic(0.5 * (way[1:] + way[:-1])) - 0.5 * (
+            arc = np.concatenate([[0.0], np.cumsum(self._chord[edges])])
+            cubic = CubicSpline(arc, self.old.points[nodes])
+            middle = cubic(0.5 * (arc[1:] + arc[:-1])) - 0.5 * (
                 self.old.points[nodes[1:]] + self.old.points[nodes[:-1]]
             )
             smooth = np.linalg.norm(middle, axis=1) < _BULGE * self._chord[edges]
             self._cubic_of[edges[smooth]] = len(self._cubics)
-            self._cubics.append((start, cubic, way))
+            self._cubics.append((start, cubic, arc))
 
     def at(self, places: FloatArray) -> FloatArray:
         """Return points (m, 2) at places (m,) on the line."""
@@ -284,14 +284,14 @@ class _Curve:
         part = (places - edge)[:, None]
         after = (edge + 1) % self.n
         points = (1.0 - part) * self.old.points[edge] + part * self.old.points[after]
-        for t, profile in enumerate(self._ways):
+        for t, profile in enumerate(self._paths):
             own = self.kind[edge] == TOOL + t
             if own.any():
-                points[own] = profile.at(self._way[t][edge[own]] + part[own, 0] * self._stretch(t)[edge[own]])
-        for number, (start, cubic, way) in enumerate(self._cubics):
+                points[own] = profile.at(self._place[t][edge[own]] + part[own, 0] * self._stretch(t)[edge[own]])
+        for number, (start, cubic, arc) in enumerate(self._cubics):
             own = self._cubic_of[edge] == number
             index = (edge[own] - start) % self.n
-            points[own] = cubic(way[index] + part[own, 0] * (way[index + 1] - way[index]))
+            points[own] = cubic(arc[index] + part[own, 0] * (arc[index + 1] - arc[index]))
         whole = part[:, 0] == 0.0
         points[whole] = self.old.points[edge[whole]]
         return np.asarray(points)
@@ -314,8 +314,8 @@ class _Curve:
         for t, profile in enumerate(self.old.profiles):
             on = self.old.on_tool[t]
             gap, normal, *_ = _core.touch_profile(np.ascontiguousarray(profile), np.ascontiguousarray(points))
-            for end, other, way in ((edge, after, part), (after, edge, 1.0 - part)):
-                near = is_free & (self.kind[edge] == FREE) & on[end] & ~held[other] & (way < 0.5 + 1e-6)
+            for end, other, share in ((edge, after, part), (after, edge, 1.0 - part)):
+                near = is_free & (self.kind[edge] == FREE) & on[end] & ~held[other] & (share < 0.5 + 1e-6)
                 near &= (gap > 0.0) & (gap < _STEEP * np.linalg.norm(points - self.old.points[end], axis=1))
                 points[near] -= gap[near, None] * normal[near]
                 is_free[near] = False
@@ -323,7 +323,7 @@ class _Curve:
     def hard_places(self) -> tuple[FloatArray, FloatArray]:
         """Return places that must be nodes, and those that shall be unless they lie close to others."""
         corners = [np.flatnonzero(self._is_corner & ~self._firm).astype(float)]
-        for t in range(len(self._ways)):
+        for t in range(len(self._paths)):
             passed = [edge + part for edge, part, _ in self._corners_passed(t) if self.kind[edge] == TOOL + t]
             corners.append(np.array(passed, dtype=float))
         return np.flatnonzero(self._firm).astype(float), np.unique(np.mod(np.concatenate(corners), self.n))
@@ -331,7 +331,7 @@ class _Curve:
     def soft_places(self) -> FloatArray:
         """Return the ends of contacts, and nodes alone in contact (m,)."""
         before = np.roll(self.kind, 1)
-        alone = self.old.on_tool[: len(self._ways)].any(axis=0) & (before == FREE) & (self.kind == FREE)
+        alone = self.old.on_tool[: len(self._paths)].any(axis=0) & (before == FREE) & (self.kind == FREE)
         return np.flatnonzero(alone | (before != self.kind)).astype(float)
 
     def measure(self, size: SizeField) -> tuple[FloatArray, FloatArray]:
@@ -359,15 +359,15 @@ def _spread(place: FloatArray, w: FloatArray, first: float, last: float, soft: F
     """Return the places of an even number of edges from one hard place to the next, the last end left out."""
     n, whole = float(place[-1]), float(w[-1])
 
-    def way(at: FloatArray) -> FloatArray:
+    def measure(at: FloatArray) -> FloatArray:
         turns = np.floor(at / n)
         return np.interp(at - turns * n, place, w) + turns * whole
 
-    ends = way(np.array([first, last]))
+    ends = measure(np.array([first, last]))
     n_edges = 2 * max(1, round(0.5 * float(ends[1] - ends[0])))
     soft = np.concatenate([soft, soft + n])
     soft = soft[(soft > first) & (soft < last)]
-    wanted = (way(soft) - ends[0]) / (ends[1] - ends[0]) * n_edges
+    wanted = (measure(soft) - ends[0]) / (ends[1] - ends[0]) * n_edges
     number, which = np.unique(np.clip(np.round(wanted), 0, n_edges), return_index=True)
     inner = (number > 0) & (number < n_edges)
     number, which = number[inner], which[inner]

@@ -73,10 +73,10 @@ def find_landings(
         three = held & np.roll(held, step) & np.roll(held, 2 * step)
         for end in np.flatnonzero(three & np.roll(free, -step)).tolist():
             ahead = (end + step * np.arange(n)) % n
-            way = np.cumsum(length[ahead if step == 1 else ahead - 1])
-            if gap[ahead[1]] > STEEP * way[0]:
+            distance = np.cumsum(length[ahead if step == 1 else ahead - 1])
+            if gap[ahead[1]] > STEEP * distance[0]:
                 continue
-            goes_on = free[ahead[1:]] & (way[:-1] < REACH * largest)
+            goes_on = free[ahead[1:]] & (distance[:-1] < REACH * largest)
             own = ahead[: 1 + int(np.argmin(np.append(goes_on, False)))]
             back = (end - step * np.arange(4)) % n
             least = _find_least(share[back[:3]], length[back if step == 1 else back - 1], smallest)
@@ -91,5 +91,5 @@ def _find_least(share: FloatArray, length: FloatArray, smallest: float) -> float
     share: of that force, at the last three nodes in contact (3,); length: of the edges beside them, from the one that
     lands next on (4,) [mm].
     """
-    way = float(length @ [0.5, 1.0, 1.0, 0.5])
-    return float(np.clip(MOST_SHARE * way / max(float(share.sum()), 1e-12), LEAST * smallest, smallest))
+    distance = float(length @ [0.5, 1.0, 1.0, 0.5])
+    return float(np.clip(MOST_SHARE * distance / max(float(share.sum()), 1e-12), LEAST * smallest, smallest))

@@ -85,16 +85,16 @@ def join_sources(*sources: SizeSources) -> SizeSources:
 
 def tool_curvature(sides: FloatArray, profile: FloatArray, largest: float, corner_size: float) -> SizeSources:
     """Return sizes asked for by the arcs and corners of a placed profile near the sides of a boundary (k, 2, 2)."""
-    way = ProfilePath(profile)
+    path = ProfilePath(profile)
     places, sizes = [np.zeros((0, 2))], [np.zeros(0)]
-    for i in np.flatnonzero(OF_RADIUS * way.radius < largest):
-        least = max(OF_RADIUS * float(way.radius[i]), corner_size)
-        first, last = way.begin[i], way.begin[i + 1]
+    for i in np.flatnonzero(OF_RADIUS * path.radius < largest):
+        least = max(OF_RADIUS * float(path.radius[i]), corner_size)
+        first, last = path.begin[i], path.begin[i + 1]
         n = max(2, int(np.ceil((last - first) / least)) + 1)
-        places.append(way.at(np.linspace(first, last, n) - 1e-9 * (last - first) * np.linspace(-1, 1, n)))
+        places.append(path.at(np.linspace(first, last, n) - 1e-9 * (last - first) * np.linspace(-1, 1, n)))
         sizes.append(np.full(n, least))
-    corners, _ = way.corners()
-    places.append(way.at(corners))
+    corners, _ = path.corners()
+    places.append(path.at(corners))
     sizes.append(np.full(len(corners), corner_size))
     place, size = np.concatenate(places), np.concatenate(sizes)
     distance, _ = scipy.spatial.cKDTree(_refine(sides, largest)).query(place)
@@ -105,8 +105,8 @@ def tool_curvature(sides: FloatArray, profile: FloatArray, largest: float, corne
 
 def along_tool(sides: FloatArray, profile: FloatArray, largest: float, size: float) -> SizeSources:
     """Return a size all along a placed profile, where it is near the sides of a boundary (k, 2, 2)."""
-    way = ProfilePath(profile)
-    place = way.at(np.linspace(0.0, way.length, max(2, int(np.ceil(2.0 * way.length / size)) + 1))[:-1])
+    path = ProfilePath(profile)
+    place = path.at(np.linspace(0.0, path.length, max(2, int(np.ceil(2.0 * path.length / size)) + 1))[:-1])
     distance, _ = scipy.spatial.cKDTree(_refine(sides, largest)).query(place)
     near = distance < REACH * largest
     return SizeSources(place[near], size + GRADATION * np.maximum(distance[near] - largest, 0.0))

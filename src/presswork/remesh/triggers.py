@@ -60,11 +60,11 @@ def find_cut_edge(
     length = np.linalg.norm(after - line, axis=1)
     for profile in profiles:
         gap, *_ = _core.touch_profile(np.ascontiguousarray(profile), middle)
-        way = ProfilePath(profile)
-        corners, turns = way.corners()
+        path = ProfilePath(profile)
+        corners, turns = path.corners()
         depth = np.where(gap < -deepest * length, -gap / length, 0.0)
         if (turns < 0.0).any() and not corners_count:
-            apart, _ = scipy.spatial.cKDTree(way.at(corners[turns < 0.0])).query(middle)
+            apart, _ = scipy.spatial.cKDTree(path.at(corners[turns < 0.0])).query(middle)
             depth[apart < 0.75 * length] = 0.0
         worst = int(np.argmax(depth))
         if depth[worst] > 0.0:

@@ -24,10 +24,10 @@ def list_defaults(path: Path) -> list[tuple[str, str]]:
     """
     try:
         whole = read_case(path).model_dump(mode="json")
-        said = set(_flatten(tomllib.loads(read_text(path))))
+        written = set(_flatten(tomllib.loads(read_text(path))))
     except (CaseError, OSError, ValueError):
         return []
-    given = {key for key, _ in said}
+    given = {key for key, _ in written}
     return [(key, value) for key, value in _flatten(whole) if key not in given and value not in ("null", "{}", "[]")]
 
 

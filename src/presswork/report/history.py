@@ -58,10 +58,10 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
         history = result.history
     except OutputError:  # one step has none
         history = {}
-    find_ways = _find_strokes_at_work if result.is_line else _find_ways
-    ways = {} if result.is_stamping and not result.is_line else find_ways(history)
+    find_strokes = _find_strokes_at_work if result.is_line else _find_strokes
+    strokes = {} if result.is_stamping and not result.is_line else find_strokes(history)
     columns, part = [], name_part(result)
-    for name, values in {**history, **ways}.items():
+    for name, values in {**history, **strokes}.items():
         if name == "stage":
             continue
         label, unit, factor = describe_column(name)
@@ -73,7 +73,7 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
     for stage in history.get("stage", ()):
         if not stages or stages[-1] != str(stage):
             stages.append(str(stage))
-    curves = [(name, f"{name.rpartition('.')[0]}.force") for name in ways] or _choose_curves(result, history)
+    curves = [(name, f"{name.rpartition('.')[0]}.force") for name in strokes] or _choose_curves(result, history)
     idle = _find_idle(history)
     parts = np.asarray(history.get("part", ()), dtype=np.float64)
     return {
@@ -105,7 +105,7 @@ def _find_strokes_at_work(history: dict[str, NDArray[Any]]) -> dict[str, FloatAr
     return strokes
 
 
-def _find_ways(history: dict[str, NDArray[Any]]) -> dict[str, FloatArray]:
+def _find_strokes(history: dict[str, NDArray[Any]]) -> dict[str, FloatArray]:
     """Return how far each tool has come in the stage in which it works, where tools of a run take turns; nan elsewhere.
 
     Its stroke would tell of the places to which it was moved between operations, too. The first increment is taken to
@@ -120,16 +120,16 @@ def _find_ways(history: dict[str, NDArray[Any]]) -> dict[str, FloatArray]:
     turns = [stage for own in works.values() for stage in own]
     if len(tools) < 2 or len(turns) > len(set(turns)):
         return {}
-    ways = {}
+    strokes = {}
     for tool in tools:
-        way = np.full(len(stages), np.nan)
+        in_stage = np.full(len(stages), np.nan)
         for stage in works[tool]:
             rows = np.flatnonzero(stages == stage)
             stroke = np.asarray(history[f"{tool}.stroke"], dtype=np.float64)[rows]
             first = stroke[1] - stroke[0] if len(rows) > 1 else 0.0
-            way[rows] = np.abs(stroke - stroke[0] + first)
-        ways[f"{tool}.way_in_stage"] = way
-    return ways
+            in_stage[rows] = np.abs(stroke - stroke[0] + first)
+        strokes[f"{tool}.way_in_stage"] = in_stage
+    return strokes
 
 
 def _choose_charts(history: dict[str, NDArray[Any]]) -> list[dict[str, Any]]:

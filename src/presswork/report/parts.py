@@ -78,7 +78,7 @@ def _name_analysis(result: Result) -> str:
 def describe_shown(result: Result, shown: Shown, bounds: tuple[float, float]) -> dict[str, Any]:
     """Return what the page says of a field; bounds: its smallest and largest value in the steps shown."""
     unit = result.unit(shown.stored)
-    told: dict[str, Any] = {
+    data: dict[str, Any] = {
         "name": shown.name,
         "label": describe_field(shown.name),
         "unit": _UNITS.get(unit, unit),
@@ -87,8 +87,8 @@ def describe_shown(result: Result, shown: Shown, bounds: tuple[float, float]) ->
         "signed": shown.name in DIVERGING,
     }
     if shown.name == ZONE_FIELD:
-        told["zones"] = [{"name": name, "colour": colour} for name, colour in zip(ZONES, ZONE_COLOURS, strict=True)]
-    return told
+        data["zones"] = [{"name": name, "colour": colour} for name, colour in zip(ZONES, ZONE_COLOURS, strict=True)]
+    return data
 
 
 def _place_tools(result: Result, step: int) -> list[list[float | None]]:
@@ -140,8 +140,8 @@ def pack_draw_in(result: Result, steps: Sequence[int]) -> dict[str, Any]:
     if not result.is_stamping:
         return {}
     last = max(step for step in steps if result.mesh_at(step) is result.mesh)
-    angles, ways = measure_draw_in_around(result, last).T
-    return {"step": describe_step(result, last), "angle": round_values(angles), "way": round_values(ways)}
+    angles, distances = measure_draw_in_around(result, last).T
+    return {"step": describe_step(result, last), "angle": round_values(angles), "way": round_values(distances)}
 
 
 def round_values(values: FloatArray) -> list[float | None]:

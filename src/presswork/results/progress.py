@@ -40,7 +40,7 @@ class ProgressFile:
         self._path = folder / PROGRESS
         self._last = -_PAUSE
 
-    def tell(self, fraction: float, text: str) -> None:
+    def report(self, fraction: float, text: str) -> None:
         """Write how far the run is, unless it was said just now."""
         if monotonic() - self._last < _PAUSE:
             return

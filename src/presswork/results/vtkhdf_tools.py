@@ -194,8 +194,8 @@ def _cut_arcs(segments: FloatArray) -> FloatArray:
             path = np.array([[x0, y0], [x1, y1]])
         else:
             first, last = np.arctan2(y0 - cy, x0 - cx), np.arctan2(y1 - cy, x1 - cx)
-            way = turn * ((turn * (last - first)) % (2.0 * np.pi) or 2.0 * np.pi)
-            angles = first + np.linspace(0.0, way, max(1, int(np.ceil(abs(way) / CHORD))) + 1)
+            swept = turn * ((turn * (last - first)) % (2.0 * np.pi) or 2.0 * np.pi)
+            angles = first + np.linspace(0.0, swept, max(1, int(np.ceil(abs(swept) / CHORD))) + 1)
             radius = np.hypot(x0 - cx, y0 - cy)
             path = np.stack([cx + radius * np.cos(angles), cy + radius * np.sin(angles)], axis=1)
         lines.append(np.stack([path[:-1], path[1:]], axis=1))

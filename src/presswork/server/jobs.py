@@ -71,7 +71,7 @@ class Jobs:
     def resume(self, folder: Path) -> None:
         """Let a run go on: one that is paused, at once; one that was stopped, from its checkpoint."""
         if read_progress(folder) and (is_paused(folder) or find_stopped(folder)):
-            self._let_go_on(folder)
+            self._end_pause(folder)
             return
         if not (folder / CHECKPOINT).is_file():
             raise RefusedError("there is no checkpoint to go on from", 409)
@@ -92,9 +92,9 @@ class Jobs:
         if progress is None:
             raise RefusedError("no run is at work there", 409)
         os.kill(progress.process, signal.SIGINT)
-        self._let_go_on(folder)
+        self._end_pause(folder)
 
-    def _let_go_on(self, folder: Path) -> None:
+    def _end_pause(self, folder: Path) -> None:
         """End the pause of a run, whoever made it, and wake one that is stopped."""
         with self._lock:
             end_pause(folder)
@@ -139,7 +139,7 @@ class Jobs:
             if job.process.poll() is None:
                 job.process.send_signal(signal.SIGINT)
         for folder in list(self._paused):
-            self._let_go_on(folder)
+            self._end_pause(folder)
         for job in self._begun.values():
             job.process.wait()
             job.errors.close()

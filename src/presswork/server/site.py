@@ -120,8 +120,8 @@ class Site:
     def _news(self, request: Request) -> Response:
         run = self._run(request.get("run"))
         state = self.jobs.state(run.folder, self.list.read_summary(run.folder))
-        told = run.news(request.get_number("steps"), request.get_number("rows"))
-        return answer_json({**told, "state": state})
+        news = run.news(request.get_number("steps"), request.get_number("rows"))
+        return answer_json({**news, "state": state})
 
     def _array(self, request: Request) -> Response:
         run = self._run(request.get("run"))

@@ -195,8 +195,8 @@ class _Search:
             if ended == "interrupted":
                 return "interrupted", f"draw {number}: {reason}"
             if ended != "completed":
-                said = " cannot be started" if ended == "bad_input" else ""
-                return "gave_up", f"draw {number}{said}: {reason}"
+                reason_before = " cannot be started" if ended == "bad_input" else ""
+                return "gave_up", f"draw {number}{reason_before}: {reason}"
             fit = fit_flange(Result(folder), self.target)
             self.draws.append(Draw(number, folder, fit, read_summary(folder)["wall_seconds"]["total"]))
             write_table(self.folder / TABLE, [self.row(draw) for draw in self.draws])

@@ -204,8 +204,8 @@ class _Search:
             if ended == "interrupted":
                 return "interrupted", f"loop {number}: {reason}"
             if ended != "completed":
-                said = " cannot be started" if ended == "bad_input" else ""
-                return "gave_up", f"loop {number}{said}: {reason}"
+                reason_before = " cannot be started" if ended == "bad_input" else ""
+                return "gave_up", f"loop {number}{reason_before}: {reason}"
             result = Result(folder)
             part, points, triangles = read_released(result)
             if self.goal is None:

@@ -78,12 +78,12 @@ class MemberProcess:
         if self._work.seconds or is_wanted:
             guard.start()
         try:
-            told = self._listen(on_progress)
+            ending = self._listen(on_progress)
             code = self._process.wait()
         finally:
             over.set()
         with self._errors:
-            return self._explain(told, code)
+            return self._explain(ending, code)
 
     def _guard(self, over: Event, is_wanted: Callable[[], bool] | None) -> None:
         """Stop it when its time is over, or when nobody waits for it; kill it if it does not stop."""
@@ -103,7 +103,7 @@ class MemberProcess:
         assert stdout is not None
         order = {name: getattr(work, name) for name in ("folder", "mode", "threads", "memory")}
         order["bytes"] = len(work.job)
-        told: tuple[Ending, str] | None = None
+        ending: tuple[Ending, str] | None = None
         try:
             with suppress(BrokenPipeError), stdin:  # open to its end: when it closes, the member knows that we are gone
                 stdin.write(json.dumps(order).encode() + b"\n" + work.job)
@@ -114,20 +114,20 @@ class MemberProcess:
                     except ValueError:
                         continue  # a library that prints
                     if "status" in message:
-                        told = message["status"], message["reason"]
+                        ending = message["status"], message["reason"]
                     elif "fraction" in message:
                         on_progress(message["fraction"], message["text"])
         finally:
             stdout.close()
-        return told
+        return ending
 
-    def _explain(self, told: tuple[Ending, str] | None, code: int) -> tuple[Ending, str]:
+    def _explain(self, ending: tuple[Ending, str] | None, code: int) -> tuple[Ending, str]:
         """Return how it ended in the end."""
-        if self._late and (told is None or told[0] == "interrupted"):
-            kept = "; --resume goes on from its checkpoint" if told else ""
+        if self._late and (ending is None or ending[0] == "interrupted"):
+            kept = "; --resume goes on from its checkpoint" if ending else ""
             return "failed", f"not over after --member-timeout {self._work.seconds:g} s, so it was stopped{kept}"
-        if told is not None:
-            status, reason = told
+        if ending is not None:
+            status, reason = ending
             return status, reason + self._name_share() if "memory" in reason and status == "failed" else reason
         if self._stopped:
             return "interrupted", _STOPPED

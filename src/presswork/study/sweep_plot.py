@@ -63,10 +63,10 @@ def _has_curve(member: MemberResult) -> bool:
 def _name(member: MemberResult) -> str:
     """Return the varied values, keys cut to their last part: `m = 0.2`; how it ended if not well, and its warnings."""
     name = ", ".join(f"{key.rpartition('.')[2]} = {_short(value)}" for key, value in member.values.items())
-    said = [] if member.status == "completed" else [member.status.replace("_", " ")]
+    notes = [] if member.status == "completed" else [member.status.replace("_", " ")]
     if count := len(member.warnings):
-        said.append("1 warning" if count == 1 else f"{count} warnings")
-    return f"{name} ({', '.join(said)})" if said else name
+        notes.append("1 warning" if count == 1 else f"{count} warnings")
+    return f"{name} ({', '.join(notes)})" if notes else name
 
 
 def _short(value: object) -> str:

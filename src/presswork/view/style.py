@@ -176,8 +176,10 @@ def describe_step(result: Result, step: int) -> str:
     course = find_course(result)
     if result.surfaces and (tool := course.find_working(step)) is not None:
         stroked = course.measure_stroke(tool, step)
-        way = np.linalg.norm(result.surface_displacement(tool, step)) if stroked is None else stroked
-        stroke = f"{tool} stroke {way:.2f} mm" if way or not result.is_line else _describe_laid(result, step)
+        travelled = np.linalg.norm(result.surface_displacement(tool, step)) if stroked is None else stroked
+        stroke = (
+            f"{tool} stroke {travelled:.2f} mm" if travelled or not result.is_line else _describe_laid(result, step)
+        )
         return f"{stroke}, after springback" if is_released(result, step) else stroke
     if (roll := find_turning_tool(result)) is not None:
         return f"{roll} turned by {np.degrees(turned_by(result, roll, step)):.1f} degrees"

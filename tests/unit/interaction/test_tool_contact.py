@@ -250,12 +250,12 @@ def test_an_increment_fails_whose_contact_does_not_settle() -> None:
     contact.begin_increment(state)
     drag = procedure.interactions.tools.friction.drag
     assert contact.update(state.duplicate(), pulling, drag, fixed, near=True, tolerance=0.0) == 1, "it lets go"
-    assert contact.n_unsettled == 0
+    assert contact.n_undecided == 0
     contact._changes[held] = 4
     assert contact.update(state.duplicate(), pulling, drag, fixed, near=True, tolerance=0.0) == 0, "it may not let go"
-    assert contact.n_unsettled == 1
+    assert contact.n_undecided == 1
     assert contact.update(state.duplicate(), state.nodes.reaction, drag, fixed, near=True, tolerance=0.0) == 0
-    assert contact.n_unsettled == 0
+    assert contact.n_undecided == 0
 
 
 def test_held_nodes_lie_on_the_tool() -> None:

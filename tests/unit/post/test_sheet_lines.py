@@ -72,7 +72,7 @@ def test_a_section_follows_any_line_from_side_to_side(tmp_path: Path) -> None:
     result = plate(tmp_path, "")
     cut = cut_sheet(result, start=(-30.0, 3.0))
     middles = np.arange(-19.0, 20.0, 2.0)
-    np.testing.assert_allclose(cut.way, middles + 30)
+    np.testing.assert_allclose(cut.distance, middles + 30)
     np.testing.assert_allclose(cut.line[:, :, 0].mean(axis=1), 0.9 * middles + 30)
     np.testing.assert_allclose(cut.line[:, :, 1].mean(axis=1), 0.5 * middles, atol=1e-12)
     np.testing.assert_allclose(result.field("thickness")[cut.cell], 1 + middles / 100)
@@ -82,7 +82,7 @@ def test_a_section_follows_any_line_from_side_to_side(tmp_path: Path) -> None:
 
 def test_a_section_that_begins_inside_goes_one_way(tmp_path: Path) -> None:
     cut = cut_sheet(plate(tmp_path, "xy"), start=(7.5, 3.0))
-    np.testing.assert_allclose(cut.way, np.arange(9.0, 20.0, 2.0) - 7.5)
+    np.testing.assert_allclose(cut.distance, np.arange(9.0, 20.0, 2.0) - 7.5)
 
 
 def test_a_slice_one_cell_wide_has_a_draw_in_on_its_sides_too(tmp_path: Path) -> None:
@@ -97,7 +97,7 @@ def test_a_whole_section_goes_both_ways_and_a_half_or_quarter_of_a_part_has_one(
         folder.mkdir()
         result = plate(folder, symmetry)
         cut = cut_sheet(result, start=(0.0, 3.0), whole=True)
-        np.testing.assert_allclose(cut.way, middles, atol=1e-9)
+        np.testing.assert_allclose(cut.distance, middles, atol=1e-9)
         left = plot_section(result).axes[0].get_xlim()[0]
         assert left == 0.0 if symmetry else left < -18.0
 

@@ -64,10 +64,10 @@ def describe_material(material: model.Material, *, starts: bool = True) -> str:
 def _describe_yield(function: model.YieldFunction) -> str:
     """Say what a yield function makes of tension in other directions, where that is not measured as a rule."""
     diagonal, across, biaxial = (1.0 / value for value in make_yield_function(function).evaluate(_OTHERS)[0])
-    told = f"{diagonal:.3g}, {across:.3g} and {biaxial:.3g} of that at 0"
+    compared = f"{diagonal:.3g}, {across:.3g} and {biaxial:.3g} of that at 0"
     if max(abs(value - 1.0) for value in (diagonal, across, biaxial)) < 1e-6:
-        told = "equal to that at 0"
-    text = f"{function.law} (yield stress at 45, 90 degrees and biaxial {told}"
+        compared = "equal to that at 0"
+    text = f"{function.law} (yield stress at 45, 90 degrees and biaxial {compared}"
     if function.law == "hill1948" and biaxial > STRONG:
         text += "; r-values alone do so in Hill's function: if it was not measured, take yld2000 with r00, r45, r90"
     return f"{text})"

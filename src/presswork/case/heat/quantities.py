@@ -64,8 +64,8 @@ def to_table(value: object, argument: Callable[[object], float], quantity: Calla
         try:
             first, second = to_entries(row, argument, quantity)
         except PydanticCustomError as error:
-            said = error.context or {}
-            raise fault(said["expected"], said["remedy"], key=f"{index}.{said['key']}") from None
+            context = error.context or {}
+            raise fault(context["expected"], context["remedy"], key=f"{index}.{context['key']}") from None
         rows.append((first, second))
     if not 1 <= len(rows) <= MOST_ROWS:
         raise fault(f"expected from 1 to {MOST_ROWS} rows", "e.g. [[20, 45], [800, 26], [1200, 29]]")

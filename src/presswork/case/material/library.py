@@ -84,8 +84,8 @@ def take_named(data: object, info: ValidationInfo) -> NamedSheet | None:
     try:
         return find_sheet(data["library"], Path(source).parent if source else None)
     except CaseError as error:
-        said = "; ".join(f"{problem}" for problem in error.problems)
-        raise fault(said, "`presswork materials` lists the library", key="library") from None
+        wording = "; ".join(f"{problem}" for problem in error.problems)
+        raise fault(wording, "`presswork materials` lists the library", key="library") from None
 
 
 def add_library_materials(data: Mapping[str, Any], part: str = "workpiece") -> dict[str, Any]:

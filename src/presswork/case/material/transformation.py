@@ -90,8 +90,8 @@ class Transformation(Part):
         made = self.to_model()
         starts = (made.martensite_start, made.bainite_start, made.pearlite_start, made.ferrite_start)
         if made.composition and any(b <= a for a, b in itertools.pairwise(starts)):
-            said = ", ".join(f"{value:.0f}" for value in starts)
-            raise fault(f"Ms, Bs, Ae1 and Ae3 do not increase: {said} degrees C", "check what is given", key="ms")
+            listed = ", ".join(f"{value:.0f}" for value in starts)
+            raise fault(f"Ms, Bs, Ae1 and Ae3 do not increase: {listed} degrees C", "check what is given", key="ms")
         return self
 
     def find_composition(self) -> dict[str, float]:

@@ -73,7 +73,7 @@ def build_tool(
     """Build a tool, or say why it cannot be.
 
     mirrors: positions of the symmetry planes normal to x, y and z [mm]. folder: what the path of a file is relative to.
-    way: direction of the tool's first motion (3,), zero where it has none.
+    direction: direction of the tool's first motion (3,), zero where it has none.
     """
     nodes = mesh.points[np.unique(mesh.boundary_faces)]
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))

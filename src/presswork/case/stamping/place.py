@@ -127,24 +127,24 @@ def _place(
     if tool.gap is not None:
         height += tool.gap - case.blank.thickness
     elif isinstance(shape, Triangulation):
-        height -= side * _find_way_to_blank(shape, height, side, mesh, case.blank.thickness)
+        height -= side * _find_distance_to_blank(shape, height, side, mesh, case.blank.thickness)
     return (0.0, 0.0, height)
 
 
-def _find_way_to_blank(shape: Triangulation, height: float, side: float, mesh: Mesh, thickness: float) -> float:
+def _find_distance_to_blank(shape: Triangulation, height: float, side: float, mesh: Mesh, thickness: float) -> float:
     """Return how far a tool still goes until it touches the flat blank [mm], since its face may be curved.
 
     height: of its origin where the highest point of its whole face is level with the blank. side: 1 above it, -1 below.
     """
     surface, down = make_surface(shape), np.array([0.0, 0.0, -side])
     half = np.full(len(mesh.points), 0.5 * thickness)
-    way = find_touch(surface, mesh.points - [0.0, 0.0, height], half, down, float(np.ptp(shape.points[:, 2])))
-    if way is None or way < LEVEL * thickness:
+    distance = find_touch(surface, mesh.points - [0.0, 0.0, height], half, down, float(np.ptp(shape.points[:, 2])))
+    if distance is None or distance < LEVEL * thickness:
         return 0.0
     above = side * (shape.points[:, 2] + height - mesh.points[0, 2]) - half[0]
-    near = np.flatnonzero(above < way)
+    near = np.flatnonzero(above < distance)
     inside = contains(mesh.points[mesh.boundary_edges[:, :2], :2], shape.points[near, :2])
-    return float(above[near[inside]].min(initial=way))
+    return float(above[near[inside]].min(initial=distance))
 
 
 def find_face(tool: Tool, shape: Surface) -> float:

@@ -48,16 +48,16 @@ def build_stage(stage: StampingStage, case: StampingCase) -> model.Stage:
         duration = stage.duration
         ramp = smooth * duration if stage.ramp is None else stage.ramp
     else:
-        way = farthest / (stage.velocity or VELOCITY)  # its time at full speed
-        ramp = way * smooth / (1 - smooth) if stage.ramp is None else stage.ramp
-        duration = way + ramp
-    way = max((abs(a.stroke) for a in stage.tools.values() if a.stroke), default=0.0)
+        cruise = farthest / (stage.velocity or VELOCITY)  # its time at full speed
+        ramp = cruise * smooth / (1 - smooth) if stage.ramp is None else stage.ramp
+        duration = cruise + ramp
+    longest = max((abs(a.stroke) for a in stage.tools.values() if a.stroke), default=0.0)
     motions = {}
     for name, action in stage.tools.items():
         x, y, z = find_tool_direction(case.tools[name])
         if isinstance(action.force, tuple):
             rows = np.array(action.force, dtype=float)
-            push = model.Push((x, y, z), np.column_stack([rows[:, 0] / way, rows[:, 1]]))
+            push = model.Push((x, y, z), np.column_stack([rows[:, 0] / longest, rows[:, 1]]))
             motions[name] = model.ToolMotion(push=push)
         elif action.force is not None:
             motions[name] = model.ToolMotion(push=model.Push((x, y, z), np.array([[0.0, action.force]])))

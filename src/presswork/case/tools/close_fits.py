@@ -95,7 +95,7 @@ def _find_close_corners(
 def move_side(profile: model.Profile, corner: int, direction: FloatArray, by: FloatArray) -> model.Profile | None:
     """Return a profile whose side at a corner is moved; None where that is not a side between two straight pieces.
 
-    corner: number of the segment that ends there. way: of the tool; by: move of the side (2,) [mm], across the way.
+    corner: number of the segment that ends there. direction: of the tool; by: move of the side (2,) [mm], across it.
     """
     segments = profile.segments.copy()
     along = [abs(float(_cross(_direction(s), direction))) < PARALLEL for s in segments[corner : corner + 2]]

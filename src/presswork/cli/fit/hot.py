@@ -45,7 +45,7 @@ def fit_compression(
         capacity = _read("--density", density, DENSITY) * _read("--specific-heat", specific_heat, HEAT_CAPACITY)
     measured = read_compression(path)
     tests = correct(measured, capacity)
-    _tell(measured, tests, capacity)
+    _print_tests(measured, tests, capacity)
     fits = _fit(tests, law)
     for fit in fits:
         parameters = ", ".join(f"{key} = {value:.5g}" for key, value in fit.parameters.items() if value)
@@ -86,12 +86,12 @@ def _fit(tests: Sequence[CompressionTest], law: str) -> list[HotFit]:
     return sorted(fits, key=lambda fit: fit.relative)
 
 
-def _tell(measured: Sequence[CompressionTest], tests: Sequence[CompressionTest], capacity: float | None) -> None:
+def _print_tests(measured: Sequence[CompressionTest], tests: Sequence[CompressionTest], capacity: float | None) -> None:
     """Say what the corrections have done."""
     typer.echo(f"{len(tests)} tests")
-    rubbed = [test for test in measured if test.m > 0.0]
-    if rubbed:
-        low, high = min(test.m for test in rubbed), max(test.m for test in rubbed)
+    with_friction = [test for test in measured if test.m > 0.0]
+    if with_friction:
+        low, high = min(test.m for test in with_friction), max(test.m for test in with_friction)
         parts = [1.0 - after.stress[-1] / before.stress[-1] for before, after in zip(measured, tests, strict=True)]
         typer.echo(f"friction: m = {low:.3g} to {high:.3g}; it took up to {100 * max(parts):.1f} % of the stress")
     else:

@@ -82,10 +82,10 @@ def _compare(test: TensileTest, along: TensileTest, young: float) -> float:
 def _find_surface(asked: Surface, r: dict[float, float | None], stress: dict[float, float]) -> dict[str, Any] | None:
     """Return the keys of the yield function that the tests give; None without r-values in three directions."""
     column = [math.nan if one is None else one for one in r.values()]
-    told = not math.isnan(asked.biaxial_stress)
-    biaxial = asked.biaxial_stress if told else 1.0
+    has_biaxial = not math.isnan(asked.biaxial_stress)
+    biaxial = asked.biaxial_stress if has_biaxial else 1.0
     data = YieldData(np.array(list(r)), np.array(list(stress.values())), np.array(column), biaxial, asked.biaxial_r)
-    if asked.law == "yld2000" and not told:
+    if asked.law == "yld2000" and not has_biaxial:
         typer.echo("yield in balanced biaxial tension is not given (--biaxial-stress): as along the rolling direction")
     if asked.law == "yld2000" and data.count() >= N_PARAMETERS:
         return fit_surface(data, asked.exponent, asked.r_weight)

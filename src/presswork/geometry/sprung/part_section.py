@@ -47,10 +47,10 @@ def cut_part(
     keys, number = np.unique(np.sort(cut, axis=1), axis=0, return_inverse=True)
     part = off[keys[:, 0]] / (off[keys[:, 0]] - off[keys[:, 1]])
     whole = Places(keys.astype(np.int32), np.column_stack([1.0 - part, part]))
-    way = (whole.take(points)[:, :2] - start) @ out
+    along = (whole.take(points)[:, :2] - start) @ out
     lines = []
-    for chain in _chain(number.astype(np.int32).reshape(-1, 2), way):
-        inside = np.isfinite(way[chain]) & ((way[chain] >= 0.0) & (way[chain] <= length) | np.isinf(length))
+    for chain in _chain(number.astype(np.int32).reshape(-1, 2), along):
+        inside = np.isfinite(along[chain]) & ((along[chain] >= 0.0) & (along[chain] <= length) | np.isinf(length))
         ends = np.flatnonzero(np.diff(np.concatenate([[0], inside.astype(np.int8), [0]])))
         for first, last in ends.reshape(-1, 2):
             if last - first > 1:
@@ -59,14 +59,14 @@ def cut_part(
     return sorted(lines, key=lambda line: float(((line.take(points)[:, :2] - start) @ out).min()))
 
 
-def _chain(pieces: IntArray, way: FloatArray) -> list[IntArray]:
+def _chain(pieces: IntArray, along: FloatArray) -> list[IntArray]:
     """Return chains of the ends of pieces (n, 2); a chain runs from its end with the lesser way."""
     beside: dict[int, list[int]] = {}
     for a, b in pieces.tolist():
         beside.setdefault(a, []).append(b)
         beside.setdefault(b, []).append(a)
     left, chains = set(beside), []
-    for begin in sorted(beside, key=lambda end: (len(beside[end]) != 1, way[end])):  # rings have no end
+    for begin in sorted(beside, key=lambda end: (len(beside[end]) != 1, along[end])):  # rings have no end
         if begin not in left:
             continue
         chain, at = [begin], begin
@@ -75,7 +75,7 @@ def _chain(pieces: IntArray, way: FloatArray) -> list[IntArray]:
             chain.append(following)
             left.discard(following)
             at = following
-        chains.append(np.array(chain if way[chain[0]] <= way[chain[-1]] else chain[::-1]))
+        chains.append(np.array(chain if along[chain[0]] <= along[chain[-1]] else chain[::-1]))
     return chains
 
 

@@ -56,10 +56,10 @@ class BorderedTangent:
             return self._whole.respond(forces, moves, goals)
         n = len(forces[0]) - len(self._border.own)
         found = self._whole.respond([f[:n] for f in forces], [m[:n] for m in moves], goals)
-        ways = []
-        for force, way in zip(forces, found, strict=True):
-            travel = self._border.find_travel(force[n:, 0], way)
+        corrections = []
+        for force, correction in zip(forces, found, strict=True):
+            travel = self._border.find_travel(force[n:, 0], correction)
             rows = np.zeros_like(force[n:])
             rows[:, 0] = travel
-            ways.append(np.vstack([self._border.carry(way, travel), rows]))
-        return ways
+            corrections.append(np.vstack([self._border.carry(correction, travel), rows]))
+        return corrections

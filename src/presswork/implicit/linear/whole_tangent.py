@@ -67,16 +67,16 @@ class WholeTangent:
         row = np.asarray(self._matrix.T @ turn(held, motion).ravel()).reshape(motion.shape)
         return turn_back(held, row)
 
-    def _multiply(self, ways: FloatArray) -> FloatArray:
+    def _multiply(self, directions: FloatArray) -> FloatArray:
         """Return the forces (k, n) of ways (k, n), without those where nodes are held."""
-        return np.where(self._free.ravel(), np.asarray(self._matrix @ ways.T).T, 0.0)
+        return np.where(self._free.ravel(), np.asarray(self._matrix @ directions.T).T, 0.0)
 
     def _precondition(self, rest: FloatArray) -> FloatArray:
         shape = (len(rest), *self._constraints.mask.shape)
         forces = [turn_back(self._constraints, each) for each in rest.reshape(shape).copy()]
-        ways = [turn(self._constraints, way) for way in self._system.respond_to_all(forces)]
-        self.rounds += len(ways)
-        return np.where(self._free, ways, 0.0).reshape(rest.shape)
+        directions = [turn(self._constraints, direction) for direction in self._system.respond_to_all(forces)]
+        self.rounds += len(directions)
+        return np.where(self._free, directions, 0.0).reshape(rest.shape)
 
     def _solve(self, rest: FloatArray, goal: FloatArray) -> FloatArray:
         """Return the ways of free nodes (k, n) under forces (k, n)."""
@@ -89,21 +89,21 @@ class WholeTangent:
             if not len(open_):
                 break
             # 1. ways by the factors, and what they take, made orthogonal to those of the rounds before
-            way = self._precondition(rest[open_] / self._weight)
-            force = self._multiply(way) * self._weight
-            for ways, forces in before:
+            direction = self._precondition(rest[open_] / self._weight)
+            force = self._multiply(direction) * self._weight
+            for directions, forces in before:
                 share = _dot(forces[open_], force)
                 force -= share * forces[open_]
-                way -= share * ways[open_]
+                direction -= share * directions[open_]
             size = np.sqrt(_dot(force, force))
             scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
             # 2. what each can take of its right-hand side
             force *= scale
-            way *= scale
+            direction *= scale
             share = _dot(rest[open_], force)
             rest[open_] -= share * force
-            found[open_] += share * way
-            before.append((_spread(way, open_, rest), _spread(force, open_, rest)))
+            found[open_] += share * direction
+            before.append((_spread(direction, open_, rest), _spread(force, open_, rest)))
             left, left_before = np.abs(rest).max(axis=1), left
             open_ = np.nonzero((left > goal) & (left < STAGNANT * left_before))[0]
         return found

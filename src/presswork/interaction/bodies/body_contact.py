@@ -36,7 +36,7 @@ MAX_CHANGES = 4
 """Changes after which a slot keeps contact until the increment ends."""
 RELEASE = 1e-3
 """A slot that may change no more may pull with no more than this part of the largest pressure."""
-BY_GAP, KEEPS_HOLD, LET_GO = 0, 1, 2
+BY_GAP, KEEPS_HOLD, RELEASED = 0, 1, 2
 """What the iteration has decided of a slot (SlotHold in cpp/contact/interface.hpp)."""
 STICKS = 1
 """Status of a slot that sticks."""
@@ -81,7 +81,7 @@ class BodyContacts(Led, Interaction):
         self._believed = np.zeros(self.n_slots)
         self._credible = np.concatenate([np.zeros(0), *(np.full(len(i.nodes), i.credible) for i in self.interfaces)])
         self._changes = np.zeros(self.n_slots, dtype=np.int64)
-        self.n_unsettled = 0
+        self.n_undecided = 0
         """Slots that may change no more in this increment, and pull."""
 
     def at_rest(self) -> tuple[Arrays, ...]:
@@ -97,7 +97,7 @@ class BodyContacts(Led, Interaction):
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Take contact and shear flow stress [MPa] as they are at the start of the increment."""
         kept_n = state_n[InterfaceArrays]
-        self.n_unsettled = 0
+        self.n_undecided = 0
         self._held = np.where(kept_n.pressure > 0, KEEPS_HOLD, BY_GAP).astype(np.uint8)
         self._believed = kept_n.pressure.copy()
         self._changes = np.zeros(self.n_slots, dtype=np.int64)
@@ -169,19 +169,19 @@ class BodyContacts(Led, Interaction):
         self._held[own.pressure > 0] = KEEPS_HOLD
         self._held[(own.pressure == 0) & (before == KEEPS_HOLD)] = BY_GAP
         opens = (before == BY_GAP) & (own.pressure == 0) & (self._believed < 0)  # the tangent has held it shut
-        self._held[opens & (self._changes < MAX_CHANGES)] = LET_GO
+        self._held[opens & (self._changes < MAX_CHANGES)] = RELEASED
         if near:
             pulls = own.pressure < 0
-            self._held[pulls & (self._changes < MAX_CHANGES)] = LET_GO
+            self._held[pulls & (self._changes < MAX_CHANGES)] = RELEASED
             strongly = own.pressure < -RELEASE * own.pressure.max(initial=0.0)
-            self.n_unsettled = int((strongly & (self._changes >= MAX_CHANGES)).sum())
+            self.n_undecided = int((strongly & (self._changes >= MAX_CHANGES)).sum())
         changed = before != self._held
         self._changes[changed] += 1
         return int(changed.sum())
 
     def hold_like(self, other: Self, trial: State, held: State, displacement: FloatArray) -> None:
         """Let the slots push that push in another run, by their gap, and no others."""
-        self._held = np.where(held[InterfaceArrays].pressure > 0, BY_GAP, LET_GO).astype(np.uint8)
+        self._held = np.where(held[InterfaceArrays].pressure > 0, BY_GAP, RELEASED).astype(np.uint8)
 
     def augment_like(self, trial: State, own: Any) -> None:
         """Take over the multipliers, as another run has done."""
@@ -242,7 +242,7 @@ class BodyContacts(Led, Interaction):
         self.augment_like(trial, own)
         return True
 
-    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+    def end_increment(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep what the next increment starts from."""
         kept = trial[InterfaceArrays]
         kept.pressure, kept.shear = own.pressure, own.shear

@@ -175,7 +175,7 @@ class SheetOnItself(Interaction):
         push[law.nodes] -= law.push
         return int((np.abs(push) > pull).sum())
 
-    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+    def end_increment(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep what an increment has found."""
         kept, friction_n = trial[SelfContactArrays], state_n[SelfContactArrays].friction
         slots = own.touched.nodes

@@ -59,14 +59,14 @@ class ColumnFilm:
         conductance: FloatArray,
         still: FloatArray,
         answer: FloatArray,
-        rubbed: FloatArray,
+        friction_heat: FloatArray,
     ) -> None:
         """Take nodes in contact (n,), their areas [mm2] and conductances [N/(mm s K)].
 
         still, answer: what Column.step returns of the nodes' columns;
-        rubbed: friction heat that goes into the tool (n,) [N/(mm s)].
+        friction_heat: what goes into the tool (n,) [N/(mm s)].
         """
-        self._answer, self._still = answer, still + rubbed[:, None] * answer
+        self._answer, self._still = answer, still + friction_heat[:, None] * answer
         resistance = 1.0 / np.maximum(conductance, 1e-12) + column.surface + answer[0]
         self.nodes, self._through = nodes, 1.0 / resistance
         self._film = ToolFilm(nodes, area * self._through, self._still[:, 0])

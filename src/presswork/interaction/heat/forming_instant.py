@@ -23,7 +23,7 @@ class BetweenBodies:
     """Of each contact that passes heat, at the slave's nodes (n_points,) [MPa]."""
     shear: Mapping[str, FloatArray]
     """The same of the shear, without a sign."""
-    way: FloatArray
+    moved: FloatArray
     """Of the nodes in the increment (n_points, 2) [mm]."""
     lost: float
     """Work that friction has taken in the increment [N mm]."""
@@ -44,7 +44,7 @@ class FormingInstant:
     """Distance of the nodes from the tools (n_tools, n_points) [mm]; infinite where it is not asked."""
     plastic: Sequence[FloatArray]
     """Heat of plastic work at the points of each block (n_cells, p) [N mm]."""
-    rubbed: FloatArray
+    friction_work: FloatArray
     """Work that friction on tools has taken at the nodes (n_tools, n_points) [N mm]."""
     between: BetweenBodies = field(default_factory=lambda: BetweenBodies({}, {}, np.zeros((0, 2)), 0.0))
 

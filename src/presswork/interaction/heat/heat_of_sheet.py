@@ -66,7 +66,7 @@ class SheetInstant:
     """Positions of the tools' frames (n_tools, 3) [mm]."""
     force: FloatArray
     """Mean force of each tool on the nodes (n_tools, n_points, 3) [N]."""
-    way: FloatArray
+    slip: FloatArray
     """Way of the nodes along each tool in the increment (n_tools, n_points, 3) [mm]."""
     plastic: FloatArray
     """Plastic work of the increment (levels, n_points) [N mm]."""
@@ -93,7 +93,7 @@ class _Faces:
     """Of the tools (n_tools, n_points) [MPa]."""
     friction: FloatArray
     """Heat of friction in the sheet (levels, n_points) [N mm]."""
-    rubbed: FloatArray
+    friction_work: FloatArray
     """Heat of friction in the tools (n_tools, n_points) [N mm]."""
 
 
@@ -260,7 +260,7 @@ class HeatOfSheet:
                     better = (side == face) & (conductance > best[face])
                     best[face][better], owner[face][better], passes[face][better] = conductance[better], t, part[better]
             if dwell is None:
-                self._rub(faces, t, now, normal, side)
+                self._add_friction(faces, t, now, normal, side)
         for face, level in ((0, 0), (1, -1)):
             faces.free[face] = (1.0 - passes[face]) * area
             for t in range(len(self._tools)):
@@ -269,14 +269,14 @@ class HeatOfSheet:
                     faces.touches.append(_Touch(t, level, nodes, area[nodes], best[face][nodes]))
         return faces
 
-    def _rub(self, faces: _Faces, t: int, now: SheetInstant, normal: FloatArray, side: IntArray) -> None:
+    def _add_friction(self, faces: _Faces, t: int, now: SheetInstant, normal: FloatArray, side: IntArray) -> None:
         """Add the friction heat of a tool; side: face of the sheet at which it lies (n_points,)."""
         pull = now.force[t] - np.einsum("ni,ni->n", now.force[t], normal)[:, None] * normal
-        lost = np.maximum(-np.einsum("ni,ni->n", pull, now.way[t]), 0.0)
+        lost = np.maximum(-np.einsum("ni,ni->n", pull, now.slip[t]), 0.0)
         share = self._share(self._tools[t])
         faces.friction[0] += np.where(side == 0, share * lost, 0.0)
         faces.friction[-1] += np.where(side == 1, share * lost, 0.0)
-        faces.rubbed[t] = (1.0 - share) * lost
+        faces.friction_work[t] = (1.0 - share) * lost
 
     def _measure_gaps(self, t: int, now: SheetInstant, reach: float) -> tuple[FloatArray, FloatArray]:
         """Return the gaps of the sheet's face to a tool (n_points,) [mm], and the tool's normals (n_points, 3)."""
@@ -308,7 +308,7 @@ class HeatOfSheet:
             if column is None:
                 films.append(None)
                 continue
-            own, flux = still[touch.tool, touch.nodes], faces.rubbed[touch.tool, touch.nodes] / (touch.area * dt)
+            own, flux = still[touch.tool, touch.nodes], faces.friction_work[touch.tool, touch.nodes] / (touch.area * dt)
             answer = answers[touch.tool]
             films.append(ColumnFilm(column, touch.nodes, touch.area, touch.conductance, own, answer, flux))
         return still, films

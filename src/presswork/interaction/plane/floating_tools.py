@@ -77,7 +77,7 @@ class FloatingTools:
             if (motion := motions.get(tool.name)) is not None and motion.push is not None
         }
 
-    def ways(self, stage: int) -> dict[int, FloatArray]:
+    def directions(self, stage: int) -> dict[int, FloatArray]:
         """Return the ways (2,) of the tools that forces push in a stage or that rest on springs, by their numbers."""
         pushed, tools = self.pushed(stage), enumerate(self._model.plane_tools)
         springs = {t: np.asarray(tool.spring.direction) for t, tool in tools if tool.spring is not None}
@@ -174,13 +174,13 @@ class FloatingTools:
         is from there [mm].
         """
         placed, pushed, found = trial[ToolArrays], self.pushed(stage), []
-        for t, way in self.ways(stage).items():
+        for t, direction in self.directions(stage).items():
             if t in pushed or placed.gives[t]:
-                motion = self._contact.follow(trial, t, way, supports)
+                motion = self._contact.follow(trial, t, direction, supports)
                 demand = self._demand(placed, t, stage, fraction)[1]
-                found.append(self._force_along(t, way, motion, reaction, friction) - demand)
+                found.append(self._force_along(t, direction, motion, reaction, friction) - demand)
             else:
-                found.append(-float(placed.travel[t] @ way))
+                found.append(-float(placed.travel[t] @ direction))
         return np.array(found)
 
     def find_border(
@@ -189,10 +189,10 @@ class FloatingTools:
         """Return the equations of find_missing, in the global frame."""
         placed, pushed = trial[ToolArrays], self.pushed(step.stage)
         rows, responses, own = [], [], []
-        for t, way in self.ways(step.stage).items():
-            motion = self._contact.follow(trial, t, way, supports)
+        for t, direction in self.directions(step.stage).items():
+            motion = self._contact.follow(trial, t, direction, supports)
             if t in pushed or placed.gives[t]:
-                pull, more = _find_pull(friction, t, way, motion.value)
+                pull, more = _find_pull(friction, t, direction, motion.value)
                 own.append(self._demand(placed, t, step.stage, step.fraction)[2] + more)
                 pull, moves = turn_back(motion, pull), turn_back(motion, motion.value.copy())
                 rows.append(tangent.find_row(moves) - pull)
@@ -204,7 +204,9 @@ class FloatingTools:
         return Border(rows, np.array(own), responses)
 
 
-def _find_pull(friction: FrictionForces | None, t: int, way: FloatArray, nodes: FloatArray) -> tuple[FloatArray, float]:
+def _find_pull(
+    friction: FrictionForces | None, t: int, direction: FloatArray, nodes: FloatArray
+) -> tuple[FloatArray, float]:
     """Return the friction on the nodes for each mm of a tool's travel, in their own frames and the form of `nodes`
     (n_points, 2), and its share in the tool's own equation, both [N/mm].
     """
@@ -212,6 +214,6 @@ def _find_pull(friction: FrictionForces | None, t: int, way: FloatArray, nodes: 
     if friction is None:
         return pull, 0.0
     own = friction.tools == t
-    along = friction.tangent[own] @ way
+    along = friction.tangent[own] @ direction
     pull[friction.nodes[own], 1] = friction.stiffness[own] * along
     return pull, float((friction.stiffness[own] * along**2).sum())

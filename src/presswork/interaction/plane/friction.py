@@ -235,8 +235,8 @@ class Friction:
         turned_round = slides & (force * self._force_before[place] < 0)
         if self._model.solver.friction_tangent == "return_mapping":
             chord = np.abs(force - self._force_before[place])
-            way = np.abs(slip - self._slip_before[place])
-            on_diagonal = np.where(turned_round, np.minimum(chord / np.maximum(way, 1e-300), stiffness), on_diagonal)
+            change = np.abs(slip - self._slip_before[place])
+            on_diagonal = np.where(turned_round, np.minimum(chord / np.maximum(change, 1e-300), stiffness), on_diagonal)
         self._slip_before[place], self._force_before[place] = slip, force
         self._used[place] = np.abs(force) / np.maximum(limit, 1e-300)
         # 4. what depends on areas: the limit by the part that touches, the spring by all edges beside
@@ -259,7 +259,7 @@ class Friction:
             return np.where(slides, limit * self._bond[place], stiffness), np.zeros(len(limit))
         return np.zeros(len(limit)), np.zeros(len(limit))
 
-    def settle(self, state_n: State, trial: State, free: BoolArray) -> None:
+    def end_increment(self, state_n: State, trial: State, free: BoolArray) -> None:
         """Keep the friction of a converged state for the next increment."""
         touch = trial[ContactArrays]
         self.lost = 0.0
@@ -267,7 +267,7 @@ class Friction:
         touch.drag[:] = 0.0
         if self.is_needed:
             place, _ = self._places(trial, free[self._contact.nodes])
-            rubs = self.evaluate(state_n, trial, trial.nodes.displacement, trial.nodes.reaction, free)
-            touch.drag[place] = rubs.force
-            self.lost_at[place] = -0.5 * (state_n[ContactArrays].drag[place] + rubs.force) * rubs.slip
-            self.lost = -0.5 * float((state_n[ContactArrays].drag[place] + rubs.force) @ rubs.slip)
+            friction = self.evaluate(state_n, trial, trial.nodes.displacement, trial.nodes.reaction, free)
+            touch.drag[place] = friction.force
+            self.lost_at[place] = -0.5 * (state_n[ContactArrays].drag[place] + friction.force) * friction.slip
+            self.lost = -0.5 * float((state_n[ContactArrays].drag[place] + friction.force) @ friction.slip)

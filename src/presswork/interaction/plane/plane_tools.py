@@ -44,7 +44,7 @@ class PlaneTools(TravellingTools):
         self.floating = FloatingTools(model, self.contact)
         self._course = ToolCourse(model.plane_tools, model.stages, 2)
         self._held_by_supports: Constraints | None = None
-        self._rubs: FrictionForces | None = None
+        self._friction_forces: FrictionForces | None = None
 
     @property
     def softness(self) -> float:
@@ -66,9 +66,9 @@ class PlaneTools(TravellingTools):
         return not self.friction.is_needed or self._model.solver.friction_tangent == "return_mapping"
 
     @property
-    def n_unsettled(self) -> int:  # type: ignore[override]
+    def n_undecided(self) -> int:  # type: ignore[override]
         """Nodes that may change no more in this increment, and pull."""
-        return self.contact.n_unsettled
+        return self.contact.n_undecided
 
     def at_rest(self) -> tuple[Arrays, ...]:
         """Return the arrays of tools that have not moved and touch nothing."""
@@ -86,8 +86,8 @@ class PlaneTools(TravellingTools):
     def begin_stage(self, state: State, stage: int) -> bool:
         """Place the tools that a stage places anew; what they held is released over the first increment."""
         placed, held = state[ToolArrays], state[ContactArrays]
-        lets_go = False
-        for t, target in self._course.find_jumps(placed, stage, functools.partial(self._way_to_touch, state)):
+        releases = False
+        for t, target in self._course.find_jumps(placed, stage, functools.partial(self._travel_to_touch, state)):
             faces = slice(2 * t, 2 * t + 2)
             forces = self.contact.forces(state, self._supports.fixed(stage - 1))
             own = forces.tool == t
@@ -97,8 +97,8 @@ class PlaneTools(TravellingTools):
             placed.force[t], placed.force_start[t] = 0.0, 0.0
             self._course.jump(placed, t, target)
             self._check_clear(state, t)
-            lets_go |= len(nodes) > 0
-        return lets_go
+            releases |= len(nodes) > 0
+        return releases
 
     def _check_clear(self, state: State, t: int) -> None:
         """Refuse a tool that a stage has put into the workpiece."""
@@ -110,22 +110,22 @@ class PlaneTools(TravellingTools):
                 'give a position beside it, or position = "touch"'
             )
 
-    def _way_to_touch(self, state: State, t: int, motion: ToolMotion) -> FloatArray:
+    def _travel_to_touch(self, state: State, t: int, motion: ToolMotion) -> FloatArray:
         """Return how far a tool goes along its way until it touches the workpiece (2,) [mm]."""
         if (state[ContactArrays].status[2 * t : 2 * t + 2] > 0).any():
             return np.zeros(2)
         placed = state[ToolArrays]
         tool = self._model.plane_tools[t]
-        way = find_direction(motion, 2)
+        direction = find_direction(motion, 2)
         nodes = self._model.mesh.points[self.contact.nodes] + state.nodes.displacement[self.contact.nodes]
         pose = ToolPose(start_centre(tool), placed.displacement[t], float(placed.angle[t]))
-        gone = find_touch(to_tool_frame(nodes, pose), start_profile(tool), turn_vectors(way, -pose.angle))
+        gone = find_touch(to_tool_frame(nodes, pose), start_profile(tool), turn_vectors(direction, -pose.angle))
         if gone is None:
             raise GaveUpError(
                 f'the tool {tool.name!r} has position = "touch", but along its way it passes the workpiece: give '
                 "position = [x, y]"
             )
-        return gone * way
+        return gone * direction
 
     def begin_increment(self, state_n: State, step: Step) -> None:
         """Forget the changes of the increment before; take the flow stress that friction asks for."""
@@ -147,8 +147,8 @@ class PlaneTools(TravellingTools):
         trial[ToolArrays].gives = held[ToolArrays].gives.copy()
         self.contact.search(trial, displacement)
 
-    def _ways(self, stage: int) -> dict[int, FloatArray]:
-        return self.floating.ways(stage)
+    def _directions(self, stage: int) -> dict[int, FloatArray]:
+        return self.floating.directions(stage)
 
     def find_missing(self, trial: State, point: Point, own: Any) -> FloatArray:
         """Return what the tools that float lack (n,) [N]; constraints and friction are those found last."""
@@ -156,19 +156,23 @@ class PlaneTools(TravellingTools):
             return np.zeros(0)
         step, supports = point.guess.step, self._held_by_supports
         assert supports is not None
-        return self.floating.find_missing(trial, point.reaction, self._rubs, supports, step.stage, step.fraction)
+        return self.floating.find_missing(
+            trial, point.reaction, self._friction_forces, supports, step.stage, step.fraction
+        )
 
     def find_border(self, trial: State, point: Point, own: Any, tangent: Tangent) -> Border | None:
         """Return the equations of the tools that float."""
-        if not self.floating.ways(point.guess.step.stage):
+        if not self.floating.directions(point.guess.step.stage):
             return None
         assert self._held_by_supports is not None
-        return self.floating.find_border(trial, self._rubs, self._held_by_supports, point.guess.step, tangent)
+        return self.floating.find_border(
+            trial, self._friction_forces, self._held_by_supports, point.guess.step, tangent
+        )
 
     def hold_anew(self, state: State, held: State) -> None:
         """Hold the nodes that another run holds on its new mesh, where they are."""
         state[ContactArrays].status = np.minimum(held[ContactArrays].status, SLIDING)
-        self.contact.settle(state)
+        self.contact.stick_nodes(state)
 
     def constrain(self, state_n: State, trial: State, point: Point, held: Constraints) -> Constraints:
         """Hold the nodes in contact on their tools."""
@@ -180,8 +184,8 @@ class PlaneTools(TravellingTools):
         if not self.friction.is_needed:
             return None
         free = constraints.turned == 1
-        self._rubs = self.friction.evaluate(state_n, trial, point.guess.displacement, point.reaction, free)
-        return self._rubs
+        self._friction_forces = self.friction.evaluate(state_n, trial, point.guess.displacement, point.reaction, free)
+        return self._friction_forces
 
     def find_area_blocks(
         self, point: Point, own: Forces | None, resistance: FrictionForces | None
@@ -222,14 +226,14 @@ class PlaneTools(TravellingTools):
         """Move the floating tools by their travel [mm]."""
         move_tools(trial[ToolArrays], border, travel)
 
-    def settle(self, state_n: State, trial: State, own: Forces | None, constraints: Constraints) -> None:
+    def end_increment(self, state_n: State, trial: State, own: Forces | None, constraints: Constraints) -> None:
         """Keep the friction of a converged state."""
-        self.friction.settle(state_n, trial, constraints.turned == 1)
+        self.friction.end_increment(state_n, trial, constraints.turned == 1)
 
     def commit(self, state_n: State, trial: State, step: Step) -> None:
         """Let nodes on sticking tools stick; keep the tools' forces and travel."""
         placed = trial[ToolArrays]
-        self.contact.settle(trial)
+        self.contact.stick_nodes(trial)
         placed.travel_increment = placed.travel - state_n[ToolArrays].travel
         forces, torques = self.contact.tool_forces(trial, self._supports.fixed(step.stage))
         placed.force = np.column_stack([forces, torques])

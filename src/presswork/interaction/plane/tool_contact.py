@@ -70,7 +70,7 @@ class Contact:
         ).repeat(2)
         self._grazing = Grazing(len(self.nodes))
         self._grazes = np.zeros(len(self.nodes), dtype=bool)
-        self.n_unsettled = 0
+        self.n_undecided = 0
         """Nodes that may change no more in this increment, and pull strongly."""
 
     def _find_leaders(self) -> IndexArray:
@@ -149,7 +149,7 @@ class Contact:
         self.search(state, state.nodes.displacement)
         touch.status[(self.gap <= self.tolerance) & self._free(fixed)] = SLIDING
         self._limit_faces(touch.status)
-        self.settle(state)
+        self.stick_nodes(state)
 
     def begin_increment(self, state_n: State) -> None:
         """Forget the changes of the increment before."""
@@ -157,7 +157,7 @@ class Contact:
         self._start = state_n[ToolArrays].displacement
         self._grazing.begin_increment()
 
-    def settle(self, state: State) -> None:
+    def stick_nodes(self, state: State) -> None:
         """At a converged state: nodes that slide on a sticking tool are stuck from now on, where they are."""
         if not len(self.nodes):
             return
@@ -192,7 +192,7 @@ class Contact:
         if not len(self.nodes):
             return 0
         touch = trial[ContactArrays]
-        self.n_unsettled = 0
+        self.n_undecided = 0
         before = touch.status.copy()
         lost = (touch.status == SLIDING) & ~np.isfinite(self.gap)  # slid off the end of a profile, or out of a corner
         touch.status[lost] = 0
@@ -200,12 +200,14 @@ class Contact:
         touch.status[(self.gap < limit) & (touch.status == 0) & self._free(fixed)] = SLIDING
         self._limit_faces(touch.status, before)
         if near:
-            self._let_go(trial, before, self.normal_forces(trial, reaction, fixed), drag, tolerance)
+            self._release_pulling(trial, before, self.normal_forces(trial, reaction, fixed), drag, tolerance)
         changed = (before != touch.status).any(axis=0)
         self._changes[changed] += 1
         return int(changed.sum())
 
-    def _let_go(self, trial: State, before: StatusArray, push: FloatArray, drag: Drag, tolerance: float) -> None:
+    def _release_pulling(
+        self, trial: State, before: StatusArray, push: FloatArray, drag: Drag, tolerance: float
+    ) -> None:
         """Release nodes that pull, except those that their shear may drag off the tool."""
         touch = trial[ContactArrays]
         held = (before > 0) & (touch.status > 0)
@@ -216,7 +218,7 @@ class Contact:
         pulls &= ~(self._grazes & (touch.shear_part > 0.0))
         pulls &= _leave_first(self._find_speed(trial), pulls)
         touch.status[pulls & (self._changes < MAX_CHANGES)] = 0
-        self.n_unsettled = int((pulls & (self._changes >= MAX_CHANGES)).any(axis=0).sum())
+        self.n_undecided = int((pulls & (self._changes >= MAX_CHANGES)).any(axis=0).sum())
 
     def release_idle(self, trial: State, reaction: FloatArray, fixed: BoolArray, tolerance: float) -> int:
         """Release nodes in equilibrium that tools hold with no more force than may be out of balance; return how many.

@@ -111,8 +111,8 @@ class SheetBeads:
 
     def _slips(self, state_n: State, trial: State, moved: FloatArray) -> FloatArray:
         """Return the way of the material across the lines in the increment (n_bead_points,) [mm]."""
-        way = np.einsum("na,nai->ni", self._weight, moved[self._nodes]) - self._carried(state_n, trial)
-        return np.asarray(np.einsum("ni,ni->n", self._direction, way), dtype=np.float64)
+        slip = np.einsum("na,nai->ni", self._weight, moved[self._nodes]) - self._carried(state_n, trial)
+        return np.asarray(np.einsum("ni,ni->n", self._direction, slip), dtype=np.float64)
 
     def _carried(self, state_n: State, trial: State) -> FloatArray:
         """Return how far tools have carried the lines in the increment (n_bead_points, 3) [mm]."""
@@ -135,7 +135,7 @@ class SheetBeads:
         nodes = self._nodes[self._inside]
         return nodes.reshape(-1).astype(np.intp), np.repeat(self._direction[self._inside], 4, axis=0)
 
-    def settle(self, trial: State, found: BeadForces) -> None:
+    def end_increment(self, trial: State, found: BeadForces) -> None:
         """Keep what an increment has found."""
         kept = trial[BeadArrays]
         kept.force, kept.cell = found.tension, self._cell

@@ -36,7 +36,7 @@ from presswork.state import State
 
 STANDING = 1e-9
 """Way to its stop at which a tool stands on it [mm]."""
-STANDS = 1e-6
+STANDING_ROOM = 1e-6
 """The same of a neighbour of a run, by which its derivatives are found [mm]."""
 
 
@@ -75,7 +75,7 @@ class FloatingSpaceTools:
         found = {t: motions[tool.name].push for t, tool in enumerate(self._model.space_tools) if tool.name in motions}
         return {t: push for t, push in found.items() if push is not None}
 
-    def ways(self, stage: int) -> dict[int, FloatArray]:
+    def directions(self, stage: int) -> dict[int, FloatArray]:
         """Return the ways (3,) of the tools that forces push in a stage or that rest on springs, by their numbers."""
         pushes, tools = self.pushes(stage), enumerate(self._model.space_tools)
         return {t: np.asarray(by.direction) for t, tool in tools if (by := pushes.get(t, tool.spring)) is not None}
@@ -131,8 +131,8 @@ class FloatingSpaceTools:
             return math.inf
         placed = trial[SpaceToolArrays]
         other = [t.name for t in self._model.space_tools].index(push.stop)
-        way = placed.displacement[tool] - placed.displacement[other]
-        return push.clearance - float(way @ np.array(push.direction))
+        apart = placed.displacement[tool] - placed.displacement[other]
+        return push.clearance - float(apart @ np.array(push.direction))
 
     def find_columns(self, floating: FloatingInSpace, contact: SpaceForces) -> Sequence[FloatArray]:
         """Return the forces on the nodes for each mm of each tool's travel (n_points, freedoms) [N/mm]."""
@@ -177,16 +177,16 @@ class FloatingSpaceTools:
         is from there [mm]. Raises GaveUpError where one has come to stand on its stop.
         """
         placed, pushes, found = trial[SpaceToolArrays], self.pushes(stage), []
-        for t, way in self.ways(stage).items():
+        for t, direction in self.directions(stage).items():
             tool, push = self._model.space_tools[t], pushes.get(t)
             if push is not None:
-                if self._room(trial, t, push) <= STANDS:
+                if self._room(trial, t, push) <= STANDING_ROOM:
                     raise GaveUpError(f"{tool.name!r} stands on {push.stop!r}")
-                found.append(_bear(contact, t, way) - self._demand(placed, t, push, fraction))
+                found.append(_bear(contact, t, direction) - self._demand(placed, t, push, fraction))
             elif placed.gives[t] and tool.spring is not None:
-                found.append(_bear(contact, t, way) - self._resist(placed, t, tool.spring)[0])
+                found.append(_bear(contact, t, direction) - self._resist(placed, t, tool.spring)[0])
             else:
-                found.append(-float(placed.travel[t] @ way))
+                found.append(-float(placed.travel[t] @ direction))
         return np.array(found)
 
     def find_border(
@@ -199,13 +199,13 @@ class FloatingSpaceTools:
         """Return the equations of find_missing; respond: solves for forces (n_points, freedoms)."""
         placed, pushes = trial[SpaceToolArrays], self.pushes(stage)
         rows, responses, own = [], [], []
-        for t, way in self.ways(stage).items():
+        for t, direction in self.directions(stage).items():
             spring = self._model.space_tools[t].spring
-            column = _spread(contact, t, contact.blocks[:, :3, :3] @ way)
-            row = _spread(contact, t, -(way @ contact.blocks[:, :3, :3]))
+            column = _spread(contact, t, contact.blocks[:, :3, :3] @ direction)
+            row = _spread(contact, t, -(direction @ contact.blocks[:, :3, :3]))
             if t in pushes or placed.gives[t]:
                 k = self._resist(placed, t, spring)[1] if t not in pushes and spring is not None else 0.0
-                own.append(k + float((column[:, :3] @ way).sum()))
+                own.append(k + float((column[:, :3] @ direction).sum()))
                 responses.append(respond(column))
             else:
                 row[:] = 0.0

@@ -53,13 +53,13 @@ class RestingBody:
         none = np.zeros_like(self._lies)
         if not moved.any():
             return none
-        speed = np.array([self._leave(t, way) for t, way in enumerate(moved)])
+        speed = np.array([self._leave(t, movement) for t, movement in enumerate(moved)])
         if speed.min() < 0.0 or not speed.max() > 0.0:
             return none
         return np.asarray(self._lies & (speed < SLOWER * speed.max())[:, None])
 
-    def _leave(self, tool: int, way: FloatArray) -> float:
+    def _leave(self, tool: int, movement: FloatArray) -> float:
         """Return how far a tool leaves the node that it leaves fastest; below zero where it comes nearer [mm]."""
         nodes = np.flatnonzero(self._lies[tool])
         seen = nodes if len(nodes) else self._nearest[tool, None]
-        return -float((self._normal[tool, seen] @ way).min()) + 0.0
+        return -float((self._normal[tool, seen] @ movement).min()) + 0.0

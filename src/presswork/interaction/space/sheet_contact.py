@@ -60,15 +60,15 @@ class SheetContact(SpaceContact):
         """Take the law's tangent where a correction asks for it, at the next guess."""
         self._law_gap = found.law_gap
 
-    def count_unsettled(self, trial: State, found: SpaceForces, displacement: FloatArray, pull: float) -> int:
+    def count_undecided(self, trial: State, found: SpaceForces, displacement: FloatArray, pull: float) -> int:
         """Return how many nodes the tangent of the law pushes otherwise than the law, by more than `pull` [N]."""
-        x, placed, unsettled = self._model.mesh.points + displacement[:, :3], trial[SpaceToolArrays], 0
+        x, placed, n_undecided = self._model.mesh.points + displacement[:, :3], trial[SpaceToolArrays], 0
         pushed = np.linalg.norm(found.by_tool - found.friction, axis=2)
         touching = self._nodes.touching()
         for t, near in enumerate(self._look_at_all(placed, touching.farthest, x)):
             touched = choose_touched(near, touching)
-            unsettled += int((np.abs(touched.push - pushed[t, touched.nodes]) > pull).sum())
-        return unsettled
+            n_undecided += int((np.abs(touched.push - pushed[t, touched.nodes]) > pull).sum())
+        return n_undecided
 
     def lead(self, state_n: State, trial: State, guess: FloatArray) -> FloatArray:
         """Return a first guess (n_points, 6) with each node that touched a tool where it pushes as it did.
@@ -118,17 +118,17 @@ class SheetContact(SpaceContact):
             beads=beads,
         )
 
-    def settle(self, trial: State, found: SpaceForces) -> None:
+    def end_increment(self, trial: State, found: SpaceForces) -> None:
         """Keep what an increment has found."""
-        super().settle(trial, found)
+        super().end_increment(trial, found)
         assert found.beads is not None
-        self.beads.settle(trial, found.beads)
+        self.beads.end_increment(trial, found.beads)
 
     def held_directions(
-        self, state: State, ways: Mapping[int, FloatArray], least: float, *, lying: bool
+        self, state: State, pushed_along: Mapping[int, FloatArray], least: float, *, lying: bool
     ) -> tuple[IndexArray, FloatArray]:
         """Return nodes (n,) and vectors (n, 3) along which beads and tools hold them; rough tools in all three."""
-        nodes, directions = super().held_directions(state, ways, least, lying=lying)
+        nodes, directions = super().held_directions(state, pushed_along, least, lying=lying)
         beneath, across = self.beads.held_directions()
         return np.concatenate([beneath, nodes]), np.concatenate([across, directions])
 

@@ -48,7 +48,7 @@ RENEWALS, STALE = 3, 0.05
 of the surface by which it then differs."""
 PENETRATION = 1e-3
 """Of the root of a node's share of the surface: more than that takes another iteration."""
-SUDDEN, GIVES = 0.2, 1e-4
+SUDDEN, COARSE = 0.2, 1e-4
 """Change of the nodes' forces in an increment, over all of them, beyond which so much of that length takes another
 iteration: where a blow begins, the force rises as steeply as the springs give."""
 OF_SMALLEST = 0.5
@@ -136,7 +136,7 @@ class SolidContact(SpaceContact):
         As in the plane, the area at a guess is that of the faces all of whose nodes that bear touch a tool, and a node
         that lands on a sticking tool sticks from the next increment on. Where a node is pressed on by less than a part
         of its shear, its faces count in proportion: area that jumped with a node that hardly touches would never
-        settle. After some guesses the faces and their parts stay, so that an iteration that goes on settles on them; in
+        converge. After some guesses the faces and their parts stay, so that an iteration converges on them; in
         equilibrium they are looked at again (augment).
         """
         found: list[FloatArray | None] = [None] * len(touched)
@@ -182,8 +182,8 @@ class SolidContact(SpaceContact):
         if not len(nodes):
             return found
         spring = SOFT * self._young * self._length[nodes]
-        way = (displacement - state_n.nodes.displacement)[nodes, :3] - moved[tool]
-        np.add.at(found.force[:, :3], nodes, -spring[:, None] * way)
+        slip = (displacement - state_n.nodes.displacement)[nodes, :3] - moved[tool]
+        np.add.at(found.force[:, :3], nodes, -spring[:, None] * slip)
         blocks = np.zeros((len(nodes), *found.blocks.shape[1:]))
         blocks[:, :3, :3] = spring[:, None, None] * np.eye(3)
         return replace(
@@ -193,9 +193,9 @@ class SolidContact(SpaceContact):
             tool=np.concatenate([found.tool, np.full(len(nodes), -1, dtype=np.int32)]),
         )
 
-    def settle(self, trial: State, found: SpaceForces) -> None:
+    def end_increment(self, trial: State, found: SpaceForces) -> None:
         """Keep what an increment has found; what multipliers hold stores no energy."""
-        super().settle(trial, replace(found, energy=0.0))
+        super().end_increment(trial, replace(found, energy=0.0))
 
     def show(self, state: State) -> NodalContact:
         """Return the contact of a converged state: forces over the part of each node's surface that faces the tool."""
@@ -243,7 +243,7 @@ class SolidContact(SpaceContact):
             return renewed
         push = np.linalg.norm(own.by_tool - own.friction, axis=2)
         change = np.abs(push - self._multiplier)
-        allowed = GIVES if change.sum() > SUDDEN * push.sum() else PENETRATION
+        allowed = COARSE if change.sum() > SUDDEN * push.sum() else PENETRATION
         if not (change > allowed * self._young * self._length**2).any():
             return renewed
         self._multiplier = push
@@ -276,11 +276,11 @@ class SolidContact(SpaceContact):
         return np.ascontiguousarray(pairs[acts]), np.ascontiguousarray(blocks.reshape(-1, 3, 3)[acts])
 
     def touch_like(self, other: SpaceContact) -> None:
-        """Let nodes stick that stick in another run, and the faces shear whose area it has settled."""
+        """Let nodes stick that stick in another run, and the faces shear whose area it has found."""
         assert isinstance(other, SolidContact)
-        self._lay, settled = other._lay, other._n_guesses >= GUESSES
-        self._n_guesses = GUESSES if settled else 0
-        if settled:
+        self._lay, stays = other._lay, other._n_guesses >= GUESSES
+        self._n_guesses = GUESSES if stays else 0
+        if stays:
             self._covered = other._covered
 
     def _renew_cover(self) -> bool:

@@ -75,7 +75,7 @@ class SpaceContact:
         pose = find_space_pose(self._model.space_tools[t], arrays.displacement[t], float(arrays.angle[t]))
         return PlacedSurface(self._surfaces[t], pose)
 
-    def ways(self, state_n: State, trial: State, displacement: FloatArray) -> Iterator[FloatArray]:
+    def slips(self, state_n: State, trial: State, displacement: FloatArray) -> Iterator[FloatArray]:
         """Yield the way of the nodes along each tool in an increment (n_points, 3) [mm].
 
         displacement: of the nodes at a guess (n_points, freedoms); the tools stand where the trial state has them.
@@ -140,8 +140,8 @@ class SpaceContact:
         ]
         law_gap = np.full((len(tools), n), np.inf)
         shear = self.limit_by_shear(x, [(own.nodes, own.normal, own.push) for own in touched])
-        for t, (tool, way) in enumerate(zip(tools, self.ways(state_n, trial, displacement), strict=True)):
-            found = touch_tool(surfaces[t], tool.friction, touched[t], x, way, friction_n[t], shear[t])
+        for t, (tool, slip) in enumerate(zip(tools, self.slips(state_n, trial, displacement), strict=True)):
+            found = touch_tool(surfaces[t], tool.friction, touched[t], x, slip, friction_n[t], shear[t])
             by_tool[t, found.nodes], friction[t, found.nodes] = found.force, found.friction
             law_gap[t, found.nodes] = touched[t].law_gap
             block = np.zeros((len(found.nodes), freedoms, freedoms))
@@ -173,7 +173,7 @@ class SpaceContact:
     def predict(self, found: SpaceForces) -> None:
         """Take note of a correction from a guess that is about to be evaluated."""
 
-    def count_unsettled(self, trial: State, found: SpaceForces, displacement: FloatArray, pull: float) -> int:
+    def count_undecided(self, trial: State, found: SpaceForces, displacement: FloatArray, pull: float) -> int:
         """Return how many nodes the tangent of the law pushes otherwise than the law, by more than `pull` [N]."""
         return 0
 
@@ -191,7 +191,7 @@ class SpaceContact:
     def touch_like(self, other: SpaceContact) -> None:
         """Take over from another run of nearly the same model what it has decided of nodes and faces."""
 
-    def settle(self, trial: State, found: SpaceForces) -> None:
+    def end_increment(self, trial: State, found: SpaceForces) -> None:
         """Keep what an increment has found."""
         kept = trial[SpaceToolArrays]
         kept.force, kept.friction, kept.energy = found.by_tool, found.friction, found.energy
@@ -202,12 +202,12 @@ class SpaceContact:
         return self.evaluate(state, state, state.nodes.displacement).by_tool
 
     def held_directions(
-        self, state: State, ways: Mapping[int, FloatArray], least: float, *, lying: bool
+        self, state: State, pushed_along: Mapping[int, FloatArray], least: float, *, lying: bool
     ) -> tuple[IndexArray, FloatArray]:
         """Return nodes (n,) and vectors (n, 3) along which tools hold them; rough tools in all three.
 
-        ways: directions (3,) of tools that forces push, by their numbers, along which these hold nothing. least: a
-        push that counts as none [N]. lying: nodes that lie on tools are held, too, pushed or not.
+        pushed_along: directions (3,) of tools that forces push, by their numbers, along which these hold nothing.
+        least: a push that counts as none [N]. lying: nodes that lie on tools are held, too, pushed or not.
         """
         nodes, directions = [np.zeros(0, dtype=np.intp)], [np.zeros((0, 3))]
         forces = self.touched(state)
@@ -218,8 +218,8 @@ class SpaceContact:
             touched, along = np.concatenate([pushed, beside]), np.concatenate([along, out])
             if not is_frictionless(tool.friction):
                 touched, along = np.repeat(touched, 3), np.tile(np.eye(3), (len(touched), 1))
-            if t in ways:
-                along = along - (along @ ways[t])[:, None] * ways[t]
+            if t in pushed_along:
+                along = along - (along @ pushed_along[t])[:, None] * pushed_along[t]
             nodes.append(touched)
             directions.append(along)
         return np.concatenate(nodes), np.concatenate(directions)
@@ -252,7 +252,7 @@ class SpaceContact:
         """Return the way of the nodes along each tool in a converged increment (n_tools, n_points, 3) [mm]."""
         now, before = trial[SpaceToolArrays], state_n[SpaceToolArrays]
         if (now.angle != before.angle).any():
-            return np.array(list(self.ways(state_n, trial, trial.nodes.displacement)))
+            return np.array(list(self.slips(state_n, trial, trial.nodes.displacement)))
         return trial.nodes.increment[None, :, :3] - (now.displacement - before.displacement)[:, None]
 
     def lost_at(self, state_n: State, trial: State) -> FloatArray:

@@ -56,23 +56,23 @@ class SpaceTools(TravellingTools):
 
     def begin_stage(self, state: State, stage: int) -> bool:
         """Place the tools that a stage places anew; what they held is released over the first increment."""
-        placed, lets_go = state[SpaceToolArrays], False
-        for t, target in self._course.find_jumps(placed, stage, functools.partial(self._way_to_touch, state)):
-            lets_go |= bool(placed.force[t].any())
+        placed, releases = state[SpaceToolArrays], False
+        for t, target in self._course.find_jumps(placed, stage, functools.partial(self._travel_to_touch, state)):
+            releases |= bool(placed.force[t].any())
             state.nodes.external_force[:, :3] += placed.force[t]
             placed.force[t], placed.friction[t], placed.force_start[t] = 0.0, 0.0, 0.0
             self._course.jump(placed, t, target)
             name, nearest = self._model.space_tools[t].name, self.contact.placed(t, placed).nearest
             check_clear(name, self._outside(state), nearest)
-        return lets_go
+        return releases
 
-    def _way_to_touch(self, state: State, t: int, motion: ToolMotion) -> FloatArray:
+    def _travel_to_touch(self, state: State, t: int, motion: ToolMotion) -> FloatArray:
         """Return how far a tool goes along its way until it touches the workpiece (3,) [mm]."""
         placed, tool = state[SpaceToolArrays], self._model.space_tools[t]
         if placed.force[t].any():
             return np.zeros(3)
         nearest = self.contact.placed(t, placed).nearest
-        return find_way_to_touch(tool.name, nearest, self._outside(state), find_direction(motion))
+        return find_travel_to_touch(tool.name, nearest, self._outside(state), find_direction(motion))
 
     def _outside(self, state: State) -> FloatArray:
         """Return where the nodes on the boundary are (n, 3) [mm]."""
@@ -84,9 +84,9 @@ class SpaceTools(TravellingTools):
 
         lying: nodes that lie on tools are held, too, pushed or not.
         """
-        ways = {t: np.array(push.direction) for t, push in self.floating.pushes(stage).items()}
-        ways = ways if self._model.analysis == "solid" else {}
-        return self.contact.held_directions(state, ways, self._rounding, lying=lying)
+        pushed_along = {t: np.array(push.direction) for t, push in self.floating.pushes(stage).items()}
+        pushed_along = pushed_along if self._model.analysis == "solid" else {}
+        return self.contact.held_directions(state, pushed_along, self._rounding, lying=lying)
 
     def lead(self, state_n: State, trial: State, guess: FloatArray) -> FloatArray:
         """Return a first guess with the nodes of a sheet where the tools push on them as they did."""
@@ -97,7 +97,7 @@ class SpaceTools(TravellingTools):
         self.floating.begin_increment()
         self.contact.begin_increment(state_n)
 
-    def give_up_guess(self, state_n: State, trial: State) -> None:
+    def discard_guess(self, state_n: State, trial: State) -> None:
         """Put the floating tools back to where the increment began."""
         placed, placed_n = trial[SpaceToolArrays], state_n[SpaceToolArrays]
         placed.displacement -= placed.travel - placed_n.travel
@@ -120,7 +120,7 @@ class SpaceTools(TravellingTools):
     def tune(self, trial: State, point: Point, *, pull: float, credible: float) -> int:
         """Return how many nodes the tangent of the law of contact still pushes otherwise than the law."""
         own = next(f for f in point.forces if isinstance(f, SpaceForces))
-        return self.contact.count_unsettled(trial, own, point.guess.displacement, pull)
+        return self.contact.count_undecided(trial, own, point.guess.displacement, pull)
 
     def border(
         self, trial: State, point: Point, own: Any, resistance: Any, *, near: bool
@@ -152,8 +152,8 @@ class SpaceTools(TravellingTools):
         self.contact.touch_like(other.contact)
         trial[SpaceToolArrays].gives = held[SpaceToolArrays].gives.copy()
 
-    def _ways(self, stage: int) -> dict[int, FloatArray]:
-        return self.floating.ways(stage)
+    def _directions(self, stage: int) -> dict[int, FloatArray]:
+        return self.floating.directions(stage)
 
     def find_missing(self, trial: State, point: Point, own: Any) -> FloatArray:
         """Return what the tools that float lack (n,) [N]. Raises GaveUpError where one stands on its stop."""
@@ -163,7 +163,7 @@ class SpaceTools(TravellingTools):
     def find_border(self, trial: State, point: Point, own: Any, tangent: Tangent) -> Border | None:
         """Return the equations of the tools that float."""
         stage = point.guess.step.stage
-        if not self.floating.ways(stage):
+        if not self.floating.directions(stage):
             return None
         return self.floating.find_border(trial, own, stage, tangent.answer)
 
@@ -179,9 +179,9 @@ class SpaceTools(TravellingTools):
         """Take multipliers over in equilibrium if they are not good enough yet."""
         return self.contact.augment(own)
 
-    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+    def end_increment(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Keep the forces of tools and beads; a tool that leaves, and only touches by rounding, has none."""
-        self.contact.settle(trial, own)
+        self.contact.end_increment(trial, own)
         placed, placed_n = trial[SpaceToolArrays], state_n[SpaceToolArrays]
         moved = placed.displacement - placed_n.displacement
         leaves = np.einsum("tni,ti->t", placed.force, moved) < 0.0
@@ -211,18 +211,18 @@ class SpaceTools(TravellingTools):
         return state[SpaceToolArrays].energy
 
 
-def find_way_to_touch(name: str, nearest: Nearest, outside: FloatArray, way: FloatArray) -> FloatArray:
+def find_travel_to_touch(name: str, nearest: Nearest, outside: FloatArray, direction: FloatArray) -> FloatArray:
     """Return how far a tool goes along a unit vector (3,) until it touches the workpiece (3,) [mm].
 
     outside: nodes on the boundary (n, 3) [mm]. Raises GaveUpError where it never does.
     """
-    gone = find_touch_in_space(nearest, outside, way)
+    gone = find_touch_in_space(nearest, outside, direction)
     if gone is None:
         raise GaveUpError(
             f'the tool {name!r} has position = "touch", but along its way it passes the workpiece: give '
             "position = [x, y, z]"
         )
-    return gone * way
+    return gone * direction
 
 
 def check_clear(name: str, outside: FloatArray, nearest: Nearest) -> None:

@@ -156,13 +156,13 @@ def touch_tool(
     law: Friction,
     touched: TouchedNodes,
     x: FloatArray,
-    way: FloatArray,
+    slip: FloatArray,
     friction_n: FloatArray,
     shear: FloatArray | None = None,
 ) -> NodesOnTool:
     """Return the forces of a tool on the nodes that touch it.
 
-    x: places of all nodes (n_points, 3) [mm]. way: of the nodes along with the increment, less that of the tool
+    x: places of all nodes (n_points, 3) [mm]. slip: of the nodes along with the increment, less that of the tool
     (n_points, 3) [mm]. friction_n: their friction when the increment began, turned with the tool (n_points, 3) [N].
     shear: largest friction on those touched whatever the push (n,) [N], which laws with a friction factor ask for.
     """
@@ -175,7 +175,7 @@ def touch_tool(
         return NodesOnTool(nodes, force, np.zeros_like(force), stiffness, energy)
     # 2. friction
     hanging = TANGENTIAL * touched.spring
-    pulled = friction_n[nodes] - hanging[:, None] * way[nodes]
+    pulled = friction_n[nodes] - hanging[:, None] * slip[nodes]
     limit, by_push = limit_friction(law, push, shear)
     friction = _core.rub_nodes(
         push, slope, n, rise, bend, hanging=hanging, pulled=pulled, limit=limit, by_push=by_push, tangent=stiffness

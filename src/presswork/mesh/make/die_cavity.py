@@ -42,8 +42,9 @@ def find_cavity(
 ) -> CavityFacets | None:
     """Return the wall of a die's cavity, None where the die has no land, or none that encloses what it presses.
 
-    points (n, 3) [mm], triangles (k, 3): of the die. way: along which it closes (3,), of length 1. middle: of the
-    workpiece (3,) [mm]. planes: symmetry planes, each its axis, its place [mm] and the side of the workpiece, 1 or -1.
+    points (n, 3) [mm], triangles (k, 3): of the die. direction: along which it closes (3,), of length 1. middle:
+    of the workpiece (3,) [mm]. planes: symmetry planes, each its axis, its place [mm] and the side of the workpiece,
+    1 or -1.
     """
     corners = points[triangles]
     centre = corners.mean(axis=1)

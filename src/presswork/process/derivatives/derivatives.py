@@ -129,15 +129,15 @@ class Derivatives(Generic[Side]):
         found = self._sensitivities
         return self._lost[number] or (found is not None and found.is_lost_now(number))
 
-    def add_summary(self, told: dict[str, Any], history: Mapping[str, Any]) -> dict[str, Any]:
+    def add_summary(self, summary: dict[str, Any], history: Mapping[str, Any]) -> dict[str, Any]:
         """Return what summary.json tells, with the derivatives at the end."""
         last = {
             p.key: {"value": p.value}
             | {of: float(history[name][-1]) for of in self._of if len(history[name := name_derivative(of, p.key)])}
             for p in self._by
         }
-        warnings = [*told["warnings"], *self._warn(history)]
-        return told | {"gradients": last, "gradient_rounds": self.rounds, "warnings": warnings}
+        warnings = [*summary["warnings"], *self._warn(history)]
+        return summary | {"gradients": last, "gradient_rounds": self.rounds, "warnings": warnings}
 
     def _warn(self, history: Mapping[str, Any]) -> list[str]:
         """Say from which increment on a derivative has not been found."""

@@ -83,23 +83,23 @@ class ContactsOfRun:
         pressure, shear, force = np.zeros(n), np.zeros(n), np.zeros((n, 3))
         force[:, :d] = by_tools
         for each in self.added:
-            area, push, rub = each.area, each.push, each.rub
+            area, push, drag = each.area, each.push, each.friction_force
             whole = np.where(area > 1e-9 * area.max(initial=0.0), area, np.inf)
             touched = np.linalg.norm(push, axis=1) > 0.0
             pressure[touched] = (np.linalg.norm(push, axis=1) / whole)[touched]
-            shear[touched] = (np.linalg.norm(rub, axis=1) / whole)[touched]
+            shear[touched] = (np.linalg.norm(drag, axis=1) / whole)[touched]
             pushes = each.pressure > 0.0
             pressure[each.slots[pushes]] = each.pressure[pushes]
             shear[each.slots[pushes]] = np.linalg.norm(each.shear, axis=1)[pushes]
-            force += push + rub
+            force += push + drag
         return BodyTraction(pressure, shear, force)
 
-    def show_heat(self, way: FloatArray, entries: Sequence[HeatContact]) -> BetweenBodies:
+    def show_heat(self, moved: FloatArray, entries: Sequence[HeatContact]) -> BetweenBodies:
         """Return how bodies press and rub on each other at the end of a row.
 
-        way: of the nodes in the row (n_nodes, d) [mm]; entries: contacts that pass heat.
+        moved: of the nodes in the row (n_nodes, d) [mm]; entries: contacts that pass heat.
         """
-        n, lost = len(way), 0.0
+        n, lost = len(moved), 0.0
         pressure, shear = {}, {}
         added = {each.name: each for each in self.added}
         for entry in entries:
@@ -109,7 +109,7 @@ class ContactsOfRun:
             shear[entry.name][each.slots] = np.linalg.norm(each.shear, axis=1)
         for each, before in zip(self.added, self._lost, strict=True):
             lost += each.lost - before
-        return BetweenBodies(pressure, shear, way, lost)
+        return BetweenBodies(pressure, shear, moved, lost)
 
 
 def find_touching(model: Model) -> list[TouchingSurfaces]:

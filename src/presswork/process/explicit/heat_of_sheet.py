@@ -38,11 +38,11 @@ class HeatOfShells:
         area = self.sheet.conduction.measure_areas(shells.start)
         area = area.sum(axis=1, keepdims=True) if q == 1 else area
         self._volume = section.thickness * area[:, :, None] * 0.5 * weights
-        self._give()
+        self._prescribe_temperature()
         self.begin_row()
 
-    def _give(self) -> None:
-        self._shells.given_temperature = self._map.to_layers(self.arrays.temperature)
+    def _prescribe_temperature(self) -> None:
+        self._shells.prescribed_temperature = self._map.to_layers(self.arrays.temperature)
 
     def begin_row(self) -> None:
         """Keep what a row of cycles begins with."""
@@ -64,18 +64,20 @@ class HeatOfShells:
     def advance(self, dt: float, dwell: Dwell | None) -> None:
         """Let heat flow for dt [s] of the process, with what the row has made. Raises GaveUpError."""
         shells, places = self._shells, self._tool_places()
-        moved, way = shells.position - self._points, places - self._places
+        moved, travel = shells.position - self._points, places - self._places
         plastic = np.zeros_like(self.arrays.temperature) if dwell else self._map.to_levels(self._plastic_work(dt))
-        now = SheetInstant(shells.position, shells.thickness, places, self._force, moved[None] - way[:, None], plastic)
+        now = SheetInstant(
+            shells.position, shells.thickness, places, self._force, moved[None] - travel[:, None], plastic
+        )
         self.arrays = self.sheet.advance(self.arrays, now, dt, dwell)
-        self._give()
+        self._prescribe_temperature()
 
     def _plastic_work(self, dt: float) -> FloatArray:
         """Return the plastic work of the row at the layers (n_cells, q, k) [N mm]."""
         shells, law = self._shells, self._shells.blocks[0].law
         after = shells.history_at_points
         assert isinstance(law, _core.SheetLaw), "heat is not computed with a UMAT"
-        n, given = after.shape[-1], shells.given_temperature
+        n, given = after.shape[-1], shells.prescribed_temperature
         assert given is not None
         density = plastic_work_density(
             self._model.sheet[1],
@@ -103,4 +105,4 @@ class HeatOfShells:
         taken = self.sheet.at_rest()
         taken.load_arrays(arrays)
         self.arrays = taken
-        self._give()
+        self._prescribe_temperature()

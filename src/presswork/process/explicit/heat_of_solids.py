@@ -60,7 +60,7 @@ class HeatOfSolids:
         self._rim = np.unique(model.mesh.boundary_faces if model.dimension == 3 else model.mesh.boundary_edges)
         self._ends = np.cumsum([len(block.connectivity) for block in model.mesh.blocks])[:-1]
         self._capacity = self._measure_capacity()
-        self._give()
+        self._prescribe_temperature()
 
     def _measure_capacity(self) -> list[FloatArray]:
         """Return the heat that warms each cell by a degree, as its law has it (n_cells, 1) [N mm/K]."""
@@ -76,14 +76,14 @@ class HeatOfSolids:
         """Return the rise of temperature by plastic work at the points of each block (n_cells, p) [K]."""
         return np.split(self._solids.rise[:, None], self._ends)
 
-    def _give(self) -> None:
+    def _prescribe_temperature(self) -> None:
         temperature = self.arrays.temperature
         given = [self.forming.to_points(block, temperature) - rise for block, rise in enumerate(self._find_rise())]
         self._set_given(given)
 
     def _set_given(self, given: list[FloatArray]) -> None:
         """Give the points of each block temperatures from outside (n_cells, p) [degrees C]."""
-        self._solids.given_temperature = np.concatenate(given)[:, 0]
+        self._solids.prescribed_temperature = np.concatenate(given)[:, 0]
 
     def _find_poses(self) -> Poses:
         return [
@@ -124,14 +124,15 @@ class HeatOfSolids:
         if isinstance(found, Failed):
             raise GaveUpError(found.reason)
         self.arrays = found
-        self._give()
+        self._prescribe_temperature()
 
     def _show(self, dt: float) -> FormingInstant:
         """Return what heat asks of a row of dt [s]."""
         n, points = len(self._model.mesh.points), self._solids.position
         shape = (len(self._walls), n)
-        pressed, rubbed = (
-            np.array([getattr(wall, name) for wall in self._walls]).reshape(shape) for name in ("pressed", "rubbed")
+        pressed, friction_work = (
+            np.array([getattr(wall, name) for wall in self._walls]).reshape(shape)
+            for name in ("pressed", "friction_work")
         )
         gap = np.full(shape, np.inf)
         for t, tool in enumerate(self._model.tools):
@@ -146,7 +147,7 @@ class HeatOfSolids:
             push=pressed / dt,
             gap=gap,
             plastic=[(now - before) * capacity / now.shape[1] for now, before, capacity in parts],
-            rubbed=rubbed,
+            friction_work=friction_work,
             between=self._contacts.show_heat(points - self._points, self._heat.contacts),
         )
 
@@ -154,11 +155,11 @@ class HeatOfSolids:
         """Let bodies whose temperatures come from another mesh have stored what they had there."""
         stored = before.forming.stored_in_bodies(before.arrays)
         self.forming.keep_stored(self.arrays, stored, carrier.is_new())
-        self._give()
+        self._prescribe_temperature()
 
     def restore(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Take up what the arrays gave that a checkpoint has."""
         taken = self.forming.at_rest()
         taken.load_arrays(arrays)
         self.arrays = taken
-        self._give()
+        self._prescribe_temperature()

@@ -219,8 +219,8 @@ class IntervalRun(ModelRun, ABC):
             self._progress.stage_work = self._progress.stage_way = 0.0
         cycles, step, energies = self._compute_interval(number, row)
         if stage.drive is not None and not isinstance(stage.drive.motion, Blow):
-            way = stage.drive.travel * np.diff(DrivenStroke(stage.drive).position(self._times(stage, row)))
-            self._add_ram_work(number, self.tool_forces(), float(way[0]))
+            travel = stage.drive.travel * np.diff(DrivenStroke(stage.drive).position(self._times(stage, row)))
+            self._add_ram_work(number, self.tool_forces(), float(travel[0]))
         self._progress.row = row + 1
         if row + 1 == rows:
             self._progress.stage, self._progress.row = number + 1, 0
@@ -241,19 +241,19 @@ class IntervalRun(ModelRun, ABC):
     def tool_forces(self) -> FloatArray:
         """Return the mean forces on the tools in the last row (n_tools, 2 | 3) [N]."""
 
-    def _add_ram_work(self, number: int, forces: FloatArray, way: float) -> None:
+    def _add_ram_work(self, number: int, forces: FloatArray, travel: float) -> None:
         """Count the work of the ram of a stage on a way [mm], by the mean forces on the tools (n_tools, 2 | 3) [N]."""
-        work = float(force_on_ram(self.model, number, forces) * way)
+        work = float(force_on_ram(self.model, number, forces) * travel)
         self._progress.ram_work += work
         self._progress.stage_work += work
-        self._progress.stage_way += way
+        self._progress.stage_way += travel
 
     def _find_ram_speed(self, drive: Drive, fraction: float) -> float:
         """Return the speed of the ram [mm/s] at a fraction of its stage's time."""
         if not isinstance(drive.motion, Blow):
             return drive.speed_at(drive.part_at(fraction * drive.duration))
-        spent, way = self._progress.stage_work, self._progress.stage_way
-        is_over = drive.motion.energy - spent <= SPENT * drive.motion.energy or way >= drive.travel * (1 - 1e-12)
+        spent, travel = self._progress.stage_work, self._progress.stage_way
+        is_over = drive.motion.energy - spent <= SPENT * drive.motion.energy or travel >= drive.travel * (1 - 1e-12)
         return 0.0 if is_over else drive.motion.speed_with(drive.motion.energy - spent)
 
     def _times(self, stage: Stage, row: int) -> FloatArray:

@@ -40,7 +40,7 @@ from presswork.process.explicit.contacts import ContactsOfRun
 
 SMALL = 1e-4
 """Way in the stage, over the size of the bodies, below which a motion may stay."""
-STOPPED, SINCE, WAY = "loose_stopped", "loose_since", "loose_way"
+STOPPED, SINCE, DISTANCE = "loose_stopped", "loose_since", "loose_way"
 """Names in a checkpoint."""
 
 
@@ -53,7 +53,7 @@ class LooseRows:
         """Motions that were stopped and that nothing has held since (n_bodies, n_motions)."""
         self._since = np.full(shape, -1)
         """The first stage in which a motion was stopped for longer than a row, -1: none (n_bodies, n_motions)."""
-        self._way = np.zeros(shape[0])
+        self._distance = np.zeros(shape[0])
         """The longest way that a body would have gone in a stage (n_bodies,) [mm]."""
 
     def end_row(
@@ -79,31 +79,31 @@ class LooseRows:
             moves[points] = motions.move(position[points])[:, : velocity.shape[1]] @ own
         moves = make_orthonormal(moves, mass, d)
         rigid = moves @ np.einsum("nik,n,ni->k", moves[:, :d], mass, velocity[:, :d])
-        way = np.linalg.norm(rigid[:, :d], axis=1) * model.stages[stage].duration
-        if way.max() <= SMALL * float(np.ptp(position, axis=0).max()):
+        distance = np.linalg.norm(rigid[:, :d], axis=1) * model.stages[stage].duration
+        if distance.max() <= SMALL * float(np.ptp(position, axis=0).max()):
             return
         run.take_off(rigid)
         for number, body in enumerate(bodies):
-            gone = float(way[body.points.start : body.points.stop].max())
+            gone = float(distance[body.points.start : body.points.stop].max())
             if gone > SMALL * float(np.ptp(position, axis=0).max()):
                 self._stopped[number] |= loose[number]
-                self._way[number] = max(self._way[number], gone)
+                self._distance[number] = max(self._distance[number], gone)
 
     def warn(self, model: Model) -> list[str]:
         """Return what a user should know of bodies that were stopped."""
         return [
-            f"{text}: it came off its tools at a speed that takes it {self._way[number]:.3g} mm in the stage, and was "
-            "stopped. Add a [boundary] entry, or let a tool hold it"
+            f"{text}: it came off its tools at a speed that takes it {self._distance[number]:.3g} mm in the stage, and "
+            "was stopped. Add a [boundary] entry, or let a tool hold it"
             for number, text in list_loose(model, self._since)
         ]
 
     def to_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what a checkpoint keeps."""
-        return {STOPPED: self._stopped.copy(), SINCE: self._since.copy(), WAY: self._way.copy()}
+        return {STOPPED: self._stopped.copy(), SINCE: self._since.copy(), DISTANCE: self._distance.copy()}
 
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Take up what to_arrays gave."""
-        self._stopped, self._since, self._way = (np.array(arrays[name]) for name in (STOPPED, SINCE, WAY))
+        self._stopped, self._since, self._distance = (np.array(arrays[name]) for name in (STOPPED, SINCE, DISTANCE))
 
 
 def find_held_by_wall(force: FloatArray, mu: float) -> Held:

@@ -44,7 +44,7 @@ class SheetFields:
             kept.of(EQPS, history),
             axis=None if self._begins_flat else law_axes(shells),
         )
-        degrees = temperature_field(material, kept, history, shells.given_temperature)
+        degrees = temperature_field(material, kept, history, shells.prescribed_temperature)
         of_layers = find_path_margins(self._model.mesh.blocks, self.find_evolved())
         return fields | degrees | state_variable_field(material, history) | of_layers
 

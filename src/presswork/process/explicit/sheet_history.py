@@ -34,7 +34,7 @@ class SheetHistory:
     def _look(self, shells: ExplicitShells) -> list[BlockPoints]:
         """Return stress, plastic strain and temperature at the layers (n_cells, q, k)."""
         history, kept = shells.history_at_points, shells.kept_in_layers
-        degrees = temperature(self._material, kept, history, shells.given_temperature) if self._knows else None
+        degrees = temperature(self._material, kept, history, shells.prescribed_temperature) if self._knows else None
         kinematic = self._material.kinematic is not None
         back = back_stress(kept, history, 3) if kinematic else None
         return [BlockPoints(shells.flow_stress_at_points, kept.of(EQPS, history), degrees, back)]

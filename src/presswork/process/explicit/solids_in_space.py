@@ -19,7 +19,7 @@ from presswork.fields.solid_fields import effective_stress
 from presswork.geometry.pose import find_axis, find_space_pose, start_centre_in_space, turn_about
 from presswork.geometry.tool_surface import make_surface
 from presswork.interaction.placing import share_modelled
-from presswork.interaction.space.space_tools import check_clear, find_way_to_touch
+from presswork.interaction.space.space_tools import check_clear, find_travel_to_touch
 from presswork.interaction.space.space_touch import PlacedSurface
 from presswork.interaction.tool_course import find_turning
 from presswork.mesh.make.box import node_volumes
@@ -167,7 +167,7 @@ class SolidsInSpace:
         if self._force_start[t].any():
             return np.zeros(3)
         outer = np.unique(model.mesh.boundary_faces)
-        return find_way_to_touch(
+        return find_travel_to_touch(
             self._tools[t].name,
             self.surface_of(t).nearest,
             self.solids.position[outer],

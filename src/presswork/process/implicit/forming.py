@@ -187,7 +187,7 @@ class ImplicitForming(IncrementRun):
         if SpaceToolArrays not in self.procedure.state:
             return {}, {}
         placed = self.procedure.state[SpaceToolArrays]
-        moved = {tool.name: way.copy() for tool, way in zip(tools, placed.displacement, strict=True)}
+        moved = {tool.name: displacement.copy() for tool, displacement in zip(tools, placed.displacement, strict=True)}
         return moved, {t.name: angle * find_axis(t) for t, angle in zip(tools, placed.angle, strict=True)}
 
     def _placed_profiles(self) -> dict[str, FloatArray]:
@@ -255,7 +255,10 @@ class ImplicitForming(IncrementRun):
             surfaces=cut_tools(model),
             tool_centre={t.name: start_centre(t) for t in model.plane_tools}
             | {t.name: start_centre_in_space(t) for t in model.space_tools},
-            tool_displacement={t.name: way for t, (way, _) in zip(model.plane_tools, places, strict=True)} | moved,
+            tool_displacement={
+                t.name: displacement for t, (displacement, _) in zip(model.plane_tools, places, strict=True)
+            }
+            | moved,
             tool_angle={t.name: angle for t, (_, angle) in zip(model.plane_tools, places, strict=True)},
             tool_rotation=rotation,
             info={

@@ -46,7 +46,7 @@ from presswork.process.stamping_tools import (
     tabulate_share,
     tool_columns,
     tool_text,
-    way_of,
+    working_direction_of,
 )
 from presswork.ranks.world import World
 
@@ -112,7 +112,9 @@ def _push_by_stage(model: Model, tool: Tool) -> list[Push]:
     stop, clearance = find_stops(model).get(tool.name, ("", math.inf))
     if any(t.name == stop and is_pushed(model, t) for t in model.tools):
         stop = ""
-    return [Push(way_of(tool), rows, stop, clearance) for rows in by_stage(model, times, forces / model.whole)]
+    return [
+        Push(working_direction_of(tool), rows, stop, clearance) for rows in by_stage(model, times, forces / model.whole)
+    ]
 
 
 class ImplicitStamping(IncrementRun):

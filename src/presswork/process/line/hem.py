@@ -39,12 +39,12 @@ class HemShape:
     opening: FloatArray
     """Angle between panel and flange (n,) [degree]: 90 as flanged, 0 pressed flat, below zero where the tip dips."""
 
-    def tell(self) -> dict[str, Any]:
+    def to_summary(self) -> dict[str, Any]:
         """Return what the summary says of it."""
-        told: dict[str, Any] = {"edge_mm": _spread(self.edge), "opening_degrees": _spread(self.opening)}
+        summary: dict[str, Any] = {"edge_mm": _spread(self.edge), "opening_degrees": _spread(self.opening)}
         if np.isfinite(self.thickest).any():
-            told["thickness_mm"] = [float(np.nanmin(self.thinnest)), float(np.nanmax(self.thickest))]
-        return told
+            summary["thickness_mm"] = [float(np.nanmin(self.thinnest)), float(np.nanmax(self.thickest))]
+        return summary
 
 
 def _spread(values: FloatArray) -> dict[str, float]:
@@ -122,16 +122,16 @@ def _measure_strip(out: FloatArray, now: FloatArray, z: FloatArray, half: FloatA
     return edge, float(height.max()), float(height[flat[flange]].min()), opening
 
 
-def tell_hem(formed: HemShape, before: HemShape | None, released: HemShape | None) -> dict[str, Any]:
+def summarise_hem(formed: HemShape, before: HemShape | None, released: HemShape | None) -> dict[str, Any]:
     """Return what the summary says of a hem.
 
     before: as the part came into the operation, None: it was a blank. released: after springback.
     """
-    told: dict[str, Any] = {"formed": formed.tell()}
+    summary: dict[str, Any] = {"formed": formed.to_summary()}
     last = formed if released is None else released
     if released is not None:
-        told["released"] = released.tell()
-        told["springback_degrees"] = float(released.opening.mean() - formed.opening.mean())
+        summary["released"] = released.to_summary()
+        summary["springback_degrees"] = float(released.opening.mean() - formed.opening.mean())
     if before is not None and len(before.edge) == len(last.edge):
-        told["roll_in_mm"] = _spread(before.edge - last.edge)
-    return told
+        summary["roll_in_mm"] = _spread(before.edge - last.edge)
+    return summary

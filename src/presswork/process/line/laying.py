@@ -192,8 +192,8 @@ def lay_tools(operation: Operation, state: SheetState, *, with_edges: bool) -> t
 
 def _mean_edge(state: SheetState) -> float:
     """Return the mean length of the edges round the cells of a part [mm], as explicit contact takes it."""
-    ways = [state.position[b.connectivity] - state.position[np.roll(b.connectivity, -1, axis=1)] for b in state.blocks]
-    return float(np.concatenate([np.linalg.norm(way, axis=2).ravel() for way in ways]).mean())
+    edges = [state.position[b.connectivity] - state.position[np.roll(b.connectivity, -1, axis=1)] for b in state.blocks]
+    return float(np.concatenate([np.linalg.norm(edge, axis=2).ravel() for edge in edges]).mean())
 
 
 def _touch(operation: Operation, tool: Tool, points: FloatArray, half: FloatArray) -> Tool:

@@ -43,7 +43,7 @@ LINE, MESH, SHEET, NOW = "line.", "line.mesh.", "line.sheet.", "now."
 """Prefixes in a checkpoint: of the line, of the part that the present operation has begun with, of that operation."""
 MISFIT = "misfit"
 """What the line keeps of warnings on the part in the operation after the one that is over."""
-TOLD = "line"
+REPORTS = "line"
 """Name in the meta of a checkpoint."""
 
 
@@ -83,7 +83,7 @@ class PressLine(ModelRun):
         self.operation, self._before, self._time_before = 0, 0, 0.0
         self._part: LaidPart | None = None
         self._files: dict[str, str] = {}
-        self._told: dict[str, dict[str, Any]] = {}
+        self._reports: dict[str, dict[str, Any]] = {}
         """By operation that is over: what the summary says of it, with its warnings."""
         self._releases = any(each is not None for each in (model.springback, *(o.springback for o in model.following)))
         self.now = self._make(0, None, model.mesh)
@@ -131,7 +131,7 @@ class PressLine(ModelRun):
             misfit = explain_misfit(next_one, laid.tools, laid.stages, state, formed, stops=laid.limits.stop)
         except (LayingError, StartError, ExplicitError, TransferError) as error:
             raise GaveUpError(f"the operation {next_one.name} cannot begin: {error}") from error
-        self._told[self._name] = _tell(before) | {MISFIT: misfit}
+        self._reports[self._name] = _summarise(before) | {MISFIT: misfit}
         self._before += before.number + 1
         self._time_before += before.time
         self.operation, self._part, self.now = self.operation + 1, part, now
@@ -203,7 +203,7 @@ class PressLine(ModelRun):
         """Say in which operation the row or increment ended, and where."""
         if report.report is None:
             tools = ", ".join(f"{tool.name} at z = {tool.position[2]:.6g} mm" for tool in self.now.model.tools)
-            warnings = self._told[self.model.operations[self.operation - 1]][MISFIT]
+            warnings = self._reports[self.model.operations[self.operation - 1]][MISFIT]
             return [f"{self._name}: the part is laid in, {tools}", *(f"warning: {text}" for text in warnings)]
         return [f"{self._name}: {line}" for line in self.now.log_lines(report.report)]
 
@@ -294,21 +294,23 @@ class PressLine(ModelRun):
 
     def meta(self) -> Meta:
         """Return what is told of operations that are over, and how the present part was cut."""
-        return {TOLD: json.dumps(self._told), **self.now.meta()}
+        return {REPORTS: json.dumps(self._reports), **self.now.meta()}
 
     def load_meta(self, meta: Mapping[str, Any]) -> None:
         """Take up what meta gave."""
-        self._told = json.loads(str(meta[TOLD]))
+        self._reports = json.loads(str(meta[REPORTS]))
         self.now.load_meta(meta)
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what the summary of the last operation says, and what became of the others."""
         last = self.now.summary(history)
         warnings = []
-        for name, told in self._told.items():
-            warnings += [f"{name}: {each}" for each in told["warnings"]] + told[MISFIT]
+        for name, report in self._reports.items():
+            warnings += [f"{name}: {each}" for each in report["warnings"]] + report[MISFIT]
         kept = {"warnings", MISFIT}
-        over = {name: {key: v for key, v in told.items() if key not in kept} for name, told in self._told.items()}
+        over = {
+            name: {key: v for key, v in report.items() if key not in kept} for name, report in self._reports.items()
+        }
         return last | {
             "increments": self.number,
             "operation": self._name,
@@ -322,10 +324,10 @@ def _under(prefix: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray
     return {name.removeprefix(prefix): v for name, v in arrays.items() if name.startswith(prefix)}
 
 
-def _tell(over: ReleasedStamping) -> dict[str, Any]:
+def _summarise(over: ReleasedStamping) -> dict[str, Any]:
     """Return what the summary says of an operation that is over, with its warnings."""
-    told, warnings = over.tell_release()
+    report, warnings = over.summarise_release()
     verdict = over.forming.judge()
-    told |= over.tell_hem()
-    told |= {"formability": verdict.to_summary(), "reports": over.number}
-    return told | {"warnings": [*verdict.warnings(), *warnings]}
+    report |= over.summarise_hem()
+    report |= {"formability": verdict.to_summary(), "reports": over.number}
+    return report | {"warnings": [*verdict.warnings(), *warnings]}

@@ -46,12 +46,12 @@ class Released:
         cells = [block.connectivity for block in mesh.blocks]
         return measure_deviation(formed + self.moved, formed, cells, symmetry)
 
-    def tell_cut(self, mesh: Mesh) -> tuple[dict[str, Any], list[str]]:
+    def summarise_cut(self, mesh: Mesh) -> tuple[dict[str, Any], list[str]]:
         """Return what the summary says of trimming, and its warnings; nothing of a part that was not cut."""
         if self.cut is None:
             return {}, []
         miss = self.cut.off_line
-        told = {
+        summary = {
             "cells": sum(len(block.connectivity) for block in mesh.blocks),
             "off_line_mm": miss,
             "beside_sheet": {name: asdict(each) for name, each in self.cut.beside.items()},
@@ -59,21 +59,21 @@ class Released:
         warnings = [*explain_beside(self.cut)]
         if miss > WORTH_A_WARNING * self.cut.element_size:
             warnings.append(f"the trimmed outline is up to {miss:.3g} mm off its line: refine the blank there")
-        return {TRIM: told}, warnings
+        return {TRIM: summary}, warnings
 
-    def tell_springback(
+    def summarise_springback(
         self, mesh: Mesh, symmetry: tuple[bool, bool], asked: Springback
     ) -> tuple[dict[str, Any], list[str]]:
         """Return what the summary says of springback, how far which point has moved and what is asked; warnings."""
-        way = np.linalg.norm(self.moved, axis=1)
-        at, deviation = int(np.argmax(way)), self.find_deviation(mesh, symmetry)
+        distance = np.linalg.norm(self.moved, axis=1)
+        at, deviation = int(np.argmax(distance)), self.find_deviation(mesh, symmetry)
         progress = self.implicit.state[Progress]
         place = mesh.points[at] + self.implicit.state.nodes.displacement[at, :3]
         formed = mesh.points + self.formed
         cells = [block.connectivity for block in mesh.blocks]
         shape, warnings = report_shape(ReleasedShape(formed, formed + self.moved, cells, symmetry), asked)
-        told = {
-            "largest_mm": float(way[at]),
+        summary = {
+            "largest_mm": float(distance[at]),
             "at_mm": [float(x) for x in place],
             "at_blank_mm": [float(x) for x in mesh.points[at]],
             "deviation_mm": [float(deviation.min()), float(deviation.max())],
@@ -82,4 +82,4 @@ class Released:
             "cutbacks": progress.cutbacks,
             **shape,
         }
-        return told, warnings
+        return summary, warnings

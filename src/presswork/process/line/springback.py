@@ -32,7 +32,7 @@ from presswork.outcome import GaveUpError, StartError
 from presswork.process.explicit.stamping import ExplicitStamping
 from presswork.process.implicit.stamping import ImplicitStamping
 from presswork.process.line.formed_sheet import make_formed
-from presswork.process.line.hem import HemShape, find_hemmed, measure_hem, tell_hem
+from presswork.process.line.hem import HemShape, find_hemmed, measure_hem, summarise_hem
 from presswork.process.line.laying import find_half_thickness
 from presswork.process.line.released_model import ELEMENTS, NAME, make_springback_model
 from presswork.process.line.released_part import TRIM, Released
@@ -368,21 +368,23 @@ class ReleasedStamping(ModelRun):
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what a stamping's summary says, how it was cut, and how far which point has sprung."""
         summary = self.forming.summary(history)
-        told, warnings = self.tell_release()
-        told |= self.tell_hem()
-        return summary | told | {"warnings": [*summary["warnings"], *warnings]}
+        report, warnings = self.summarise_release()
+        report |= self.summarise_hem()
+        return summary | report | {"warnings": [*summary["warnings"], *warnings]}
 
-    def tell_release(self) -> tuple[dict[str, Any], list[str]]:
+    def summarise_release(self) -> tuple[dict[str, Any], list[str]]:
         """Return what the summary says of trimming and springback, and its warnings."""
         if self.released is None:
             return {}, []
-        told, warnings = self.released.tell_cut(self.mesh)
+        report, warnings = self.released.summarise_cut(self.mesh)
         if self.model.springback is not None:
-            told[NAME], more = self.released.tell_springback(self.mesh, self.model.symmetry, self.model.springback)
+            report[NAME], more = self.released.summarise_springback(
+                self.mesh, self.model.symmetry, self.model.springback
+            )
             warnings = [*warnings, *more]
-        return told, warnings
+        return report, warnings
 
-    def tell_hem(self) -> dict[str, Any]:
+    def summarise_hem(self) -> dict[str, Any]:
         """Return what the summary says of the hem, where there is one to be measured."""
         hem = self.model.hem
         if hem is None:
@@ -395,4 +397,4 @@ class ReleasedStamping(ModelRun):
 
         before = None if self._begin is None else measure(self._begin, self._first_mesh)
         released = None if self.released is None else measure(self.sheet(), self.mesh)
-        return {HEM: tell_hem(measure(self.forming.sheet(), self.forming.mesh), before, released)}
+        return {HEM: summarise_hem(measure(self.forming.sheet(), self.forming.mesh), before, released)}

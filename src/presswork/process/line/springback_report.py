@@ -37,25 +37,25 @@ def report_shape(part: ReleasedShape, asked: Springback) -> tuple[dict[str, Any]
     areas = nodal_areas(part.formed, part.cells)
     weight = np.linalg.norm(areas, axis=1)
     normals = areas / np.maximum(weight, 1e-300)[:, None]
-    told: dict[str, Any] = {}
+    report: dict[str, Any] = {}
     warnings: list[str] = []
     if (twist := measure_twist(part.formed, part.free, weight)) is not None:
         axis = [float(v) for v in twist.axis]
-        told["twist"] = {"degrees": float(np.degrees(twist.angle)), "length_mm": twist.length, "axis": axis}
+        report["twist"] = {"degrees": float(np.degrees(twist.angle)), "length_mm": twist.length, "axis": axis}
     placed = fit_rigidly(part.free, part.formed, weight, part.symmetry)
     if asked.gauge is not None:
         gauge, placed, warnings = _measure_in_gauge(part, asked.gauge, weight, placed, asked.tolerance)
-        told |= {"gauge": gauge} if gauge else {}
-    told["sections"] = {}
+        report |= {"gauge": gauge} if gauge else {}
+    report["sections"] = {}
     for section in asked.sections or _middle_sections(part.formed):
         found = _measure_section(part, placed, section)
         if found is not None:
-            told["sections"][section.name] = found
+            report["sections"][section.name] = found
         elif asked.sections:
             warnings.append(f"springback.sections.{section.name} misses the part: move it over the part in its tools")
     if asked.tolerance is not None:
-        told["tolerance"] = _judge(((placed - part.formed) * normals).sum(axis=1), weight, placed, asked.tolerance)
-    return told, warnings
+        report["tolerance"] = _judge(((placed - part.formed) * normals).sum(axis=1), weight, placed, asked.tolerance)
+    return report, warnings
 
 
 def _middle_sections(formed: FloatArray) -> tuple[PartSection, ...]:
@@ -117,13 +117,13 @@ def _measure_in_gauge(
     placed = place_in_gauge(
         part.formed, part.free, weight, clamped, normals_at(part.formed, clamped.nodes), part.symmetry
     )
-    told: dict[str, Any] = {"clamps_mm": [float(v) for v in off(clamped)], "points": {}}
+    report: dict[str, Any] = {"clamps_mm": [float(v) for v in off(clamped)], "points": {}}
     for name, at in points.items():
         if at is not None:
             value = float(off(at)[0])
             within = {} if tolerance is None else {"within": bool(tolerance[0] <= value <= tolerance[1])}
-            told["points"][name] = {"deviation_mm": value, **within}
-    return told, placed, lost
+            report["points"][name] = {"deviation_mm": value, **within}
+    return report, placed, lost
 
 
 def _judge(

@@ -213,7 +213,7 @@ def _carry_group(old: _Group, new: _Group, carrier: Carrier, kind: str) -> Float
     everywhere = spread_over_nodes(before, given, nodes_n)
     at_rest = spread_over_nodes(after, rest, nodes)
     if nodes_n is not None and nodes is not None and is_other_body(before.model, nodes_n, after.model, nodes):
-        give_to_facing(everywhere, nodes_n, before.position, before.sides)
+        copy_to_facing(everywhere, nodes_n, before.position, before.sides)
     own = slice(None) if nodes is None else nodes
     if kind == "surface":
         return carrier.surface(everywhere, at_rest)[own]
@@ -279,7 +279,7 @@ def is_other_body(before: Model, nodes_n: IntArray | IndexArray, after: Model, n
     return len(places[0]) == len(places[1]) == 1 and places[0] != places[1]
 
 
-def give_to_facing(values: FloatArray, nodes: IndexArray | IntArray, position: FloatArray, sides: IntArray) -> None:
+def copy_to_facing(values: FloatArray, nodes: IndexArray | IntArray, position: FloatArray, sides: IntArray) -> None:
     """Give what stands at nodes of one surface to the nodes of others that face it, in place.
 
     Vectors (n_points, 3) turn round: what one body feels the other one gives. position: of all nodes (n_points, d)

@@ -16,7 +16,7 @@ from presswork.explicit.arrays import BodyContactArrays
 from presswork.explicit.body_contacts import BodyContactOfRun
 from presswork.mesh.faces import face_areas
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model
-from presswork.process.mesh_change.carrying import give_to_facing
+from presswork.process.mesh_change.carrying import copy_to_facing
 from presswork.remesh.carrier import Carrier
 from presswork.state import Arrays, State
 
@@ -56,7 +56,7 @@ def carry_tractions(old: RunOnMesh, after: Model, carrier: Carrier) -> list[Trac
         if contact.slave != contact_n.slave:
             sides = before.mesh.boundary_faces
             for values in (pressure, shear):
-                give_to_facing(values, slots, position, sides)
+                copy_to_facing(values, slots, position, sides)
         at_rest = np.zeros(len(after.mesh.points))
         found.append(Traction(carrier.surface(pressure, at_rest), carrier.surface(shear, np.zeros((len(at_rest), 3)))))
     return found
@@ -75,8 +75,8 @@ def find_depths(
         each.set_step(step)
         stiffness, slots = each.find_stiffness(), each.slots
         depth = np.full(len(areas), np.nan)
-        ways = np.minimum(traction.pressure[slots] / np.maximum(stiffness, 1e-300), DEEPEST * each.edge)
-        depth[slots] = np.where(each.area[slots] > COVERED * areas[slots], ways, np.nan)
+        depths = np.minimum(traction.pressure[slots] / np.maximum(stiffness, 1e-300), DEEPEST * each.edge)
+        depth[slots] = np.where(each.area[slots] > COVERED * areas[slots], depths, np.nan)
         found.append(depth)
     return found
 

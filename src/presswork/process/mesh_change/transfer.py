@@ -95,7 +95,7 @@ def sheet_of_explicit(shells: ExplicitShells, evolved: Mapping[str, FloatArray] 
     stress, thickness = shells.released()
     thickness, layers = thickness[:, None], (stress, shells.history_at_points)
     kept = {**shells.damage, **(evolved or {})}
-    degrees = shells.given_temperature
+    degrees = shells.prescribed_temperature
     blocks = []
     three = is_triangle(shells.connectivity)
     for n_nodes, own in ((4, ~three), (3, three)):
@@ -249,7 +249,7 @@ def fill_layers(shells: ExplicitShells, sheet: SheetState) -> None:
     )
     degrees = [at_points(block.temperature, q) for block in sheet.blocks if block.temperature is not None]
     if degrees:
-        shells.given_temperature = np.concatenate(degrees)
+        shells.prescribed_temperature = np.concatenate(degrees)
 
 
 def law_axes(shells: ExplicitShells) -> FloatArray:

@@ -240,11 +240,11 @@ def restore_volume(
     skin = np.unique(faces)
     for _ in range(_ROUNDS):
         entered = _enter_tools(body, points, on_tool, in_plane, skin, edge)
-        way = _free_ways(points, faces, on_tool, in_plane)
-        if not way.any():
+        direction = _free_directions(points, faces, on_tool, in_plane)
+        if not direction.any():
             break
-        offset = _find_offset(points, faces, way, target)
-        points, total = points + offset * way, total + offset
+        offset = _find_offset(points, faces, direction, target)
+        points, total = points + offset * direction, total + offset
         if not entered and abs(enclosed_volume(points, faces) / target - 1.0) < 1e-12:
             break
     if not abs(total) <= LARGEST_OFFSET * edge:  # nor where it is no number, since the search has run away
@@ -268,7 +268,7 @@ def _enter_tools(
     return bool(entered.any())
 
 
-def _free_ways(points: FloatArray, faces: IndexArray, on_tool: BoolArray, in_plane: BoolArray) -> FloatArray:
+def _free_directions(points: FloatArray, faces: IndexArray, on_tool: BoolArray, in_plane: BoolArray) -> FloatArray:
     """Return the unit vectors along which nodes move outwards: none on tools, those in planes along these (n, 3)."""
     flat = np.zeros(len(faces), dtype=bool)
     for axis in range(3):
@@ -279,13 +279,13 @@ def _free_ways(points: FloatArray, faces: IndexArray, on_tool: BoolArray, in_pla
     return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300))
 
 
-def _find_offset(points: FloatArray, faces: IndexArray, way: FloatArray, target: float) -> float:
+def _find_offset(points: FloatArray, faces: IndexArray, direction: FloatArray, target: float) -> float:
     """Return the offset along a way with which faces hold a volume [mm], by Newton's method."""
     offset = 0.0
     for _ in range(20):
-        moved = points + offset * way
+        moved = points + offset * direction
         lack = target - enclosed_volume(moved, faces)
-        slope = float(np.einsum("kj,kj->", area_vectors(moved, faces), way[faces].mean(axis=1)))
+        slope = float(np.einsum("kj,kj->", area_vectors(moved, faces), direction[faces].mean(axis=1)))
         if slope <= 0.0 or abs(lack) < 1e-14 * target:
             break
         offset += lack / slope

@@ -112,8 +112,8 @@ def _find_scheduler(cluster: Cluster, jobs: int) -> Iterator[tuple[str, Any]]:
             errors.seek(0)
             words = errors.read().decode(errors="replace").strip().splitlines()
             raise ClusterError(f"the local cluster did not start: {words[-1] if words else 'no reason given'}")
-        told = json.loads(line)
-        yield told["address"], Security(require_encryption=True, **told["certificate"])
+        answer = json.loads(line)
+        yield answer["address"], Security(require_encryption=True, **answer["certificate"])
 
 
 def _check_workers(client: Client, address: str) -> None:

@@ -50,28 +50,28 @@ def compute(order: Order) -> None:
     worker = get_worker()
     attempt = uuid.uuid4().hex[:8]
 
-    def tell(**words: object) -> None:
+    def send(**words: object) -> None:
         worker.log_event(order.study, {"member": order.member, "attempt": attempt, "worker": worker.address, **words})
 
-    tell(kind="started")
+    send(kind="started")
     try:
         folder, mode = _open_folder(order, attempt, worker)
     except OSError as error:
         reason = f"worker {worker.address} cannot use the folder ({error}); --bring-back needs no shared folder"
-        tell(kind="ended", status="failed", reason=reason, folder="", files=[])
+        send(kind="ended", status="failed", reason=reason, folder="", files=[])
         return
     process = MemberProcess(_share_worker(order, worker, str(folder), mode))
     with _lock:
         _running.setdefault(order.study, []).append(process)
     try:
         status, reason = process.follow(
-            lambda fraction, text: tell(kind="moved", fraction=fraction, text=text), _find_whether_wanted(worker)
+            lambda fraction, text: send(kind="moved", fraction=fraction, text=text), _find_whether_wanted(worker)
         )
     finally:
         with _lock:
             _running[order.study].remove(process)
     files = [(path.name, path.stat().st_size) for path in sorted(folder.glob("*")) if path.is_file()]
-    tell(kind="ended", status=status, reason=reason, folder=str(folder), files=files)
+    send(kind="ended", status=status, reason=reason, folder=str(folder), files=files)
 
 
 def _open_folder(order: Order, attempt: str, worker: Worker) -> tuple[Path, Mode]:

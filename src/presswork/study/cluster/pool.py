@@ -68,7 +68,7 @@ class ClusterPool:
         study, self.interrupts.count, self._stopping = f"presswork-{uuid.uuid4().hex}", 0, False
         self._places = {i: task.folder.absolute() for i, task in tasks.items()}
         self._modes = {i: task.mode for i, task in tasks.items()}
-        self._client.subscribe_topic(study, lambda event: self._news.put(("told", event[1])))
+        self._client.subscribe_topic(study, lambda event: self._news.put(("reported", event[1])))
         try:
             with self.interrupts.counted():
                 self._members = {}
@@ -124,7 +124,7 @@ class ClusterPool:
                 if self._stopping:
                     yield from self._leave_lost_workers()
                 continue
-            yield from self._hear(news) if kind == "told" else self._judge(*news)
+            yield from self._hear(news) if kind == "reported" else self._judge(*news)
 
     def _hear(self, news: Mapping[str, Any]) -> Iterator[Event]:
         """Take up what a worker tells of a member."""

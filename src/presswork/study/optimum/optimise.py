@@ -95,17 +95,17 @@ def check_study(study: Study, study_file: Path) -> tuple[tuple[Column, ...], Slo
                 read_case(case_file, study.write_overrides(values))
             except CaseError as error:
                 text = f"{', '.join(variable.names)} = {variable.write(bound)} is not possible in {case_file}"
-                said = "; ".join(str(problem) for problem in error.problems)
-                problems.append(Problem(f"variables.{index}.{name}", text, said))
+                wording = "; ".join(str(problem) for problem in error.problems)
+                problems.append(Problem(f"variables.{index}.{name}", text, wording))
                 break
     if problems:
         raise CaseError(problems, study_file)
     try:
         model: Model | OneStepModel = build(read_case(case_file, study.write_overrides(first)))
     except CaseError as error:
-        said = "; ".join(str(problem) for problem in error.problems)
+        wording = "; ".join(str(problem) for problem in error.problems)
         remedy = "give every variable a start from which the case can be computed"
-        text = f"the first run cannot be computed: {said}"
+        text = f"the first run cannot be computed: {wording}"
         raise CaseError([Problem("variables", text, remedy)], study_file) from None
     measured = {name: key for name, key in study.measures.items() if name not in study.variable_names}
     columns, history = check_measures(measured, model, study_file)

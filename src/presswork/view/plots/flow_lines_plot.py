@@ -66,12 +66,12 @@ def plot_flow_lines(result: Result, step: int = -1, ax: Axes | None = None, *, m
         draw_boundary(ax, mesh.boundary_edges, points, sign, mirror)
     names = ("radius", "height") if result.info.get("analysis") == "axisymmetric" else ("x", "y")
     extent = np.ptp(result.mesh.points, axis=0)
-    told = [
+    notes = [
         f"initial {names[axis]} every {extent[axis] / len(places[axis]):.3g} mm ({word})"
         for axis, word in ((0, "blue"), (1, "brown"))
     ]
     fault = mark_laps(ax, result, step)
-    ax.set_title("\n".join([title_step(ax, result, step), *told, *([fault] if fault else [])]), fontsize="medium")
+    ax.set_title("\n".join([title_step(ax, result, step), *notes, *([fault] if fault else [])]), fontsize="medium")
     return ax
 
 

@@ -65,8 +65,8 @@ def plot_forming_limit(
     ax.set_ylabel("major true strain [–]")
     title = str(result.info.get("title", "")).strip()
     ax.set_title("\n".join(filter(None, (title, describe_step(result, step)))), fontsize="medium")
-    said = f"{verdict.failing} of {len(major)} elements above the limit" if verdict.margin else "no forming limit"
-    ax.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5), title=said)
+    wording = f"{verdict.failing} of {len(major)} elements above the limit" if verdict.margin else "no forming limit"
+    ax.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5), title=wording)
     clean_axes(ax)
     return figure
 

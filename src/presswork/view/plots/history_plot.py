@@ -54,10 +54,10 @@ def plot_history(
             parts = [name] if len(runs) > 1 else []
             parts += [ordinate.partition(".")[0]] if len(curves) > 1 else []
             shown = break_at_parts(history, _values(history, ordinate))
-            way = np.array(_values(history, abscissa))
+            abscissae = np.array(_values(history, abscissa))
             shown[1:][np.diff(count_operations(run)) > 0] = np.nan  # no line where tools are placed
-            way[find_idle(run, ordinate.partition(".")[0])] = np.nan
-            ax.plot(way, shown, label=", ".join(parts), linewidth=1.8)
+            abscissae[find_idle(run, ordinate.partition(".")[0])] = np.nan
+            ax.plot(abscissae, shown, label=", ".join(parts), linewidth=1.8)
         drawn += curves
     ax.set_xlabel(_label(sorted({abscissa for abscissa, _ in drawn})))
     parts_of_whole = {name_part(run) for run in runs if any(is_of_part(run.history, name) for _, name in drawn)}
@@ -170,9 +170,9 @@ def _choose_columns(
     """Return the pairs of columns to draw, all of them in the history."""
     if y is not None:
         tool = y.partition(".")[0]
-        ways = [f"{tool}.{way}" for way in ("angle", "stroke") if f"{tool}.{way}" in history]
-        ways += [moved for moved, force in find_moved_sets(history) if force == y]
-        pairs = [(x or [*ways, "time"][0], y)]
+        strokes = [f"{tool}.{quantity}" for quantity in ("angle", "stroke") if f"{tool}.{quantity}" in history]
+        strokes += [moved for moved, force in find_moved_sets(history) if force == y]
+        pairs = [(x or [*strokes, "time"][0], y)]
     else:
         moving = find_moving_tools(history)
         if result.is_stamping and moving and not result.is_line:  # holders hardly move: all over one stroke
@@ -181,7 +181,7 @@ def _choose_columns(
             return [(x or f"{main}.stroke", name) for name in (*(f"{tool}.force" for tool in moving), *beads)]
         turning = [(x or f"{tool}.angle", f"{tool}.force") for tool in find_turning_tools(history)]
         own = find_operations(result) if result.is_line else []
-        over = {tool: way for each in own for tool, way in choose_strokes(result, each).items()}
+        over = {tool: stroke for each in own for tool, stroke in choose_strokes(result, each).items()}
         pairs = turning or [(x or f"{over.get(tool, tool)}.stroke", f"{tool}.force") for tool in moving]
         pairs = pairs or [(x or moved, force) for moved, force in find_moved_sets(history)]
     if not pairs:

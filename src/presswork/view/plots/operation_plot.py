@@ -79,7 +79,7 @@ def choose_strokes(result: Result, operation: Operation) -> dict[str, str]:
     history, rows = result.history, operation.rows
     far = {tool: float(np.ptp(np.append(0.0, history[f"{tool}.stroke"][rows]))) for tool in operation.tools}
     main = max(far, key=lambda tool: far[tool])
-    return {tool: main if result.is_stamping and way < HARDLY * far[main] else tool for tool, way in far.items()}
+    return {tool: main if result.is_stamping and stroke < HARDLY * far[main] else tool for tool, stroke in far.items()}
 
 
 def find_idle(result: Result, tool: str) -> BoolArray:

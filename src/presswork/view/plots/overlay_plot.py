@@ -53,12 +53,12 @@ def _overlay_sections(results: Sequence[Result], names: Sequence[str]) -> Figure
     upper, lower = figure.subplots(2, 1, height_ratios=(2, 1))
     for number, (result, name) in enumerate(zip(results, names, strict=True)):
         sheet = cut_sheet(result, whole=True)
-        if len(sheet.way) == 0:
+        if len(sheet.distance) == 0:
             continue
         shape = np.concatenate([sheet.line[:, 0], sheet.line[-1:, 1]])
         upper.plot(*shape.T, color=f"C{number}", linewidth=1.5, label=name)
         strain = result.field("thickness_strain")[sheet.cell]
-        lower.plot(sheet.way, strain, ".-", color=f"C{number}", linewidth=1.2, markersize=3)
+        lower.plot(sheet.distance, strain, ".-", color=f"C{number}", linewidth=1.2, markersize=3)
     upper.set_aspect("equal")
     upper.set(xlabel="distance from the middle [mm]", ylabel="z [mm]", title="section at 0 degrees")
     lower.set(xlabel="distance from the middle in the undeformed blank [mm]", ylabel="thickness strain [–]")

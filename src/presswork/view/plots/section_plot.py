@@ -42,7 +42,7 @@ def plot_section(
     figure.set_layout_engine("constrained", w_pad=0.15)  # else the wider labels of the lower axes are cut
     radians = float(np.radians(angle))
     sheet = cut_sheet(result, radians, step, start=start, whole=start == ORIGIN)
-    if len(sheet.way) == 0:
+    if len(sheet.distance) == 0:
         raise ResultError(f"the section from ({start[0]:g}, {start[1]:g}) mm at {angle:g} degrees misses the blank")
     lines = sheet.line
     thickness = result.field("thickness", step)[sheet.cell]
@@ -58,7 +58,7 @@ def plot_section(
     upper.add_collection(PolyCollection(list(faces), facecolor="#c03030", edgecolor="#c03030", linewidths=0.3))
     low, high = lines.reshape(-1, 2).min(axis=0), lines.reshape(-1, 2).max(axis=0)
     margin = 0.08 * float((high - low).max())
-    is_half = start == ORIGIN and sheet.way[0] >= 0.0
+    is_half = start == ORIGIN and sheet.distance[0] >= 0.0
     left = 0.0 if is_half else float(low[0]) - margin
     upper.set(xlim=(left, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
     upper.set_aspect("equal")
@@ -71,8 +71,9 @@ def plot_section(
     upper.set_title(f"{title}\n{describe_step(result, step)}, section at {angle:g} degrees", fontsize="medium")
     ends = find_breaks(lines)
     strain = result.field("thickness_strain", step)[sheet.cell]
-    way, strain = np.insert(sheet.way, ends, np.nan), np.insert(strain, ends, np.nan)  # no line goes over a hole
-    lower.plot(way, strain, ".-", linewidth=1.2, markersize=3)
+    distance = np.insert(sheet.distance, ends, np.nan)
+    strain = np.insert(strain, ends, np.nan)  # no line goes over a hole
+    lower.plot(distance, strain, ".-", linewidth=1.2, markersize=3)
     lower.set_xlabel(f"distance from {beginning} in the undeformed blank [mm]")
     lower.set_ylabel("thickness strain [–]")
     lower.axhline(0.0, color="0.5", linewidth=0.8)
@@ -108,14 +109,14 @@ def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
     if result.is_line:
         kept = _most_drawn_in([result.operation_at(step) for step in steps], list(found.values()))
         steps, found = steps[kept], {angle: come_in[kept] for angle, come_in in found.items()}
-    ways = {
+    displacements = {
         name: [
             np.subtract(result.surface_displacement(name, s), result.surface_displacement(name, steps[0]))
             for s in steps
         ]
         for name in result.tools_at_work(steps[-1])
     }
-    strokes = {name: np.linalg.norm(way, axis=1) for name, way in ways.items()}
+    strokes = {name: np.linalg.norm(displacement, axis=1) for name, displacement in displacements.items()}
     tool = max(strokes, key=lambda name: float(strokes[name][-1]))
     stroke = strokes[tool]
     near = _ALIKE * max(float(np.abs(come_in).max()) for come_in in found.values())

@@ -88,8 +88,8 @@ def plot_shell(
     if values is not None and field != ZONE_FIELD:
         extremes = describe_extremes(values, np.concatenate([block.mean(axis=1) for block in outlines]))
     crack = find_first_crack(result, field) if field else None
-    said = describe_first_crack(crack).replace(" (x)", "") if crack else ""
-    lines = (title, describe_step(result, step) + magnified, extremes, said)
+    wording = describe_first_crack(crack).replace(" (x)", "") if crack else ""
+    lines = (title, describe_step(result, step) + magnified, extremes, wording)
     figure.suptitle("\n".join(filter(None, lines)), fontsize="medium")  # a title of the axes would lie on the body
     return figure
 

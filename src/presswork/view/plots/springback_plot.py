@@ -38,7 +38,7 @@ def plot_springback(
     require_matplotlib()
     figure = new_figure(7.4, 4.8) if figure is None else figure
     found = measure_springback(result, float(np.radians(angle)), step, start=start)
-    if len(found.formed.way) == 0:
+    if len(found.formed.distance) == 0:
         raise ResultError(f"the section at {angle:g} degrees misses the part")
     breaks = find_breaks(found.formed.line)
     formed, free = _trace(found.formed.line, breaks), _trace(found.free.line, breaks)

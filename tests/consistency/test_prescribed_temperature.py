@@ -103,7 +103,7 @@ def test_every_cell_of_explicit_solids_answers_at_its_own_temperature(general: b
         return run
 
     run = start()
-    run.given_temperature = degrees
+    run.prescribed_temperature = degrees
     run.advance(100)
     law = make_plane_law(data)
     stress, history = np.zeros((3, 4)), np.zeros((3, law.history_size))
@@ -137,7 +137,7 @@ def test_every_layer_of_explicit_shells_answers_at_its_own_temperature(treatment
         return run
 
     run = start()
-    run.given_temperature = profile
+    run.prescribed_temperature = profile
     run.advance(200)
     stress, history = np.zeros((3, 3)), np.zeros((3, law.history_size))
     for change in np.diff(np.log(1 + 200.0 * run.dt * np.arange(201))):
@@ -150,5 +150,5 @@ def test_every_layer_of_explicit_shells_answers_at_its_own_temperature(treatment
     for each in (run, other):
         each.advance(20)
     assert run.stress.tobytes() == other.stress.tobytes()
-    with pytest.raises(ExplicitError, match=r"given_temperature has shape \(2,\)"):
-        run.given_temperature = [20.0, 30.0]
+    with pytest.raises(ExplicitError, match=r"prescribed_temperature has shape \(2,\)"):
+        run.prescribed_temperature = [20.0, 30.0]
