@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import inspect
 import re
+import sys
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -18,9 +19,13 @@ from typing import Any
 
 import presswork
 from presswork.case import json_schema as _json_schema
+from presswork.case.kinds import KINDS as CASES
 from presswork.cli.commands import COMMANDS, load
 from presswork.fields.field import Field
 from presswork.fields.table import FIELDS
+
+sys.path.insert(0, str(Path(__file__).parent))
+from key_examples import Block, find_blocks
 
 EXAMPLES = Path(presswork.__file__).parent / "examples"
 KINDS = {
@@ -36,8 +41,8 @@ UNIT = re.compile(r"\s*\[((?:1/|degrees? ?C?|mm|N|MPa|kW|kJ|kg|t/|W/|J/|s\b|K\b|
 ROW = "| {} | {} | {} | {} | {} | {} | {} |\n"
 PLAIN = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 MOST_EXAMPLES = 3
-CHOOSES = "chooses this table"
-"""Meaning of a key that has one value alone."""
+ABOVE = ""
+"""Stands among a key's examples for the block above its table."""
 
 
 @cache
@@ -54,6 +59,7 @@ class Key:
     schema: dict[str, Any]
     needed: bool
     examples: set[str] = field(default_factory=set)
+    """Names of packaged examples, and ABOVE."""
 
 
 @dataclass
@@ -63,6 +69,8 @@ class Table:
     place: str
     description: str
     keys: dict[str, Key]
+    blocks: list[Block] = field(default_factory=list)
+    """Examples shown above its keys."""
 
 
 def unfold(schema: dict[str, Any], defs: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -164,14 +172,14 @@ def find_bounds(schema: dict[str, Any]) -> str:
 
 def write_key(key: Key, defs: dict[str, Any]) -> str:
     """Return the row of a key."""
-    text = " ".join(key.schema.get("description", CHOOSES).split())
+    text = " ".join(key.schema["description"].split())
     unit = UNIT.search(text)
     meaning = (UNIT.sub("", text) if unit else text).replace("|", "\\|").replace("<", "&lt;")
     given = key.schema.get("default")
     plain = given is not None and not isinstance(given, dict | list | tuple)
     default = "needed" if key.needed else f"`{given}`" if plain else ""
-    shown = sorted(key.examples)[:MOST_EXAMPLES]
-    used = ", ".join(f"[{name}](../gallery.md#{name})" for name in shown)
+    shown = sorted(key.examples - {ABOVE})[:MOST_EXAMPLES]
+    used = ", ".join(f"[{name}](../gallery.md#{name})" for name in shown) or "above"
     return ROW.format(
         f"`{key.name}`",
         describe_type(key.schema, defs).replace("|", "\\|"),
@@ -189,10 +197,15 @@ def find_keys(kind: str) -> dict[str, Table]:
     words = next(
         (inner.get("enum") or [inner.get("const")] for key, inner in schema["properties"].items() if key == "analysis")
     )
+    defs = schema.get("$defs", {})
     for path in sorted(EXAMPLES.glob("*.toml")):
         data = tomllib.loads(path.read_text("utf-8"))
         if data.get("analysis") in words:
-            use(data, schema, schema.get("$defs", {}), tables, path.stem)
+            use(data, schema, defs, tables, path.stem)
+    for name, table in tables.items():
+        table.blocks = find_blocks(name or CASES[kind].name, set(table.keys))
+        for block in table.blocks:
+            use(block.data, {"$ref": f"#/$defs/{name}"} if name else schema, defs, tables, ABOVE)
     return tables
 
 
@@ -214,7 +227,10 @@ def make_keys(kind: str) -> str:
         head = f"## {name or 'The case'} {{ #{name.lower() or 'case'} }}\n\n{describe(table)}"
         place = f" Place: `{table.place}`.\n" if table.place else "\n"
         rows = "".join(write_key(key, defs) for key in table.keys.values())
-        page.append(f"{head}{place}\n{ROW.format('key', 'type', 'unit', 'default', 'range', 'meaning', 'examples')}")
+        shown = "\n".join(block.write(table.place) for block in table.blocks)
+        page.append(
+            f"{head}{place}\n{shown}\n{ROW.format('key', 'type', 'unit', 'default', 'range', 'meaning', 'examples')}"
+        )
         page[-1] += ROW.format(*["---"] * 7) + rows
     return "\n".join(page)
 

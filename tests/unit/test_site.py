@@ -63,14 +63,6 @@ def test_every_key_of_every_case_is_in_the_reference(site: Path) -> None:
         assert not [key for key in keys if f"<code>{key}</code>" not in page]
 
 
-def test_every_key_has_a_description() -> None:
-    for kind in KINDS:
-        schema = json_schema(kind)
-        for name, table in {"": schema, **schema["$defs"]}.items():
-            for key, node in table.get("properties", {}).items():
-                assert node.get("description") or "const" in node, f"{kind}: {name}.{key}"
-
-
 def test_no_link_of_the_site_is_dead(site: Path) -> None:
     pages = {}
     for path in site.rglob("*.html"):

@@ -10,10 +10,11 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, Self, get_args
 
-from pydantic import ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, PrivateAttr, ValidationError, ValidationInfo, model_validator
 
 from presswork.case.errors import CaseError, Problem
 from presswork.case.kinds import find_kind
+from presswork.case.names import FORMAT, Format
 from presswork.case.part import Part
 from presswork.case.reader import Tables, list_problems, read_tables
 
@@ -21,6 +22,9 @@ from presswork.case.reader import Tables, list_problems, read_tables
 class CaseFile(Part):
     """A case of any kind. Raises CaseError, with every problem found, when it is not valid."""
 
+    format: Format = Field(
+        default=FORMAT, description="format of the file, by which a later presswork knows what its keys meant"
+    )
     _source: Path | None = PrivateAttr(default=None)
     _text: str = PrivateAttr(default="")
 

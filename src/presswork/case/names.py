@@ -5,10 +5,12 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, Field
 
 from presswork.case.units import fault
 
+FORMAT = 1
+"""Format of case files that this program reads; it counts changes that make an earlier file mean something else."""
 LONGEST = 80
 LONGEST_TITLE = 500
 LONGEST_PART = 255
@@ -51,8 +53,17 @@ def _check_title(title: str) -> str:
     return title
 
 
+def _check_format(number: int) -> int:
+    """Refuse a case file of a later program."""
+    if number > FORMAT:
+        text = f"the file is written for a later presswork; this one reads format {FORMAT}"
+        raise fault(text, "install the presswork that it was written for")
+    return number
+
+
 Name = Annotated[str, AfterValidator(_check_name)]
 """Name of a tool, stage, body, contact, material, support or trim line."""
 Title = Annotated[str, AfterValidator(_check_title)]
+Format = Annotated[int, Field(ge=1, strict=True), AfterValidator(_check_format)]
 FileName = Annotated[str, AfterValidator(_check_file_name)]
 """Path of a file that a case names, relative to it."""

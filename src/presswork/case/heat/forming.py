@@ -60,7 +60,8 @@ class DieBlock(Part):
         description="metal behind the deepest point of the profile, up to a flat back along x or y [mm]",
     )
     corners: tuple[Point, ...] = Field(
-        default=(), description="instead of depth: the other corners of the block, from one end of the profile round"
+        default=(),
+        description="instead of depth: the other corners of the block, from one end of the profile round [mm]",
     )
 
     @model_validator(mode="after")

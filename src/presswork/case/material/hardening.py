@@ -31,7 +31,7 @@ class _Named(Part):
 class Linear(_Named):
     """Flow stress = yield_stress + modulus e."""
 
-    law: Literal["linear"] = "linear"
+    law: Literal["linear"] = Field(default="linear", description="linear: a straight line")
     yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
     modulus: Stress = Field(
         default=0.0, ge=0, description="plastic modulus H' = d(flow stress)/d(plastic strain) [MPa]"
@@ -41,7 +41,7 @@ class Linear(_Named):
 class Swift(_Named):
     """Flow stress = K (e0 + e)^n."""
 
-    law: Literal["swift"] = "swift"
+    law: Literal["swift"] = Field(default="swift", description="swift: Swift's power law")
     K: Stress = Field(gt=0, description="strength coefficient [MPa]")
     e0: Number = Field(gt=0, description="strain before the test begins, e.g. 0.007")
     n: Number = Field(ge=0, le=1, description="hardening exponent, about 0.2 for steel")
@@ -50,7 +50,7 @@ class Swift(_Named):
 class Ludwik(_Named):
     """Flow stress = yield_stress + K e^n."""
 
-    law: Literal["ludwik"] = "ludwik"
+    law: Literal["ludwik"] = Field(default="ludwik", description="ludwik: Ludwik's power law")
     yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
     K: Stress = Field(ge=0, description="strength coefficient [MPa]")
     n: Number = Field(gt=0, le=1, description="hardening exponent, about 0.5")
@@ -59,7 +59,7 @@ class Ludwik(_Named):
 class Voce(_Named):
     """Flow stress = saturation_stress - (saturation_stress - yield_stress) exp(-rate e)."""
 
-    law: Literal["voce"] = "voce"
+    law: Literal["voce"] = Field(default="voce", description="voce: Voce's law, which saturates")
     yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
     saturation_stress: Stress = Field(gt=0, description="flow stress at large strain [MPa]")
     rate: Number = Field(gt=0, description="rate of saturation per unit of plastic strain")
@@ -73,7 +73,9 @@ class Voce(_Named):
 class LinearVoce(_Named):
     """Flow stress = yield_stress + modulus e + (saturation_stress - yield_stress) (1 - exp(-rate e))."""
 
-    law: Literal["linear_voce"] = "linear_voce"
+    law: Literal["linear_voce"] = Field(
+        default="linear_voce", description="linear_voce: Voce's law and a straight line"
+    )
     yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
     saturation_stress: Stress = Field(gt=0, description="flow stress at large strain less its linear part [MPa]")
     rate: Number = Field(gt=0, description="rate of saturation per unit of plastic strain")
@@ -88,7 +90,9 @@ class LinearVoce(_Named):
 class HockettSherby(_Named):
     """Flow stress = saturation_stress - (saturation_stress - yield_stress) exp(-rate e^exponent)."""
 
-    law: Literal["hockett_sherby"] = "hockett_sherby"
+    law: Literal["hockett_sherby"] = Field(
+        default="hockett_sherby", description="hockett_sherby: Hockett and Sherby's law, which saturates"
+    )
     yield_stress: Stress = Field(gt=0, description="initial flow stress [MPa]")
     saturation_stress: Stress = Field(gt=0, description="flow stress at large strain [MPa]")
     rate: Number = Field(gt=0, description="rate of saturation per unit of plastic strain to the power `exponent`")
@@ -103,7 +107,9 @@ class HockettSherby(_Named):
 class SwiftVoce(_Named):
     """Flow stress = (1 - voce_share) Swift + voce_share Voce."""
 
-    law: Literal["swift_voce"] = "swift_voce"
+    law: Literal["swift_voce"] = Field(
+        default="swift_voce", description="swift_voce: a mean of Swift's and Voce's laws"
+    )
     voce_share: Number = Field(ge=0, le=1, description="share of Voce's law, 0 to 1; the rest is Swift's")
     K: Stress = Field(gt=0, description="strength coefficient [MPa]")
     e0: Number = Field(gt=0, description="strain before the test begins, e.g. 0.007")
@@ -163,7 +169,7 @@ class _Points(Part):
 class Table(_Points):
     """Flow stress linear between measured points; the last slope goes on beyond the last."""
 
-    law: Literal["table"] = "table"
+    law: Literal["table"] = Field(default="table", description="table: straight lines through given points")
 
     def parameters(self) -> list[float]:
         """Return the parameters in the order of model.Hardening."""
@@ -173,7 +179,9 @@ class Table(_Points):
 class MonotoneTable(_Points):
     """Flow stress by cubics through measured points, without wiggles and with a continuous slope."""
 
-    law: Literal["monotone_table"] = "monotone_table"
+    law: Literal["monotone_table"] = Field(
+        default="monotone_table", description="monotone_table: a smooth curve through given points"
+    )
 
     @model_validator(mode="after")
     def _check_number(self) -> Self:

@@ -151,7 +151,9 @@ class FittedLaw(HotLaw):
 class HenselSpittel(FittedLaw):
     """A exp(m1 T) T^m9 e^m2 exp(m4/e) (1 + e)^(m5 T) exp(m7 e) rate^(m3 + m8 T), T in degrees C."""
 
-    law: Literal["hensel_spittel"] = "hensel_spittel"
+    law: Literal["hensel_spittel"] = Field(
+        default="hensel_spittel", description="hensel_spittel: Hensel and Spittel's law of hot metal"
+    )
     A: Stress = Field(gt=0, description="factor of the flow stress [MPa s^m3]")
     m1: Number = Field(description="coefficient of the temperature [1/degree C], about -0.003")
     m2: Number = Field(description="exponent of the strain, for hardening")
@@ -179,7 +181,9 @@ class HenselSpittel(FittedLaw):
 class NortonHoff(FittedLaw):
     """K (e0 + e)^n rate^m exp(beta/T), T in K."""
 
-    law: Literal["norton_hoff"] = "norton_hoff"
+    law: Literal["norton_hoff"] = Field(
+        default="norton_hoff", description="norton_hoff: Norton and Hoff's law of hot metal"
+    )
     K: Stress = Field(gt=0, description="consistency [MPa s^m]")
     e0: Number = Field(default=0.0, ge=0, description="strain before the test begins, e.g. 0.007")
     n: Number = Field(default=0.0, ge=0, le=1, description="hardening exponent, 0 to 1")
@@ -195,7 +199,9 @@ class NortonHoff(FittedLaw):
 class SinhArrhenius(FittedLaw):
     """asinh((Z/A)^(1/n))/alpha, Z = rate exp(Q/(R T)), T in K: the flow stress at steady state."""
 
-    law: Literal["sinh_arrhenius"] = "sinh_arrhenius"
+    law: Literal["sinh_arrhenius"] = Field(
+        default="sinh_arrhenius", description="sinh_arrhenius: the hyperbolic sine law of hot working"
+    )
     A: Number = Field(gt=0, description="factor [1/s]")
     alpha: Number = Field(gt=0, lt=10, description="coefficient of the stress [1/MPa], about 0.01")
     n: Number = Field(gt=0, description="exponent of the sinh, about 5")
@@ -210,7 +216,7 @@ class SinhArrhenius(FittedLaw):
 class JohnsonCookHardening(FittedLaw):
     """(A + B e^n) (1 + C ln(rate/reference_rate)) (1 - T*^m), T* = (T - reference)/(melting - reference)."""
 
-    law: Literal["johnson_cook"] = "johnson_cook"
+    law: Literal["johnson_cook"] = Field(default="johnson_cook", description="johnson_cook: Johnson and Cook's law")
     A: Stress = Field(gt=0, description="flow stress before hardening [MPa]")
     B: Stress = Field(ge=0, description="hardening coefficient [MPa]")
     n: Number = Field(gt=0, le=1, description="hardening exponent, 0 to 1")

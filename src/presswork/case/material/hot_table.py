@@ -25,7 +25,9 @@ EQUAL = 1e-9
 class HotTable(HotLaw):
     """Measured flow stress: linear in strain, in the logarithm of the rate and in temperature, constant beyond."""
 
-    law: Literal["hot_table"] = "hot_table"
+    law: Literal["hot_table"] = Field(
+        default="hot_table", description="hot_table: a table of tests at strain rates and temperatures"
+    )
     file: FileName = Field(
         description="CSV file beside the case with the columns strain, rate [1/s], temperature [degrees C] and "
         "stress [MPa], a row for each strain at each rate and temperature"

@@ -21,7 +21,7 @@ MOST_BACK_STRESSES = 10
 class Chaboche(Part):
     """Back stresses that each grow by C and fade by gamma; gamma 0 is the linear law of Prager and Ziegler."""
 
-    law: Literal["chaboche"] = "chaboche"
+    law: Literal["chaboche"] = Field(default="chaboche", description="chaboche: Chaboche's back stresses")
     C: tuple[Stress, ...] = Field(
         min_length=1,
         max_length=MOST_BACK_STRESSES,
@@ -50,7 +50,9 @@ class Chaboche(Part):
 class YoshidaUemori(Part):
     """Two surfaces of Yoshida and Uemori (2002); their Y is the yield stress of the hardening law."""
 
-    law: Literal["yoshida_uemori"] = "yoshida_uemori"
+    law: Literal["yoshida_uemori"] = Field(
+        default="yoshida_uemori", description="yoshida_uemori: two surfaces of Yoshida and Uemori"
+    )
     B: Stress = Field(gt=0, description="initial size of the bounding surface [MPa]")
     C: Number = Field(gt=0, description="rate at which the yield surface follows")
     m: Number = Field(ge=0, description="rate of the bounding surface")
@@ -66,7 +68,9 @@ class YoshidaUemori(Part):
 class CowperSymonds(Part):
     """Flow stress times 1 + (rate/D)^(1/q)."""
 
-    law: Literal["cowper_symonds"] = "cowper_symonds"
+    law: Literal["cowper_symonds"] = Field(
+        default="cowper_symonds", description="cowper_symonds: Cowper and Symonds' factor"
+    )
     D: Number = Field(gt=0, description="plastic strain rate at which the flow stress doubles [1/s]")
     q: Number = Field(ge=1, description="exponent")
 
@@ -78,7 +82,7 @@ class CowperSymonds(Part):
 class JohnsonCookRate(Part):
     """Flow stress times 1 + C ln(rate/reference_rate), above the reference rate."""
 
-    law: Literal["johnson_cook"] = "johnson_cook"
+    law: Literal["johnson_cook"] = Field(default="johnson_cook", description="johnson_cook: Johnson and Cook's factor")
     C: Number = Field(ge=0, description="sensitivity")
     reference_rate: Number = Field(gt=0, description="plastic strain rate of the hardening law [1/s]")
 
@@ -90,7 +94,9 @@ class JohnsonCookRate(Part):
 class LogarithmicRate(Part):
     """Flow stress times 1 + C ln(1 + rate/reference_rate)."""
 
-    law: Literal["logarithmic"] = "logarithmic"
+    law: Literal["logarithmic"] = Field(
+        default="logarithmic", description="logarithmic: a factor that grows with the logarithm of the rate"
+    )
     C: Number = Field(ge=0, description="sensitivity")
     reference_rate: Number = Field(gt=0, description="plastic strain rate from which it is felt [1/s]")
 
@@ -120,7 +126,7 @@ class _Limit(Part):
 class KeelerLimit(_Limit):
     """Keeler and Brazier's curve for mild and conventional high-strength steel."""
 
-    law: Literal["keeler"] = "keeler"
+    law: Literal["keeler"] = Field(default="keeler", description="keeler: Keeler and Brazier's curve")
     thickness: Length | None = Field(
         default=None, gt=0, description="thickness of the sheet t [mm]; without it that of the blank"
     )
@@ -130,7 +136,7 @@ class KeelerLimit(_Limit):
 class PointsLimit(_Limit):
     """A measured forming limit."""
 
-    law: Literal["points"] = "points"
+    law: Literal["points"] = Field(default="points", description="points: a measured curve")
     points: tuple[tuple[Number, Number], ...] = Field(description="[minor, major] true strains")
     thickness: Length | None = Field(default=None, gt=0, description="thickness of the sheet that was tested [mm]")
     scaling: Literal["none", "keeler"] = Field(
@@ -149,13 +155,15 @@ class PointsLimit(_Limit):
 class SwiftHillLimit(_Limit):
     """Hill's localised and Swift's diffuse necking."""
 
-    law: Literal["swift_hill"] = "swift_hill"
+    law: Literal["swift_hill"] = Field(default="swift_hill", description="swift_hill: Swift's and Hill's necking")
 
 
 class MarciniakKuczynskiLimit(_Limit):
     """Marciniak and Kuczynski's computed limit."""
 
-    law: Literal["marciniak_kuczynski"] = "marciniak_kuczynski"
+    law: Literal["marciniak_kuczynski"] = Field(
+        default="marciniak_kuczynski", description="marciniak_kuczynski: a curve computed from a groove in the sheet"
+    )
     imperfection: Number = Field(default=0.996, gt=0.5, lt=1, description="thickness of the groove over the sheet's")
 
 

@@ -44,8 +44,10 @@ class PlasticLaws(Part):
     DEFAULT_LAW: ClassVar[str] = "yld2000"
     """Yield function of r-values that come without a law."""
 
-    young: Stress = Field(gt=0, description="Young's modulus [MPa]")
-    poisson: Number = Field(gt=-1, lt=0.5, description="Poisson's ratio, between -1 and 0.5, e.g. 0.3 for steel")
+    young: Stress = Field(gt=0, description="Young's modulus [MPa]; needed without library")
+    poisson: Number = Field(
+        gt=-1, lt=0.5, description="Poisson's ratio, between -1 and 0.5, e.g. 0.3 for steel; needed without library"
+    )
     yield_function: YieldFunction = Field(
         default=VonMisesYield(),
         description="anisotropic yield function; r00, r45 and r90 without a law: of a sheet yld2000 with the yield "

@@ -38,7 +38,7 @@ WORST = 1e-3
 class VonMisesYield(Part):
     """The isotropic yield function of von Mises."""
 
-    law: Literal["von_mises"] = "von_mises"
+    law: Literal["von_mises"] = Field(default="von_mises", description="von_mises: von Mises', isotropic")
 
     def to_model(self) -> None:
         """Return what stands for von Mises in the Model."""
@@ -51,7 +51,7 @@ class VonMisesYield(Part):
 class Hill1948(Part):
     """Hill's quadratic yield function, from r-values or from yield stresses."""
 
-    law: Literal["hill1948"] = "hill1948"
+    law: Literal["hill1948"] = Field(default="hill1948", description="hill1948: Hill's quadratic one")
     r00: RValue | None = Field(default=None, description=_R_VALUE.format(0))
     r45: RValue | None = Field(default=None, description=_R_VALUE.format(45))
     r90: RValue | None = Field(default=None, description=_R_VALUE.format(90))
@@ -101,7 +101,7 @@ class Hill1948(Part):
 class Barlat1989(Part):
     """The yield function of Barlat and Lian (1989), from r-values."""
 
-    law: Literal["barlat1989"] = "barlat1989"
+    law: Literal["barlat1989"] = Field(default="barlat1989", description="barlat1989: Barlat and Lian's (1989)")
     r00: RValue = Field(description=_R_VALUE.format(0))
     r45: RValue = Field(description=_R_VALUE.format(45))
     r90: RValue = Field(description=_R_VALUE.format(90))
@@ -142,7 +142,7 @@ class Yld2000(Part):
     A stress that is not given is that along the rolling direction: r-values alone then add no strength.
     """
 
-    law: Literal["yld2000"] = "yld2000"
+    law: Literal["yld2000"] = Field(default="yld2000", description="yld2000: Yld2000-2d")
     alpha: tuple[Number, ...] | None = Field(
         default=None, min_length=8, max_length=8, description="alpha 1 to 8, in place of r-values and stresses"
     )
@@ -205,7 +205,7 @@ class Yld2000(Part):
 class Yld2004(Part):
     """Yld2004-18p of Barlat et al. (2005), from the coefficients of its two transformations."""
 
-    law: Literal["yld2004"] = "yld2004"
+    law: Literal["yld2004"] = Field(default="yld2004", description="yld2004: Yld2004-18p")
     prime: tuple[Number, ...] = Field(
         min_length=9, max_length=9, description="c12, c13, c21, c23, c31, c32, c44, c55, c66 of the first; 44 is yz"
     )

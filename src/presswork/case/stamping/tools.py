@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from presswork.case.heat.forming import ToolHeat
 from presswork.case.names import FileName
@@ -180,8 +180,15 @@ class StripTool(_DrawnTool):
         return self
 
 
+def _hide_gap(schema: dict[str, Any]) -> None:
+    """Leave the gap of holders out of a schema: no holder has that shape, and `_check_kind` says so."""
+    schema["properties"].pop("gap")
+
+
 class HemisphericalTool(_Tool):
     """A punch with a hemispherical nose."""
+
+    model_config = ConfigDict(json_schema_extra=_hide_gap)
 
     shape: Literal["hemispherical"] = Field(description="a punch with a hemispherical nose")
     diameter: Length = Field(gt=0, description="diameter of the punch [mm]")
