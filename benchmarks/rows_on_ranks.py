@@ -12,6 +12,7 @@ import argparse
 from collections.abc import Callable
 from time import process_time
 
+from presswork.observe.memory.of_model import list_memories
 from presswork.process.explicit.stamping import ExplicitStamping
 from presswork.ranks.world import World, find_world
 from tests.problems.divided_loops import read
@@ -38,14 +39,13 @@ def main() -> None:
     world = find_world()
     assert world is not None, "start it by mpiexec"
     run = ExplicitStamping(read(describe_cup(size).replace("rows = 10", "rows = 400")), threads=1, world=world)
-    on = run.advance()
+    on, memories = run.advance(), list_memories(run.model)
     next(on)
     cycles = measure(world, lambda: next(on), by_lead=False)
     report = next(on)
 
     def record() -> None:
-        run.row(report)
-        run.watch()
+        memories.look(run, run.row(report))
 
     row = measure(world, record, by_lead=True)
     checkpoint = measure(world, run.to_arrays, by_lead=True)

@@ -179,9 +179,9 @@ def print_influences(cup: Result) -> None:
     start = cup.mesh.points[:, :2]
     on_edge = np.isclose(start.max(axis=1), start.max())
     middle, corner = start[on_edge].min(axis=1).argmin(), start[on_edge].min(axis=1).argmax()
-    own = loads._GIVE
+    own = loads._COMPLIANCE
     for stiffness, holder in ((0.1, 1.0), (1.0, 1.0), (10.0, 1.0), (1.0, 2.0)):
-        loads._GIVE = own * stiffness
+        loads._COMPLIANCE = own * stiffness
         for depth in DEPTHS:
             inverse = find_blank(cup, depth, holder_force=holder * HOLDER_FORCE)
             off, (true, found), bottom = inverse.off_outline, inverse.strains, inverse.zones()["bottom"]
@@ -191,7 +191,7 @@ def print_influences(cup: Result) -> None:
                 f"punch {inverse.found.punch_force / 1e3:.1f} kN; "
                 f"bottom {found[bottom].mean():.3f}, of the increments {true[bottom].mean():.3f}"
             )
-    loads._GIVE = own
+    loads._COMPLIANCE = own
 
 
 def _with_friction(mu: float) -> list[str]:

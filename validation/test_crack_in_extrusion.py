@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from presswork import Case, build_model
+from presswork.observe.damage import DamagePeaks
 from presswork.process.begin import begin
 
 RADIUS, LENGTH, BORE, BEARING = 5.0, 14.0, 4.2, 2.2
@@ -52,7 +53,8 @@ def extrude(across: int):
 def test_the_mean_that_decides_is_alike_on_three_meshes_and_no_ripple_is_a_crack():
     peaks, means = [], []
     for across in (6, 10, 16):
-        (peak,) = extrude(across).find_peaks()
+        run = extrude(across)
+        (peak,) = run.observers.find(DamagePeaks).find(run)
         print(f"{across} cells: largest {peak.value:.4f}, mean {peak.mean.value:.4f} over {peak.mean.length:g} mm")
         peaks.append(peak.value)
         means.append(peak.mean.value)

@@ -21,11 +21,12 @@ from numpy.typing import NDArray
 from presswork import __version__, stop
 from presswork.fingerprint import fingerprint
 from presswork.model import Model
+from presswork.observe.memory.contract import Memories
+from presswork.observe.memory.of_model import list_memories
 from presswork.observe.verdict import judge_run
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
 from presswork.process.run import Meta, Report, Run
-from presswork.process.watch import Watch
 from presswork.ranks.world import LeadFailed, World
 from presswork.results import (
     History,
@@ -108,7 +109,7 @@ def run_model(
         with _leading(world):
             path = open_output_folder(folder, overwrite=overwrite, resume=resume)
             stack.enter_context(occupy(path))
-            run = _Run(recording, path, model, Watch(model.limits), world)
+            run = _Run(recording, path, model, list_memories(model), world)
             stack.callback(run.steps.close)
             found = run.read_checkpoint() if resume else None
             if found is None:
@@ -188,10 +189,10 @@ class _Log(logging.FileHandler):
 class _Run:
     """One run in one folder."""
 
-    def __init__(self, recording: Run, folder: Path, model: Model, watch: Watch, world: World | None) -> None:
+    def __init__(self, recording: Run, folder: Path, model: Model, memories: Memories, world: World | None) -> None:
         self.recording = recording
         self.world = world
-        self.watch = watch
+        self.memories = memories
         self.folder = folder
         self.model = model
         self.fingerprint = fingerprint(model)
@@ -268,7 +269,7 @@ class _Run:
     def _look_again(self) -> None:
         """Raise GaveUpError where a run would be resumed beyond a limit that it must not pass."""
         history = read_history(self.folder / HISTORY)
-        reason = self.watch.look(self.recording.watch(), {name: values[-1] for name, values in history.items()})
+        reason = self.memories.look(self.recording.at_work(), {name: values[-1] for name, values in history.items()})
         if reason is not None:
             raise GaveUpError(reason)
 
@@ -281,8 +282,8 @@ class _Run:
         self.steps.look()
         row = recording.row(report)
         self.history.append(row)
-        reason = self.watch.look(recording.watch(), row)
-        for line in self.watch.take_news():
+        reason = self.memories.look(recording.at_work(), row)
+        for line in self.memories.news():
             self.log.warning("warning: %s", line)
         if report.is_save_point:
             self.save_step()
@@ -304,13 +305,13 @@ class _Run:
     def save_step(self) -> None:
         """Append the present state to the results file, beside what is computed next."""
         now, mesh = self.recording.snapshot(), self.recording.mesh
-        self.watch.note_step(self.steps.count, mesh, now)
+        self.memories.note_step(self.steps.count, mesh, now)
         self.steps.append(mesh, now)
 
     def _save_last_state(self) -> None:
         """Save where the run stopped; a resumed run drops this step again."""
         now, mesh = self.recording.snapshot(), self.recording.mesh
-        self.watch.note_step(self.steps.count, mesh, now)
+        self.memories.note_step(self.steps.count, mesh, now)
         self.steps.append_last(mesh, now)
 
     def save_checkpoint(self) -> None:
@@ -319,7 +320,7 @@ class _Run:
         self.history.sync()
         meta = self.recording.meta()
         meta |= {"model": self.fingerprint, "saved_steps": self.steps.count, "increments": self.recording.number}
-        meta["watch"] = self.watch.to_text()
+        meta["memories"] = self.memories.to_text()
         save_checkpoint(self.folder / CHECKPOINT, self.recording.to_arrays(), meta)
 
     def read_checkpoint(self) -> tuple[dict[str, NDArray[Any]], Meta]:
@@ -346,7 +347,7 @@ class _Run:
 
     def _go_back(self, meta: Meta) -> None:
         """Cut what is on disk back to a checkpoint."""
-        self.watch.from_text(str(meta["watch"]))
+        self.memories.load_text(str(meta["memories"]))
         self.recorded = int(meta["increments"])
         self.history.truncate(self.recorded)
         self.steps.go_back(int(meta["saved_steps"]))
@@ -359,7 +360,7 @@ class _Run:
         history = read_history(self.folder / HISTORY)
         found = recording.summary(history)
         verdict = judge_run(self.model, history, found.get("extremes", {}), is_over=status == "completed")
-        warnings = [*verdict.warnings, *self.watch.warnings(), *found["warnings"]]
+        warnings = [*verdict.warnings, *self.memories.warnings(), *found["warnings"]]
         for warning in warnings:
             self.log.warning("warning: %s", warning)
         write_summary(
@@ -375,7 +376,7 @@ class _Run:
                 "peak_memory_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
                 "machine": platform.machine(),
                 **found,
-                **self.watch.summary(history),
+                **self.memories.summary(history),
                 "warnings": warnings,
             },
         )

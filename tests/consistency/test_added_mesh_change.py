@@ -86,7 +86,7 @@ class Onlooker(MeshChange):
     def begin_log(self) -> str:
         return "; an onlooker"
 
-    def show(self, now: Instant) -> None:
+    def show(self, run: Observed, now: Instant) -> None:
         self.shown += 1
 
 

@@ -17,7 +17,6 @@ from presswork.case import Case
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.model import Model
-from presswork.observe.limits import Watched
 from presswork.process.model_run import ModelRun
 from presswork.process.run import Snapshot
 from presswork.recorder import Progress
@@ -87,9 +86,6 @@ class Conveyor(ModelRun):
 
     def _time(self) -> float:
         return self.model.stages[0].duration * self.number / STEPS
-
-    def watch(self) -> Watched:
-        return Watched()
 
     def snapshot(self) -> Snapshot:
         displacement = np.zeros_like(self.mesh.points)

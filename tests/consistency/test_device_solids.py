@@ -24,6 +24,7 @@ from presswork.explicit.space_material import SpaceMaterial
 from presswork.explicit.space_solids import ExplicitSpaceSolids
 from presswork.geometry.tool_surface import make_surface
 from presswork.model import Damage, Plane, SolverSettings
+from presswork.observe.memory.of_model import list_memories
 from presswork.outcome import StartError
 from presswork.process.begin import begin
 from presswork.process.explicit.forming import ExplicitForming
@@ -69,7 +70,7 @@ def everything(run: ExplicitSpaceSolids) -> list[np.ndarray]:
     e = run.energies()
     kinds = [e.internal, e.hourglass, e.kinetic, e.external, e.damping, e.contact, e.friction]
     found = [run.position, run.velocity, run.stress, run.equivalent_plastic_strain, run.internal_force]
-    walls = [x for wall in run._walls for x in (wall.impulse, wall.nodal_force, wall.pressed, wall.rubbed)]
+    walls = [x for wall in run._walls for x in (wall.impulse, wall.nodal_force, wall.pressed, wall.friction_work)]
     return [*found, run.reaction_impulse, np.array(kinds), *walls]
 
 
@@ -203,12 +204,12 @@ def test_a_row_takes_back_places_reactions_and_stresses_alone(motion: str) -> No
     case["workpiece"]["mesh"]["cells"], case["explicit"]["device"] = [4, 4, 4], "host"
     taken = begin(build_model(SpaceCase(**case)), threads=1)
     assert isinstance(taken, ExplicitForming)
-    rows, solids = taken.advance(), taken.solids
+    rows, solids, memories = taken.advance(), taken.solids, list_memories(taken.model)
     next(rows)
-    taken.watch()
+    memories.look(taken, {})
     before, cycle = solids.traffic, solids.cycle
     taken.row(next(rows))
-    taken.watch()
+    memories.look(taken, {})
     moved, calls = solids.traffic, -(-(solids.cycle - cycle) // RENEWAL)
     loose = 3 + 6 + 3 * len(taken.walls)  # places, velocities with spins, forces of tools that may hold a loose body
     looked_at = 8.0 * ((4 + 6 + loose) * len(solids.start) + (7 + 1) * len(solids.stress))  # 1: damage
@@ -228,10 +229,10 @@ def test_what_a_row_sums_up_outlives_a_change_of_the_loop() -> None:
     solids.reset_reaction()
     solids.keep()
     solids.advance(20)
-    expected = [wall.pressed, wall.rubbed, solids.reaction_impulse]
+    expected = [wall.pressed, wall.friction_work, solids.reaction_impulse]
     assert all(values.any() for values in expected)
     solids.scale_mass(1.5 * solids.dt)
-    for before, after in zip(expected, (wall.pressed, wall.rubbed, solids.reaction_impulse), strict=True):
+    for before, after in zip(expected, (wall.pressed, wall.friction_work, solids.reaction_impulse), strict=True):
         np.testing.assert_array_equal(after, before)
 
 

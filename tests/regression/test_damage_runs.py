@@ -8,6 +8,7 @@ from presswork import build_model, read_case, run_model
 from presswork.case.errors import CaseError
 from presswork.evolution.points import find_evolved
 from presswork.examples import copy_example
+from presswork.observe.damage import DamagePeaks
 from presswork.process.begin import begin
 from presswork.process.implicit.increments import IncrementRun
 from presswork.study.calibrate_damage import calibrate_damage
@@ -136,7 +137,7 @@ def test_new_meshes_keep_the_peak_and_the_mean(tmp_path, monkeypatch) -> None:
     recording = begin(build_model(read_case(copy_example("forging_hub", tmp_path))), 1)
     peaks = []
     for _ in recording.advance():
-        peaks.append(recording.find_peaks()[0].value)
+        peaks.append(recording.observers.find(DamagePeaks).find(recording)[0].value)
         if len(changes) == 3:
             break
     assert len(changes) == 3

@@ -12,6 +12,7 @@ import pytest
 
 from presswork import build_model, read_case, run_model
 from presswork.interaction.bodies.space_interface import SpaceInterface
+from presswork.observe.marked_points import find_marked
 from presswork.process.begin import begin
 from presswork.process.explicit.forming import ExplicitForming
 from presswork.process.explicit.new_meshes import IntervalMeshes
@@ -118,7 +119,7 @@ def test_a_marked_point_beside_a_joint_stays_in_its_body(tmp_path: Path) -> None
     for _ in run.advance():
         bodies = [
             [number for number, body in enumerate(run.model.bodies) if node in body.points]
-            for node in run.marked.nodes[:, 0]
+            for node in find_marked(run).nodes[:, 0]
         ]
         assert bodies == [[0], [1]]
     assert run.epoch >= 2

@@ -73,7 +73,19 @@ PYTHON_ROOMS = {
         "timing",
     },
     "explicit": {"evolution", "law", "mesh", "model", "ranks", "state", "stop"},
-    "observe": {"body", "evolution", "fields", "geometry", "implicit", "interaction", "law", "mesh", "model", "remesh"},
+    "observe": {
+        "body",
+        "evolution",
+        "fields",
+        "formability",
+        "geometry",
+        "implicit",
+        "interaction",
+        "law",
+        "mesh",
+        "model",
+        "remesh",
+    },
     "process": {
         "body",
         "evolution",
@@ -221,3 +233,22 @@ def test_programs_and_tests_import_each_other_by_their_packages() -> None:
         imported |= {a.name.split(".")[0] for node in nodes if isinstance(node, ast.Import) for a in node.names}
         bare = imported & names
         assert not bare, f"{path.relative_to(ROOT)} imports {', '.join(sorted(bare))} without its package"
+
+
+def test_engines_name_no_observer() -> None:
+    """What measures a run is listed in observe/of_model.py; a class of it is found by who asks for it by name."""
+    package = ROOT / "src" / "presswork"
+    observers = {
+        node.name
+        for path in sorted((package / "observe").rglob("*.py"))
+        for node in ast.parse(path.read_text("utf-8")).body
+        if isinstance(node, ast.ClassDef)
+        and {base.id for base in node.bases if isinstance(base, ast.Name)} & {"Observer", "DieFill", "Memory"}
+    }
+    assert {"FormabilityObserver", "ToolCuts", "DieFillInPlane", "LimitsPassed", "FieldExtremes"} <= observers
+    engines = [package / "recorder.py", package / "process" / "observed_run.py", package / "process" / "model_run.py"]
+    for folder in ("implicit", "explicit"):
+        engines += sorted((package / "process" / folder).glob("*.py"))
+    for path in engines:
+        names = {n.id for n in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(n, ast.Name)}
+        assert not names & observers, path

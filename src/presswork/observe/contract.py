@@ -3,21 +3,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, Literal, Protocol, TypeVar
 
 from numpy.typing import NDArray
 
 from presswork.body.law_window import LawWindow
 from presswork.fields.instant import Instant
+from presswork.formability import Info
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
-from presswork.model import FloatArray, Mesh, Model
+from presswork.model import FloatArray, IntArray, Mesh, Model
 
 Row = dict[str, float | int | str]
 History = Mapping[str, NDArray[Any]]
 Kind = TypeVar("Kind", bound="Observer")
+LimitName = Literal["penetration", "thinning", "hydrostatic_stress", "mean_pressure"]
+
+
+@dataclass(frozen=True)
+class Measure:
+    """How far a state is towards a limit."""
+
+    limit: LimitName
+    value: float
+    """In the unit of the limit."""
+    fact: str
+    """In words, with its place."""
+
+
+@dataclass(frozen=True)
+class Metal:
+    """Points of a body at an instant."""
+
+    body: str
+    stress: FloatArray
+    """Mean of the three (n,) [MPa]."""
+    flow_stress: FloatArray
+    """(n,) [MPa]"""
+    centres: FloatArray
+    """Of their cells (n, 2 | 3) [mm]."""
+    volume: FloatArray | None
+    """(n,) [mm3]; None where a mean pressure means nothing."""
+
+
+@dataclass(frozen=True)
+class ToolGaps:
+    """Where tools are, and bodies that may press on each other."""
+
+    names: Sequence[str]
+    profiles: Mapping[str, FloatArray]
+    """Of tools in the plane, where they are now (n_segments, 7)."""
+    find: Callable[[FloatArray], FloatArray]
+    """Return how far places are from each tool (n_tools, n) [mm]."""
+    pairs: Sequence[Mapping[str, IntArray]] = ()
+    """Boundary edges of two bodies each (n, 2 | 3)."""
+    tolerance: float | None = None
+    """Of contact at nodes [mm]; None where there is none, as in explicit runs."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +91,7 @@ class Observed(Protocol):
     """A run as its observers see it, after an increment or an output interval."""
 
     model: Model
+    observers: Observers
 
     @property
     def mesh(self) -> Mesh:
@@ -81,6 +125,21 @@ class Observed(Protocol):
 
     def evolved(self) -> Evolved:
         """Return what evolution laws keep."""
+
+    def metal(self) -> list[Metal]:
+        """Return the points of solids; none of a sheet."""
+
+    def held_part(self) -> float | None:
+        """Return the part of the surface of solids that tools and supports hold; None where it is not known."""
+
+    def tool_gaps(self) -> ToolGaps | None:
+        """Return where the tools of solids are; None of a sheet."""
+
+    def sheet_fields(self, *, with_surface: bool) -> Mapping[str, FloatArray]:
+        """Return the strains of a sheet's cells, with what is known of its surface; none of solids."""
+
+    def tool_depths(self) -> Mapping[str, float]:
+        """Return how deep each tool is in the surface of a sheet [mm]; none of solids."""
 
     def overlap(self) -> float:
         """Return by how much a sheet overlaps itself [mm]."""
@@ -122,6 +181,27 @@ class Observer:
     def warnings(self, run: Observed, history: History) -> list[str]:
         """Return what a user should know."""
         return []
+
+    def take_mesh(self, before: FloatArray, mesh: Mesh, position: FloatArray) -> None:
+        """Go on with another mesh of an implicit run.
+
+        before, position: of the nodes of the old mesh and of the new one at this instant (n_points, 2 | 3) [mm].
+        """
+
+    def measures(self, run: Observed) -> list[Measure]:
+        """Return how far the present state is towards limits; asked once after each increment or interval."""
+        return []
+
+    def hints(self, run: Observed) -> list[str]:
+        """Return what may have made an increment fail."""
+        return []
+
+    def info(self, run: Observed) -> Info:
+        """Return what a saved step says of the run."""
+        return {}
+
+    def show(self, run: Observed, now: Instant) -> None:
+        """Add to what fields are computed from."""
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return what it keeps from one instant to the next, for a checkpoint."""
@@ -169,6 +249,31 @@ class Observers:
     def warnings(self, run: Observed, history: History) -> list[str]:
         """Return the warnings of all."""
         return [text for observer in self._observers for text in observer.warnings(run, history)]
+
+    def take_mesh(self, before: FloatArray, mesh: Mesh, position: FloatArray) -> None:
+        """Let all go on with another mesh."""
+        for observer in self._observers:
+            observer.take_mesh(before, mesh, position)
+
+    def measures(self, run: Observed) -> list[Measure]:
+        """Return how far the present state is towards limits."""
+        return [measure for observer in self._observers for measure in observer.measures(run)]
+
+    def hints(self, run: Observed) -> list[str]:
+        """Return what may have made an increment fail."""
+        return [hint for observer in self._observers for hint in observer.hints(run)]
+
+    def show(self, run: Observed, now: Instant) -> None:
+        """Let all add to what fields are computed from."""
+        for observer in self._observers:
+            observer.show(run, now)
+
+    def info(self, run: Observed) -> Info:
+        """Return what a saved step says of the run."""
+        found: dict[str, str | float | FloatArray] = {}
+        for observer in self._observers:
+            found |= observer.info(run)
+        return found
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return what all of them keep."""

@@ -64,6 +64,10 @@ class MarkedPoints(Observer):
                 body = replace(mesh, blocks=mesh.blocks[number : number + 1])
                 self.nodes[own], self.share[own], _ = find_simplices(body, mesh.points, places[own])
 
+    def take_mesh(self, before: FloatArray, mesh: Mesh, position: FloatArray) -> None:
+        """Find the points on another mesh of the same material."""
+        self.find(mesh, position, self.places(before))
+
     def places(self, position: FloatArray) -> FloatArray:
         """Return where the points are (n, d) [mm], by the positions of the nodes (n_points, d) [mm]."""
         return np.asarray(np.einsum("pk,pkd->pd", self.share, position[self.nodes]))
@@ -141,3 +145,8 @@ def take_within(values: FloatArray, weight: FloatArray) -> float:
     80.0
     """
     return float(np.clip(weight @ values, values.min(), values.max()))
+
+
+def find_marked(run: Observed) -> MarkedPoints:
+    """Return the marked points of a run."""
+    return run.observers.find(MarkedPoints)

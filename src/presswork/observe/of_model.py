@@ -8,13 +8,17 @@ from presswork.observe.contract import Observers
 from presswork.observe.damage import DamagePeaks
 from presswork.observe.die_fill import make_die_fill
 from presswork.observe.draw_in import DrawIn
+from presswork.observe.formability import FormabilityObserver
 from presswork.observe.heat import HeatOfBodies, HeatOfSheets
 from presswork.observe.law_windows import LawWindows
 from presswork.observe.loose_bodies import LooseBodies
 from presswork.observe.marked_points import MarkedPoints
 from presswork.observe.overlap import Overlap
+from presswork.observe.penetration import ToolCuts
+from presswork.observe.pressure import Pressure
 from presswork.observe.ram import RamObserver
 from presswork.observe.reactions import Reactions
+from presswork.observe.sheet_depth import SheetDepth
 
 
 def list_observers(model: Model) -> Observers:
@@ -32,5 +36,9 @@ def list_observers(model: Model) -> Observers:
             make_die_fill(model),
             MarkedPoints(model),
             DrawIn(model),
+            ToolCuts(),
+            Pressure(),
+            FormabilityObserver(model),
+            SheetDepth(),
         ]
     )

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from presswork.observe.contract import History, Observed, Observer, Row
+from presswork.observe.contract import History, Measure, Observed, Observer, Row
 
 OVERLAP = "overlap"
 """Column of the history: by how much two parts of the sheet overlap most [mm], their thickness counted."""
@@ -25,6 +25,14 @@ class Overlap(Observer):
     def row(self, run: Observed, *, is_released: bool = False) -> Row:
         """Return the overlap."""
         return {OVERLAP: run.overlap()} if run.model.self_contact else {}
+
+    def measures(self, run: Observed) -> list[Measure]:
+        """Return the overlap, by the thickness of the sheet at the start."""
+        if not run.model.self_contact:
+            return []
+        depth, thickness = run.overlap(), run.model.sheet[0].thickness
+        fact = f"the sheet of {thickness:g} mm overlaps itself by {depth:.3g} mm"
+        return [Measure("penetration", depth / thickness, fact)]
 
     def summary(self, run: Observed, history: History) -> dict[str, Any]:
         """Return the largest overlap in any row [mm]."""

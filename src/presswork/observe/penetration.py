@@ -9,15 +9,18 @@ its width; so the profile's own points are checked, too.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswork.geometry.polygon import contains, measure_distance
 from presswork.mesh.edges import edge_shape_functions
 from presswork.mesh.faces import find_face_middles, take_bearing
 from presswork.model import FloatArray, IntArray, Mesh, take_corners
-from presswork.observe.limits import Measure
+from presswork.observe.contract import History, Measure, Observed, Observer
+from presswork.observe.verdict import find_never_touched
 
 _BETWEEN = np.linspace(-1.0, 1.0, 10)[1:-1]
 """Where edges are checked."""
@@ -25,6 +28,10 @@ _SPACING = 0.25
 """Of the places where profiles are checked, over the mean edge."""
 _MOST_PLACES = 400
 """On a piece of a profile."""
+CUT_EDGE = 0.25
+"""Part of its length by which a tool may cut into an edge without a warning."""
+PENETRATION = "penetration"
+"""Name in a checkpoint."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +122,59 @@ class Penetration:
         self.share = max(self.share, float(share[tool, face, place]))
         cut = _Cut(f"the tool {tools[tool]}", float(depth[tool, face, place]), float(length[face]), along[face, place])
         return cut.to_measure()
+
+
+class ToolCuts(Observer):
+    """How deep tools are in solids, and bodies in each other."""
+
+    def __init__(self) -> None:
+        self._largest = Penetration()
+
+    def measures(self, run: Observed) -> list[Measure]:
+        """Return where a tool is deepest, and each pair of bodies."""
+        gaps = run.tool_gaps()
+        if gaps is None:
+            return []
+        mesh, points, largest = run.model.mesh, run.positions(), self._largest
+        if run.model.dimension == 2:
+            deepest = largest.note(mesh, points, gaps.profiles, gaps.find)
+        else:
+            deepest = largest.note_in_space(mesh, points, gaps.names, gaps.find)
+        found = [deepest, *(measure_bodies(mesh, points, pair) for pair in gaps.pairs)]
+        return [measure for measure in found if measure is not None]
+
+    def summary(self, run: Observed, history: History) -> dict[str, Any]:
+        """Return the largest penetrations of an implicit run."""
+        gaps = run.tool_gaps()
+        if gaps is None or gaps.tolerance is None:
+            return {}
+        return {
+            "contact": {
+                "tolerance_mm": gaps.tolerance,
+                "largest_node_penetration_mm": self._largest.node,
+                "largest_edge_penetration_mm": self._largest.edge,
+                "largest_penetration_of_an_edge": self._largest.share,
+                "tools_never_touched": find_never_touched(run.model, run.model.tools, history),
+            }
+        }
+
+    def warnings(self, run: Observed, history: History) -> list[str]:
+        """Return a warning where a tool has cut deep into an edge of an implicit run."""
+        gaps, share = run.tool_gaps(), self._largest.share
+        if gaps is None or gaps.tolerance is None or share <= CUT_EDGE:
+            return []
+        return [
+            f"a tool has cut into an edge between two nodes by {share:.0%} of its length (no edge by more than "
+            f"{self._largest.edge:.3g} mm): contact is at nodes, refine the mesh where tools are curved or narrow"
+        ]
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the largest penetrations."""
+        return {PENETRATION: np.array(astuple(self._largest))}
+
+    def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Take up what `arrays` gave."""
+        self._largest = Penetration(*(float(value) for value in arrays[PENETRATION]))
 
 
 def measure_bodies(mesh: Mesh, points: FloatArray, edges: Mapping[str, IntArray]) -> Measure | None:

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswork.fields.instant import Instant
+from presswork.formability import Info
 from presswork.mesh.faces import select_faces
 from presswork.model import Body, BoolArray, FloatArray, IntArray, Mesh, Model, take_corners
 from presswork.observe.contract import Observed, Observer, Row
@@ -80,6 +82,15 @@ class Reactions(Observer):
         if is_released:
             return dict.fromkeys(self.names, 0.0)
         return self.measure(run.mesh, run.current_stage(), run.reactions(), run.displacements())
+
+    def info(self, run: Observed) -> Info:
+        """Return what nominal stress and strain are reckoned with."""
+        return self.gauges(run.model)
+
+    def show(self, run: Observed, now: Instant) -> None:
+        """Show the reactions of solids where something holds them: Newton's method leaves round-off elsewhere."""
+        if run.model.explicit is None and self._freedoms < 6:
+            now.reaction = run.reactions()[:, :3] * self.mask(run.mesh, run.current_stage())
 
     def mask(self, mesh: Mesh, stage: int) -> BoolArray:
         """Mark the freedoms that anything holds in a stage (n_points, freedoms)."""

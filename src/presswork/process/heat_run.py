@@ -15,7 +15,6 @@ from presswork.implicit.stepping import IncrementReport
 from presswork.model import Model
 from presswork.observe.contract import Row
 from presswork.observe.heat import heat_columns, measure_heat, summarise_heat, warn_of_tables
-from presswork.observe.limits import Watched
 from presswork.process.heat import CUTBACKS, ITERATIONS, KINDS, STEPS, TIME, HeatProcedure
 from presswork.process.model_run import ModelRun
 from presswork.process.run import Snapshot
@@ -85,10 +84,6 @@ class HeatRun(ModelRun):
                 row[f"{body.name}.temperature_mean"] = procedure.equation.conduction.mean(temperature, own)
         conduction = procedure.equation.conduction
         return row | measure_heat(conduction, temperature, procedure.stored(), KINDS, state["heat"])
-
-    def watch(self) -> Watched:
-        """Nothing is limited."""
-        return Watched()
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from presswork.mesh.files.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, Mesh, Model, change_mesh
-from presswork.observe.contract import Row
+from presswork.observe.contract import Observed, Row
 from presswork.process.run import Meta
 from presswork.timing import Timing
 
@@ -60,6 +60,10 @@ class ModelRun:
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return what summary.json says beyond status and wall time."""
         raise NotImplementedError
+
+    def at_work(self) -> Observed | None:
+        """Return what observers see; None where nothing is formed."""
+        return None
 
     @property
     def checkpoint_every(self) -> int:

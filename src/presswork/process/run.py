@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from presswork.formability import Info
 from presswork.model import FloatArray, IntArray, Mesh
-from presswork.observe.contract import Row
-from presswork.observe.limits import Watched
+from presswork.observe.contract import Observed, Row
 from presswork.timing import Timing
 
 Meta = dict[str, float | int | str]
@@ -96,8 +95,8 @@ class Run(Protocol):
     def row(self, report: Any) -> Row:
         """Return the row of the history."""
 
-    def watch(self) -> Watched:
-        """Return how far the present state is towards its limits."""
+    def at_work(self) -> Observed | None:
+        """Return the run that forms at present, as observers see it; None where nothing is formed."""
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state."""

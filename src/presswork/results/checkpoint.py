@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from presswork import __version__
 from presswork.results.whole_file import OutputError, replace_whole, write_hdf5
 
-FORMAT_VERSION = 6
+FORMAT_VERSION = 7
 _OVERHEAD_BYTES = 16384
 _WITH_GROUPS = h5py.h5p.create(h5py.h5p.LINK_CREATE)
 _WITH_GROUPS.set_create_intermediate_group(True)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork.model import Hem
-from presswork.process.line.hem import find_hemmed, measure_hem, tell_hem
+from presswork.process.line.hem import find_hemmed, measure_hem, summarise_hem
 
 HALF, RADIUS, FOLD = 0.4, 0.8, 25.0
 
@@ -41,9 +41,9 @@ def test_a_flange_has_a_wall_for_its_edge_and_rolls_in_as_it_is_hemmed() -> None
     assert before.opening == pytest.approx(90.0, abs=1e-6)
     assert np.isnan(before.thickest).all()
     after = measure_hem(Hem((2.0, 0.0)), flat, fold(np.pi)[1] - [0.5, 0, 0], half)
-    told = tell_hem(after, before, None)
+    told = summarise_hem(after, before, None)
     assert told["roll_in_mm"]["mean"] == pytest.approx(0.5, abs=0.002)
-    assert "thickness_mm" not in before.tell()
+    assert "thickness_mm" not in before.to_summary()
 
 
 @pytest.mark.parametrize("degrees", [30.0, 45.0, -3.0])

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.report.history import _choose_charts, _find_idle, _find_strokes_at_work, _find_ways
+from presswork.report.history import _choose_charts, _find_idle, _find_strokes, _find_strokes_at_work
 
 TURNS = {
     "time": np.array([0.1, 0.2, 0.3, 1.1, 1.2, 1.3]),
@@ -18,7 +18,7 @@ TURNS = {
 
 
 def test_tools_that_take_turns_have_the_way_of_their_stage() -> None:
-    ways = _find_ways(TURNS)
+    ways = _find_strokes(TURNS)
     nan = np.nan
     np.testing.assert_allclose(ways["blocker.way_in_stage"], [1.0, 2.0, 3.0, nan, nan, nan])
     np.testing.assert_allclose(ways["finisher.way_in_stage"], [nan, nan, nan, 0.5, 1.0, 1.5])
@@ -26,9 +26,9 @@ def test_tools_that_take_turns_have_the_way_of_their_stage() -> None:
 
 def test_tools_that_work_together_keep_their_strokes() -> None:
     both = {**TURNS, "blocker.force": np.ones(6)}
-    assert _find_ways(both) == {}
+    assert _find_strokes(both) == {}
     alone = {name: values for name, values in TURNS.items() if "blocker" not in name}
-    assert _find_ways(alone) == {}
+    assert _find_strokes(alone) == {}
 
 
 def test_tools_of_a_press_line_have_their_strokes_while_they_press() -> None:

@@ -73,7 +73,7 @@ def test_format_of_another_version_is_named(tmp_path: Path, version: int) -> Non
     with h5py.File(tmp_path / "c.h5", "r+") as file:
         file.attrs["format_version"] = version
     with pytest.raises(
-        OutputError, match=rf"written by presswork \S+ in format {version}; .*reads format 6.*--overwrite"
+        OutputError, match=rf"written by presswork \S+ in format {version}; .*reads format 7.*--overwrite"
     ):
         load_checkpoint(tmp_path / "c.h5")
 

@@ -33,7 +33,7 @@ folder = Path(sys.argv[1])
 with stop.listen(None, partial(is_paused, folder)), occupy(folder):
     progress = ProgressFile(folder)
     for count in itertools.count():
-        progress.tell(0.5, "")
+        progress.report(0.5, "")
         (folder / "count").write_text(str(count))
         time.sleep(0.01)
         stop.look()

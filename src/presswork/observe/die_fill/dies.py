@@ -47,6 +47,10 @@ class Side:
         return np.asarray(self.sign * (places[:, self.axis] - self.level) >= 0.0)
 
 
+FULL = 0.98
+"""Part of its wall from which on a die is said to be full."""
+
+
 class DieFill(Observer, ABC):
     """Measures the dies of one model."""
 
@@ -66,6 +70,10 @@ class DieFill(Observer, ABC):
     def summary(self, run: Observed, history: History) -> dict[str, Any]:
         """Return fill, largest gap and open volume of each die on the metal."""
         return self.summarise(*_see(run)) if self._dies else {}
+
+    def hints(self, run: Observed) -> list[str]:
+        """Name the dies that are full."""
+        return explain_full_dies(self.row(run))
 
     def measure(self, mesh: Mesh, position: FloatArray, displacement: Mapping[str, FloatArray]) -> Row:
         """Return the columns. position: of the nodes (n_points, dimension) [mm]; displacement: of the tools [mm]."""
@@ -198,3 +206,14 @@ def faces_others(
 
 def _turns(model: Model, tool: Tool) -> bool:
     return any(tool.name in s.tool_motion and s.tool_motion[tool.name].turn for s in model.stages)
+
+
+def explain_full_dies(row: Mapping[str, Any]) -> list[str]:
+    """Say which dies are full where a run gives up; row: of the history.
+
+    >>> explain_full_dies({"upper.fill": 0.995, "lower.fill": 0.7})
+    ['upper is full (99.5 % of its wall): what is left of the stroke would squeeze out flash']
+    """
+    full = {name.removesuffix(".fill"): part for name, part in row.items() if name.endswith(".fill") and part >= FULL}
+    end = "what is left of the stroke would squeeze out flash"
+    return [f"{name} is full ({100.0 * part:.3g} % of its wall): {end}" for name, part in full.items()]

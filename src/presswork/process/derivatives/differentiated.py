@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.model import Mesh, Model
-from presswork.observe.contract import Row
-from presswork.observe.limits import Watched
+from presswork.observe.contract import Observed, Row
 from presswork.process.derivatives.derivatives import Derivatives
 from presswork.process.implicit.begin_forming import begin_forming
 from presswork.process.implicit.forming import ImplicitForming
@@ -128,9 +127,9 @@ class DifferentiatedRun:
         """Return the row of the history."""
         return self.derivatives.add(self.run.row(report), report)
 
-    def watch(self) -> Watched:
-        """Return how far the present state is towards its limits."""
-        return self.run.watch()
+    def at_work(self) -> Observed | None:
+        """Return what observers see of the run that forms at present."""
+        return self.run.at_work()
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state."""

@@ -19,6 +19,7 @@ from presswork.implicit.neighbours import SensitivityArrays
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh.simplices import measure_shares
 from presswork.model import FloatArray, IndexArray, Mesh, Model
+from presswork.observe.marked_points import find_marked
 from presswork.outcome import Failed, GaveUpError
 from presswork.process.derivatives.derivatives import Derivatives
 from presswork.process.implicit.forming import ImplicitForming
@@ -62,12 +63,12 @@ class OnNewMeshes:
                 if derivatives.is_lost(number) and change:
                     _begin_at_rest(side, mesh)
                 else:
-                    _follow(side, new, mesh, run.marked.nodes)
+                    _follow(side, new, mesh, find_marked(run).nodes)
             except GaveUpError:
                 derivatives.lose(number if change else None)
                 _begin_at_rest(side, mesh)
         self._slopes[ORIGIN] = derivatives.differ(lambda side: side.mesh.points)
-        self._slopes[SHARE] = derivatives.differ(lambda side: side.marked.share)
+        self._slopes[SHARE] = derivatives.differ(lambda side: find_marked(side).share)
         self._place()
         # 2. equilibrium, of the run once more, with those who follow it
         new.procedure.state = new.carried
@@ -113,8 +114,8 @@ class OnNewMeshes:
         for side, number, change in self._derivatives.placed:
             side.origin = run.mesh.points + change * self._slopes[ORIGIN][number]
             side.procedure.evolution.place(side.origin)
-            side.marked.nodes = run.marked.nodes
-            side.marked.share = run.marked.share + change * self._slopes[SHARE][number]
+            find_marked(side).nodes = find_marked(run).nodes
+            find_marked(side).share = find_marked(run).share + change * self._slopes[SHARE][number]
 
 
 def _follow(side: ImplicitForming, new: NewEpoch, mesh: Mesh, marked: IndexArray) -> None:
@@ -125,10 +126,10 @@ def _follow(side: ImplicitForming, new: NewEpoch, mesh: Mesh, marked: IndexArray
     carry_peaks(OnMesh.of(before), OnMesh.of(after), carrier)
     origin = carrier.material(side.mesh.points)
     keep_held(origin, after.model)
-    places = side.marked.places(position)
+    places = find_marked(side).places(position)
     side.begin_on(after, origin, mesh.points)
     shares = [measure_shares(mesh.points[n][None], p)[0][0] for n, p in zip(marked, places, strict=True)]
-    side.marked.share = np.array(shares).reshape(marked.shape)
+    find_marked(side).share = np.array(shares).reshape(marked.shape)
 
 
 def _take_slaves(side: ImplicitForming, like: Model) -> None:

@@ -26,10 +26,8 @@ from presswork.fields.solid_fields import add_bodies, effective_stress
 from presswork.fields.table import compute_fields
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.model import Blow, Drive, ExplicitSolid, FloatArray, Model, Support, ToolMotion
-from presswork.observe.contract import Evolved, Row
+from presswork.observe.contract import Evolved, Metal, Row, ToolGaps
 from presswork.observe.heat import show_dies
-from presswork.observe.limits import Measure, Watched, measure_hydrostatic_stress, measure_mean_pressure
-from presswork.observe.reactions import Reactions
 from presswork.process.explicit.contacts import ContactsOfRun, find_touching
 from presswork.process.explicit.heat_of_solids import HeatOfSolids, heat_by_itself
 from presswork.process.explicit.intervals import (
@@ -310,22 +308,17 @@ class ExplicitForming(IntervalRun):
         """Return the damage of the cells."""
         return Evolved(self.solids.damage, self.solids.critical_damage())
 
-    def watch(self) -> Watched:
-        """Return how far the present state is towards its limits."""
+    def metal(self) -> list[Metal]:
+        """Return the cells; with UMATs there is no flow stress to which a mean pressure could be compared."""
         model, solids = self.model, self.solids
-        mean, flow = solids.stress[:, :3].mean(axis=1), self.find_flow_stress()
         centres = np.concatenate([solids.position[b.connectivity].mean(axis=1) for b in model.mesh.blocks])
-        found = [measure_hydrostatic_stress(mean, flow, centres), *self._measure_pressure(mean, flow)]
-        deepest = self.domain.find_deepest(model)
-        return Watched((*found, *([deepest] if deepest else [])), damage=self.find_peaks())
+        is_known = model.tools and not any(material.umat for material in model.materials)
+        volume = np.concatenate(self.domain.measure_volumes(model)) if is_known else None
+        return [Metal("workpiece", solids.stress[:, :3].mean(axis=1), self.find_flow_stress(), centres, volume)]
 
-    def _measure_pressure(self, stress: FloatArray, flow_stress: FloatArray) -> list[Measure]:
-        """Return the mean pressure in the metal; none without tools or with UMATs. Both (n,) [MPa]."""
-        model = self.model
-        if not model.tools or any(material.umat for material in model.materials):
-            return []
-        volume = np.concatenate(self.domain.measure_volumes(model))
-        return [measure_mean_pressure("workpiece", stress, flow_stress, volume)]
+    def tool_gaps(self) -> ToolGaps:
+        """Return where the tools are."""
+        return self.domain.tool_gaps(self.model)
 
     def find_flow_stress(self) -> FloatArray:
         """Return the flow stress of the cells (n_cells,) [MPa], as SolidMaterial has it; effective stress of a UMAT."""
@@ -363,8 +356,7 @@ class ExplicitForming(IntervalRun):
             evolved={**solids.damage, **self.points.values},
             temperature=self.heat.arrays.temperature if self.heat else None,
         )
-        for change in self.mesh_changes:
-            change.show(now)
+        self.observers.show(self, now)
         return now
 
     def split(self, of_cells: FloatArray) -> list[FloatArray]:
@@ -391,7 +383,7 @@ class ExplicitForming(IntervalRun):
             dies=show_dies(self.heat.forming, self.heat.arrays) if self.heat else {},
             tool_displacement={wall.name: wall.displacement for wall in self.walls},
             **self.domain.show_tools(model),
-            info={**describe_plane(model), **self.observers.find(Reactions).gauges(model)},
+            info={**describe_plane(model), **self.observers.info(self)},
         )
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:

@@ -19,18 +19,13 @@ from presswork.explicit.energy import ENERGIES, EnergyBalance
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.motion import DrivenStroke
 from presswork.fields.instant import Instant
-from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.implicit.ram import SPENT
-from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.model import Blow, Drive, FloatArray, Model, Stage, Support
-from presswork.observe.contract import Evolved, Ram, Row
-from presswork.observe.damage import DamagePeaks, Peak
-from presswork.observe.marked_points import MarkedPoints
-from presswork.observe.of_model import list_observers
+from presswork.observe.contract import Evolved, Observed, Ram, Row
 from presswork.observe.ram import force_on_ram
 from presswork.outcome import GaveUpError
-from presswork.process.mesh_change.contract import MeshChange
 from presswork.process.model_run import ModelRun, NamedArrays
+from presswork.process.observed_run import ObservedRun
 from presswork.state import RUN, Arrays, OnNewMesh
 from presswork.threads import available_threads
 from presswork.timing import Timing
@@ -85,7 +80,7 @@ class IntervalReport:
     is_save_point: bool
 
 
-class IntervalRun(ModelRun, ABC):
+class IntervalRun(ObservedRun, ModelRun, ABC):
     """An explicit procedure at work on a model."""
 
     def __init__(
@@ -93,24 +88,13 @@ class IntervalRun(ModelRun, ABC):
     ) -> None:
         _core.set_threads(threads or available_threads())
         super().__init__(model)
-        self.mesh_changes: list[MeshChange] = []
-        """Asked one after the other before each row; they are among the observers, too."""
-        self.list_observers()
-        self.notes: list[str] = []
-        """For the log of the next row."""
+        self.begin_observing()
         self.timing = Timing(*phases)
         self._progress = progress
 
-    def list_observers(self) -> None:
-        """Begin with new observers."""
-        self.observers = list_observers(self.model)
-        for change in self.mesh_changes:
-            self.observers.add(change)
-
-    def add_mesh_change(self, change: MeshChange) -> None:
-        """Let the mesh of the run change."""
-        self.mesh_changes.append(change)
-        self.observers.add(change)
+    def at_work(self) -> Observed:
+        """Return the run itself."""
+        return self
 
     @property
     @abstractmethod
@@ -275,27 +259,6 @@ class IntervalRun(ModelRun, ABC):
         """Return ones: all work of the ram counts as plastic."""
         return np.ones(len(self.model.stages))
 
-    def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
-        """Return nothing, unless a solid has heat."""
-        return None
-
-    def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
-        """Return nothing, unless a sheet has heat."""
-        return None
-
-    def overlap(self) -> float:
-        """Return nothing: solids do not overlap themselves."""
-        return 0.0
-
-    @property
-    def marked(self) -> MarkedPoints:
-        """The marked points."""
-        return self.observers.find(MarkedPoints)
-
-    def find_peaks(self) -> tuple[Peak, ...]:
-        """Return the largest damage by each criterion."""
-        return self.observers.find(DamagePeaks).find(self)
-
     @property
     def next_stage(self) -> int:
         """The stage of the next row; the number of stages after the last."""
@@ -338,10 +301,9 @@ class IntervalRun(ModelRun, ABC):
 
     def log_lines(self, report: IntervalReport) -> list[str]:
         """Say where the row ended."""
-        e, notes = report.energies, self.notes
-        self.notes = []
+        e = report.energies
         return [
-            *notes,
+            *self.take_notes(),
             f"row {report.number}, stage {report.stage} at {report.fraction:.4f}, {report.cycles} cycles of "
             f"{report.step:.4g} s, kinetic {e.kinetic:.3g}, internal {e.internal:.3g}, hourglass {e.hourglass:.3g} "
             f"N mm, balance off by {e.error_percent:.2g} %",

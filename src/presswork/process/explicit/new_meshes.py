@@ -23,6 +23,7 @@ from presswork.fields.instant import Instant
 from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray, Mesh, Remeshing, list_bodies
 from presswork.observe.contract import History, Observed, Row
+from presswork.observe.marked_points import find_marked
 from presswork.outcome import StartError
 from presswork.process.explicit.forming import ExplicitForming
 from presswork.process.explicit.present_bodies import find_held, list_nodes
@@ -135,7 +136,7 @@ class IntervalMeshes(MeshChange):
         """Return what prevents new meshes."""
         return f"; no new meshes: {self._obstacle}" if self._obstacle else ""
 
-    def show(self, now: Instant) -> None:
+    def show(self, run: Observed, now: Instant) -> None:
         """Add laps, and where the material was when the run began."""
         points = self._run.mesh.points
         now.initial_position = points
@@ -225,7 +226,7 @@ class IntervalMeshes(MeshChange):
         blocks = zip(old.mesh.blocks, made.is_new, strict=True)
         before.drop_added_mass(np.concatenate([np.full(len(block.connectivity), is_new) for block, is_new in blocks]))
         masses, on_old = self._measure_masses(), self._find_on_mesh(position)
-        places, seams = run.marked.places(position), self._seams.places(position)
+        places, seams = find_marked(run).places(position), self._seams.places(position)
         origin = carrier.material(origin_n)
         increment = np.where(carrier.is_new()[:, None], 0.0, carrier.motion(self._increment))
         means = [before.mass[own] @ before.velocity[own] / before.mass[own].sum() for own in list_nodes(run)]
@@ -239,7 +240,7 @@ class IntervalMeshes(MeshChange):
         self._carry(on_old, self._find_on_mesh(made.position), carrier, means)
         if heat is not None and run.heat is not None:
             run.heat.go_on(heat, carrier)
-        run.marked.go_on(lying, made.parts, places)
+        find_marked(run).go_on(lying, made.parts, places)
         self._seams.go_on(lying, seams, made.lines, before.time)
         self._on_first -= {number for number, is_new in enumerate(made.is_new) if is_new}
         self._cause, self._changed_at = find_cause(FAILS if failed else reason), run.number

@@ -1,16 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Fields of the shells of an explicit stamping, and the verdict on them."""
+"""Fields of the shells of an explicit stamping."""
 
 from __future__ import annotations
-
-from collections.abc import Mapping
 
 import numpy as np
 
 from presswork.explicit.shells import ExplicitShells
 from presswork.fields.evolved_layers import find_path_margins
 from presswork.fields.explicit_fields import OnePointFields
-from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.shell_fields import state_variable_field, temperature_field
 from presswork.law.history import EQPS
 from presswork.model import FloatArray, Model
@@ -48,13 +45,6 @@ class SheetFields:
         of_layers = find_path_margins(self._model.mesh.blocks, self.find_evolved())
         return fields | degrees | state_variable_field(material, history) | of_layers
 
-    def judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
-        """Return the verdict on the sheet by its cell fields."""
-        model, judged = self._model, self._material.formability
-        verdict = judge_fields(fields, model.mesh.blocks, self._shells.position, judged, model.symmetry)
-        assert verdict is not None, "shells have principal strains"
-        return verdict
-
-    def judge_middle(self) -> FormingVerdict:
-        """Return the verdict by the strains of the middle surface alone."""
-        return self.judge(self.of_shells.middle_strains(self._shells.position, self._shells.thickness))
+    def find_middle_strains(self) -> dict[str, FloatArray]:
+        """Return the strains of the middle surface alone."""
+        return self.of_shells.middle_strains(self._shells.position, self._shells.thickness)

@@ -19,10 +19,8 @@ if TYPE_CHECKING:
 def summarise_sheet(run: ExplicitStamping, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
     """Return counts, extremes and energies of a run, with warnings where they are beyond their limits."""
     shells, model = run.shells, run.model
-    now = run.show()
-    fields = now.sheet
+    fields = run.show().sheet
     thickest = float(fields["thickness"].max())
-    verdict = run.judge_fields({**fields, **now.surface})
     names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
     cycles = run.progress.cycles
     return {
@@ -35,12 +33,10 @@ def summarise_sheet(run: ExplicitStamping, history: Mapping[str, NDArray[Any]]) 
         "energy": last_energies(history),
         "time_simulated": shells.time,
         **run.observers.summary(run, history),
-        "formability": verdict.to_summary(),
         **(summarise_holders(model, history, thickest) if run.begins_flat else {}),
         "warnings": [
             *run.observers.warnings(run, history),
             *(warn_of_holders(model, history, thickest) if run.begins_flat else ()),
             *warn_of_energies(history, choose_advice(run.settings.damping)),
-            *verdict.warnings(),
         ],
     }

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from presswork.explicit.body_contacts import TouchingSurfaces
 from presswork.model import FloatArray, Model, Stage, Tool, ToolMotion
-from presswork.observe.contract import Row
-from presswork.observe.limits import Measure
+from presswork.observe.contract import Row, ToolGaps
 from presswork.observe.working_direction import find_working_direction
 from presswork.process.explicit.contacts import ContactsOfRun
 from presswork.process.explicit.heat_of_solids import HeatOfSolids
@@ -65,8 +64,8 @@ class SolidDomain(Protocol):
     def measure(self, run: ExplicitForming, tool: Tool, wall: Any, mean: FloatArray) -> Row:
         """Return what the history has of a tool. mean: force on what is modelled of it (d,) [N]."""
 
-    def find_deepest(self, model: Model) -> Measure | None:
-        """Return the deepest penetration of a tool."""
+    def tool_gaps(self, model: Model) -> ToolGaps:
+        """Return where the tools are."""
 
     def measure_volumes(self, model: Model) -> list[FloatArray]:
         """Return the volume of each cell of each block (n_cells,) [mm3]."""

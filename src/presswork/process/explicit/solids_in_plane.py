@@ -16,9 +16,7 @@ from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
 from presswork.model import ELEMENTS, ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion
-from presswork.observe.contract import Row
-from presswork.observe.limits import Measure
-from presswork.observe.penetration import Penetration
+from presswork.observe.contract import Row, ToolGaps
 from presswork.process.explicit.contacts import ContactsOfRun
 from presswork.process.explicit.heat_of_solids import HeatOfSolids, heat_by_itself
 from presswork.process.explicit.shear_friction import find_coefficient
@@ -89,13 +87,13 @@ class SolidsInPlane:
         """Return what the history has of a tool. mean: force on what is modelled of it (2,) [N]."""
         return measure_tool(run.model, tool, wall, mean)
 
-    def find_deepest(self, model: Model) -> Measure | None:
-        """Return the deepest penetration of a tool."""
+    def tool_gaps(self, model: Model) -> ToolGaps:
+        """Return where the tools are."""
         placed = {
             tool.name: place_segments(start_profile(tool), ToolPose(np.zeros(2), wall.displacement, 0.0))
             for tool, wall in zip(model.tools, self.walls, strict=True)
         }
-        return Penetration().note(model.mesh, self.solids.position, placed, lambda at: self._find_gaps(model, at))
+        return ToolGaps(list(placed), placed, lambda places: self._find_gaps(model, places))
 
     def _find_gaps(self, model: Model, places: FloatArray) -> FloatArray:
         """Return the distance of places (n, 2) from each wall (n_walls, n) [mm]."""

@@ -25,9 +25,7 @@ from presswork.interaction.tool_course import find_turning
 from presswork.mesh.make.box import node_volumes
 from presswork.mesh.space.cyclic import pair_faces
 from presswork.model import ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion, find_direction
-from presswork.observe.contract import Row
-from presswork.observe.limits import Measure
-from presswork.observe.penetration import Penetration
+from presswork.observe.contract import Row, ToolGaps
 from presswork.observe.working_direction import find_working_direction
 from presswork.process.explicit.contacts import ContactsOfRun
 from presswork.process.explicit.heat_of_solids import HeatOfSolids, heat_by_itself
@@ -214,10 +212,9 @@ class SolidsInSpace:
             row[f"{tool.name}.torque"] = against * float(self._moment[t]) / float(self._share[t])
         return row
 
-    def find_deepest(self, model: Model) -> Measure | None:
-        """Return the deepest penetration of a tool."""
-        names = [tool.name for tool in self._tools]
-        return Penetration().note_in_space(model.mesh, self.solids.position, names, self._find_gaps)
+    def tool_gaps(self, model: Model) -> ToolGaps:
+        """Return where the tools are."""
+        return ToolGaps([tool.name for tool in self._tools], {}, self._find_gaps)
 
     def _find_gaps(self, places: FloatArray) -> FloatArray:
         """Return the distance of places (n, 3) from each tool (n_tools, n) [mm]; infinity far off it."""

@@ -25,7 +25,6 @@ from presswork.explicit.mesh_step import MeshStep
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import PHASES, SAFETY, ExplicitShells
 from presswork.explicit.space import choose_precision
-from presswork.fields.formability_fields import FormingVerdict
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
@@ -33,7 +32,6 @@ from presswork.law.elastic_plastic import first_flow_stress, heats
 from presswork.law.umat import open_sheet_law
 from presswork.model import ExplicitSheet, FloatArray, IntArray, Model, Stage
 from presswork.observe.contract import Evolved, Row
-from presswork.observe.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
 from presswork.process.explicit.heat_of_sheet import HeatOfShells
 from presswork.process.explicit.intervals import (
     LAST_COLUMNS,
@@ -376,8 +374,7 @@ class ExplicitStamping(IntervalRun):
             judged=self.model.sheet[1].formability,
             **(self.heat.show() if self.heat else {}),
         )
-        for change in self.mesh_changes:
-            change.show(now)
+        self.observers.show(self, now)
         return now
 
     def snapshot(self, now: Instant | None = None) -> Snapshot:
@@ -397,14 +394,16 @@ class ExplicitStamping(IntervalRun):
         """Triangles of the tools where they start; files keep those of the first step."""
         return cut_tools(self.model)
 
-    def watch(self) -> Watched:
-        """Return how far the present state is towards its limits."""
-        thickness = self.model.sheet[0].thickness
-        depths = [measure_sheet_penetration(t.name, t.penetration, thickness) for t in self.shells.tools.values()]
-        if self.model.self_contact:
-            depths.append(measure_overlap(self.overlap(), thickness))
-        strained = watch_sheet(self._fields.judge_middle())
-        return Watched((*strained.measures, *depths), strained.margin, self.find_peaks())
+    def tool_depths(self) -> dict[str, float]:
+        """Return how deep each tool is in the surface of the sheet [mm]."""
+        return {tool.name: tool.penetration for tool in self.shells.tools.values()}
+
+    def sheet_fields(self, *, with_surface: bool) -> Mapping[str, FloatArray]:
+        """Return the strains of the middle of the shells, or all fields of the shells with those of their surface."""
+        if not with_surface:
+            return self._fields.find_middle_strains()
+        now = self.show()
+        return {**now.sheet, **now.surface}
 
     @property
     def time(self) -> float:
@@ -419,15 +418,6 @@ class ExplicitStamping(IntervalRun):
             f"{t.name}.{force}": 0.0 for t in self.model.tools for force in ("force", "force_x", "force_y", "force_z")
         }
         return self.row(report) | gone | self.observers.row(self, is_released=True) | {"kinetic_energy": 0.0}
-
-    def judge(self) -> FormingVerdict:
-        """Return the verdict on the present sheet."""
-        now = self.show()
-        return self.judge_fields({**now.sheet, **now.surface})
-
-    def judge_fields(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
-        """Return the verdict on the sheet by its cell fields."""
-        return self._fields.judge(fields)
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are beyond their limits."""

@@ -5,18 +5,15 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswork.body.solids import Mechanics
-from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.solid_fields import add_bodies
 from presswork.fields.table import compute_fields
-from presswork.formability import Formability
 from presswork.geometry.pose import (
     ToolPose,
     find_axis,
@@ -33,30 +30,18 @@ from presswork.interaction.space.solid_contact import SolidContact
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.interaction.tool_course import find_turning
 from presswork.model import FloatArray, IntArray, Model
-from presswork.observe.contract import Row
+from presswork.observe.contract import Metal, Row, ToolGaps
 from presswork.observe.heat import show_dies
-from presswork.observe.limits import (
-    Watched,
-    explain_full_dies,
-    measure_hydrostatic_stress,
-    measure_mean_pressure,
-    watch_sheet,
-)
-from presswork.observe.penetration import Penetration, measure_bodies
-from presswork.observe.reactions import Reactions
-from presswork.observe.verdict import find_never_touched
 from presswork.process.implicit.held_surface import measure_held_part
 from presswork.process.implicit.increments import IncrementRun
 from presswork.process.implicit.tool_ends import explain_passed_ends
-from presswork.process.run import Meta, Snapshot
+from presswork.process.run import Snapshot
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.tool_quantities import ToolQuantities, describe_plane, measure_tools
 from presswork.ranks.world import World
 from presswork.results import history_columns
 
 NEW_MESHES = "the mesh stays as it is: with [remesh] in the case it is made anew where it fails"
-CUT_EDGE = 0.25
-"""Part of its length by which a tool may cut into an edge without a warning."""
 
 
 class ImplicitForming(IncrementRun):
@@ -73,7 +58,6 @@ class ImplicitForming(IncrementRun):
         )
         super().__init__(model, procedure)
         self.turning = find_turning(model.tools, model.stages)
-        self.penetration = Penetration()
         self._tools: dict[str, ToolQuantities] = {}
 
     @property
@@ -117,49 +101,48 @@ class ImplicitForming(IncrementRun):
             row |= {f"{name}.force_{axis}": float(f) for axis, f in zip("xyz", forces[name], strict=False)}
         return row | self.observers.row(self)
 
-    def watch(self) -> Watched:
-        """Return how far the converged state is towards its limits."""
-        verdict = self._judge(at_the_end=False)
-        peaks = self.find_peaks()
-        if verdict is not None:
-            return replace(watch_sheet(verdict), damage=peaks)
+    def metal(self) -> list[Metal]:
+        """Return the points of each block of solids whose flow stress is known."""
         procedure, model, state = self.procedure, self.model, self.procedure.state
-        mechanics = procedure.mechanics
-        assert isinstance(mechanics, Mechanics)
-        points = model.mesh.points + state.nodes.moved
-        placed = self._placed_profiles()
-        deepest = self.penetration.note(
-            model.mesh, points, placed, lambda places: procedure.interactions.tools.contact.find_gaps(state, places)
-        )
-        if (tools := procedure.interactions.space_tools) is not None:
-            names = [tool.name for tool in model.space_tools]
-            gaps = functools.partial(tools.contact.find_gaps, state)
-            deepest = self.penetration.note_in_space(model.mesh, points, names, gaps)
-        found = [deepest] if deepest else []
-        for first, second in sorted(
-            {c.between for c in model.contacts if len(set(c.between)) == 2 and model.dimension == 2}
-        ):
-            edges = model.mesh.boundary_edges
-            both = {body.name: edges[body.owns(edges)] for body in (model.bodies[first], model.bodies[second])}
-            deepest = measure_bodies(model.mesh, points, both)
-            found += [deepest] if deepest else []
-        metal: dict[str, list[tuple[FloatArray, FloatArray, FloatArray]]] = {}
-        for number, block in enumerate(model.mesh.blocks):
+        mechanics, points, found = procedure.mechanics, self.positions(), []
+        for number, block in enumerate(model.mesh.blocks if isinstance(mechanics, Mechanics) else ()):
             if model.materials[block.material].umat is None:
-                centres = points[block.connectivity].mean(axis=1)
-                stress, flow = state.cells.stress[number], mechanics.flow_stress(number, state)
-                mean = stress[..., :3].mean(axis=-1)
-                of_cell = np.repeat(centres, mean.shape[1], axis=0)
-                found.append(measure_hydrostatic_stress(mean.ravel(), flow.ravel(), of_cell))
+                assert isinstance(mechanics, Mechanics)
+                flow, mean = mechanics.flow_stress(number, state), state.cells.stress[number][..., :3].mean(axis=-1)
+                centres = np.repeat(points[block.connectivity].mean(axis=1), mean.shape[1], axis=0)
                 body = next((b.name for b in model.bodies if number in b.blocks), "workpiece")
-                of_body = mean.ravel(), flow.ravel(), state.cells.volume[number].ravel()
-                metal.setdefault(body, []).append(of_body)
-        if model.plane_tools or model.space_tools:
-            touched = measure_held_part(procedure, self.current_stage(), points)
-            for body, blocks in metal.items():
-                mean, flow, volume = (np.concatenate(of) for of in zip(*blocks, strict=True))
-                found.append(measure_mean_pressure(body, mean, flow, volume, touched))
-        return Watched(tuple(found), damage=peaks)
+                volume = state.cells.volume[number].ravel()
+                found.append(Metal(body, mean.ravel(), flow.ravel(), centres, volume))
+        return found
+
+    def held_part(self) -> float:
+        """Return the part of the surface that tools and supports hold."""
+        return measure_held_part(self.procedure, self.current_stage(), self.positions())
+
+    def tool_gaps(self) -> ToolGaps:
+        """Return where tools are, and bodies in contact in the plane."""
+        interactions, model, state = self.procedure.interactions, self.model, self.procedure.state
+        contact, space = interactions.tools.contact, interactions.space_tools
+        is_solid = model.analysis != "shell"
+        between = {c.between for c in model.contacts if len(set(c.between)) == 2 and model.dimension == 2}
+        pairs = []
+        for pair in sorted(between):
+            edges, bodies = model.mesh.boundary_edges, (model.bodies[number] for number in pair)
+            pairs.append({body.name: edges[body.owns(edges)] for body in bodies})
+        return ToolGaps(
+            [tool.name for tool in model.space_tools] if is_solid else [],
+            self._placed_profiles() if is_solid else {},
+            functools.partial((space or interactions.tools).contact.find_gaps, state),
+            pairs,
+            contact.tolerance,
+        )
+
+    def sheet_fields(self, *, with_surface: bool) -> Mapping[str, FloatArray]:
+        """Return the fields of shells, and of their surface."""
+        if self.model.analysis != "shell":
+            return {}
+        now = self.procedure.mechanics.show(self.procedure.state)
+        return {**now.sheet, **(now.surface if with_surface else {})}
 
     def _tool_places(self) -> list[tuple[FloatArray, float]]:
         """Return displacement (2,) [mm] and angle [rad] of each tool in the plane."""
@@ -199,9 +182,8 @@ class ImplicitForming(IncrementRun):
 
     def _find_hints(self) -> list[str]:
         """Name tools whose profiles end on the metal and dies that are full, and say where new meshes would help."""
-        full = explain_full_dies(self.observers.row(self))
         kept = [NEW_MESHES] if self._keeps_its_mesh() else []
-        return [*self._find_passed_ends(), *full, *kept, *super()._find_hints()]
+        return [*self._find_passed_ends(), *self.observers.hints(self), *kept, *super()._find_hints()]
 
     def _keeps_its_mesh(self) -> bool:
         """Whether the case could have new meshes, and does not ask for them."""
@@ -233,11 +215,7 @@ class ImplicitForming(IncrementRun):
         has_fields = now.find_contact is not None or not all(c.by_itself for c in self.model.contacts)
         if self.model.dimension == 3 and between is not None and has_fields:  # fields do not come in the run
             now.find_contact = functools.partial(add_bodies, now.find_contact, between)
-        if self.model.analysis != "shell":
-            held = self.observers.find(Reactions).mask(self.mesh, self.current_stage())
-            now.reaction = state.nodes.reaction[:, :3] * held
-        for change in self.mesh_changes:
-            change.show(now)
+        self.observers.show(self, now)
         return now
 
     def snapshot(self) -> Snapshot:
@@ -261,11 +239,7 @@ class ImplicitForming(IncrementRun):
             | moved,
             tool_angle={t.name: angle for t, (_, angle) in zip(model.plane_tools, places, strict=True)},
             tool_rotation=rotation,
-            info={
-                **describe_plane(model),
-                **self.observers.find(Reactions).gauges(model),
-                **(self._judged().to_info() if model.analysis == "shell" else {}),
-            },
+            info={**describe_plane(model), **self.observers.info(self)},
         )
 
     def _show_dies(self) -> dict[str, tuple[FloatArray, IntArray, FloatArray]]:
@@ -273,50 +247,13 @@ class ImplicitForming(IncrementRun):
         heat = self.procedure.heat
         return show_dies(heat.forming, self.procedure.state[HeatArrays]) if heat else {}
 
-    def _judged(self) -> Formability:
-        """What the strains of a sheet are judged by: it is of one material."""
-        return self.model.materials[self.mesh.blocks[0].material].formability
-
-    def _judge(self, *, at_the_end: bool) -> FormingVerdict | None:
-        """Return the verdict on a sheet, at the end with the defects of its surface; None of a solid."""
-        mechanics, state = self.procedure.mechanics, self.procedure.state
-        if self.model.analysis != "shell":
-            return None
-        points = self.mesh.points + state.nodes.displacement[:, :3]
-        now = mechanics.show(state)
-        fields = {**now.sheet, **(now.surface if at_the_end else {})}
-        return judge_fields(fields, self.mesh.blocks, points, self._judged())
-
-    def meta(self) -> Meta:
-        """Return what the summary needs and no array holds."""
-        return {
-            "initial_volume": self.procedure.initial_volume,
-            "node_penetration": self.penetration.node,
-            "edge_penetration": self.penetration.edge,
-            "edge_share": self.penetration.share,
-        }
-
-    def load_meta(self, meta: Mapping[str, Any]) -> None:
-        """Take up what meta gave."""
-        self.penetration = Penetration(
-            float(meta["node_penetration"]), float(meta["edge_penetration"]), float(meta["edge_share"])
-        )
-
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes, volume, contact and energies."""
-        procedure, model = self.procedure, self.model
+        procedure = self.procedure
         state = procedure.state
         elastic_volume = procedure.mechanics.elastic_dilatation(state)
         volume, initial = procedure.volume(), procedure.initial_volume
         extremes = procedure.mechanics.extremes(state)
-        verdict = self._judge(at_the_end=True)
-        contact = {
-            "tolerance_mm": procedure.interactions.tools.contact.tolerance,
-            "largest_node_penetration_mm": self.penetration.node,
-            "largest_edge_penetration_mm": self.penetration.edge,
-            "largest_penetration_of_an_edge": self.penetration.share,
-            "tools_never_touched": find_never_touched(model, model.tools, history),
-        }
         return {
             **self._count_work(),
             "extremes": {name: [float(v.min()), float(v.max())] for name, v in extremes.items()},
@@ -326,25 +263,8 @@ class ImplicitForming(IncrementRun):
                 "change_percent": 100 * (volume / initial - 1),
                 "elastic_part_percent": 100 * elastic_volume / initial,
             },
-            "contact": contact,
             "energy": procedure.energy_balance(),
             **self.observers.summary(self, history),
             "linear_solver": procedure.equilibrium.solver.name,
-            **({"formability": verdict.to_summary()} if verdict else {}),
-            "warnings": [
-                *self.observers.warnings(self, history),
-                *_warn(contact),
-                *(verdict.warnings() if verdict else ()),
-            ],
+            "warnings": self.observers.warnings(self, history),
         }
-
-
-def _warn(contact: Mapping[str, Any]) -> list[str]:
-    """Return what a user should know of contact with tools."""
-    depth, share = contact["largest_edge_penetration_mm"], contact["largest_penetration_of_an_edge"]
-    if share <= CUT_EDGE:
-        return []
-    return [
-        f"a tool has cut into an edge between two nodes by {share:.0%} of its length (no edge by more than "
-        f"{depth:.3g} mm): contact is at nodes, refine the mesh where tools are curved or narrow"
-    ]

@@ -13,21 +13,17 @@ from numpy.typing import NDArray
 from presswork.body.law_window import LawWindow
 from presswork.evolution.points import find_evolved
 from presswork.fields.instant import Instant
-from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.implicit.progress import Progress
 from presswork.implicit.ram import RamArrays
 from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
-from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.interaction.loose_bodies import warn_of_loose
 from presswork.model import Blow, FloatArray, Model, change_mesh
-from presswork.observe.contract import Evolved, Ram, Row
-from presswork.observe.damage import DamagePeaks, Peak
-from presswork.observe.marked_points import MarkedPoints
-from presswork.observe.of_model import list_observers
+from presswork.observe.contract import Evolved, Observed, Ram, Row
 from presswork.outcome import GaveUpError
 from presswork.process.mesh_change.contract import MeshChange
 from presswork.process.mesh_change.new_epoch import NewEpoch
 from presswork.process.model_run import ModelRun, NamedArrays
+from presswork.process.observed_run import ObservedRun
 
 MADE = "made"
 """Name in a checkpoint."""
@@ -55,34 +51,28 @@ class FollowedRun(Protocol):
         """Go on in the epoch of make_again, once the run has taken it up."""
 
 
-class IncrementRun(ModelRun):
+class IncrementRun(ObservedRun, ModelRun):
     """An implicit procedure at work on a model."""
 
     def __init__(self, model: Model, procedure: ImplicitProcedure) -> None:
         super().__init__(model)
         self.procedure = procedure
         self.timing = procedure.timing
-        self.observers = list_observers(model)
-        self.mesh_changes: list[MeshChange] = []
-        """Asked one after the other between increments; they are among the observers, too."""
+        self.begin_observing()
         self.neighbours: FollowedRun | None = None
         """What follows the run onto its new meshes."""
         self.made_at, self._failed_at = 0, -1
         """Increments when the mesh was made, or could not be, and when one last failed."""
-        self.notes: list[str] = []
-        """For the log of the next increment."""
 
     def add_mesh_change(self, change: MeshChange) -> None:
         """Let the mesh of the run change. Raises ValueError for a run that follows its path on one mesh."""
         if self.model.solver.control == "arc_length":
             raise ValueError("arc length follows its path on one mesh: take load control")
-        self.mesh_changes.append(change)
-        self.observers.add(change)
+        super().add_mesh_change(change)
 
-    @property
-    def marked(self) -> MarkedPoints:
-        """The marked points."""
-        return self.observers.find(MarkedPoints)
+    def at_work(self) -> Observed:
+        """Return the run itself."""
+        return self
 
     @property
     def number(self) -> int:
@@ -116,8 +106,7 @@ class IncrementRun(ModelRun):
 
         position: of its nodes in the present state of the old one (n_points, d) [mm].
         """
-        places = self.marked.places(find_position(self.procedure))
-        self.marked.find(procedure.model.mesh, position, places)
+        self.observers.take_mesh(find_position(self.procedure), procedure.model.mesh, position)
         self.procedure, self.made_at = procedure, self.number
         procedure.evolution.place(origin)
         self.begin_epoch(procedure.model.mesh, origin)
@@ -128,10 +117,6 @@ class IncrementRun(ModelRun):
         procedure.evolution.place(self.origin)
         if self.neighbours is not None:
             self.neighbours.end()
-
-    def find_peaks(self) -> tuple[Peak, ...]:
-        """Return the largest damage of the converged state by each criterion."""
-        return self.observers.find(DamagePeaks).find(self)
 
     def current_stage(self) -> int:
         """Return the stage that the converged state belongs to."""
@@ -150,18 +135,6 @@ class IncrementRun(ModelRun):
     @abstractmethod
     def tool_displacements(self) -> dict[str, FloatArray]:
         """Return how far each tool has moved since the run began (2 | 3,) [mm]."""
-
-    def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
-        """Return nothing, unless solids have heat."""
-        return None
-
-    def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
-        """Return nothing, unless a sheet has heat."""
-        return None
-
-    def overlap(self) -> float:
-        """Return by how much a sheet overlaps itself [mm]; 0 of a solid."""
-        return 0.0
 
     @abstractmethod
     def show(self) -> Instant:
@@ -201,10 +174,9 @@ class IncrementRun(ModelRun):
 
     def log_lines(self, report: IncrementReport) -> list[str]:
         """Say how the increment was found."""
-        log, notes = report.log, self.notes
-        self.notes = []
+        log = report.log
         return [
-            *notes,
+            *self.take_notes(),
             *(f"increment {report.number} cut back: {reason}" for reason in report.cutbacks),
             f"increment {report.number}, stage {report.stage} at {report.fraction:.4f}, {len(log)} iterations, "
             f"residuals {' '.join(f'{r:.1e}' for r in log.residual)}, "

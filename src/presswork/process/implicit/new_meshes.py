@@ -124,7 +124,7 @@ class NewMeshes(MeshChange):
             return [f"no new mesh: {self._obstacle}"]
         return ["[remesh] in the case makes new meshes before the first one fails"] if self._on_first else []
 
-    def show(self, now: Instant) -> None:
+    def show(self, run: Observed, now: Instant) -> None:
         """Add laps, and where the material was when the run began."""
         now.laps = mark_laps(self._run.procedure.state[LapArrays].mark, self.seams)
         now.initial_position = self._run.mesh.points

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.body.shell_arrays import ShellArrays
-from presswork.fields.formability_fields import FormingVerdict, judge_fields
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.formability import find_thinning
@@ -28,7 +27,6 @@ from presswork.interaction.space.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
 from presswork.observe.contract import Row
-from presswork.observe.limits import Watched, measure_overlap, measure_sheet_penetration, watch_sheet
 from presswork.process.held_flange import summarise_holders, warn_of_holders
 from presswork.process.implicit.increments import IncrementRun
 from presswork.process.mesh_change.transfer import SheetState, begin_with, keep_heated, sheet_of_implicit
@@ -136,7 +134,6 @@ class ImplicitStamping(IncrementRun):
         if begin is not None:
             begin_with(begin, self.procedure)
             check_held(self.procedure.model, self.procedure.interactions, self.procedure.state)
-        self._judged = model.sheet[1].formability
 
     @property
     def columns(self) -> list[str]:
@@ -214,14 +211,13 @@ class ImplicitStamping(IncrementRun):
         """Return what the fields of the converged state are computed from."""
         state = self.procedure.state
         now = self.procedure.mechanics.show(state)
-        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self._judged
+        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.sheet[1].formability
         if SpaceToolArrays in state:
             now.tool_force = state[SpaceToolArrays].force.sum(axis=0)
         if (heat := self.procedure.sheet_heat) is not None:
             arrays = state[SheetHeatArrays]
             now.temperature, now.heated = heat.sheet.mean_at_nodes(arrays), heat.sheet.fields(arrays)
-        for change in self.mesh_changes:
-            change.show(now)
+        self.observers.show(self, now)
         return now
 
     def snapshot(self, now: Instant | None = None) -> Snapshot:
@@ -237,29 +233,16 @@ class ImplicitStamping(IncrementRun):
             tool_displacement=self.tool_displacements(),
         )
 
-    def _judge(self, fields: Mapping[str, FloatArray]) -> FormingVerdict:
-        """Return the verdict on the sheet by its cell fields."""
-        mesh = self.model.mesh
-        points = mesh.points + self.procedure.state.nodes.displacement[:, :3]
-        verdict = judge_fields(fields, mesh.blocks, points, self._judged, self.model.symmetry)
-        assert verdict is not None, "shells have principal strains"
-        return verdict
-
-    def watch(self) -> Watched:
-        """Return how far the converged state is towards its limits."""
-        procedure, thickness = self.procedure, self.model.sheet[0].thickness
-        strained = watch_sheet(self._judge(self.show().sheet))
+    def tool_depths(self) -> dict[str, float]:
+        """Return how deep each tool is in the surface of the sheet [mm]."""
         contact = self._sheet()
-        depths = contact.depths(procedure.state) if contact else np.zeros(0)
-        each = zip(self.model.tools, depths, strict=True)
-        deep = [measure_sheet_penetration(tool.name, float(depth), thickness) for tool, depth in each]
-        deep += [measure_overlap(self.overlap(), thickness)] if self.model.self_contact else []
-        return Watched((*strained.measures, *deep), strained.margin, self.find_peaks())
+        depths = contact.depths(self.procedure.state) if contact else np.zeros(0)
+        return {tool.name: float(depth) for tool, depth in zip(self.model.tools, depths, strict=True)}
 
-    def judge(self) -> FormingVerdict:
-        """Return the verdict on the present sheet."""
+    def sheet_fields(self, *, with_surface: bool) -> Mapping[str, FloatArray]:
+        """Return the fields of the shells, and of their surface."""
         now = self.show()
-        return self._judge({**now.sheet, **now.surface})
+        return {**now.sheet, **now.surface} if with_surface else now.sheet
 
     def sheet(self) -> SheetState:
         """Return the converged state of the sheet."""
@@ -289,9 +272,7 @@ class ImplicitStamping(IncrementRun):
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
         """Return counts, extremes and energies, with warnings where they are beyond their limits."""
         state = self.procedure.state
-        now = self.show()
-        fields = now.sheet
-        verdict = self._judge({**fields, **now.surface})
+        fields = self.show().sheet
         names = ("equivalent_plastic_strain", "effective_stress", "thickness", "thickness_strain")
         energy = self.procedure.energy_balance()
         warnings: list[str] = []
@@ -312,13 +293,8 @@ class ImplicitStamping(IncrementRun):
             "extremes": {name: [float(fields[name].min()), float(fields[name].max())] for name in names},
             "energy": energy,
             "time_simulated": state[Progress].time,
-            "formability": verdict.to_summary(),
             **self.observers.summary(self, history),
             **held,
             "linear_solver": self.procedure.equilibrium.solver.name,
-            "warnings": [
-                *self.observers.warnings(self, history),
-                *warnings,
-                *verdict.warnings(),
-            ],
+            "warnings": [*self.observers.warnings(self, history), *warnings],
         }

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from presswork.explicit.input_checks import ExplicitError
 from presswork.mesh.files.dump import dump_mesh, load_mesh
 from presswork.model import FloatArray, IntArray, Mesh, Model
-from presswork.observe.contract import Row
-from presswork.observe.limits import Watched
+from presswork.observe.contract import Observed, Row
+from presswork.observe.formability import FormabilityObserver
 from presswork.observe.ram import RAM_COLUMNS, has_ram
 from presswork.observe.reactions import Reactions
 from presswork.outcome import GaveUpError, StartError
@@ -224,9 +224,9 @@ class PressLine(ModelRun):
         nothing: Row = dict.fromkeys(self._columns, 0.0)
         return nothing | row | {"time": self._time_before + float(row["time"]), "increment": report.number}
 
-    def watch(self) -> Watched:
-        """Return how far the operation is towards its limits."""
-        return self.now.watch()
+    def at_work(self) -> Observed | None:
+        """Return what observers see of the run that forms at present."""
+        return self.now.at_work()
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state; tools of other operations have no place (NaN)."""
@@ -327,7 +327,9 @@ def _under(prefix: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray
 def _summarise(over: ReleasedStamping) -> dict[str, Any]:
     """Return what the summary says of an operation that is over, with its warnings."""
     report, warnings = over.summarise_release()
-    verdict = over.forming.judge()
+    observers = over.forming.observers
+    verdict = observers.find(FormabilityObserver).judge(over.forming)
+    assert verdict is not None, "shells have principal strains"
     report |= over.summarise_hem()
     report |= {"formability": verdict.to_summary(), "reports": over.number}
     return report | {"warnings": [*verdict.warnings(), *warnings]}

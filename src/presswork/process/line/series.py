@@ -14,8 +14,7 @@ from presswork.implicit.heat_of_forming import HeatArrays
 from presswork.implicit.progress import Progress
 from presswork.implicit.stepping import IncrementReport
 from presswork.model import Mesh, Model
-from presswork.observe.contract import Row
-from presswork.observe.limits import Watched
+from presswork.observe.contract import Observed, Row
 from presswork.process.implicit.begin_forming import begin_forming
 from presswork.process.implicit.forming import ImplicitForming
 from presswork.process.model_run import ModelRun
@@ -97,13 +96,9 @@ class SeriesForming(ModelRun):
         """Return the row of the history."""
         return self._run.row(report) | {"part": self._part + 1}
 
-    def watch(self) -> Watched:
-        """Return how far the present part is towards its limits."""
-        return self._run.watch()
-
-    def find_peaks(self) -> Any:
-        """Return the largest damage of the present part by each criterion."""
-        return self._run.find_peaks()
+    def at_work(self) -> Observed | None:
+        """Return what observers see of the run that forms at present."""
+        return self._run.at_work()
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present part."""

@@ -26,8 +26,8 @@ from presswork.mesh.checks import MeshError
 from presswork.mesh.files.dynain import write_dynain
 from presswork.mesh.topology import find_parts
 from presswork.model import FloatArray, Mesh, Model
-from presswork.observe.contract import Row
-from presswork.observe.limits import Watched
+from presswork.observe.contract import Observed, Row
+from presswork.observe.marked_points import find_marked
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.explicit.stamping import ExplicitStamping
 from presswork.process.implicit.stamping import ImplicitStamping
@@ -283,17 +283,17 @@ class ReleasedStamping(ModelRun):
         row |= {name: float(row[name]) - freed for name in STORED if name in row}
         stage = TRIM if isinstance(report, TrimReport) else NAME
         if self.model.points and not self.model.trim:
-            known = set(self.forming.columns)
-            row |= {name: v for name, v in self.forming.marked.measure(self._show_released()).items() if name in known}
+            released = find_marked(self.forming).measure(self._show_released())
+            row |= {name: released[name] for name in self.forming.columns if name in released}
         return row | {"time": self._time(), "stage": stage, "increment": report.number}
 
     def _time(self) -> float:
         assert self.released is not None
         return self.forming.time + self.released.implicit.state[Progress].time
 
-    def watch(self) -> Watched:
-        """Return how far forming is towards its limits; a released part has passed none of its own."""
-        return self.forming.watch() if self.released is None else Watched()
+    def at_work(self) -> Observed | None:
+        """Return what observers see; None of a released part."""
+        return self.forming.at_work() if self.released is None else None
 
     def snapshot(self) -> Snapshot:
         """Return the fields of the present state.

@@ -8,7 +8,6 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from presswork.fields.instant import Instant
 from presswork.observe.contract import Observer
 
 
@@ -32,9 +31,6 @@ class MeshChange(Observer):
     def find_hints(self) -> list[str]:
         """Return what may have made the run fail."""
         return []
-
-    def show(self, now: Instant) -> None:
-        """Add its fields to what fields are computed from."""
 
     def prepare_epoch(self, epoch: Mapping[str, NDArray[Any]]) -> None:
         """Make ready for an epoch of a checkpoint, which `arrays` has given in part, before its mesh is taken up."""
