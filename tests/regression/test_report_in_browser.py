@@ -94,6 +94,7 @@ def test_slider_and_force_curve_are_linked(page: Page, upset: Result) -> None:
     page.tab.keyboard.press("Home")
     page.settle()
     assert "stroke 0.00 mm" in label.inner_text()
+    page.tab.get_by_role("tab", name="Curves").click()
     page.tab.locator(".u-over").first.click(position={"x": 150, "y": 100})
     page.settle()
     step = page.ask("() => presswork.store.state.step")
@@ -325,4 +326,29 @@ def test_large_sheet_is_turned_with_fewer_triangles(browser: Any, tmp_path: Path
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert 0.5 * np.linalg.norm(normal, axis=1).sum() == pytest.approx(10_000.0, rel=0.05)
     assert page.ask(script, False)[0] == 2 * n * n
+    page.close()
+
+
+def test_click_on_a_line_of_the_verdict_shows_its_field_and_place(page: Page, upset: Result) -> None:
+    """The largest contact pressure: its field is shown, at its step, with the pin at the node where it is."""
+    assert page.tab.get_by_role("tab").first.inner_text() == "Result"
+    assert page.tab.locator(".verdict").inner_text() == "OK"
+    page.tab.get_by_role("button", name="Contact pressure on tools").click()
+    page.settle()
+    largest = upset.summary["fields"]["contact_pressure"]["largest"]
+    state = page.ask("() => presswork.store.state")
+    assert (state["field"], state["step"]) == ("contact_pressure", largest["step"])
+    value = upset.field("contact_pressure", largest["step"])[state["picked"]["node"]]
+    assert value == pytest.approx(largest["value"], rel=1e-6)
+
+
+def test_head_of_a_failed_run_says_reason_and_remedy(browser: Any, upset: Result, tmp_path: Path) -> None:
+    changes = ["workpiece.mesh.cells=[6,6]", "limits.mean_pressure=0.3"]
+    outcome = run(Case.from_toml(upset.folder / "case.toml", overrides=changes), tmp_path / "out")
+    assert outcome.status == "gave_up"
+    page = Page(browser, write_report(outcome.result))
+    assert page.tab.locator("#reason").inner_text() == outcome.reason
+    assert page.tab.locator(".verdict").inner_text() == "Fails"
+    page.tab.get_by_text("End of the log").click()
+    assert "gave_up" in page.tab.get_by_label("Log of out").inner_text()
     page.close()

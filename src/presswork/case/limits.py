@@ -7,7 +7,7 @@ from pydantic import Field
 
 from presswork import model
 from presswork.case.part import Part
-from presswork.case.units import Number
+from presswork.case.units import Force, Number, Stress
 
 _LIMITS = model.Limits()
 
@@ -40,6 +40,17 @@ class Limits(Part):
         gt=0,
         description="mean pressure in a solid between tools, over its mean flow stress: beyond it the metal has no way "
         "out. It stops a run even where stop = false",
+    )
+    force: Force | None = Field(
+        default=_LIMITS.force,
+        gt=0,
+        description="largest force that the press gives to a tool [N]; the run goes on beyond it, and its result fails",
+    )
+    contact_pressure: Stress | None = Field(
+        default=_LIMITS.contact_pressure,
+        gt=0,
+        description="largest contact pressure that the tools bear, about the yield stress of their steel [MPa]; the "
+        "run goes on beyond it, and its result fails",
     )
 
     def build(self) -> model.Limits:

@@ -16,6 +16,7 @@ from rich.table import Column
 from presswork.cli.pictures import show
 from presswork.cli.terminal import GAVE_UP, INTERRUPTED, console, refuse
 from presswork.outcome import StartError
+from presswork.post import judge_result
 from presswork.recorder import Outcome
 from presswork.recorder import Progress as RunProgress
 from presswork.results import OutputError, Result
@@ -75,6 +76,8 @@ def _print_summary(result: Result, outcome: Outcome, quiet: bool) -> None:
         typer.echo(_describe_blank(result))
     if "first_crack" in summary:
         typer.echo(describe_crack(summary["first_crack"]))
+    if outcome.status == "completed":
+        typer.echo(judge_result(result).text())
     console().print(
         f"{summary['work']}, {summary['wall_seconds']['total']:.1f} s; results in {outcome.folder}", markup=False
     )

@@ -21,3 +21,7 @@ class Limits:
     """Hydrostatic stress, tension or compression, over the flow stress."""
     mean_pressure: float = 10.0
     """Mean pressure in a body between tools, over its mean flow stress: a closed cavity. It holds whatever `stop`."""
+    force: float | None = None
+    """Largest force of the press on a tool that moves [N]; the run goes on beyond it, and its verdict fails."""
+    contact_pressure: float | None = None
+    """Largest contact pressure that the tools bear [MPa]; the run goes on beyond it, and its verdict fails."""

@@ -12,14 +12,17 @@ from .outline import OutlineLoop, find_outline, trace_outline
 from .section import cut_sheet, cut_tool, measure_draw_in, write_section
 from .skin import find_skin
 from .tool_profile import distance_to_profile, trace_profile
+from .verdict import Line, RunVerdict, judge_result, judge_summary
 
 __all__ = [
     "DieFill",
     "DieStress",
     "FlangeFit",
     "Interface",
+    "Line",
     "NeutralRadius",
     "OutlineLoop",
+    "RunVerdict",
     "average_to_nodes",
     "cell_areas",
     "cut_sheet",
@@ -33,6 +36,8 @@ __all__ = [
     "integrate_contact_force",
     "judge_cells",
     "judge_part",
+    "judge_result",
+    "judge_summary",
     "measure_die_fill",
     "measure_draw_in",
     "measure_draw_in_around",

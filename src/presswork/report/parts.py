@@ -12,16 +12,18 @@ import numpy as np
 from presswork.fields.table import describe_field
 from presswork.formability import ZONES
 from presswork.model import FloatArray
-from presswork.post import measure_draw_in_around, trace_interface
+from presswork.post import judge_result, measure_draw_in_around, trace_interface
 from presswork.report.case_data import list_defaults, read_text
 from presswork.report.choose import Shown
 from presswork.report.surface import Surface
 from presswork.results import Result
-from presswork.results.folder import CASE
+from presswork.results.folder import CASE, LOG
 from presswork.view.plots.flow_lines_plot import space_lines
 from presswork.view.plots.shell_plot import DIVERGING, ZONE_FIELD
 from presswork.view.style import ZONE_COLOURS, describe_step
 
+LINES_OF_LOG = 40
+"""Lines of the log that a page shows of a run that did not complete."""
 _UNITS = {"1": "–", "degrees C": "°C"}
 
 
@@ -39,9 +41,19 @@ def describe_run(result: Result) -> dict[str, Any]:
         "symmetry": str(result.info.get("symmetry", "")),
         "formability": _pack_formability(result),
         "summary": result.summary,
+        "verdict": judge_result(result).to_data(),
+        "log": _read_end_of_log(result),
         "case": read_text(result.folder / CASE),
         "defaults": list_defaults(result.folder / CASE),
     }
+
+
+def _read_end_of_log(result: Result) -> str:
+    """Return the last lines of the log of a run that did not complete; empty of others."""
+    path = result.folder / LOG
+    if result.summary.get("status", "completed") == "completed" or not path.is_file():
+        return ""
+    return "\n".join(read_text(path).splitlines()[-LINES_OF_LOG:])
 
 
 def describe_saved_step(result: Result, step: int) -> dict[str, Any]:

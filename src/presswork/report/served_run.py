@@ -13,6 +13,7 @@ from urllib.parse import urlencode
 import numpy as np
 
 from presswork.model import FloatArray
+from presswork.post import judge_result
 from presswork.report.choose import Shown, list_fields
 from presswork.report.history import pack_history
 from presswork.report.pack import Blocks, Packed
@@ -77,6 +78,7 @@ class ServedRun:
                 "steps": self._steps[steps:],
                 "meshes": self._describe_meshes(),
                 "summary": self._result.summary,
+                "verdict": judge_result(self._result).to_data(),
                 "curves": history if count != rows else None,
             }
 

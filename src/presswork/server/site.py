@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
 from datetime import UTC, datetime
 from importlib.resources import files
@@ -97,11 +98,17 @@ class Site:
         header = {
             "version": __version__,
             "written": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-            "runs": [run.header() for run in runs],
+            "runs": [{**run.header(), "edit": self._find_case(run.folder)} for run in runs],
             "served": {"generations": [run.generation for run in runs]},
         }
         page = assemble_page(header, Blocks(), is_served=True)
         return Response(page.encode(), "text/html", make_policy(is_served=True))
+
+    def _find_case(self, folder: Path) -> str:
+        """Return the case file beside a run's folder that it was computed from, by its name; empty if there is none."""
+        names = (folder.name, re.sub(r"_\d+$", "", folder.name))
+        paths = (folder.with_name(f"{name}.toml") for name in names if folder != self.opened.root)
+        return next((self.opened.name(p) for p in paths if p.is_file() and not p.is_symlink()), "")
 
     # --- runs --------------------------------------------------------------------------------------------------------
 

@@ -57,8 +57,10 @@ class LimitsPassed(Memory):
         return [] if self._limits.stop else list(self._passed.values())
 
     def summary(self, history: History) -> dict[str, Any]:
-        """Return how near limits came."""
-        return {"limits": self._nearest}
+        """Return how near limits came, and what press and tools bear where the case says so."""
+        bears = {"force_n": self._limits.force, "contact_pressure_mpa": self._limits.contact_pressure}
+        equipment = {name: limit for name, limit in bears.items() if limit is not None}
+        return {"limits": self._nearest, **({"equipment": equipment} if equipment else {})}
 
     def to_data(self) -> Any:
         """Return what was nearest, and what was passed."""

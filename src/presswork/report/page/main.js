@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Starts the page: reads the header, makes the runs, and joins stage, controls and panels by one state.
 import { makeTimeline, makeToolbar } from "./controls.js";
+import { make } from "./elements.js";
 import { follow } from "./follow.js";
 import { makePanels } from "./panels.js";
 import { Run } from "./run.js";
@@ -23,12 +24,19 @@ function showHead() {
   const warnings = runs.reduce((sum, one) => sum + (one.summary.warnings?.length ?? 0), 0);
   const empty = runs.filter((one) => one.summary.verdict);
   const failed = runs.filter((one) => one.summary.status && one.summary.status !== "completed");
+  const hasFailed = runs.filter((one) => one.verdict.state === "fail");
   const status = find("status");
   status.textContent = failed.length ? failed.map((one) => `${runs.length > 1 ? `${one.name}: ` : ""}${one.summary.status.replace("_", " ")}`).join(", ")
     : empty.length ? empty.map((one) => `${runs.length > 1 ? `${one.name}: ` : ""}${one.summary.verdict.split(":")[0]}`).join("; ")
+    : hasFailed.length ? `${hasFailed.map((one) => (runs.length > 1 ? `${one.name} fails` : "fails")).join(", ")}`
     : warnings ? `${warnings} warning${warnings > 1 ? "s" : ""}` : runs.every((one) => one.summary.status) ? "completed" : "not finished";
   status.title = empty.map((one) => one.summary.verdict).join("; ");
-  status.className = failed.length || empty.length ? "bad" : warnings ? "warn" : "";
+  const reason = find("reason");
+  reason.textContent = [...failed, ...empty].filter((one) => one.summary.reason || one.summary.verdict).map((one) => `${runs.length > 1 ? `${one.name}: ` : ""}${one.summary.reason || one.summary.verdict}`).join(" ");
+  const edited = [...failed, ...empty].find((one) => one.edit);
+  if (edited) reason.append(" ", make("a", { href: `edit?case=${encodeURIComponent(edited.edit)}` }, "Edit and rerun"));
+  reason.hidden = !reason.textContent;
+  status.className = failed.length || empty.length || hasFailed.length ? "bad" : warnings ? "warn" : "";
 }
 
 const isDrawing = Boolean(header.is_drawing);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tabs beside the stage.
 import { make } from "./elements.js";
+import { ResultPanel } from "./result.js";
 import { CurvesPanel } from "./curves.js";
 import { LimitPanel } from "./limit.js";
 import { ContactPanel } from "./contact.js";
@@ -11,7 +12,7 @@ const find = (id) => document.getElementById(id);
 
 /** Make the tabs that the runs have something for; the first is open. */
 export function makePanels(runs, store, stage) {
-  const all = [["Curves", CurvesPanel], ["Part", PartPanel], ["Forming limit", LimitPanel], ["Contact", ContactPanel], ["Case", CasePanel]];
+  const all = [["Result", ResultPanel], ["Curves", CurvesPanel], ["Part", PartPanel], ["Forming limit", LimitPanel], ["Contact", ContactPanel], ["Case", CasePanel]];
   const kinds = all.filter(([, Panel]) => !Panel.isFor || runs.some((run) => Panel.isFor(run)));
   let open = null;
   const show = (number) => {

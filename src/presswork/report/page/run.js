@@ -86,9 +86,9 @@ export class Run {
   }
 
   /** Take up what a run has written since the page last asked. */
-  grow({ steps, meshes, curves, summary }) {
+  grow({ steps, meshes, curves, summary, verdict }) {
     this.steps.push(...steps);
-    Object.assign(this, { meshes, summary });
+    Object.assign(this, { meshes, summary, verdict });
     if (curves) {
       this.curves = curves;
       for (const name of this.#kept.keys()) if (name.startsWith("history ")) this.#kept.delete(name);

@@ -1,0 +1,320 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The verdict on a run: a line for each thing that an engineer decides by, with figure, limit and place.
+
+Lines come from the summary, which holds what observers found. Page, printed summary and scripts show the same lines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any, Literal
+
+from presswork.results import Result
+
+State = Literal["ok", "risk", "fail", "figure"]
+"""`figure`: a number without a limit to judge it by."""
+FULL = 0.98
+"""Part of its wall from which on a die counts as full."""
+ROUND_OFF = 1e-9
+"""Measure below which there is none."""
+_WORST: tuple[State, ...] = ("fail", "risk", "ok", "figure")
+_FIELDS = {"penetration": "gap", "hydrostatic_stress": "hydrostatic_stress", "mean_pressure": "hydrostatic_stress"}
+_NAMES = {
+    "penetration": "depth of tools in the workpiece",
+    "hydrostatic_stress": "hydrostatic stress over flow stress",
+    "mean_pressure": "mean pressure over flow stress",
+}
+
+Summary = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Line:
+    """One thing that was judged."""
+
+    name: str
+    state: State
+    figure: str
+    """Number with its unit, or a few words."""
+    limit: str = ""
+    """What it is judged by; empty if nothing is known."""
+    note: str = ""
+    """When, what it means, or the remedy."""
+    field: str = ""
+    """Field of the results that shows it."""
+    at_mm: tuple[float, ...] = ()
+    """Place on the deformed part [mm]."""
+    time_s: float | None = None
+    """When; None: at the end."""
+
+
+@dataclass(frozen=True)
+class RunVerdict:
+    """All lines, the worst first, and the state of the worst."""
+
+    state: State
+    lines: tuple[Line, ...]
+
+    def to_data(self) -> dict[str, Any]:
+        """Return plain values for a page."""
+        return asdict(self)
+
+    def text(self) -> str:
+        """Return the state with the lines that are not OK.
+
+        >>> RunVerdict("ok", (Line("laps", "ok", "none"),)).text()
+        'result: OK, of 1 check'
+        """
+        count = sum(line.state != "figure" for line in self.lines)
+        head = "OK" if self.state == "ok" else self.state
+        bad = [line for line in self.lines if line.state in ("fail", "risk") and not line.name.startswith("warning")]
+        rest = "".join(f"\n  {line.state}: {describe_line(line)}" for line in bad)
+        return f"result: {head}, of {count} check{'' if count == 1 else 's'}{rest}"
+
+
+def describe_line(line: Line) -> str:
+    """Return a line as text.
+
+    >>> describe_line(Line("force of punch", "fail", "12 kN", "10 kN", "at 3 mm"))
+    'force of punch 12 kN (limit 10 kN), at 3 mm'
+    """
+    limit = f" (limit {line.limit})" if line.limit else ""
+    place = f"at ({', '.join(f'{x:.4g}' for x in line.at_mm)}) mm" if line.at_mm else ""
+    return ", ".join(part for part in (f"{line.name} {line.figure}{limit}", place, line.note) if part)
+
+
+def judge_result(result: Result) -> RunVerdict:
+    """Return the verdict on a run, finished or not; without a summary there is nothing to judge yet."""
+    return judge_summary(result.summary, result.formability.safety_margin, result.mesh.points.shape[1])
+
+
+def judge_summary(summary: Summary, safety_margin: float = 0.1, dimension: int = 3) -> RunVerdict:
+    """Return the verdict by what summary.json holds.
+
+    safety_margin: part of the forming limit held in reserve; dimension: of places.
+    """
+    judges = (
+        _judge_end,
+        _judge_forces,
+        _judge_die_fill,
+        _judge_laps,
+        _judge_contact_pressure,
+        _judge_cracks,
+        lambda found: _judge_forming_limit(found, safety_margin),
+        _judge_thinning,
+        _judge_wrinkles,
+        _judge_springback,
+        _judge_windows,
+        _judge_limits,
+        _judge_warnings,
+    )
+    lines = [line for judge in judges for line in judge(summary)] if summary else []
+    lines = [replace(line, at_mm=tuple(line.at_mm[:dimension])) for line in lines]
+    lines.sort(key=lambda line: _WORST.index(line.state))
+    return RunVerdict(lines[0].state if lines else "figure", tuple(lines))
+
+
+def _number(value: float) -> str:
+    return f"{value:.4g}"
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.1f} %"
+
+
+def _when(instant: Mapping[str, Any]) -> str:
+    """Return stage and strokes of an instant in words.
+
+    >>> _when({"stage": "draw", "strokes_mm": {"punch": 12.0}, "time_s": 1.0})
+    'in draw, punch at 12 mm'
+    """
+    moved = ", ".join(f"{tool} at {stroke:.4g} mm" for tool, stroke in instant.get("strokes_mm", {}).items())
+    return ", ".join(part for part in (f"in {instant['stage']}" if instant.get("stage") else "", moved) if part)
+
+
+def _join(*parts: str) -> str:
+    return "; ".join(part for part in parts if part)
+
+
+def _against(value: float, limit: float | None) -> State:
+    return "figure" if limit is None else "fail" if value > limit else "ok"
+
+
+# --- one function a line ---------------------------------------------------------------------------------------------
+
+
+def _judge_end(summary: Summary) -> Iterator[Line]:
+    """Judge how the run ended, and whether anything was formed."""
+    status, done = summary.get("status", "completed"), summary.get("fraction_computed", 1.0)
+    if status != "completed":
+        state: State = "fail" if status == "gave_up" else "risk"
+        yield Line(
+            "run", state, f"{status.replace('_', ' ')} after {_percent(done)}", "100 %", summary.get("reason", "")
+        )
+    elif worst := summary.get("verdict"):
+        yield Line("run", "fail", "nothing was formed", "", str(worst).partition(": ")[2])
+    else:
+        yield Line("run", "ok", "completed")
+
+
+def _judge_forces(summary: Summary) -> Iterator[Line]:
+    """Judge the largest force of each tool that moves by that of the press."""
+    limit = summary.get("equipment", {}).get("force_n")
+    for tool, largest in summary.get("largest_forces", {}).items():
+        if tool in largest["strokes_mm"]:
+            force = abs(largest["force_n"])
+            shown = "" if limit is None else f"{_number(1e-3 * limit)} kN"
+            figure, note = f"{_number(1e-3 * force)} kN", _when(largest)
+            yield Line(f"force of {tool}", _against(force, limit), figure, shown, note, time_s=largest["time_s"])
+    if "punch_force_kN" in summary:
+        force = 1e3 * summary["punch_force_kN"]
+        yield Line("force of the punch", _against(force, limit), f"{_number(1e-3 * force)} kN")
+
+
+def _judge_die_fill(summary: Summary) -> Iterator[Line]:
+    """Judge how far each die is filled; flash is a figure."""
+    for die, fill in summary.get("die_fill", {}).items():
+        gap, filled, place = fill["largest_gap_mm"], fill["wall_filled"], tuple(fill.get("largest_gap_at_mm") or ())
+        open_at = "" if gap is None else f"widest gap {_number(gap)} mm"
+        state: State = "ok" if filled >= FULL else "fail"
+        limit, field = f"at least {100 * FULL:.0f} %", "gap"
+        yield Line(f"fill of {die}", state, _percent(filled), limit, open_at, field, place)
+        if fill.get("flash_thickness_mm") is not None:
+            yield Line(f"flash at {die}", "figure", f"{_number(fill['flash_thickness_mm'])} mm thick")
+
+
+def _judge_laps(summary: Summary) -> Iterator[Line]:
+    """Judge that the surface has not folded onto itself."""
+    if "laps" not in summary:
+        return
+    if not summary["laps"]:
+        yield Line("laps", "ok", "none")
+    for lap in summary["laps"]:
+        place = tuple(lap[key] for key in ("x_mm", "y_mm", "z_mm") if key in lap)
+        extent = f"{_number(lap['length_mm'])} mm long" if "length_mm" in lap else f"{_number(lap['area_mm2'])} mm2"
+        yield Line("lap", "fail", extent, "none", "", "lap", place)
+
+
+def _judge_contact_pressure(summary: Summary) -> Iterator[Line]:
+    """Judge the largest contact pressure by what the tools bear."""
+    largest = summary.get("fields", {}).get("contact_pressure", {}).get("largest")
+    if not largest or not largest["value"]:
+        return
+    limit, at = summary.get("equipment", {}).get("contact_pressure_mpa"), tuple(largest["at_mm"])
+    figure, shown = f"{_number(largest['value'])} MPa", "" if limit is None else f"{_number(limit)} MPa"
+    state, name = _against(largest["value"], limit), "contact pressure on tools"
+    yield Line(name, state, figure, shown, "", "contact_pressure", at, largest["time_s"])
+
+
+def _judge_cracks(summary: Summary) -> Iterator[Line]:
+    """Judge damage by its critical value, where the material gives one."""
+    for name, known in summary.get("damage", {}).items():
+        first, most, critical = known.get("first_exceeded"), known["largest_mean"], known["critical"]
+        word, shown = name.removeprefix("damage_").replace("_", " "), "" if critical is None else _number(critical)
+        worst = first or most
+        state: State = "fail" if first else "figure" if critical is None else "ok"
+        note = ("first crack " if first else "") + _when(worst)
+        figure, at = _number(worst["value"]), tuple(worst["at_mm"])
+        yield Line(
+            f"damage, {word}" if critical is None else f"cracks by {word}",
+            state,
+            figure,
+            shown,
+            note,
+            name,
+            at,
+            worst["time_s"],
+        )
+
+
+def _judge_forming_limit(summary: Summary, margin: float) -> Iterator[Line]:
+    """Judge the least margin to the forming limit, by strains at the end and along their paths."""
+    found = summary.get("formability", {})
+    for key, word in (("least_margin", "at the end"), ("least_margin_polar", "along the path")):
+        least = found.get(key)
+        if not least:
+            continue
+        value, at = least["value"], tuple(least["place"])
+        state: State = "fail" if value < 0.0 else "risk" if value < margin else "ok"
+        crack = summary.get("first_crack") if value < 0.0 else None
+        note = f"first crack {_when(crack)}" if crack else ""
+        field = "forming_limit_margin" + key.removeprefix("least_margin")
+        name, limit = f"margin to the forming limit {word}", f"at least {_percent(margin)}"
+        yield Line(name, state, _percent(value), limit, note, field, at)
+
+
+def _judge_thinning(summary: Summary) -> Iterator[Line]:
+    """Judge thinning by the limit of the run, which is that of a sheet that has torn."""
+    worst = summary.get("formability", {}).get("largest_thinning_percent")
+    if not worst:
+        return
+    limit, at = summary.get("limits", {}).get("thinning", {}).get("limit"), tuple(worst["place"])
+    state: State = "fail" if limit is not None and worst["value"] > 100.0 * limit else "figure"
+    shown = _percent(limit) if state == "fail" else ""
+    yield Line("thinning", state, f"{worst['value']:.1f} %", shown, "", "thinning", at)
+
+
+def _judge_wrinkles(summary: Summary) -> Iterator[Line]:
+    """Judge that a sheet does not fold; the height of its waves is a figure."""
+    found = summary.get("formability", {})
+    if fold := found.get("largest_fold_ratio"):
+        state: State = "fail" if found["folds"] else "ok"
+        at = tuple(fold["place"]) if found["folds"] else ()
+        yield Line("folds of the sheet", state, str(found["folds"]), "none", "", "fold_ratio", at)
+    if wrinkles := summary.get("wrinkles"):
+        yield Line("height of wrinkles", "figure", f"{_number(wrinkles['height_mm'])} mm", field="wrinkling_indicator")
+
+
+def _judge_springback(summary: Summary) -> Iterator[Line]:
+    """Judge springback by its tolerance."""
+    found = summary.get("springback")
+    if not found:
+        return
+    if judged := found.get("tolerance"):
+        low, high = judged["band_mm"]
+        state: State = "ok" if low <= judged["worst_mm"] <= high else "fail"
+        at, limit = judged["at_mm"], f"{_number(low)} to {_number(high)} mm"
+        note = f"{_percent(judged['share_within'])} of the part within"
+        yield Line("springback", state, f"{_number(judged['worst_mm'])} mm", limit, note, "springback", tuple(at))
+    else:
+        at, figure = found.get("at_mm", ()), f"{_number(found['largest_mm'])} mm"
+        yield Line("springback", "figure", figure, "", "", "springback", tuple(at))
+    for name, point in found.get("gauge", {}).get("points", {}).items():
+        within: State = "figure" if "within" not in point else "ok" if point["within"] else "fail"
+        yield Line(f"deviation at {name}", within, f"{_number(point['deviation_mm'])} mm", field="springback")
+
+
+def _judge_windows(summary: Summary) -> Iterator[Line]:
+    """Judge what strain, rate and temperature the flow stress was asked for by the window that it was fitted in."""
+    units, words = {"temperature": " °C", "rate": " 1/s"}, {"rate": "strain rate"}
+    fields = {"temperature": "temperature", "strain": "equivalent_plastic_strain"}
+    for material, windows in summary.get("law_windows", {}).items():
+        for quantity, found in windows.items():
+            below = 0.0 if quantity == "strain" else found["share_below"]  # metal that begins to yield is below it
+            share, unit = below + found["share_above"], units.get(quantity, "")
+            (low, high), (least, most) = found["window"], found["reached"]
+            figure, limit = (f"{_number(a)} to {_number(b)}{unit}" for a, b in ((least, most), (low, high)))
+            note = f"{_percent(share)} of points and increments outside" if share else ""
+            name = f"{words.get(quantity, quantity)} in the law of {material}"
+            yield Line(name, "risk" if share else "ok", figure, limit, note, fields.get(quantity, ""))
+
+
+def _judge_limits(summary: Summary) -> Iterator[Line]:
+    """Judge the measures beyond which a state is no longer physics."""
+    for name, word in _NAMES.items():
+        if known := summary.get("limits", {}).get(name):
+            state, largest = _against(known["largest"], known["limit"]), known["largest"]
+            figure = "none" if abs(largest) < ROUND_OFF else f"{largest:.3g}"
+            fact = _join("" if state == "ok" else known["fact"], _when(known))
+            yield Line(word, state, figure, _number(known["limit"]), fact, _FIELDS[name], (), known["time_s"])
+
+
+def _judge_warnings(summary: Summary) -> Iterator[Line]:
+    """Repeat the warnings of the run."""
+    warnings = summary.get("warnings") or []
+    if not warnings and summary.get("status") == "completed":
+        yield Line("warnings of the run", "ok", "none")
+    for warning in warnings:
+        if warning != summary.get("verdict"):
+            yield Line("warning", "risk", "", "", warning)
