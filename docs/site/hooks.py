@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import html
 import re
 import sys
 from pathlib import Path
 
+from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
@@ -16,6 +18,8 @@ import reference
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "src/presswork/examples"
 PAGES = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"}
+FORMULA = re.compile(r'(<(?:span|div) class="arithmatex">)\\([(\[])(.*?)\\[)\]](?=</)', re.DOTALL)
+"""A formula as arithmatex writes it: between \\( and \\) in a line, between \\[ and \\] on lines of its own."""
 PICTURES = {"strip_rolling": "rolling", "extrusion_curved": "extrusion"}
 """Of examples whose picture has another name."""
 
@@ -39,6 +43,15 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, **_: object) -> str:
     """Point links to files of the root at the pages made from them."""
     return markdown.replace("](../CONTRIBUTING.md", "](contributing.md")
+
+
+def on_page_content(page_html: str, **_: object) -> str:
+    """Write formulas as MathML, which browsers show without a script or a network."""
+
+    def write(found: re.Match[str]) -> str:
+        return found[1] + convert(html.unescape(found[3]), display="block" if found[2] == "[" else "inline")
+
+    return FORMULA.sub(write, page_html)
 
 
 def make_gallery() -> str:

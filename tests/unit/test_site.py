@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
+import html
+import posixpath
 import re
 import subprocess
 import sys
-from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
@@ -19,30 +20,28 @@ from presswork.examples import list_examples
 ROOT = Path(__file__).parents[2]
 
 
-class _Page(HTMLParser):
-    """Anchors that a page has, and what it links to."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.anchors: set[str] = set()
-        self.targets: set[str] = set()
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        for name, value in attrs:
-            if value and name == "id":
-                self.anchors.add(value)
-            elif value and name in ("href", "src"):
-                self.targets.add(value)
+ANCHOR = re.compile(r"""[\s"']id=["']?([^"'\s>]+)""")
+TARGET = re.compile(r"""[\s"'](?:href|src)=["']?([^"'\s>]+)""")
+TAG = re.compile(r"<[a-zA-Z][^>]*>")
+LOADED = re.compile(r"<(?:script|img|iframe)\b[^>]*\bsrc=[^>]*>|<link\b[^>]*\brel=[\"']?(?:stylesheet|preload)[^>]*>")
+"""Tags whose files a browser fetches to show a page."""
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory) -> Path:
     pytest.importorskip("mkdocs")
+    pytest.importorskip("latex2mathml")
     folder = tmp_path_factory.mktemp("site")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return folder
+
+
+@pytest.fixture(scope="module")
+def pages(site: Path) -> dict[str, str]:
+    """Text of every page by its place in the site."""
+    return {path.relative_to(site).as_posix(): path.read_text("utf-8") for path in site.rglob("*.html")}
 
 
 def test_every_example_is_in_the_gallery(site: Path) -> None:
@@ -63,22 +62,44 @@ def test_every_key_of_every_case_is_in_the_reference(site: Path) -> None:
         assert not [key for key in keys if f"<code>{key}</code>" not in page]
 
 
-def test_no_link_of_the_site_is_dead(site: Path) -> None:
-    pages = {}
-    for path in site.rglob("*.html"):
-        pages[path] = _Page()
-        pages[path].feed(path.read_text("utf-8"))
-    assert len(pages) > 15
+def find_dead_links(pages: dict[str, str], files: set[str]) -> list[str]:
+    """Return links to files or anchors that are not there. pages: text by place in the site; files: all places."""
+    tags = {place: "".join(TAG.findall(text)) for place, text in pages.items()}
+    anchors = {place: {html.unescape(name) for name in ANCHOR.findall(text)} for place, text in tags.items()}
     dead = []
-    for path, page in pages.items():
-        if path.name == "404.html":
-            continue  # its links are from the root of a host
-        for target in page.targets:
-            parts = urlsplit(target)
+    for place, text in tags.items():
+        for target in set(TARGET.findall(text)):
+            parts = urlsplit(html.unescape(target))
             if parts.scheme or parts.netloc:
                 continue
-            goal = (path.parent / unquote(parts.path)).resolve() if parts.path else path
-            goal = goal / "index.html" if goal.is_dir() else goal
-            if not goal.exists() or (parts.fragment and goal in pages and parts.fragment not in pages[goal].anchors):
-                dead.append(f"{path.relative_to(site)}: {target}")
-    assert not dead
+            goal = posixpath.normpath(posixpath.join(posixpath.dirname(place), unquote(parts.path)))
+            goal = place if not parts.path else goal
+            page = next((name for name in (goal, posixpath.normpath(f"{goal}/index.html")) if name in files), None)
+            if page is None or (parts.fragment and page in anchors and unquote(parts.fragment) not in anchors[page]):
+                dead.append(f"{place}: {target}")
+    return dead
+
+
+def test_no_link_of_the_site_is_dead(site: Path, pages: dict[str, str]) -> None:
+    files = {path.relative_to(site).as_posix() for path in site.rglob("*") if path.is_file()}
+    assert len(pages) > 200
+    own = {place: text for place, text in pages.items() if place != "404.html"}  # its links are from a host's root
+    assert not find_dead_links(own, files)
+
+
+def test_a_dead_link_is_found() -> None:
+    page = '<h2 id="a">A</h2><p>src=no.png</p><a href="b/">B</a><a href=#a>A</a><a href="b/#c">C</a><img src="d.png">'
+    files = {"index.html", "b/index.html"}
+    found = find_dead_links({"index.html": page, "b/index.html": '<a href="../#a">A</a>'}, files)
+    assert sorted(found) == ["index.html: b/#c", "index.html: d.png"]
+
+
+def test_a_page_is_shown_without_a_network(pages: dict[str, str]) -> None:
+    fetched = {tag for text in pages.values() for tag in LOADED.findall(text) if re.search(r"=[\"']?(https?:)?//", tag)}
+    assert not fetched
+
+
+def test_formulas_are_written_when_the_site_is_built(pages: dict[str, str]) -> None:
+    formulas = [text for page in pages.values() for text in re.findall(r'class="arithmatex">(.{12})', page, re.DOTALL)]
+    assert len(formulas) > 50
+    assert all(text.startswith("<math ") for text in formulas)

@@ -1,5 +1,0 @@
-// Formulas between \\( \\) and \\[ \\], as arithmatex writes them.
-window.MathJax = {
-  tex: { inlineMath: [["\\(", "\\)"]], displayMath: [["\\[", "\\]"]], processEscapes: true },
-  options: { ignoreHtmlClass: ".*|", processHtmlClass: "arithmatex" },
-};
