@@ -14,14 +14,12 @@ from mkdocs.structure.files import File, Files
 
 sys.path.insert(0, str(Path(__file__).parent))
 import reference
+from gallery import make_gallery
 
 ROOT = Path(__file__).parents[2]
-EXAMPLES = ROOT / "src/presswork/examples"
 PAGES = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"}
 FORMULA = re.compile(r'(<(?:span|div) class="arithmatex">)\\([(\[])(.*?)\\[)\]](?=</)', re.DOTALL)
 """A formula as arithmatex writes it: between \\( and \\) in a line, between \\[ and \\] on lines of its own."""
-PICTURES = {"strip_rolling": "rolling", "extrusion_curved": "extrusion"}
-"""Of examples whose picture has another name."""
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -52,18 +50,3 @@ def on_page_content(page_html: str, **_: object) -> str:
         return found[1] + convert(html.unescape(found[3]), display="block" if found[2] == "[" else "inline")
 
     return FORMULA.sub(write, page_html)
-
-
-def make_gallery() -> str:
-    """Return a section for every example: title, picture, how to run it, and its case file."""
-    sections = []
-    for case in sorted(EXAMPLES.glob("*.toml")):
-        text = case.read_text("utf-8")
-        title = re.search(r'^title = "(.*)"', text, re.MULTILINE)
-        assert title is not None, f"{case.name} has no title"
-        picture = PICTURES.get(case.stem, case.stem)
-        image = f"![{title[1]}](img/{picture}.png)\n\n" if (ROOT / f"docs/img/{picture}.png").is_file() else ""
-        run = f"```sh\npresswork examples {case.stem} && presswork run {case.stem}.toml\n```"
-        sections.append(f"## {title[1]} {{ #{case.stem} }}\n\n{image}{run}\n\n```toml\n{text}```\n")
-    head = "# Gallery\n\nThe examples that come with presswork; `presswork examples` lists them.\n\n"
-    return head + "\n".join(sections)
