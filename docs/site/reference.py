@@ -8,6 +8,7 @@ repeat it, with the packaged examples that use a key.
 from __future__ import annotations
 
 import inspect
+import json
 import re
 import sys
 import tomllib
@@ -41,6 +42,8 @@ UNIT = re.compile(r"\s*\[((?:1/|degrees? ?C?|mm|N|MPa|kW|kJ|kg|t/|W/|J/|s\b|K\b|
 ROW = "| {} | {} | {} | {} | {} | {} | {} |\n"
 PLAIN = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 MOST_EXAMPLES = 3
+NO_VALUE = "–"
+"""Default of a key that has no value of its own where it is left out; its meaning says what holds then."""
 ABOVE = ""
 """Stands among a key's examples for the block above its table."""
 
@@ -170,21 +173,33 @@ def find_bounds(schema: dict[str, Any]) -> str:
     return ", ".join(dict.fromkeys(f"{signs[key]} {node[key]:g}" for node in nodes for key in signs if key in node))
 
 
+def write_default(key: Key) -> str:
+    """Return what holds where a key is left out; empty where its description must say it and does not."""
+    if key.needed:
+        return "needed"
+    if "default" not in key.schema:
+        return NO_VALUE if "needed without" in key.schema["description"] else ""
+    given = key.schema["default"]
+    if given is None:
+        return NO_VALUE
+    if isinstance(given, dict) and given:
+        table = ", ".join(f"{name} = {json.dumps(value)}" for name, value in given.items())
+        return f"`{{ {table} }}`" if len(given) == 1 else "its defaults"
+    return f"`{json.dumps(given)}`"
+
+
 def write_key(key: Key, defs: dict[str, Any]) -> str:
     """Return the row of a key."""
     text = " ".join(key.schema["description"].split())
     unit = UNIT.search(text)
     meaning = (UNIT.sub("", text) if unit else text).replace("|", "\\|").replace("<", "&lt;")
-    given = key.schema.get("default")
-    plain = given is not None and not isinstance(given, dict | list | tuple)
-    default = "needed" if key.needed else f"`{given}`" if plain else ""
     shown = sorted(key.examples - {ABOVE})[:MOST_EXAMPLES]
     used = ", ".join(f"[{name}](../gallery.md#{name})" for name in shown) or "above"
     return ROW.format(
         f"`{key.name}`",
         describe_type(key.schema, defs).replace("|", "\\|"),
         unit[1] if unit else "",
-        default.lower() if given in (True, False) else default,
+        write_default(key),
         find_bounds(key.schema).replace("<", "&lt;").replace(">", "&gt;"),
         meaning,
         used,
@@ -221,7 +236,8 @@ def make_keys(kind: str) -> str:
     tables, defs = find_keys(kind), json_schema(kind).get("$defs", {})
     page = [
         f"# {title}\n\nCase files with {choice}. A number has the unit given; a text with another unit is converted. "
-        "A place with `NAME` takes names of your own, one with `[]` is a list of tables.\n"
+        "A place with `NAME` takes names of your own, one with `[]` is a list of tables. Numbers of the examples are "
+        "plausible; measured ones of materials are in the [library](../howto/sheet_materials.md).\n"
     ]
     for name, table in tables.items():
         head = f"## {name or 'The case'} {{ #{name.lower() or 'case'} }}\n\n{describe(table)}"
