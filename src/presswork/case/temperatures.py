@@ -11,6 +11,8 @@ COLDEST_ROOM, HOTTEST_ROOM = -5.0, 45.0
 """Temperatures of a workshop [degrees C]."""
 ROUND = 5.0
 """People write temperatures in steps of this [K]."""
+VERY_ROUND = 50.0
+"""A single number that is a step of this in kelvin is a slip; of steps of `ROUND` a fifth of all numbers is one [K]."""
 WITHIN = 0.051
 """How far a number may lie off such a step."""
 COOLER = 100.0
@@ -56,13 +58,14 @@ def _find_outside(model: Model) -> Iterator[str]:
 
 
 def _find_kelvin(model: Model) -> Iterator[str]:
-    """Yield a warning where a room, two different temperatures, or two of a workshop look like kelvin."""
+    """Yield a warning where a room, a very round number, two different ones, or two of a workshop look like kelvin."""
     temperatures = dict(_list_temperatures(model))
     hottest = max((t for key, t in temperatures.items() if not _is_room(key)), default=0.0)
     rooms = [key for key, t in temperatures.items() if _is_room(key) and _is_room_in_kelvin(t, hottest)]
     looks = [key for key, t in temperatures.items() if _is_round_in_kelvin(t)]
     cold = [key for key in looks if temperatures[key] - ZERO_CELSIUS <= HOTTEST_ROOM]
-    if not rooms and len({temperatures[key] for key in looks}) < 2 and len(cold) < 2:
+    sure = any(_is_round_in_kelvin(t, VERY_ROUND) for t in temperatures.values())
+    if not rooms and not sure and len({temperatures[key] for key in looks}) < 2 and len(cold) < 2:
         return
     found = {key: temperatures[key] for key in dict.fromkeys([*rooms, *looks])}
     listed = ", ".join(f"{key} = {t:g} ({t - ZERO_CELSIUS:.4g} degrees C)" for key, t in found.items())
@@ -105,11 +108,15 @@ def _is_room_in_kelvin(temperature: float, hottest: float) -> bool:
     return is_room and (not _is_step(temperature) or temperature < hottest - COOLER)
 
 
-def _is_round_in_kelvin(temperature: float) -> bool:
+def _is_round_in_kelvin(temperature: float, step: float = ROUND) -> bool:
     """Say whether a number is round once it is taken for kelvin, and is not as it is."""
     above = temperature >= ZERO_CELSIUS + COLDEST_ROOM
-    return above and not _is_step(temperature) and any(_is_step(temperature - zero) for zero in (273.0, ZERO_CELSIUS))
+    return (
+        above
+        and not _is_step(temperature)
+        and any(_is_step(temperature - zero, step) for zero in (273.0, ZERO_CELSIUS))
+    )
 
 
-def _is_step(temperature: float) -> bool:
-    return abs(temperature - ROUND * round(temperature / ROUND)) < WITHIN
+def _is_step(temperature: float, step: float = ROUND) -> bool:
+    return abs(temperature - step * round(temperature / step)) < WITHIN

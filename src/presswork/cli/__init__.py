@@ -19,9 +19,23 @@ def main() -> None:
         return
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # which it would look for in every installed package
     gc.set_threshold(100_000)  # what is imported stays: searching it for garbage takes a tenth of a short command
+    name_levels()
     from presswork.cli.commands import app
 
     app()
+
+
+def name_levels() -> None:
+    """Print what is logged as "warning: ..." or "error: ...", unless a program has set handlers of its own."""
+
+    import logging
+
+    class Named(logging.Formatter):
+        def format(self, record: logging.LogRecord) -> str:
+            return f"{record.levelname.lower()}: {super().format(record)}"
+
+    if logging.lastResort is not None:
+        logging.lastResort.setFormatter(Named())
 
 
 def __getattr__(name: str) -> Any:

@@ -159,7 +159,9 @@ def test_round_temperatures_in_kelvin_are_told_by_themselves(caplog: pytest.LogC
     found = build(hot(1373, 523, 20), caplog)
     assert "heat.initial_temperature = 1373 (1100 degrees C)" in found
     assert "tools.punch.heat.temperature = 523" in found
-    assert "elvin" not in build(hot(1150, 323, 20), caplog)
+    assert "elvin" not in build(hot(1150, 328, 20), caplog)
+    assert "tools.punch.heat.temperature = 323 (49.85 degrees C)" in build(hot(1150, 323, 20), caplog)
+    assert "heat.initial_temperature = 1173 (899.9 degrees C)" in build(hot(1173, 200, 20), caplog)
 
 
 def test_a_stroke_through_the_anvil_is_refused_in_space(caplog: pytest.LogCaptureFixture) -> None:

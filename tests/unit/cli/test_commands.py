@@ -54,6 +54,13 @@ def test_version_loads_neither_typer_nor_numpy() -> None:
     assert CliRunner().invoke(app, ["--version"]).output == f"presswork {__version__}\n"
 
 
+def test_the_program_is_a_module_of_python_and_names_a_warning(tmp_path: Path) -> None:
+    command = ["check", str(copy_example("hot_upsetting", tmp_path)), "--set", "heat.initial_temperature=1473"]
+    done = subprocess.run([sys.executable, "-m", "presswork", *command], capture_output=True, text=True, check=False)
+    assert done.stderr.startswith("warning: "), done.stderr
+    assert "kelvin" in done.stderr
+
+
 def test_help_loads_no_command() -> None:
     assert not {"numpy", "pydantic", *(f"presswork.cli.{name}" for name in COMMANDS)} & loaded_by("--help")
 
