@@ -175,6 +175,7 @@ PYTHON_ROOMS = {
         "study",
         "view",
     },
+    "__main__": {"cli"},
 }
 """Room: the rooms it may import from, beside itself and _core. case may name examples in errors, never import them."""
 
