@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Toolbar and timeline: what is shown, and when.
 import { SCALES } from "./colours.js";
+import { savePicture } from "./save.js";
 import { make, makeButton, makeSelect, makeToggle } from "./elements.js";
 
 const find = (id) => document.getElementById(id);
@@ -67,6 +68,13 @@ function makeCut(store) {
     slider.hidden = flip.hidden = !axis;
     change({ axis });
   });
+  store.listen((changed) => {
+    if (!changed.includes("clip")) return;
+    const { axis, part } = store.state.clip;
+    select.lastChild.value = axis;
+    slider.value = String(part);
+    slider.hidden = flip.hidden = !axis;
+  });
   return make("div", { class: "group" }, select, slider, flip);
 }
 
@@ -95,7 +103,9 @@ export function makeTimeline(runs, store, stage) {
   };
   slider.addEventListener("input", () => { stop(); go(Number(slider.value)); });
   const jump = (change, title, text) => makeButton(text, () => { stop(); go(store.state.step + change); }, title);
-  find("timeline").replaceChildren(play, jump(-1, "Step before", "◀"), slider, jump(1, "Step after", "▶"), label);
+  const picture = makeButton("Save picture", () => savePicture(stage, run(), store.state.step, store.state.field || "part"), "Save the view as a picture");
+  const print = makeButton("Print", () => document.dispatchEvent(new Event("print-all")), "Print the view and all tabs");
+  find("timeline").replaceChildren(play, jump(-1, "Step before", "◀"), slider, jump(1, "Step after", "▶"), label, picture, print);
   document.addEventListener("keydown", (event) => {
     if (event.target.closest("input, select, textarea, [role=slider], [role=tab]")) return;
     const change = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity }[event.key];
@@ -109,6 +119,5 @@ export function makeTimeline(runs, store, stage) {
     const text = `${step + 1}/${steps.length}  ${steps[step].label}`;
     label.textContent = text;
     slider.setAttribute("aria-valuetext", text);
-    void stage;
   });
 }

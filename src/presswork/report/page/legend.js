@@ -47,6 +47,7 @@ export class Legend {
 
   /** Show a field's scale. full: range of the values; range: that of the colours; counts: faces in each zone. */
   show({ field, scale, full, range, bands, counts }) {
+    this.field = field;
     this.full = full[1] > full[0] ? full : [full[0], full[0] + 1];
     this.range = range;
     this.title.textContent = withUnit(field.label, field.unit);

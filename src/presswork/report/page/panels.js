@@ -7,12 +7,14 @@ import { LimitPanel } from "./limit.js";
 import { ContactPanel } from "./contact.js";
 import { PartPanel } from "./part.js";
 import { CasePanel } from "./case.js";
+import { MeasurePanel } from "./measure.js";
+import { printAll } from "./save.js";
 
 const find = (id) => document.getElementById(id);
 
 /** Make the tabs that the runs have something for; the first is open. */
 export function makePanels(runs, store, stage) {
-  const all = [["Result", ResultPanel], ["Curves", CurvesPanel], ["Part", PartPanel], ["Forming limit", LimitPanel], ["Contact", ContactPanel], ["Case", CasePanel]];
+  const all = [["Result", ResultPanel], ["Curves", CurvesPanel], ["Part", PartPanel], ["Forming limit", LimitPanel], ["Contact", ContactPanel], ["Measure", MeasurePanel], ["Case", CasePanel]];
   const kinds = all.filter(([, Panel]) => !Panel.isFor || runs.some((run) => Panel.isFor(run)));
   let open = null;
   const show = (number) => {
@@ -36,6 +38,13 @@ export function makePanels(runs, store, stage) {
     const next = (tabs.indexOf(document.activeElement) + change + tabs.length) % tabs.length;
     tabs[next].focus();
     show(next);
+  });
+  const print = () => printAll(kinds, runs, store, stage);
+  document.addEventListener("print-all", print);
+  document.addEventListener("keydown", (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.key !== "p") return;
+    event.preventDefault();
+    print();
   });
   store.listen((changed) => open?.update(changed));
   show(0);

@@ -146,8 +146,7 @@ export class Stage {
       for (const i of this.shown()) this.scenes[i].setCap(null);
       return this.viewer.setClip(null);
     }
-    const boxes = this.shown().map((i) => this.scenes[i].bounds()), i = "xyz".indexOf(axis);
-    const low = Math.min(...boxes.map((box) => box.low[i])), high = Math.max(...boxes.map((box) => box.high[i]));
+    const i = "xyz".indexOf(axis), [low, high] = this.clipRange(axis);
     const offset = low + part * (high - low), sign = isFlipped ? -1 : 1;
     this.clipAt = offset;
     const normal = [0, 1, 2].map((k) => (k === i ? sign : 0));
@@ -160,6 +159,9 @@ export class Stage {
   #makeMarks(numbers, field) {
     const { state } = this.store;
     this.marks = [];
+    this.ruler = state.measure?.points.filter(({ number }) => numbers.includes(number)).map((point) => ({ place: this.#placeInView(point), view: state.layout === "overlay" ? 0 : numbers.indexOf(point.number) })) ?? [];
+    this.ruler.forEach(({ place, view }, i) => this.#addMark(String(i + 1), place, view, "pin"));
+    document.body.classList.toggle("measuring", Boolean(state.measure));
     numbers.forEach((number, view) => {
       const scene = this.scenes[number], coloured = this.values[number], at = state.layout === "overlay" ? 0 : view;
       if (coloured && state.hasExtremes && !field.zones) {
@@ -193,16 +195,78 @@ export class Stage {
     this.marks.push({ element: make("span", { class: `mark ${kind}` }, text), place, view });
   }
 
+  /** Return where a measured point is in the view at this step: with its material where the mesh is the same. */
+  #placeInView(point) {
+    const scene = this.scenes[point.number];
+    if (!this.#isInMesh(point) || scene.shape.source.length !== scene.mesh.nodes) return point.place;
+    return [0, 1, 2].map((axis) => point.corners.reduce((sum, node, c) => sum + point.weights[c] * scene.positions[3 * node + axis], 0) * (axis < 2 ? point.scale[axis] : 1));
+  }
+
+  #isInMesh({ number, corners, mesh }) {
+    return Boolean(corners) && this.runs[number].steps[this.stepOf(number)].mesh === mesh;
+  }
+
+  /** Return where a measured point is at the present step [mm] (dimension,); null where its mesh is gone. */
+  async locate(point) {
+    const run = this.runs[point.number], k = run.dimension;
+    if (!point.corners) return this.isFlat() ? point.place.slice(0, k) : point.place;
+    if (!this.#isInMesh(point)) return null;
+    const points = await run.points(this.stepOf(point.number));
+    return Array.from({ length: k }, (_, axis) => point.corners.reduce((sum, node, c) => sum + point.weights[c] * points[k * node + axis], 0) * (axis < 2 ? point.scale[axis] : 1));
+  }
+
+  /** Return the low and high end of what is shown along an axis [mm]. */
+  clipRange(axis) {
+    const boxes = this.shown().map((i) => this.scenes[i].bounds()), i = "xyz".indexOf(axis);
+    return [Math.min(...boxes.map((box) => box.low[i])), Math.max(...boxes.map((box) => box.high[i]))];
+  }
+
   #placeMarks() {
     const width = find("stage").clientWidth;
     for (const { element, place, view } of this.marks) {
       if (!place) continue;
+      element.hidden = this.#isCutOff(place);
       const [x, y] = this.viewer.project(place, view);
       element.style.left = `${x}px`;
       element.style.top = `${y}px`;
       element.classList.toggle("left", x > width - 260 && x > 130);
     }
+    this.#paintRuler();
     paintTriad(find("marks"), this.viewer.camera, this.isFlat() && this.runs[this.store.state.run].axisymmetric);
+  }
+
+  /** Say whether the section plane has removed a place. */
+  #isCutOff(place) {
+    const { axis, isFlipped } = this.store.state.clip;
+    if (!axis || this.clipAt === undefined) return false;
+    const [low, high] = this.clipRange(axis), beyond = (isFlipped ? -1 : 1) * (place["xyz".indexOf(axis)] - this.clipAt);
+    return beyond > 1e-6 * (high - low);
+  }
+
+  /** Draw the lines between the measured points. */
+  #paintRuler() {
+    find("marks").querySelector(".ruler")?.remove();
+    if (!this.ruler || this.ruler.length < 2) return;
+    const space = "http://www.w3.org/2000/svg", svg = document.createElementNS(space, "svg"), line = document.createElementNS(space, "polyline");
+    svg.setAttribute("class", "ruler");
+    svg.setAttribute("aria-hidden", "true");
+    line.setAttribute("points", this.ruler.map(({ place, view }) => this.viewer.project(place, view).join(",")).join(" "));
+    svg.append(line);
+    find("marks").append(svg);
+  }
+
+  /** Take a picked place up as the next point of a measure; near a node, the node. */
+  #addPoint(hit) {
+    const { measure } = this.store.state, most = { distance: 2, angle: 3, radius: 3, thickness: 1 }[measure.kind];
+    const run = this.runs[hit.number], scale = hit.scale.map(Number), place = hit.place.map((value, i) => value * scale[i]);
+    const point = { number: hit.number, place, scale, face: hit.face, node: hit.node, corners: hit.corners, weights: hit.weights, mesh: run.steps[this.stepOf(hit.number)].mesh };
+    const k = hit.corners ? hit.weights.indexOf(Math.max(...hit.weights)) : -1, near = k < 0 ? null : this.#placeInView({ ...point, weights: [0, 1, 2].map((c) => Number(c === k)) });
+    if (near) {
+      const [a, b] = [this.viewer.project(place, hit.view), this.viewer.project(near, hit.view)];
+      if (Math.hypot(a[0] - b[0], a[1] - b[1]) < 8) point.weights = [0, 1, 2].map((c) => Number(c === k));
+    }
+    const before = measure.points.length < most ? measure.points : [];
+    this.store.set({ measure: { ...measure, points: [...before, point] } });
   }
 
   #listen() {
@@ -218,6 +282,11 @@ export class Stage {
     canvas.addEventListener("pointerup", (event) => {
       if (!down || Math.hypot(event.offsetX - down[0], event.offsetY - down[1]) > 4) return;
       const hit = this.#hit(event.offsetX, event.offsetY);
+      if (this.store.state.measure) {
+        const around = [[0, 0], [3, 0], [-3, 0], [0, 3], [0, -3]].map(([x, y]) => [event.offsetX + x, event.offsetY + y]);
+        for (const [x, y] of around) { const near = this.#hit(x, y); if (near) return this.#addPoint(near); }
+        return;
+      }
       this.store.set({ picked: hit ? { run: hit.number, face: hit.face, node: hit.node } : null });
     });
   }

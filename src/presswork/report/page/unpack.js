@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Arrays out of the page's blocks of text; presswork/report/pack.py writes them.
 
-export const MISSING = 1e30; // stands for a value that is not finite
+export const MISSING = Math.fround(1e30); // stands for a value that is not finite
 const LEVELS = 65534;
 
 async function readBlock(block) {
