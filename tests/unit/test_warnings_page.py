@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from presswork.case.limits import Limits
+
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "src/presswork"
 PAGES = ("warnings.md", "refused_files.md")
@@ -133,6 +135,13 @@ def list_rows() -> list[list[str]]:
 @pytest.mark.parametrize(("file", "text"), sorted(list_warnings()))
 def test_a_warning_is_on_the_page_of_warnings(file: str, text: str) -> None:
     assert any(row and all(part in text for part in row) for row in list_rows()), f"{file}: {text}"
+
+
+def test_the_limits_of_the_page_on_giving_up_are_those_of_the_program() -> None:
+    text = (ROOT / "docs/howto/gave_up.md").read_text("utf-8")
+    written = {key: float(value) for key, value in re.findall(r"^\| `(\w+)` \| ([\d.]+) \|", text, re.MULTILINE)}
+    defaults = Limits().model_dump(exclude={"stop"}, exclude_none=True)
+    assert written == defaults
 
 
 def test_warnings_of_all_rooms_are_found() -> None:

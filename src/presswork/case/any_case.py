@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, overload
 
 from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.kinds import KINDS, Kind, find_kind
+from presswork.case.names import FORMAT
 from presswork.model import Model, OneStepModel
 
 if TYPE_CHECKING:
@@ -33,7 +34,9 @@ def read_case(path: str | Path, overrides: Sequence[str] = ()) -> AnyCase:
     tables = read_tables(Path(path), overrides)
     analysis = tables.data.get("analysis")
     kind = find_kind(analysis)
-    if isinstance(analysis, str) and kind is None:
+    number = tables.data.get("format")
+    is_later = isinstance(number, int) and number > FORMAT  # it may know other kinds: its format is what to report
+    if isinstance(analysis, str) and kind is None and not is_later:
         words = [word for kind in KINDS.values() for word in kind.analyses]
         raise CaseError([Problem("analysis", "unknown choice", suggest(analysis, words), analysis)], tables.path)
     return _load(kind or KINDS["plane"]).from_tables(tables)

@@ -36,6 +36,14 @@ def test_a_later_format_is_refused_first_and_says_what_to_do(data: dict[str, Any
     assert "install" in first.remedy
 
 
+def test_a_kind_of_case_of_a_later_format_is_refused_by_its_format(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text('format = 2\ntitle = "later"\nanalysis = "superplastic"\n', encoding="utf-8")
+    with pytest.raises(CaseError) as refused:
+        presswork.read_case(path)
+    assert refused.value.problems[0].key == "format"
+
+
 @pytest.mark.parametrize("wrong", [0, -1, 1.5, "1", True])
 def test_a_format_that_is_no_count_is_refused(data: dict[str, Any], wrong: object) -> None:
     with pytest.raises(CaseError, match="format"):
