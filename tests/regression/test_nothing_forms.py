@@ -9,9 +9,10 @@ from typing import Any
 
 import pytest
 
-from presswork.case import Case, build_model
+from presswork.case import Case, build_model, read_case
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
+from presswork.examples import copy_example
 from presswork.recorder import run_model
 from tests.unit.case.test_resistance import AXIS, DOWN, MIDDLE, STEEL, flat, line, plane_case, space_case
 
@@ -102,3 +103,29 @@ def test_a_run_that_gives_up_before_its_first_row_has_no_verdict(tmp_path: Path)
     done = run_model(build_model(plane_case({"punch": line(15)}, AXIS | MIDDLE, stroke, **strict)), tmp_path / "out")
     assert done.status == "gave_up"
     assert done.result.summary["warnings"] == []
+
+
+def roll_strip(folder: Path, mu: float, **more: str) -> list[str]:
+    """Return the warnings of the packaged rolling with a coefficient of friction, on a coarse mesh."""
+    keys = {"workpiece.mesh.cells": "[60, 3]", "solver.max_increment": "0.1", "solver.initial_increment": "0.1"}
+    keys |= {"tools.roll.mu": f"{mu}"} | more
+    case = read_case(copy_example("strip_rolling", folder), [f"{key}={value}" for key, value in keys.items()])
+    run_model(build_model(case), folder / "out", threads=1)
+    found: list[str] = json.loads((folder / "out" / "summary.json").read_text("utf-8"))["warnings"]
+    return found
+
+
+def test_rolls_that_do_not_bite_are_named_and_rolls_that_do_are_not(tmp_path: Path) -> None:
+    """A bite of acos(1 - 0.4 / 100) = 5.1 degrees draws the strip in from a coefficient of tan 5.1 = 0.09 on."""
+    slips = roll_strip(tmp_path / "slips", 0.0)
+    assert any("the tool roll turned by 18 degrees in the stage 'roll', and the workpiece" in text for text in slips)
+    assert not [text for text in roll_strip(tmp_path / "bites", 0.3) if "stood still" in text]
+
+
+def test_an_impact_that_stays_elastic_says_so_first(tmp_path: Path) -> None:
+    """A bar at 0.3 m/s: the wave's stress is density times its speed (5.1 km/s) times 0.3 m/s, 12 MPa."""
+    keys = ["workpiece.velocity=[0, -300]", "workpiece.mesh.cells=[4, 16]"]
+    model = build_model(read_case(copy_example("taylor_bar", tmp_path), keys))
+    run_model(model, tmp_path / "out", threads=1)
+    found = json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))
+    assert found["warnings"][0].startswith("nothing was formed: nothing of the workpiece has yielded")

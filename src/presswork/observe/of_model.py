@@ -19,6 +19,7 @@ from presswork.observe.pressure import Pressure
 from presswork.observe.ram import RamObserver
 from presswork.observe.reactions import Reactions
 from presswork.observe.sheet_depth import SheetDepth
+from presswork.observe.slipping_rolls import SlippingRolls
 
 
 def list_observers(model: Model) -> Observers:
@@ -40,5 +41,6 @@ def list_observers(model: Model) -> Observers:
             Pressure(),
             FormabilityObserver(model),
             SheetDepth(),
+            SlippingRolls(model),
         ]
     )

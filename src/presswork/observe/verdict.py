@@ -48,7 +48,8 @@ def judge_run(
         return Verdict("", (*moving, *standing))
     doubts = [_explain_plane(side.describe(dict(model.mesh.node_sets))) for side in find_forgotten_planes(model)]
     all_moving = [name for n in range(len(model.operations)) for name in _list_moving(model.of_operation(n))]
-    elastic = _find_elastic(model, extremes) if all_moving else []
+    strikes = np.any(getattr(model.explicit, "velocity", 0.0))
+    elastic = _find_elastic(model, extremes) if all_moving or strikes else []
     if elastic or (all_moving and len(moving) == len(all_moving)):
         worst = f"nothing was formed: {'; '.join([*moving, *elastic])}"
         return Verdict(worst, (worst, *doubts, *standing))
