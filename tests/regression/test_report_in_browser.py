@@ -434,3 +434,43 @@ def test_picture_and_all_tabs_leave_the_page(page: Page, tmp_path: Path) -> None
     assert len(charts) >= 2
     assert all(charts)
     assert page.tab.locator("#print").count() == 0
+
+
+def test_runs_side_by_side_share_a_range_that_holds_both(browser: Any, upset: Result, tmp_path: Path) -> None:
+    changes = ["workpiece.mesh.cells=[6,6]", "stages.0.tools.punch.stroke=3.0"]
+    other = run(Case.from_toml(upset.folder / "case.toml", overrides=changes), tmp_path / "short").result
+    page = Page(browser, write_report([other, upset], tmp_path / "both.html"))
+    page.choose("Field", "displacement_y")
+    low, high = page.ask("() => presswork.stage.legend.full")
+    assert low == pytest.approx(-9.0, rel=1e-3), "the longer stroke, that of the second run"
+    assert high == pytest.approx(0.0, abs=1e-3)
+    page.close()
+
+
+def test_values_that_are_nowhere_are_in_no_range_and_solid_tools_hide_nothing(page: Page) -> None:
+    page.choose("Field", "gap")
+    assert page.ask("() => presswork.stage.legend.full[1]") < 1e3
+    page.choose("Field", "effective_stress")
+    page.choose("View", "revolved")
+    pictures = {}
+    for tools in ("hidden", "transparent", "solid"):
+        page.choose("Tools", tools)
+        picture = page.tab.locator("#canvas").screenshot()
+        pictures[tools] = np.asarray(pytest.importorskip("PIL.Image").open(io.BytesIO(picture)).convert("RGB"))
+    part = np.ptp(pictures["hidden"].astype(int), axis=2) > 60
+    assert part.sum() > 5000
+    for tools in ("transparent", "solid"):
+        changed = np.abs(pictures[tools].astype(int) - pictures["hidden"]).max(axis=2) > 12
+        assert changed.any(), "the tools are drawn"
+        assert changed[part].mean() < 0.02, "colours of the part are those of the legend, whatever the tools"
+
+
+def test_top_view_has_x_to_the_right_and_y_upwards(browser: Any, block: Result) -> None:
+    page = Page(browser, write_report(block))
+    page.press("Look at the part from above")
+    origin, x, y = (
+        page.ask("(at) => presswork.stage.viewer.project(at)", at) for at in ([0, 0, 0], [1, 0, 0], [0, 1, 0])
+    )
+    assert x[0] > origin[0] + 5
+    assert y[1] < origin[1] - 5
+    page.close()

@@ -180,6 +180,10 @@ def test_each_member_of_a_sweep_is_a_click_from_its_part(browser: Any, site: Ser
     case = folder / "upsetting_q4.toml"
     run_sweep(case, vary, folder / "sweep", settings=["workpiece.mesh.cells=[4,4]", "output.steps=2"], jobs=1)
     page = Tab(browser, site.address)
+    members = page.tab.locator("#runs a[href*='member_']:not([tabindex])")
+    assert members.count() == 0, "members of a sweep do not flood the list"
+    page.tab.get_by_label("Members of sweeps").check()
+    assert members.count() == 3
     page.tab.get_by_role("link", name="sweep", exact=True).click()
     page.wait_until_drawn()
     assert page.tab.locator("#members tbody tr").count() == 3

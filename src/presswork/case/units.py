@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pint import UnitRegistry
 
 _NUMBER_AND_UNIT = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$", re.ASCII)
+_DECIMAL_COMMA = re.compile(r"^\s*([+-]?\d+),(\d+)((?:\s*[^\W\d]\S*)?)\s*$", re.ASCII)
 _NAME = r"[^\W\d_]+(?:_[^\W\d_]+)*|[%°]"
 _FACTOR = rf"(?:1|{_NAME})(?:\s*(?:\*\*|\^)\s*-?\d|[²³])?"
 _OPEN, _CLOSE = r"(?:\s*\()?\s*", r"\s*(?:\)\s*)?"
@@ -39,7 +40,7 @@ class Dimension:
     """Magnitude above which a value is a slip; products of such values stay far from overflow."""
 
 
-LENGTH = Dimension("a length", "mm", "20 mm", 1e6)
+LENGTH = Dimension("a length", "mm", "2 mm", 1e6)
 STRESS = Dimension("a stress", "MPa", "200 kN/mm^2")
 FORCE = Dimension("a force", "N", "5 kN")
 TIME = Dimension("a time", "s", "20 ms", 1e9)
@@ -145,6 +146,9 @@ def to_number(value: object, dimension: Dimension) -> float:
         match = _NUMBER_AND_UNIT.match(value) if len(value) <= 2 * _LONGEST else None
         if match is None:
             raise fault(expected, remedy)
+        if comma := _DECIMAL_COMMA.match(value):
+            whole, part, rest = comma.groups()
+            raise fault(f"{expected}, but it has a decimal comma", f"write {whole}.{part}{rest}")
         try:
             number = float(match.group(1)) * unit_factor(match.group(2), dimension)
         except ValueError as error:

@@ -71,7 +71,7 @@ class Drafts:
             raise RefusedError(f"{path.name} is there already; choose another name", 409)
         own = [entry.name for entry in _STARTERS.iterdir()]
         if f"{starter}.toml" in own:
-            write_whole(path, (_STARTERS / f"{starter}.toml").read_bytes())
+            write_whole(path, _retitle((_STARTERS / f"{starter}.toml").read_bytes(), starter, name))
             return self._opened.name(path)
         try:
             with tempfile.TemporaryDirectory(dir=self.folder) as place:
@@ -79,7 +79,8 @@ class Drafts:
                 for file in Path(place).iterdir():
                     target = path if file == copied else self._new_file(file.name)
                     if not os.path.lexists(target):
-                        write_whole(target, file.read_bytes())
+                        content = file.read_bytes()
+                        write_whole(target, _retitle(content, starter, name) if file == copied else content)
         except CaseError as error:
             raise RefusedError(str(error), 404) from error
         return self._opened.name(path)
@@ -208,6 +209,13 @@ class Drafts:
         if self._process is not None:
             self._process.kill()
             self._process.wait()
+
+
+def _retitle(content: bytes, starter: str, name: str) -> bytes:
+    """Return a case that has a name of its own with that as its title instead of the example's."""
+    if name == starter:
+        return content
+    return re.sub(rb"^title *=.*$", f'title = "{name}"'.encode(), content, count=1, flags=re.MULTILINE)
 
 
 def _parse(text: str) -> dict[str, Any]:

@@ -72,7 +72,7 @@ FAULTS = {
     ),
     "number_of_a_point": (
         ("profile = [[0, 15], [30, 15]]", 'profile = [[0, 15], [30, "x"]]'),
-        ['tools.punch.profile.1.1 = "x"', "expected a length", "20 mm"],
+        ['tools.punch.profile.1.1 = "x"', "expected a length", "2 mm"],
     ),
     "many_tables": (
         ("[[stages]]", "".join(f"[tools.t{i}]\n" for i in range(30_000)) + "[[stages]]"),
@@ -100,7 +100,7 @@ FAULTS = {
     ),
     "wrong_unit": (
         ("stroke = 9.0", 'stroke = "5 kg"'),
-        ["stages.0.tools.punch.stroke", '"5 kg"', "expected a length", "`kg` has the dimension mass", '"20 mm"'],
+        ["stages.0.tools.punch.stroke", '"5 kg"', "expected a length", "`kg` has the dimension mass", '"2 mm"'],
     ),
     "unknown_unit": (
         ('"200 kN/mm^2"', '"200 kNN/mm^2"'),
@@ -114,6 +114,10 @@ FAULTS = {
         ["hardening.modulus = -300", "expected a value >= 0", "MPa"],
     ),
     "incompressible": (("poisson = 0.3", "poisson = 0.5"), ["materials.steel.poisson = 0.5", "expected a value < 0.5"]),
+    "strain_in_per_cent": (
+        (HARDENING, 'law = "table"\npoints = [[0, 700], [10, 800], [20, 900]]'),
+        ["hardening.points", "reaches 20", "per cent", "divide the strains by 100"],
+    ),
     "table_not_increasing": (
         (HARDENING, 'law = "table"\npoints = [[0, 700], [0.2, 800], [0.1, 900]]'),
         ["hardening.points", "[0.1, 900]", "does not increase in row 2 (0.1 after 0.2)", "sort the rows"],

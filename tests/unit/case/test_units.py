@@ -65,3 +65,13 @@ def test_factors_of_usual_units_are_those_of_pint() -> None:
     for dimension, factors in _USUAL.items():
         for unit, factor in factors.items():
             assert _ask_pint(unit, dimension) == factor
+
+
+@pytest.mark.parametrize(
+    ("text", "remedy"), [("0,8", "write 0.8"), ("0,8 mm", "write 0.8 mm"), ("-1,25", "write -1.25")]
+)
+def test_decimal_comma_is_named_with_the_number_to_write(text: str, remedy: str) -> None:
+    with pytest.raises(PydanticCustomError) as error:
+        to_number(text, LENGTH)
+    assert "decimal comma" in str(error.value)
+    assert str(error.value).endswith(remedy)

@@ -124,6 +124,10 @@ class SwiftVoce(_Named):
         return self
 
 
+MOST_STRAIN = 5.0
+"""Plastic strain beyond all tests: a larger one is in per cent."""
+
+
 class _Points(Part):
     """Measured points, and what is wrong with them."""
 
@@ -140,6 +144,12 @@ class _Points(Part):
             raise fault(
                 f"the first plastic strain is {self.points[0][0]:g}, not 0",
                 "start with [0, yield stress]; plastic strain is total strain less stress over Young's modulus",
+                key="points",
+            )
+        if self.points[-1][0] > MOST_STRAIN:
+            raise fault(
+                f"the plastic strain reaches {self.points[-1][0]:g}, which reads as per cent",
+                "divide the strains by 100: 0.2 is 20 %; rows beyond a strain of 5 can be left out",
                 key="points",
             )
         if self.points[0][1] <= 0.0:

@@ -15,12 +15,14 @@ export class CurvesPanel {
     }
     const first = main.curves.curves;
     const abscissa = main.findColumn("time") ? "time" : main.curves.columns[0].name; // one step counts iterations
+    this.main = main;
     this.first = first.length ? first : [[abscissa, main.curves.columns.at(-1).name]];
     this.x = this.y = "";
     this.box = make("div");
     this.values = make("div");
     const columns = main.curves.columns.map(({ name, label, unit }) => [name, withUnit(label, unit)]);
     const own = new Set(this.first.map(([x]) => x)), label = (name) => main.findColumn(name)?.label ?? name;
+    this.label = label;
     const forces = [["", this.first.map(([, y]) => label(y)).join(", ")]], over = [["", own.size === 1 ? withUnit(label(this.first[0][0]), main.findColumn(this.first[0][0])?.unit) : "each tool's own way"]];
     parent.append(make("div", { class: "row" },
       makeSelect("y", [...forces, ...columns], "", (name) => { this.y = name; this.#draw(); }),
@@ -41,8 +43,21 @@ export class CurvesPanel {
     this.update([]);
   }
 
+  /** Name what is shown first in the lists. */
+  #nameFirst() {
+    const own = [...new Set(this.first.map(([x]) => x))], [forces, over] = [...this.box.previousElementSibling.querySelectorAll("option[value='']")];
+    forces.textContent = this.first.map(([, y]) => this.label(y)).join(", ");
+    over.textContent = own.length === 1 ? withUnit(this.label(own[0]), this.main.findColumn(own[0])?.unit) : "each tool's own way";
+  }
+
   /** Put curves that have grown into all charts. */
   async #drawAgain() {
+    const now = this.main.curves.curves;
+    if (!this.x && !this.y && now.length && JSON.stringify(now) !== JSON.stringify(this.first)) {
+      this.first = now; // a run that had only begun had no forces yet
+      this.#nameFirst();
+      return this.#draw();
+    }
     for (const chart of [this.chart, ...this.charts]) {
       if (!chart) continue;
       const series = chart.series.map(async (one) => ({ ...one, x: await one.run.history(one.over), y: withoutRows(await one.run.history(one.column), one.hasIdle ? [] : one.run.curves.idle), begins: new Set(one.run.curves.begins) }));

@@ -8,6 +8,7 @@ import { faceMiddles } from "./run.js";
 import { MISSING } from "./unpack.js";
 
 const FIELDS_FIRST = 12;
+const OF_CELLS = "Fields of cells are means over their points, and smooth colours means at nodes; extremes in the summary are those of the points, which reach farther.";
 
 export class PartPanel {
   constructor(parent, runs, store, stage) {
@@ -56,7 +57,7 @@ export class PartPanel {
       rows.push([name, cell(found.lowest, found.low), found.highest > found.lowest ? cell(found.highest, found.high) : "the same"]);
     }
     const more = count < run.fields.length ? [makeButton(`List all ${run.fields.length} fields`, () => { this.all = true; this.update([]); })] : [];
-    return [...await this.#countZones(run, step), make("h2", {}, "Extremes at this step"), makeTable(rows), ...more];
+    return [...await this.#countZones(run, step), make("h2", {}, "Extremes at this step"), makeTable(rows), make("p", { class: "soft" }, OF_CELLS), ...more];
   }
 
   async #countZones(run, step) {

@@ -9,6 +9,7 @@ import { makeBodyMaterial, makeCapMaterial, makeLineMaterial, makeToolMaterial }
 const IMAGES = { "": [[1, 1]], x: [[1, 1], [-1, 1]], y: [[1, 1], [1, -1]], xy: [[1, 1], [-1, 1], [1, -1], [-1, -1]] };
 const TOOL_COLOURS = [[0.36, 0.4, 0.46], [0.55, 0.4, 0.24], [0.22, 0.42, 0.52], [0.36, 0.5, 0.26]];
 const MOST_EDGES = 60000;
+const AROUND = 0.35; // of the part's size: how far beyond it the view shows tools
 
 const attribute = (array, size = 3) => new BufferAttribute(array, size);
 
@@ -20,17 +21,25 @@ export class RunScene {
     this.lines = new LineSegments(new BufferGeometry(), makeLineMaterial(0.1, 0.12, 0.16, 0.42));
     this.outline = new LineSegments(new BufferGeometry(), makeLineMaterial(0.1, 0.12, 0.16));
     this.tools = [];
+    this.body.material.transparent = true; // drawn after the tools, which do not tint it then
+    this.body.renderOrder = 3;
+    this.lines.renderOrder = this.outline.renderOrder = 5;
+    this.lines.material.transparent = this.outline.material.transparent = true;
     for (const object of [this.body, this.lines, this.outline]) object.frustumCulled = false;
     this.images = (IMAGES[run.symmetry] ?? IMAGES[""]).map(([x, y]) => {
       const image = new Group();
       image.scale.set(x, y, 1);
       for (const object of [this.body, this.lines, this.outline]) image.add(object.clone());
       const cap = new Mesh(new BufferGeometry(), makeCapMaterial(this.body.material));
+      cap.material.transparent = true;
+      cap.renderOrder = 4;
       cap.frustumCulled = cap.visible = false;
       image.add(cap);
       this.scene.add(image);
       return image;
     });
+    this.images[0].children[0].renderOrder = 2; // before the other images: solid tools are behind the part
+    this.images[0].children[0].onBeforeRender = (renderer) => { if (this.areToolsSolid) renderer.clearDepth(); };
   }
 
   /** Show a step: shape, places and tools. isRevolved: as a body of revolution. */
@@ -102,6 +111,7 @@ export class RunScene {
 
   setVisible({ body, lines, tools }) {
     this.isShown = body;
+    this.areToolsSolid = tools === "solid";
     if (lines && !this.hasLines) {
       setLines(this.lines.geometry, this.positions, this.shape.lines);
       this.hasLines = true;
@@ -135,6 +145,24 @@ export class RunScene {
     for (const axis of this.run.symmetry) {
       const i = axis === "x" ? 0 : 1, most = Math.max(Math.abs(low[i]), Math.abs(high[i]));
       [low[i], high[i]] = [-most, most];
+    }
+    return { low, high };
+  }
+
+  /** Return low and high corners of the part and of the tools at it; of large tools what is near the part. */
+  boundsWithTools() {
+    const own = this.bounds(), size = AROUND * Math.max(...own.high.map((value, i) => value - own.low[i])), place = new Vector3();
+    const [low, high] = [[...own.low], [...own.high]];
+    for (const { group, pivot, surface } of this.tools) {
+      if (!group.visible || !pivot.visible) continue;
+      group.updateMatrixWorld(true);
+      const corners = surface.geometry.getAttribute("position");
+      for (let corner = 0; corner < corners.count; corner++) {
+        place.fromBufferAttribute(corners, corner).applyMatrix4(surface.matrixWorld).toArray().slice(0, this.isSection ? 2 : 3).forEach((value, i) => {
+          low[i] = Math.min(low[i], Math.max(value, own.low[i] - size));
+          high[i] = Math.max(high[i], Math.min(value, own.high[i] + size));
+        });
+      }
     }
     return { low, high };
   }
@@ -201,7 +229,8 @@ export class RunScene {
     const surface = new Mesh(geometry, makeToolMaterial(red, green, blue));
     const edges = new LineSegments(edgeGeometry, makeLineMaterial(0.75 * red, 0.75 * green, 0.75 * blue));
     surface.frustumCulled = edges.frustumCulled = false;
-    surface.renderOrder = 2;
+    surface.renderOrder = 1;
+    edges.renderOrder = 1;
     pivot.add(surface, edges);
     group.add(pivot);
     return { group, pivot, surface, edges };

@@ -55,7 +55,7 @@ export class Stage {
     const isRevolved = state.view === "revolved";
     await Promise.all(numbers.map((i) => this.#setStep(i, isRevolved && this.runs[i].axisymmetric)));
     const coloured = await Promise.all(numbers.map((i) => this.#findValues(i)));
-    const field = this.#describeField(coloured[0]);
+    const field = this.#describeField(coloured);
     const range = state.range ?? field.range;
     numbers.forEach((number, k) => this.#colour(number, coloured[k], field, range));
     this.values = Object.fromEntries(numbers.map((number, k) => [number, coloured[k]]));
@@ -102,13 +102,15 @@ export class Stage {
     return { raw, nodal, isNodal, field: shown, isDifference, whole };
   }
 
-  #describeField(coloured) {
-    const { state } = this.store;
-    if (!coloured) return { label: "no such field in this run", unit: "", range: [0, 1] };
-    const { field, isDifference, raw, whole } = coloured;
-    if (whole) return { ...field, range: whole };
+  /** Return what the legend shows: the field, and one range for all runs that are shown. */
+  #describeField(all) {
+    const { state } = this.store, found = all.filter(Boolean);
+    if (!found.length) return { label: "no such field in this run", unit: "", range: [0, 1] };
+    const { field, isDifference, raw } = found[0], join = (ranges) => [Math.min(...ranges.map(([low]) => low)), Math.max(...ranges.map(([, high]) => high))];
+    if (found.every(({ whole }) => whole)) return { ...field, range: join(found.map(({ whole }) => whole)) };
+    const ranges = found.map((one) => findExtremes(one.raw)).filter(Boolean).map(({ lowest, highest }) => [lowest, highest]);
+    if (!isDifference) return { ...field, range: ranges.length ? join(ranges) : [0, 1] };
     const extremes = findExtremes(raw) ?? { lowest: 0, highest: 1 };
-    if (!isDifference) return { ...field, range: [extremes.lowest, extremes.highest] };
     const most = Math.max(Math.abs(extremes.lowest), Math.abs(extremes.highest)) || 1;
     return { ...field, zones: undefined, label: `${field.label}, ${this.runs[state.run].name} less ${this.runs[state.other].name}`, range: [-most, most], signed: true };
   }

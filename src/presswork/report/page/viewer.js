@@ -3,7 +3,7 @@
 import { OrbitControls, OrthographicCamera, Vector3, WebGLRenderer } from "./libraries/three.js";
 import { clipping } from "./materials.js";
 
-const DIRECTIONS = { iso: [1, -1.4, 0.9], front: [0, -1, 0], top: [0, 0.0001, 1], side: [1, 0, 0] };
+const DIRECTIONS = { iso: [1, -1.4, 0.9], front: [0, -1, 0], top: [0, -0.0001, 1], side: [1, 0, 0] };
 const DIRECTIONS_OF_REVOLUTION = { iso: [0.9, 0.65, 1.3], front: [0, 0, 1], top: [0, 1, 0.0001], side: [1, 0, 0] };
 
 const SLOW = 45; // ms a frame from which on the picture is coarser while it is turned
@@ -136,7 +136,7 @@ export class Viewer {
   }
 
   #bounds() {
-    const boxes = this.views.flat().map((scene) => scene.bounds());
+    const boxes = this.views.flat().map((scene) => scene.boundsWithTools());
     const pick = (name, find) => [0, 1, 2].map((i) => find(...boxes.map((box) => box[name][i])));
     return { low: pick("low", Math.min), high: pick("high", Math.max) };
   }

@@ -8,7 +8,7 @@ import { SortedTable } from "./sorted_table.js";
 const PAUSE = 2000; // ms between two looks
 const find = (id) => document.getElementById(id);
 const CLASSES = { completed: "good", running: "", paused: "warn", interrupted: "warn", gave_up: "bad", failed: "bad" };
-let chosen = [], runs = [], shown = "";
+let chosen = [], runs = [], sweeps = [], shown = "";
 
 const columns = [
   { name: "Picture", cell: (run) => (run.picture ? make("a", { href: addressOf([run.name]), tabindex: "-1", "aria-hidden": "true" }, make("img", { src: `picture?run=${encodeURIComponent(run.name)}&of=${run.changed}`, alt: "", loading: "lazy" })) : "") },
@@ -32,13 +32,19 @@ const table = new SortedTable(find("runs"), columns, {
   choose: (names) => { chosen = names; find("compare").disabled = names.length < 2; },
 });
 
+/** Say whether a run is a member of a sweep, which has a page of its own. */
+const isMember = ({ name }) => sweeps.some((sweep) => name.startsWith(`${sweep}member_`));
+
 function showRuns() {
   const words = find("search").value.toLowerCase().split(/\s+/).filter(Boolean);
-  table.show(runs.filter((run) => words.every((word) => `${run.name} ${run.title} ${run.analysis} ${run.status}`.toLowerCase().includes(word))));
+  const isShown = (run) => find("show-members").checked || !isMember(run);
+  find("members").hidden = !runs.some(isMember);
+  table.show(runs.filter((run) => isShown(run) && words.every((word) => `${run.name} ${run.title} ${run.analysis} ${run.status}`.toLowerCase().includes(word))));
 }
 
 function show(found) {
   runs = found.runs;
+  sweeps = found.sweeps.map(({ name }) => (name === "." ? "" : `${name}/`));
   document.title = `${found.folder} | presswork`;
   find("title").textContent = found.folder;
   find("message").textContent = runs.length ? "" : "No run lies in this folder yet.";
@@ -67,5 +73,6 @@ async function look() {
 }
 
 find("search").addEventListener("input", showRuns);
+find("show-members").addEventListener("change", showRuns);
 find("compare").addEventListener("click", () => { location.href = addressOf(chosen); });
 look();
