@@ -108,7 +108,7 @@ def write_case(part: StampedPart, folder: Path, **changes: Any) -> Path:
     case: dict[str, Any] = {
         "title": f"{part.kind} of seed {part.seed}, {part.material}", "analysis": "stamping", "blank": blank,
         "tools": {name: {"kind": name, "shape": "file", "path": f"{name}.stl", "mu": 0.1} for name in tools},
-        "stages": [{"name": "form", "velocity": "5 m/s", "tools": actions}],
+        "stages": [*_wrap(part), {"name": "form", "velocity": "5 m/s", "tools": actions}],
         "springback": {}, "output": {"rows": 20, "steps": 4},
     }  # fmt: skip
     if part.kind == "hat":
@@ -116,6 +116,13 @@ def write_case(part: StampedPart, folder: Path, **changes: Any) -> Path:
     path = folder / "case.toml"
     path.write_text(tomli_w.dumps(case | changes))
     return path
+
+
+def _wrap(part: StampedPart) -> list[dict[str, Any]]:
+    """Return the stage in which a curved binder closes on the flat blank."""
+    if not part.binder_radius:
+        return []
+    return [{"name": "wrap", "velocity": "2 m/s", "tools": {"holder": {"close": round(1.05 * part.thickness, 4)}}}]
 
 
 def _edge(part: StampedPart, less: float = 0.0) -> FloatArray:

@@ -3,7 +3,8 @@
 
 A part is a section (bottom, punch radius, wall with a draft, die radius, flange) swept along a line in the plan. Its
 middle surface and its normals are known in closed form, so the faces of its tools are exact offsets: the die half a
-thickness below, the punch half a thickness and the clearance above. A binder may be curved about the y axis.
+thickness below, the punch half a thickness and the clearance above. The binder of every other panel is curved about
+the y axis.
 
 Dimensions in mm, angles in rad. A part is drawn by its seed; `validation.stamped_cases` writes its files.
 """
@@ -118,6 +119,7 @@ def _shape_kind(part: StampedPart, rng: np.random.Generator) -> StampedPart:
             part, half=half, corner=float(rng.uniform(25.0, 45.0)), depth=float(rng.uniform(10.0, 16.0)),
             draft=float(np.radians(rng.uniform(15.0, 35.0))), crown=float(rng.uniform(1.0, 4.0)),
             emboss=float(rng.uniform(1.0, 2.5)),
+            binder_radius=float(rng.uniform(700.0, 1500.0)) if part.seed % (2 * len(KINDS)) >= len(KINDS) else 0.0,
         )  # fmt: skip
     return part
 

@@ -49,9 +49,12 @@ def try_part(seed: int, folder: Path, cells: int, *, runs: bool) -> Outcome:
     """Lay a part flat, write its stamping, and run it."""
     start = perf_counter()
     part = draw_part(seed)
-    model = load(write_onestep(part, folder))
-    assert isinstance(model, OneStepModel)
     path, nan = folder / "stamping.toml", float("nan")
+    try:
+        model = load(write_onestep(part, folder))
+    except CaseError as error:
+        return Outcome(seed, f"one step refused: {error}", 0, (nan, nan), (perf_counter() - start, 0.0))
+    assert isinstance(model, OneStepModel)
     blank = find_blank(model, folder / "one", overwrite=True, threads=1, write_case=path, cells=cells)
     if blank.status != "completed":
         return Outcome(seed, f"one step: {blank.reason}", 0, (nan, nan), (perf_counter() - start, 0.0))

@@ -147,7 +147,7 @@ CLOSED_FORM = "gives no strain for a stress in closed form"
 HOT = ("hensel_spittel", "norton_hoff", "sinh_arrhenius", "whole johnson_cook", "hot_table")
 REFUSED: dict[tuple[str, str], str] = {
     **{(name, family): BULK for name in ("barlat1989", "yld2000") for family in SOLIDS},
-    **{(name, "one step"): CLOSED_FORM for name in ("barlat1989", "yld2000", "yld2004", "all of them")},
+    **{(name, "one step"): CLOSED_FORM for name in ("barlat1989", "yld2004", "all of them")},
     **{
         (name, "one step"): ONE_STEP
         for name in (

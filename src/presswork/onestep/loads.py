@@ -8,12 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from presswork.model import BoolArray, FloatArray, PartBead
+from presswork.model import BoolArray, FloatArray, IntArray, PartBead
+from presswork.onestep.flange import CHORD, FLAT, GENTLE, MOST, SMOOTH
 from presswork.onestep.newton import Friction
 from presswork.onestep.part import OneStepError, PartSurface
-
-FLAT = 0.996
-"""z of the normals of a flange: within 5 degrees of level."""
 
 _COMPLIANCE = 0.01
 """Stiffness of holder, sheet and press across the flange over that of the sheet alone."""
@@ -31,13 +29,34 @@ class Tools:
     """z of the lowest point [mm]."""
 
 
-def find_tools(part: PartSurface, rim: FloatArray, thickness: float) -> Tools:
-    """Find the flange: level nodes at the height of the rim's level stretches. rim: its points (k, 3)."""
-    z = part.points[:, 2]
-    high = float(np.median(rim[:, 2]))
-    level = np.abs(part.normals[:, 2]) > FLAT
-    flange = level & (np.abs(z - high) < 0.5 * thickness)
-    return Tools(flange, high, float(z.min()))
+def find_tools(part: PartSurface, rim: IntArray, thickness: float) -> Tools:
+    """Find the flange: nodes at the height of the rim's highest level stretch. rim: numbers of its nodes (k,).
+
+    One of a curved binder goes on smoothly from there, as `find_flange` has it for triangles.
+    """
+    z, up = part.points[:, 2], part.normals[:, 2]
+    ends = rim[up[rim] > FLAT]
+    if not len(ends):
+        return Tools(np.zeros(len(z), dtype=bool), float(np.median(z[rim])), float(z.min()))
+    high = float(z[ends].max())
+    flat = (up > FLAT) & (np.abs(z - high) < 0.5 * thickness)
+    curved = _go_on_smoothly(part, flat & np.isin(np.arange(len(z)), rim), thickness)
+    is_flat = flat[rim].sum() >= MOST * curved[rim].sum()
+    return Tools(flat if is_flat else curved, high, float(z.min()))
+
+
+def _go_on_smoothly(part: PartSurface, start: BoolArray, thickness: float) -> BoolArray:
+    """Return the nodes (n_nodes,) to which a surface bends smoothly from some, as a binder does."""
+    a, b = np.concatenate([part.triangles[:, [0, 1]], part.triangles[:, [1, 2]], part.triangles[:, [2, 0]]]).T
+    turn = np.linalg.norm(part.normals[a] - part.normals[b], axis=1)
+    distance = np.linalg.norm(part.points[a] - part.points[b], axis=1)
+    smooth = (np.minimum(part.normals[a, 2], part.normals[b, 2]) > GENTLE) & (
+        (turn < CHORD) | (turn * SMOOTH * thickness < distance)
+    )
+    n = len(part.points)
+    links = scipy.sparse.coo_matrix((np.ones(int(smooth.sum())), (a[smooth], b[smooth])), shape=(n, n))
+    piece = scipy.sparse.csgraph.connected_components(links, directed=False)[1]
+    return np.asarray(np.isin(piece, piece[start]))
 
 
 @dataclass(frozen=True)

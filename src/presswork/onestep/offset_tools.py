@@ -9,8 +9,7 @@ the flange on, cell by cell; where it ceases to, the wall begins.
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,20 +18,15 @@ from scipy.spatial import cKDTree
 from presswork.mesh.make.surface_offset import find_offsets, unit_normals
 from presswork.mesh.triangles import double_areas, find_rims, find_triangle_parts, pair_triangles, split_quads
 from presswork.model import BoolArray, FloatArray, IntArray, OneStepModel, ToolKind, Triangulation
-from presswork.onestep.loads import FLAT
+from presswork.onestep.flange import find_flange, find_outline, list_neighbours, measure_width, spread_over
 from presswork.onestep.solve import mirror_part
 
 CLEARANCE = 0.1
 """Of the thickness: what is left between punch and die beside the sheet, on each side."""
 STEEPER = np.radians(0.5)
 """By how much the slope of the die's shoulder changes over a triangle, at least [rad]."""
-GENTLE, SMOOTH, CHORD = np.cos(np.radians(20.0)), 100.0, np.radians(0.5)
-"""Of a curved flange: its least normal along the press [1], its least radius over the thickness, and the angle between
-facets that may be chords of any radius [rad]."""
 ISLAND = 0.02
 """Part of the area inside the shoulder that a piece of the punch has at least."""
-MOST = 0.9
-"""Part of a flange's outline that is level if the flange is flat."""
 _FREE = 5.0
 """Thicknesses by which tools reach beyond an end of the part that is no flange."""
 _LARGE = 20_000
@@ -51,6 +45,8 @@ class OffsetTools:
     """Of the punch from where both touch the flat blank to the finished part [mm]."""
     smallest_radius: float
     """Of the mid-surface [mm]."""
+    is_binder_curved: bool
+    """Whether the blank, flat, does not lie all along the flange."""
     notes: tuple[str, ...]
 
 
@@ -62,8 +58,8 @@ def offset_tools(model: OneStepModel, blank_reach: float, clearance: float = CLE
     points, triangles = _whole_part(model)
     thickness, reach = model.thickness, 1.2 * blank_reach
     up = unit_normals(points, triangles)[:, 2]
-    neighbours = _list_neighbours(triangles)
-    flange = _find_flange(points, triangles, up, thickness, neighbours)
+    neighbours = list_neighbours(triangles)
+    flange = find_flange(points, triangles, up, thickness, neighbours)
     inside = _without_islands(points, triangles, ~_find_shoulder(points, triangles, flange, neighbours), neighbours)
     outside = ~_without_pinches(triangles, inside)
     flange = _without_pinches(triangles, flange)
@@ -83,7 +79,8 @@ def offset_tools(model: OneStepModel, blank_reach: float, clearance: float = CLE
         holder = _roll_rim(points_level, face, beyond, min(_ROLL * thickness, 0.4 * room))
         faces["holder"] = _compact(*_turned(*holder))
     notes = _find_faults(points, triangles, below, above, bool(flange.any()))
-    return OffsetTools(faces, stroke, _smallest_radius(points, triangles), notes)
+    is_curved = bool(flange.any()) and float(np.ptp(points[under_flange, 2])) > thickness
+    return OffsetTools(faces, stroke, _smallest_radius(points, triangles), is_curved, notes)
 
 
 def _whole_part(model: OneStepModel) -> tuple[FloatArray, IntArray]:
@@ -96,28 +93,13 @@ def _whole_part(model: OneStepModel) -> tuple[FloatArray, IntArray]:
     for axis, wanted in enumerate(model.symmetry):
         if wanted:
             points, triangles = mirror_part(points, triangles, axis)
-    rims = sorted(find_rims(points, triangles), key=lambda rim: -_width(points, rim))
+    rims = sorted(find_rims(points, triangles), key=lambda rim: -measure_width(points, rim))
     for hole in rims[1:]:
         middle = len(points)
         points = np.vstack([points, points[hole].mean(axis=0)])
         fan = np.stack([np.roll(hole, -1), hole, np.full(len(hole), middle)], axis=1)
         triangles = np.concatenate([triangles, fan])
     return points, np.ascontiguousarray(triangles, dtype=np.int32)
-
-
-def _width(points: FloatArray, loop: IntArray) -> float:
-    return float(np.ptp(points[loop, :2], axis=0).sum())
-
-
-def _outline(points: FloatArray, triangles: IntArray) -> tuple[IntArray, IntArray, IntArray]:
-    """Return the ends of the edges of the part's outline, the part on their left, and the triangle of each."""
-    rim = max(find_rims(points, triangles), key=lambda loop: _width(points, loop))
-    after = np.roll(rim, -1)
-    ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
-    key = ends[:, 0] * len(points) + ends[:, 1]
-    order = np.argsort(key)
-    at = np.searchsorted(key[order], rim.astype(np.int64) * len(points) + after)
-    return rim, after, np.asarray(order[at] % len(triangles))
 
 
 def _distance_between(one: FloatArray, other: FloatArray) -> float:
@@ -137,40 +119,6 @@ def _turned(points: FloatArray, triangles: IntArray) -> tuple[FloatArray, IntArr
     return points, triangles[:, ::-1]
 
 
-def _list_neighbours(triangles: IntArray) -> list[list[int]]:
-    """Return the triangles across the edges of each."""
-    neighbours: list[list[int]] = [[] for _ in range(len(triangles))]
-    for a, b in pair_triangles(triangles).triangles.tolist():
-        neighbours[a].append(b)
-        neighbours[b].append(a)
-    return neighbours
-
-
-def _find_flange(
-    points: FloatArray, triangles: IntArray, up: FloatArray, thickness: float, neighbours: list[list[int]]
-) -> BoolArray:
-    """Return the triangles of the flange (n,): those about level that hang together with the highest of the outline.
-
-    A level flange is flat. One of a curved binder bends smoothly and stays below a slope of GENTLE; it is taken where
-    the level part of it is less than MOST of its outline.
-    """
-    owner = _outline(points, triangles)[2]
-    is_owner = np.isin(np.arange(len(up)), owner)
-    ends = triangles[owner[up[owner] > FLAT]]
-    high = float(points[ends, 2].max(initial=-np.inf))
-    level = (up > FLAT) & (np.abs(points[triangles, 2] - high) < 0.5 * thickness).all(axis=1)
-    flat = _spread(level & is_owner, neighbours, lambda _, there: bool(level[there]))
-    normals, middle = unit_normals(points, triangles), points[triangles].mean(axis=1)
-
-    def is_smooth(here: int, there: int) -> bool:
-        turn = float(np.linalg.norm(normals[here] - normals[there]))
-        distance = float(np.linalg.norm(middle[here] - middle[there]))
-        return bool(up[there] > GENTLE) and (turn < CHORD or turn * SMOOTH * thickness < distance)
-
-    curved = _spread(flat & is_owner, neighbours, is_smooth)
-    return flat if flat[owner].sum() >= MOST * curved[owner].sum() else curved
-
-
 def _find_shoulder(
     points: FloatArray, triangles: IntArray, flange: BoolArray, neighbours: list[list[int]]
 ) -> BoolArray:
@@ -179,7 +127,7 @@ def _find_shoulder(
     height = points[triangles, 2]
     falls = ((slope - slope.mean(axis=1, keepdims=True)) * (height - height.mean(axis=1, keepdims=True))).sum(axis=1)
     bends = (np.ptp(slope, axis=1) > STEEPER) & (falls < 0.0)
-    return _spread(flange, neighbours, lambda _, there: bool(bends[there]))
+    return spread_over(flange, neighbours, lambda _, there: bool(bends[there]))
 
 
 def _find_own_normals(points: FloatArray, triangles: IntArray) -> FloatArray:
@@ -212,24 +160,11 @@ def _without_islands(
     while left.any():
         start = np.zeros_like(kept)
         start[np.argmax(left)] = True
-        piece = _spread(start, neighbours, lambda _, there: bool(kept[there]))
+        piece = spread_over(start, neighbours, lambda _, there: bool(kept[there]))
         left &= ~piece
         if area[piece].sum() > ISLAND * area[kept].sum():
             found |= piece
     return found
-
-
-def _spread(start: BoolArray, neighbours: list[list[int]], goes_on: Callable[[int, int], bool]) -> BoolArray:
-    """Return the triangles that can be reached from some, from neighbour to neighbour (n,)."""
-    reached = start.copy()
-    queue = deque(np.flatnonzero(start).tolist())
-    while queue:
-        here = queue.popleft()
-        for there in neighbours[here]:
-            if not reached[there] and goes_on(here, there):
-                reached[there] = True
-                queue.append(there)
-    return reached
 
 
 def _extend(
@@ -246,7 +181,7 @@ def _extend(
     reach: of what is drawn out from the part's middle [mm]. Points, the face, and the triangles that it lacks.
     """
     kept = np.ones(len(triangles), dtype=bool) if keep is None else keep
-    rim, after, owner = _outline(points, triangles)
+    rim, after, owner = find_outline(points, triangles)
     out = np.cross(points[after] - points[rim], unit_normals(points, triangles[owner]))
     out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-300)
     at_node = out + np.roll(out, 1, axis=0)

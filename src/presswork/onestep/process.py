@@ -64,7 +64,7 @@ class Process:
 
     def find_tools(self, part: PartSurface) -> Tools:
         """Return what tools the model's mesh touches on a shape."""
-        return find_tools(part, part.points[self._rim], self.model.thickness)
+        return find_tools(part, self._rim, self.model.thickness)
 
     def pose(self, part: PartSurface, formed: FloatArray | None = None) -> OneStepProblem:
         """Return the problem of a shape. formed: what the sheet has gone through before, as OneStepProblem has it."""

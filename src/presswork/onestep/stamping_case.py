@@ -12,8 +12,8 @@ import numpy as np
 import tomli_w
 
 from presswork.mesh.files.stl_file import pack_stl
-from presswork.model import OneStepModel
-from presswork.onestep.offset_tools import CLEARANCE, offset_tools
+from presswork.model import Limits, OneStepModel
+from presswork.onestep.offset_tools import CLEARANCE, OffsetTools, offset_tools
 from presswork.onestep.outline import BlankOutline
 from presswork.results import OutputError
 from presswork.results.whole_file import write_whole
@@ -24,8 +24,14 @@ _CELLS_ACROSS = 30
 """Of the blank at least, along its longer side."""
 _CELLS_A_RADIUS = 2.0
 """Cells along the smallest radius of the part: three round a corner of 90 degrees."""
+_SINKS = 0.7
+"""Part of limits.penetration to which a chord as long as a shell may sink into a radius that it is bent round."""
+_BEYOND = 4.0
+"""Times the budget: so many shells at most for that."""
 _GAP = 1.1
 """Of a holder that no force pushes, over the thickness."""
+_CLOSED = 1.05
+"""To which a curved holder closes before a force pushes it, over the thickness."""
 _HEAD = """\
 # A stamping of the part that one step has laid flat: its blank, and tools that are the part's own surface, offset by
 # half the thickness to either side. The die stands {clearance:.3g} mm farther off, but for the flange.
@@ -63,7 +69,7 @@ def write_stamping_case(
         "title": f"{model.title}: drawn from the blank that one step has found",
         "analysis": "stamping",
     }
-    size, note = _choose_size(outline, made.smallest_radius, cells)
+    size, note = _choose_size(outline, made.smallest_radius, cells, model.thickness)
     case |= {"blank": _describe_blank(path, model, points, data["blank"]["material"], size)}
     if data.get("materials"):
         case["materials"] = data["materials"]
@@ -71,14 +77,9 @@ def write_stamping_case(
     for kind, face in made.faces.items():
         write_whole(_tool_path(path, kind), pack_stl(kind, face))
         case["tools"][kind] = {"kind": kind, "shape": "file", "path": _tool_path(path, kind).name, "mu": model.mu}
-    actions: dict[str, Any] = {"punch": {"stroke": float(f"{made.stroke:.6g}")}}
-    if "holder" in case["tools"] and model.holder_force > 0.0:
-        actions["holder"] = {"force": model.holder_force}
-    elif "holder" in case["tools"]:
-        case["tools"]["holder"]["gap"] = float(f"{_GAP * model.thickness:.6g}")
     if beads := data.get("process", {}).get("beads"):
         case["beads"] = beads
-    case["stages"] = [{"name": "draw", "tools": actions}]
+    case["stages"] = _describe_stages(case["tools"], made, model)
     notes = [*made.notes, *note]
     if len(outline.loops) > 1:
         notes.append(f"{len(outline.loops) - 1} holes of the blank are left out, and filled in the tools: trim them")
@@ -88,14 +89,39 @@ def write_stamping_case(
     return tuple(notes)
 
 
-def _choose_size(outline: BlankOutline, smallest_radius: float, cells: int) -> tuple[float, tuple[str, ...]]:
-    """Return the edge of the blank's shells [mm], and a note where the budget makes them longer than radii ask for."""
+def _describe_stages(tools: dict[str, Any], made: OffsetTools, model: OneStepModel) -> list[dict[str, Any]]:
+    """Return the tables of the stages: a curved binder wraps the blank before the punch draws it."""
+    draw: dict[str, Any] = {"name": "draw", "tools": {"punch": {"stroke": float(f"{made.stroke:.6g}")}}}
+    if "holder" not in tools:
+        return [draw]
+    if model.holder_force > 0.0:
+        draw["tools"]["holder"] = {"force": model.holder_force}
+    if made.is_binder_curved:
+        gap = (_CLOSED if model.holder_force > 0.0 else _GAP) * model.thickness
+        return [{"name": "wrap", "tools": {"holder": {"close": float(f"{gap:.6g}")}}}, draw]
+    if model.holder_force <= 0.0:
+        tools["holder"]["gap"] = float(f"{_GAP * model.thickness:.6g}")
+    return [draw]
+
+
+def _choose_size(
+    outline: BlankOutline, smallest_radius: float, cells: int, thickness: float
+) -> tuple[float, tuple[str, ...]]:
+    """Return the edge of the blank's shells [mm], and a note where the budget makes them longer than radii ask for.
+
+    A chord h sinks h^2/(8 R) into a radius R. Where that would stop the run the budget is exceeded.
+    """
     wanted = min(max(outline.extent) / _CELLS_ACROSS, smallest_radius / _CELLS_A_RADIUS)
     least = float(np.sqrt(outline.area / cells))
     if least <= wanted:
         return wanted, ()
-    return least, (
-        f"shells of {least:.2g} mm, as long as {cells} of them make them: radii of {smallest_radius:.3g} mm ask for "
+    longest = float(np.sqrt(8.0 * smallest_radius * _SINKS * Limits().penetration * thickness))
+    size = min(least, max(longest, wanted, least / np.sqrt(_BEYOND)))
+    why = (
+        f"as long as {cells} of them make them" if size == least else f"more than {cells}, since tools sink into longer"
+    )
+    return size, (
+        f"shells of {size:.2g} mm, {why}: radii of {smallest_radius:.3g} mm ask for "
         f"{wanted:.2g} mm, or {outline.area / wanted**2:.2g} shells",
     )
 

@@ -228,3 +228,12 @@ def test_hill_of_the_same_r_values_is_stronger() -> None:
 def test_data_of_a_grade_that_do_not_go_together_are_refused(table: dict[str, Any], words: str) -> None:
     with pytest.raises(CaseError, match=words):
         check_sheet_material({**STEEL, "yield_function": table})
+
+
+def test_one_step_takes_hills_function_of_the_r_values_that_alpha_gives() -> None:
+    alpha = (0.97241, 0.96969, 0.98421, 0.98559, 1.0099, 0.96496, 1.0152, 1.0156)
+    chosen = Yld2000(alpha=alpha, exponent=6)
+    hill = chosen.find_hill()
+    angles = np.radians([0.0, 45.0, 90.0])
+    assert hill is not None
+    assert r_value(hill.build(), angles) == pytest.approx(r_value(chosen.build(), angles), rel=1e-6)

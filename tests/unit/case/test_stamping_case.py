@@ -58,6 +58,8 @@ def test_model_holds_what_the_case_says() -> None:
     for part in ("0.8 mm of steel", "edge radius 5 mm", "holder pushes with 10000 N", "those of the whole", "cycles"):
         assert part in words
     assert "elements round the edge of punch; elements of 2.6 mm would be 3" in words
+    assert "limits.penetration may stop the run" in words, "chords of 5.7 mm sink 0.8 mm into a radius of 5"
+    assert "may stop the run" not in describe(build(blank__element_size=3.5)), "half the thickness: 4 mm"
     assert "hint" not in describe(build(blank__element_size=2.5))
     assert 'velocities are mm/s, and "2 m/s" is usual' in describe(build(stages__0__velocity=2))
 

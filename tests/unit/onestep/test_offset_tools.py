@@ -14,6 +14,8 @@ from presswork.mesh.files.stl_file import pack_stl
 from presswork.mesh.files.tool_file import read_tool
 from presswork.model import FloatArray, OneStepModel, Triangulation
 from presswork.onestep.offset_tools import CLEARANCE, OffsetTools, _smallest_radius, offset_tools
+from presswork.onestep.process import Process
+from presswork.onestep.stamping_case import _describe_stages
 from tests.problems.one_step import NO_TRIANGLES, cup_profile, fan, make_model, revolve
 from validation.stamped_parts import draw_face, draw_part
 
@@ -78,6 +80,34 @@ def test_a_curved_flange_has_a_holder_that_leaves_the_thickness_all_round(tmp_pa
     pressing = over_part[gap < T + 0.02]  # all but the rolled edge
     around = np.degrees(np.arctan2(pressing[:, 1], pressing[:, 0]))
     assert np.histogram(around, 12, (-180.0, 180.0))[0].min() > 5, "all round the part"
+
+
+def test_the_flange_under_a_holder_is_found_on_open_and_curved_parts() -> None:
+    """A hat's outline is mostly its section; the flange of the curved panel falls by 10 degrees to both sides."""
+    part = hat()
+    process = Process(part)
+    held = part.points[process.find_tools(process.shape(part.points)).flange]
+    assert held[:, 2].min() == pytest.approx(DEPTH)
+    assert np.abs(held[:, 0]).min() == pytest.approx(RADIUS + CORNER, abs=1.0)
+    panel = curved_panel()
+    process = Process(panel)
+    held = panel.points[process.find_tools(process.shape(panel.points)).flange]
+    assert np.ptp(held[:, 2]) > 5.0 * T
+    around = np.degrees(np.arctan2(held[:, 1], held[:, 0]))
+    assert np.histogram(around, 12, (-180.0, 180.0))[0].min() > 5, "all round the part"
+
+
+@pytest.mark.parametrize(("make", "force", "stages"), [
+    (curved_panel, 1e4, [{"holder": {"close": 0.84}}, {"punch": {}, "holder": {"force": 1e4}}]),
+    (curved_panel, 0.0, [{"holder": {"close": 0.88}}, {"punch": {}}]),
+    (hat, 1e4, [{"punch": {}, "holder": {"force": 1e4}}]),
+])  # fmt: skip
+def test_a_written_case_wraps_the_blank_round_a_curved_binder_first(make, force, stages) -> None:
+    model = replace(make(), holder_force=force)
+    made = offset_tools(model, 150.0)
+    found = [stage["tools"] for stage in _describe_stages({"holder": {}}, made, model)]
+    assert found[-1]["punch"].pop("stroke") == pytest.approx(made.stroke, rel=1e-5)
+    assert found == stages
 
 
 def find(tools: OffsetTools, kind: str) -> Triangulation:

@@ -231,7 +231,13 @@ def _hint_at_coarse_mesh(problem: Model) -> Iterator[str]:
                 if radius < SHARPEST * size:
                     advice = "the tool has sharp edges there: round them, or leave away what does not touch the sheet"
                 least = "" if isinstance(tool.shape, SweptProfile) else f", whose least radius is about {radius:.2g} mm"
-                yield f"hint: {count:.2g} elements round the edge of {tool.name}{least}; {advice}"
+                sinks = size**2 / (8.0 * radius) if radius >= SHARPEST * size else 0.0
+                stops = ""
+                if sinks > problem.limits.penetration * problem.sheet[0].thickness:
+                    stops = (
+                        f"; chords of {size:.2g} mm sink {sinks:.2g} mm into it: limits.penetration may stop the run"
+                    )
+                yield f"hint: {count:.2g} elements round the edge of {tool.name}{least}; {advice}{stops}"
 
 
 def _least_radius(problem: Model, tool: Tool, size: float) -> float:

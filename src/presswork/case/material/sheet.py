@@ -38,7 +38,8 @@ class NamedLaws(SheetLaws):
         """
         keys = {*PlasticLaws.model_fields, *names}
         laws = self.model_dump(include=keys, exclude_none=True)
-        hill = self.yield_function.find_hill() if isinstance(self.yield_function, Yld2000) else None
+        chosen = self.yield_function
+        hill = chosen.find_hill() if isinstance(chosen, Yld2000) and chosen.alpha is None else None
         return laws if hill is None else {**laws, "yield_function": hill.model_dump(exclude_none=True)}
 
 

@@ -188,10 +188,13 @@ class Yld2000(Part):
             raise fault(str(error.problems[0]), "check r-values and stresses", key="r00") from None
 
     def find_hill(self) -> Hill1948 | None:
-        """Return Hill's function of the same r-values; None where there is none."""
-        if self.alpha is not None:
+        """Return Hill's function of the same r-values, given or following from alpha; None where one is negative."""
+        if self.alpha is None:
+            return Hill1948(r00=self.r00, r45=self.r45, r90=self.r90)
+        r00, r45, r90 = (float(r) for r in r_value(self.build(), np.radians([0.0, 45.0, 90.0])))
+        if min(r00, r45, r90) <= 0.0:
             return None
-        return Hill1948(r00=self.r00, r45=self.r45, r90=self.r90)
+        return Hill1948(r00=r00, r45=r45, r90=r90)
 
     def to_model(self) -> model.YieldFunction:
         """Return the Model's yield function."""

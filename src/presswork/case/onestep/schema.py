@@ -168,9 +168,7 @@ def build_onestep_model(case: OneStepCase) -> OneStepModel:
     sheet = case.materials[case.blank.material]
     if (function := _find_function(sheet)) is not sheet.yield_function:
         sheet = sheet.model_copy(update={"yield_function": function})
-        notes += (
-            "one step takes Hill's yield function of the r-values, which makes the sheet stronger than yld2000 does",
-        )
+        notes += ("one step takes Hill's yield function of the r-values in place of yld2000",)
     judged = build_formability(sheet, f"materials.{case.blank.material}", case.blank.thickness)
     return OneStepModel(
         title=case.title,
@@ -193,7 +191,7 @@ def build_onestep_model(case: OneStepCase) -> OneStepModel:
 
 
 def _find_function(material: ShellMaterial) -> YieldFunction:
-    """Return the yield function of one step: Hill's of the same r-values in place of Yld2000-2d, if it has them."""
+    """Return the yield function of one step: Hill's of the same r-values in place of Yld2000-2d."""
     chosen = material.yield_function
     hill = chosen.find_hill() if isinstance(chosen, Yld2000) else None
     return chosen if hill is None else hill
