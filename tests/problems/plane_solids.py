@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.implicit.progress import IncrementReport
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh import mesh_rectangle
 from presswork.mesh.topology import find_boundary_edges
 from presswork.model import (

@@ -16,7 +16,7 @@ import pytest
 
 from presswork import Case, OutputError, Result, run
 from presswork.examples import copy_example
-from presswork.implicit.stepping import IncrementReport
+from presswork.implicit.progress import IncrementReport
 from presswork.process.implicit.forming import ImplicitForming
 from presswork.process.run import Row
 from presswork.results import load_checkpoint

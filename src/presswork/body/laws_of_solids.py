@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The compiled laws of a solid's materials, and the kernels' settings."""
+"""The compiled laws of a solid's materials, what they keep, and the kernels' settings."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from presswork import _core
 from presswork.law.elastic_plastic import SolidLaw, is_plain, make_hardening, make_plane_law, make_solid_law
 from presswork.law.umat import open_umat
-from presswork.model import Material, SolverSettings
+from presswork.model import FloatArray, Material, SolverSettings
+from presswork.state import State
 
 
 def make_law(material: Material, solver: SolverSettings, components: int) -> _core.VonMises | SolidLaw | _core.Umat:
@@ -38,3 +41,12 @@ def make_point_settings(solver: SolverSettings) -> _core.PointSettings:
         k_v=solver.terms.k_v,
         small_displacements=solver.is_small,
     )
+
+
+def gather_law_history(state: State, block: int, *, whole: bool) -> FloatArray:
+    """Return what the law keeps behind the stress (n, n_history), the points of the cells in one row.
+
+    whole: otherwise the equivalent plastic strain alone, its first.
+    """
+    history, eqps = state.cells.history[block], state.cells.eqps[block].reshape(-1, 1)
+    return np.concatenate([eqps, history.reshape(-1, history.shape[2])], axis=1) if whole and history.size else eqps

@@ -15,7 +15,7 @@ from presswork.body.contract import Look, Near
 from presswork.body.heat_of_umat import find_heat
 from presswork.body.law_failed import LawFailed, place_increment
 from presswork.body.law_window import LawWindow, note_rates
-from presswork.body.laws_of_solids import make_law, make_point_settings
+from presswork.body.laws_of_solids import gather_law_history, make_law, make_point_settings
 from presswork.body.nodal_pressure import describe_freedom, find_scale
 from presswork.body.solid_energy import elastic_energy, stress_in_axes
 from presswork.body.turned_inside_out import TurnedInsideOut
@@ -386,19 +386,10 @@ class Mechanics:
             else:
                 hardens = self._material(i).kinematic is not None  # what alone asks for the stress, and for all that a
                 whole = hardens or heats(self._material(i))  # law keeps, but the rise of temperature
-                before, after = (_law_history(state, i, whole=whole) for state in (state_n, trial))
+                before, after = (gather_law_history(state, i, whole=whole) for state in (state_n, trial))
                 stress = stress_in_axes(trial, i) if hardens else trial.cells.stress[i].reshape(len(after), -1)
                 given = (state_n.cells.temperature[i], trial.cells.temperature[i])
                 kept = trial.cells.kept[i].behind(EQPS, 1)
                 work = plastic_work_density(self._material(i), law, kept, before, after, stress, dt, given)
                 work = work.reshape(trial.cells.eqps[i].shape)
             yield work * trial.cells.volume[i]
-
-
-def _law_history(state: State, block: int, *, whole: bool) -> FloatArray:
-    """Return what the law keeps behind the stress (n, n_history), the points of the cells in one row.
-
-    whole: otherwise the equivalent plastic strain alone, its first.
-    """
-    history, eqps = state.cells.history[block], state.cells.eqps[block].reshape(-1, 1)
-    return np.concatenate([eqps, history.reshape(-1, history.shape[2])], axis=1) if whole and history.size else eqps

@@ -183,7 +183,7 @@ class ExplicitSolids(TouchingBodies, Dynamics):
             self._loop.set_temperature(block, part)
         self._prescribed_temperature = degrees
 
-    def set_velocity(self, nodes: str | npt.ArrayLike, velocity: tuple[float, float]) -> None:
+    def set_velocity(self, nodes: str | npt.ArrayLike, velocity: Sequence[float]) -> None:
         """Give nodes a velocity (2,) [mm/s] to start from."""
         v = self.velocity
         v[self.nodes_of(nodes)] = velocity

@@ -16,9 +16,9 @@ import numpy as np
 from presswork import stop
 from presswork.implicit.linear.contract import SolverError
 from presswork.implicit.linear.system import Balance
-from presswork.implicit.progress import Progress
+from presswork.implicit.progress import IncrementReport, Progress
 from presswork.implicit.step_sizes import is_saved
-from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.contract import Constraints, Point, turn, turn_back
 from presswork.interaction.loads import LoadArrays
 from presswork.model import FloatArray, Model

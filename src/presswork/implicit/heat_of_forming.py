@@ -3,7 +3,7 @@
 
 With the heat of plastic work and friction, and what tools, other bodies and surroundings take. Within an increment time
 steps of heat follow their own error, as in heat alone (docs/theory/heat.md). Implicit increments
-(heat_of_increments.py) and rows of explicit cycles (process/explicit/heat_of_solids.py) describe themselves as a
+(heat_of_increments.py) and rows of explicit cycles (process/explicit/heat/of_solids.py) describe themselves as a
 FormingInstant.
 """
 

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the stepping of the implicit procedure keeps in the State."""
+"""What the stepping of the implicit procedure keeps in the State, and what it reports."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
+from presswork.outcome import IterationLog
 from presswork.state import RUN, Arrays, OnNewMesh
 
 
@@ -40,3 +41,18 @@ class Progress(Arrays):
     """Largest nodal force so far [N]: what a residual is small beside once the load is taken off."""
     negative_pivots: int = 0
     """Of the tangent, of a shell that no tool leads: more than none at an unstable equilibrium."""
+
+
+@dataclass(frozen=True)
+class IncrementReport:
+    """One converged increment."""
+
+    number: int
+    stage: str
+    fraction: float
+    """Fraction of the stage at the end of the increment."""
+    time: float
+    log: IterationLog
+    cutbacks: list[str] = field(default_factory=list)
+    """Why each earlier attempt at this increment was cut back."""
+    is_save_point: bool = False

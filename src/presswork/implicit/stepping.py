@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from presswork.implicit.heat_of_increments import MOST_PASSES, HeatOfIncrements
 from presswork.implicit.heat_of_stamping import HeatOfStamping
 from presswork.implicit.held import check_held, check_pushed, note_loose
 from presswork.implicit.newton import Equilibrium
-from presswork.implicit.progress import Progress
+from presswork.implicit.progress import IncrementReport, Progress
 from presswork.implicit.ram import Ram
 from presswork.implicit.remedy import find_remedy
 from presswork.implicit.stability import BELIEVED, judge_stability, shows_stability
@@ -50,21 +50,6 @@ WORTH_ALL = 0.25
 """Of the last increment: attempts at so little of it are worth all iterations."""
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
-
-
-@dataclass(frozen=True)
-class IncrementReport:
-    """One converged increment."""
-
-    number: int
-    stage: str
-    fraction: float
-    """Fraction of the stage at the end of the increment."""
-    time: float
-    log: IterationLog
-    cutbacks: list[str] = field(default_factory=list)
-    """Why each earlier attempt at this increment was cut back."""
-    is_save_point: bool = False
 
 
 class ImplicitProcedure:

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from presswork import _core
 from presswork.body.heat import measure_ranges, widen
 from presswork.implicit.heat_equation import PRESCRIBED, HeatEquation, HeatProblem
-from presswork.implicit.stepping import IncrementReport
+from presswork.implicit.progress import IncrementReport
 from presswork.interaction.heat.heat_films import Film, make_contacts, make_films, read_at
 from presswork.model import COLDEST, HOTTEST, FloatArray, HeatStage, MaskArray, Model
 from presswork.outcome import Failed, GaveUpError, IterationLog

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
-from presswork.implicit.stepping import IncrementReport
+from presswork.implicit.progress import IncrementReport
 from presswork.model import Model
 from presswork.observe.contract import Row
 from presswork.observe.heat import heat_columns, measure_heat, summarise_heat, warn_of_tables

@@ -25,8 +25,9 @@ from presswork.fields.contact_stress import ContactForces
 from presswork.geometry.pose import ToolPose, place_points, start_centre, start_profile, to_tool_frame, turn_vectors
 from presswork.interaction.contract import Constraints
 from presswork.interaction.plane.grazing import Drag, Grazing
+from presswork.interaction.plane.held_nodes import find_normal_forces, prescribe_held
 from presswork.interaction.tool_arrays import SLIDING, STUCK, ContactArrays, StatusArray, ToolArrays
-from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, MaskArray, Model, find_cell, list_bodies
+from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, Model, find_cell, list_bodies
 from presswork.state import State
 
 MAX_CHANGES = 4
@@ -287,22 +288,9 @@ class Contact:
 
     def normal_forces(self, state: State, reaction: FloatArray, fixed: BoolArray) -> FloatArray:
         """Return the push of every held face on its node (n_faces, n_candidates) [N]; negative pulls."""
-        push = np.zeros(self.gap.shape)
         if not len(self.nodes):
-            return push
-        held = state[ContactArrays].status > 0
-        count = held.sum(axis=0)
-        force = reaction[self.nodes] * ~fixed[self.nodes]
-        direction = self.normal * ~fixed[self.nodes]
-        square = (direction**2).sum(axis=2)
-        single = held & (count == 1)
-        along = np.einsum("fni,ni->fn", direction, force)
-        push[single] = along[single] / np.maximum(square[single], 1e-12)
-        for node in np.nonzero(count == 2)[0]:
-            faces = np.nonzero(held[:, node])[0]
-            axes = direction[faces, node].T
-            push[faces, node] = np.linalg.lstsq(axes, force[node], rcond=None)[0]
-        return push
+            return np.zeros(self.gap.shape)
+        return find_normal_forces(self.nodes, self.normal, state[ContactArrays].status, reaction, fixed)
 
     def tool_forces(self, state: State, fixed: BoolArray) -> tuple[FloatArray, FloatArray]:
         """Return force (n_tools, 2) [N] and torque about its centre (n_tools,) [N mm] of the workpiece on each tool.
@@ -391,7 +379,7 @@ class Contact:
         for t in np.unique(tools[stuck]):
             own = stuck & (tools == t)
             missing[own] = place_points(touch.anchor[own], self._pose(trial, t)) - at[own]
-        return self._prescribe(trial, -self.gap, missing, supports)
+        return prescribe_held(self.nodes, self.normal, touch.status, -self.gap, missing, supports)
 
     def follow(self, trial: State, tool: int, direction: FloatArray, supports: Constraints) -> Constraints:
         """Return what the held nodes must do for each mm that a tool moves along a direction; supports stand still."""
@@ -400,43 +388,9 @@ class Contact:
         closing[faces] = self.normal[faces] @ direction
         own = (trial[ContactArrays].status[faces] == STUCK).any(axis=0)
         still = Constraints(supports.mask, np.zeros_like(supports.value), supports.turned, supports.frames)
-        return self._prescribe(trial, closing, own[:, None] * direction, still)
-
-    def _prescribe(self, trial: State, closing: FloatArray, missing: FloatArray, supports: Constraints) -> Constraints:
-        """Prescribe held nodes: `closing` (n_faces, n_candidates) along the normal, `missing` (n_candidates, 2) where
-        stuck.
-        """
-        touch = trial[ContactArrays]
-        mask, value = supports.mask.copy(), supports.value.copy()
-        turned, frames = supports.turned.copy(), supports.frames.copy()
-        held = touch.status > 0
-        held[:, mask[self.nodes].all(axis=1)] = False  # supports hold the node in both directions
-        count = held.sum(axis=0)
-        stuck = (touch.status == STUCK).any(axis=0) & (count > 0)
-        nodes = self.nodes[stuck]
-        value[nodes] = np.where(mask[nodes] == 1, value[nodes], missing[stuck])
-        mask[nodes] = 1
-        alone = (count == 1) & ~stuck & ~mask[self.nodes].any(axis=1)
-        places = np.nonzero(alone)[0]
-        faces = held[:, places].argmax(axis=0)
-        normal, nodes = self.normal[faces, places], self.nodes[places]
-        turned[nodes] = 1
-        frames[nodes, 0], frames[nodes, 1] = normal, np.column_stack([-normal[:, 1], normal[:, 0]])
-        mask[nodes, 0], value[nodes, 0] = 1, closing[faces, places]
-        for i in np.nonzero((count > 0) & ~stuck & ~alone)[0]:
-            self._pin(np.nonzero(held[:, i])[0], int(i), closing, mask, value)
-        return Constraints(mask, value, turned, frames)
-
-    def _pin(self, faces: IndexArray, i: int, closing: FloatArray, mask: MaskArray, value: FloatArray) -> None:
-        """Two faces, or a face and a support: both freedoms follow from the gaps."""
-        node = self.nodes[i]
-        free, axes = mask[node] == 0, self.normal[faces, i]
-        rest, own = closing[faces, i] - axes[:, ~free] @ value[node, ~free], axes[:, free]
-        if own.shape == (1, 1):  # by hand, which is quicker; nothing where the face ends before it
-            value[node, free] = rest / own[0] if own[0, 0] else 0.0
-        else:
-            value[node, free] = np.linalg.lstsq(own, rest, rcond=None)[0]
-        mask[node] = 1
+        return prescribe_held(
+            self.nodes, self.normal, trial[ContactArrays].status, closing, own[:, None] * direction, still
+        )
 
 
 def _leave_first(speed: FloatArray, pulls: BoolArray) -> BoolArray:

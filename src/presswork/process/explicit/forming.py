@@ -7,8 +7,7 @@ recorder.py records what it yields.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,26 +20,28 @@ from presswork.explicit.energy import EnergyBalance
 from presswork.explicit.input_checks import ExplicitError, check_damping
 from presswork.explicit.motion import EvenMotion, Motion
 from presswork.explicit.solid_material import SolidMaterial
-from presswork.fields.instant import Instant, SolidPoints
-from presswork.fields.solid_fields import add_bodies, effective_stress
+from presswork.explicit.space_solids import ExplicitSpaceSolids
+from presswork.fields.instant import Instant
+from presswork.fields.solid_fields import effective_stress
 from presswork.fields.table import compute_fields
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
 from presswork.model import Blow, Drive, ExplicitSolid, FloatArray, Model, Support, ToolMotion
 from presswork.observe.contract import Evolved, Metal, Row, ToolGaps
 from presswork.observe.heat import show_dies
 from presswork.process.explicit.contacts import ContactsOfRun, find_touching
-from presswork.process.explicit.heat_of_solids import HeatOfSolids, heat_by_itself
+from presswork.process.explicit.heat.of_solids import HeatOfSolids, heat_by_itself
 from presswork.process.explicit.intervals import (
     LAST_COLUMNS,
-    IntervalProgress,
     IntervalReport,
     IntervalRun,
     weigh_nodes,
 )
 from presswork.process.explicit.loose_rows import LooseRows, find_held_by_wall
 from presswork.process.explicit.point_history import BlockPoints, PointHistory
+from presswork.process.explicit.progress import IntervalProgress
 from presswork.process.explicit.shear_friction import find_coefficient
-from presswork.process.explicit.solid_domain import SolidDomain
+from presswork.process.explicit.solid_domain import SolidDomain, Solids, WallOfRun
+from presswork.process.explicit.solid_fields import find_flow_stress, find_metal, show_solids
 from presswork.process.explicit.solid_summary import summarise_solids
 from presswork.process.explicit.stage_motion import find_motion
 from presswork.process.model_run import NamedArrays
@@ -70,7 +71,7 @@ class ExplicitForming(IntervalRun):
         super().__init__(model, threads, IntervalProgress(model.output.rows))
         self.settings, self.domain = model.explicit, domain
         self._threads = threads or available_threads()
-        self._materials = [SolidMaterial.from_model(heat_by_itself(model, material)) for material in model.materials]
+        self.laws = [SolidMaterial.from_model(heat_by_itself(model, material)) for material in model.materials]
         self.heat = None
         self.points = PointHistory(model.materials, [b.material for b in model.mesh.blocks], is_solid=True)
         self.make_run({})
@@ -90,7 +91,7 @@ class ExplicitForming(IntervalRun):
         self.begin_stage()
 
     @property
-    def solids(self) -> Any:
+    def solids(self) -> Solids:
         """The solids at work."""
         return self.domain.solids
 
@@ -100,7 +101,7 @@ class ExplicitForming(IntervalRun):
         return self._pores is not None
 
     @property
-    def walls(self) -> Any:
+    def walls(self) -> Sequence[WallOfRun]:
         """The tools at work."""
         return self.domain.walls
 
@@ -191,7 +192,7 @@ class ExplicitForming(IntervalRun):
         settings = self.settings
         self.domain.limit_shear(self)
         if self.contacts.limits_shear:
-            self.contacts.set_limits(np.maximum(self.find_flow_stress(), effective_stress(self.solids.stress)))
+            self.contacts.set_limits(np.maximum(find_flow_stress(self), effective_stress(self.solids.stress)))
         self.solids.run_to(to, damping=settings.damping, target_step=settings.target_step, motion=motion)
 
     def _strike(self, number: int, drive: Drive, to: float) -> None:
@@ -229,6 +230,7 @@ class ExplicitForming(IntervalRun):
         if support.normal is None:
             super()._hold(run, support)
         else:
+            assert isinstance(self.solids, ExplicitSpaceSolids)
             self.solids.fix_normal(self.model.mesh.node_sets[support.node_set], support.normal)
 
     # --- what is recorded --------------------------------------------------------------------------------------------
@@ -309,53 +311,16 @@ class ExplicitForming(IntervalRun):
         return Evolved(self.solids.damage, self.solids.critical_damage())
 
     def metal(self) -> list[Metal]:
-        """Return the cells; with UMATs there is no flow stress to which a mean pressure could be compared."""
-        model, solids = self.model, self.solids
-        centres = np.concatenate([solids.position[b.connectivity].mean(axis=1) for b in model.mesh.blocks])
-        is_known = model.tools and not any(material.umat for material in model.materials)
-        volume = np.concatenate(self.domain.measure_volumes(model)) if is_known else None
-        return [Metal("workpiece", solids.stress[:, :3].mean(axis=1), self.find_flow_stress(), centres, volume)]
+        """Return the cells."""
+        return [find_metal(self)]
 
     def tool_gaps(self) -> ToolGaps:
         """Return where the tools are."""
         return self.domain.tool_gaps(self.model)
 
-    def find_flow_stress(self) -> FloatArray:
-        """Return the flow stress of the cells (n_cells,) [MPa], as SolidMaterial has it; effective stress of a UMAT."""
-        solids = self.solids
-        found = (solids.equivalent_plastic_strain, solids.temperature, effective_stress(solids.stress))
-        parts = zip(self.mesh.blocks, *(self.split(values) for values in found), strict=True)
-        return np.concatenate(
-            [
-                effective if self.model.materials[b.material].umat else self._materials[b.material].flow_stress(eqps, t)
-                for b, eqps, t, effective in parts
-            ]
-        )
-
     def show(self) -> Instant:
         """Return what the fields of the present state are computed from; a cell has one point."""
-        solids, model = self.solids, self.model
-        heats = self.heat is not None or any(material.heating for material in model.materials)
-        by_tools = sum((wall.nodal_force for wall in self.walls), start=np.zeros_like(model.mesh.points))
-        between = self.contacts.find_traction(by_tools)
-        now = Instant(
-            model,
-            solids.position - model.mesh.points,
-            velocity=solids.velocity,
-            reaction=self._reaction,
-            tool_force=by_tools,
-            find_contact=partial(add_bodies, None, between) if between else None,
-            points=SolidPoints(
-                stress=self.split(solids.stress[:, None]),
-                eqps=self.split(solids.equivalent_plastic_strain[:, None]),
-                volume=self.split(np.ones((len(solids.stress), 1))),
-                user=solids.points if self._pores is not None else (),
-                kept=solids.kept,
-                temperature=solids.temperature if heats else None,
-            ),
-            evolved={**solids.damage, **self.points.values},
-            temperature=self.heat.arrays.temperature if self.heat else None,
-        )
+        now = show_solids(self)
         self.observers.show(self, now)
         return now
 
@@ -393,7 +358,7 @@ class ExplicitForming(IntervalRun):
     # --- checkpoints --------------------------------------------------------------------------------------------------
 
     def _keep_run(self) -> Callable[[], Mapping[str, NDArray[Any]]] | None:
-        return self.solids.keep()  # type: ignore[no-any-return]
+        return self.solids.keep()
 
     def _state_arrays(self) -> NamedArrays:
         return {**self._arrays_beside_run(), **self.solids.dump()}

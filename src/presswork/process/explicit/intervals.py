@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,44 +24,15 @@ from presswork.model import Blow, Drive, FloatArray, Model, Stage, Support
 from presswork.observe.contract import Evolved, Observed, Ram, Row
 from presswork.observe.ram import force_on_ram
 from presswork.outcome import GaveUpError
+from presswork.process.explicit.progress import IntervalProgress
 from presswork.process.model_run import ModelRun, NamedArrays
 from presswork.process.observed_run import ObservedRun
-from presswork.state import RUN, Arrays, OnNewMesh
 from presswork.threads import available_threads
 from presswork.timing import Timing
 
 DWELL_SHARE = 0.05
 """Of the time that forming takes to compute: what a dwell counts as in the progress display."""
 LAST_COLUMNS = ("time_step", "added_mass_percent", *(f"{e}_energy" for e in ENERGIES), "energy_error_percent")
-
-
-@dataclass
-class IntervalProgress(Arrays):
-    """How far a run is."""
-
-    owner = "progress"
-    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
-        "rows": RUN,
-        "stage": RUN,
-        "row": RUN,
-        "added_mass": RUN,
-        "ram_work": RUN,
-        "stage_work": RUN,
-        "stage_way": RUN,
-    }
-    rows: int
-    """Of each stage."""
-    stage: int = 0
-    row: int = 0
-    """Of the stage, that comes next."""
-    added_mass: float = 0.0
-    """Per cent of the true mass."""
-    ram_work: float = 0.0
-    """Of the ram since the start [N mm]."""
-    stage_work: float = 0.0
-    """Of the ram in the present stage [N mm]."""
-    stage_way: float = 0.0
-    """Way of the ram in the present stage [mm]."""
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,15 @@ from typing import TYPE_CHECKING, Any, Protocol
 from numpy.typing import NDArray
 
 from presswork.explicit.body_contacts import TouchingSurfaces
+from presswork.explicit.solids import ExplicitSolids
+from presswork.explicit.space_solids import ExplicitSpaceSolids
+from presswork.explicit.space_walls import SpaceWall
+from presswork.explicit.walls import Wall
 from presswork.model import FloatArray, Model, Stage, Tool, ToolMotion
 from presswork.observe.contract import Row, ToolGaps
 from presswork.observe.working_direction import find_working_direction
 from presswork.process.explicit.contacts import ContactsOfRun
-from presswork.process.explicit.heat_of_solids import HeatOfSolids
+from presswork.process.explicit.heat.of_solids import HeatOfSolids
 from presswork.process.model_run import NamedArrays
 from presswork.process.tool_quantities import force_on_whole, size_of_force
 
@@ -21,15 +25,19 @@ if TYPE_CHECKING:
     from presswork.process.explicit.forming import ExplicitForming
 
 
+Solids = ExplicitSolids | ExplicitSpaceSolids
+WallOfRun = Wall | SpaceWall
+
+
 class SolidDomain(Protocol):
     """The solids of a run, its tools as walls, and all that depends on their dimension."""
 
     @property
-    def solids(self) -> Any:
+    def solids(self) -> Solids:
         """ExplicitSolids, in space ExplicitSpaceSolids."""
 
     @property
-    def walls(self) -> Sequence[Any]:
+    def walls(self) -> Sequence[WallOfRun]:
         """The tools, in their order."""
 
     def make(
@@ -80,7 +88,7 @@ class SolidDomain(Protocol):
         """Take up what `arrays` gave."""
 
 
-def measure_tool(model: Model, tool: Tool, wall: Any, mean: FloatArray) -> Row:
+def measure_tool(model: Model, tool: Tool, wall: WallOfRun, mean: FloatArray) -> Row:
     """Return stroke and force of the workpiece on the whole tool, as tool_quantities does."""
     force = force_on_whole(tool, mean)
     direction = find_working_direction(model, tool)

@@ -18,7 +18,7 @@ from presswork.geometry.pose import ToolPose, place_segments, start_centre, star
 from presswork.model import ELEMENTS, ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion
 from presswork.observe.contract import Row, ToolGaps
 from presswork.process.explicit.contacts import ContactsOfRun
-from presswork.process.explicit.heat_of_solids import HeatOfSolids, heat_by_itself
+from presswork.process.explicit.heat.of_solids import HeatOfSolids, heat_by_itself
 from presswork.process.explicit.shear_friction import find_coefficient
 from presswork.process.explicit.solid_domain import measure_tool
 from presswork.process.model_run import NamedArrays

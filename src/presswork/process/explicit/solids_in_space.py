@@ -28,10 +28,11 @@ from presswork.model import ExplicitSolid, FloatArray, Model, Stage, Tool, ToolM
 from presswork.observe.contract import Row, ToolGaps
 from presswork.observe.working_direction import find_working_direction
 from presswork.process.explicit.contacts import ContactsOfRun
-from presswork.process.explicit.heat_of_solids import HeatOfSolids, heat_by_itself
-from presswork.process.explicit.heat_of_solids_in_space import HeatOfSolidsInSpace
+from presswork.process.explicit.heat.of_solids import HeatOfSolids, heat_by_itself
+from presswork.process.explicit.heat.of_solids_in_space import HeatOfSolidsInSpace
 from presswork.process.explicit.shear_friction import ShearFriction, find_coefficient
 from presswork.process.explicit.solid_domain import measure_tool
+from presswork.process.explicit.solid_fields import find_flow_stress
 from presswork.process.explicit.stage_motion import find_pushes
 from presswork.process.model_run import NamedArrays
 from presswork.process.space_surfaces import cut_tools
@@ -192,7 +193,7 @@ class SolidsInSpace:
     def limit_shear(self, run: ExplicitForming) -> None:
         """Limit the shear stress of friction by the strength of the metal."""
         if self._shear.is_needed:
-            strength = np.maximum(run.find_flow_stress(), effective_stress(self.solids.stress))
+            strength = np.maximum(find_flow_stress(run), effective_stress(self.solids.stress))
             self._shear.set(self.walls, self.solids.position, strength)
 
     # --- what is measured --------------------------------------------------------------------------------------------

@@ -7,10 +7,10 @@ It knows nothing of files: recorder.py records what it yields.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from time import perf_counter
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,30 +18,27 @@ from numpy.typing import NDArray
 from presswork import stop
 from presswork.body.law_window import LawWindow
 from presswork.evolution.damage import make_damage
-from presswork.explicit.device import name_device, refuse
+from presswork.explicit.device import name_device
 from presswork.explicit.energy import YIELD_OFFSET, EnergyBalance, MassScaling
 from presswork.explicit.input_checks import check_damping
 from presswork.explicit.mesh_step import MeshStep
-from presswork.explicit.options import ShellOptions
-from presswork.explicit.shells import PHASES, SAFETY, ExplicitShells
-from presswork.explicit.space import choose_precision
+from presswork.explicit.shells import PHASES, SAFETY
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
-from presswork.law.elastic_plastic import first_flow_stress, heats
-from presswork.law.umat import open_sheet_law
+from presswork.law.elastic_plastic import first_flow_stress
 from presswork.model import ExplicitSheet, FloatArray, IntArray, Model, Stage
 from presswork.observe.contract import Evolved, Row
-from presswork.process.explicit.heat_of_sheet import HeatOfShells
+from presswork.process.explicit.blank_shells import find_precision, make_shells
+from presswork.process.explicit.heat.of_sheet import HeatOfShells
 from presswork.process.explicit.intervals import (
     LAST_COLUMNS,
-    IntervalProgress,
     IntervalReport,
     IntervalRun,
     process_time,
-    weigh_nodes,
 )
 from presswork.process.explicit.loose_rows import LooseRows
+from presswork.process.explicit.progress import SheetProgress
 from presswork.process.explicit.refined_sheet import RefinedSheet
 from presswork.process.explicit.sheet_fields import SheetFields
 from presswork.process.explicit.sheet_history import SheetHistory
@@ -53,7 +50,6 @@ from presswork.process.run import Snapshot
 from presswork.process.space_surfaces import cut_tools
 from presswork.process.stamping_tools import StampingTools, describe_stamping, mean_speeds
 from presswork.ranks.world import World
-from presswork.state import ANEW, RUN, OnNewMesh
 
 ELEMENT_CYCLES_A_CALL = {"cpu": 2_000_000, "host": 2_000_000, "cuda": 200_000_000}
 """Between two looks at the keyboard: about a second."""
@@ -61,24 +57,6 @@ SAMPLES = 10
 """Of the tools' forces in a row, at least: single cycles are noisy."""
 LOOKS = 50
 """A stage, at shells that may have to be split, and at the step of the mesh: once in 2 % of it."""
-
-
-@dataclass
-class SheetProgress(IntervalProgress):
-    """The same of a stamping."""
-
-    on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {
-        **IntervalProgress.on_new_mesh,
-        "cycles": RUN,
-        "shell_cycles": RUN,
-        "mesh_factor": ANEW,
-    }
-    cycles: int = 0
-    """So far."""
-    shell_cycles: int = 0
-    """Sum over them of the number of shells."""
-    mesh_factor: float = 0.0
-    """Stable step of the mesh over that of its shells; 0 until found."""
 
 
 class ExplicitStamping(IntervalRun):
@@ -108,15 +86,15 @@ class ExplicitStamping(IntervalRun):
         self.refined = RefinedSheet(self, None if begin is None else ShellStart.of(begin), level)
         self.add_mesh_change(self.refined)
         self._damage_laws = make_damage(model.sheet[1].damage, model.sheet[1].umat, is_solid=False)
-        self.shells = self._make_shells()
+        self._precision = find_precision(model)
+        self.shells = make_shells(model, self.refined.start, self.refined.find_hanging(), self._damage_laws, world)
         self._mesh_step: MeshStep | None = None
         if begin is not None:
             fill_layers(self.shells, begin)
         self.blank_mass = float(self.shells.mass[:, 0].sum())
         self._reaction = np.zeros((len(model.mesh.points), 6))
         material = model.sheet[1]
-        yield_stress = first_flow_stress(material)
-        self._formed = YIELD_OFFSET * yield_stress * self.blank_mass / material.density
+        self._formed = YIELD_OFFSET * first_flow_stress(material) * self.blank_mass / material.density
         if self.settings.target_step is not None:
             self._scale_mass(self.settings.target_step)
         check_damping(self.settings.damping, self._longest_step())
@@ -132,40 +110,6 @@ class ExplicitStamping(IntervalRun):
         self.loose = LooseRows(model)
         self.begin_stage()
         self.shells.find_contact()
-
-    def _make_shells(self) -> ExplicitShells:
-        """Make shells of the undeformed mesh as it is split now"""
-        model = self.model
-        section, material = model.sheet
-        assert section.rule != "simpson"
-        law = open_sheet_law(material)
-        self._precision = self.settings.precision or choose_precision(law)
-        if model.refinement:
-            refuse(self.settings.device, "refined sheets")
-        start, rolling = self.refined.start, np.asarray(model.rolling_direction)
-        shells = ExplicitShells(
-            model.mesh.points if start is None else start.position,
-            model.cells,
-            section.thickness if start is None else start.thickness,
-            law,
-            material.density,
-            axis=rolling if start is None else start.axis,
-            damage=self._damage_laws,
-            heating=(material.heating.start if material.heating else 20.0, heats(material)),
-            options=ShellOptions(
-                element=self.settings.element,
-                n_points=section.points,
-                rule=section.rule,
-                ironing=self.settings.ironing,
-            ),
-            precision=self._precision,
-            device=self.settings.device,
-            hanging=self.refined.find_hanging(),
-            world=self._world,
-        )
-        if model.gravity:
-            shells.force = weigh_nodes(shells.mass[:, 0], model.gravity, shells.force.shape[1])
-        return shells
 
     def _compute_interval(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         stage, rows = self.model.stages[number], self.model.output.rows
@@ -238,7 +182,9 @@ class ExplicitStamping(IntervalRun):
 
     def make_shells_again(self) -> None:
         """Make shells and tools anew for the present mesh; pushed tools keep their masses."""
-        self.shells, self._mesh_step = self._make_shells(), None
+        start, hanging = self.refined.start, self.refined.find_hanging()
+        self.shells = make_shells(self.model, start, hanging, self._damage_laws, self._world)
+        self._mesh_step = None
         self.progress.mesh_factor = 0.0
         self._reaction = np.zeros((len(self.mesh.points), 6))
         self.tools = StampingTools(self.model, self.shells, self.tools)

@@ -24,8 +24,8 @@ from presswork.geometry.pose import (
 )
 from presswork.implicit.arc_length import ArcLengthProcedure
 from presswork.implicit.heat_of_forming import HeatArrays, HeatOfForming
-from presswork.implicit.progress import Progress
-from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.implicit.progress import IncrementReport, Progress
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.space.solid_contact import SolidContact
 from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.interaction.tool_course import find_turning

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from presswork.body.law_window import LawWindow
 from presswork.evolution.points import find_evolved
 from presswork.fields.instant import Instant
-from presswork.implicit.progress import Progress
+from presswork.implicit.progress import IncrementReport, Progress
 from presswork.implicit.ram import RamArrays
-from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.loose_bodies import warn_of_loose
 from presswork.model import Blow, FloatArray, Model, change_mesh
 from presswork.observe.contract import Evolved, Observed, Ram, Row

@@ -20,8 +20,8 @@ from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
 from presswork.formability import find_thinning
 from presswork.implicit.held import check_held
-from presswork.implicit.progress import Progress
-from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.implicit.progress import IncrementReport, Progress
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
 from presswork.interaction.space.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SpaceToolArrays

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.implicit.heat_of_forming import HeatArrays
-from presswork.implicit.progress import Progress
-from presswork.implicit.stepping import IncrementReport
+from presswork.implicit.progress import IncrementReport, Progress
 from presswork.model import Mesh, Model
 from presswork.observe.contract import Observed, Row
 from presswork.process.implicit.begin_forming import begin_forming

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from presswork.fields.instant import Instant
 from presswork.fields.table import compute_fields
-from presswork.implicit.progress import Progress
-from presswork.implicit.stepping import ImplicitProcedure, IncrementReport
+from presswork.implicit.progress import IncrementReport, Progress
+from presswork.implicit.stepping import ImplicitProcedure
 from presswork.mesh.checks import MeshError
 from presswork.mesh.files.dynain import write_dynain
 from presswork.mesh.topology import find_parts

@@ -12,7 +12,7 @@ from presswork.interaction.heat.forming_instant import Poses
 from presswork.interaction.space.space_touch import PlacedSurface
 from presswork.model import FloatArray, Model
 from presswork.process.explicit.contacts import ContactsOfRun
-from presswork.process.explicit.heat_of_solids import HeatOfSolids
+from presswork.process.explicit.heat.of_solids import HeatOfSolids
 
 
 class HeatOfSolidsInSpace(HeatOfSolids):
