@@ -67,5 +67,5 @@ def test_page_has_no_serious_finding(browser: Any, site: Server, folder: Path, p
         ]
         assert not words
     tab.tab.set_viewport_size({"width": 390, "height": 844})
-    assert tab.ask("() => document.documentElement.scrollWidth") <= 390
+    tab.tab.wait_for_function("() => document.documentElement.scrollWidth <= 390", timeout=5_000)
     tab.close()

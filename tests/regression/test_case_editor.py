@@ -278,3 +278,66 @@ def test_what_is_pasted_is_read_as_it_was_written(browser: Any, site: Server, te
     read = "async (text) => { const { readBlock } = await import('./files/cells.js'); return readBlock(text); }"
     assert page.ask(read, text) == rows
     page.close()
+
+
+def test_changes_are_undone_and_done_again(browser: Any, site: Server, tmp_path: Path) -> None:
+    copy_example("upsetting_q4", tmp_path)
+    page = Tab(browser, f"{site.address}edit?case=upsetting_q4.toml")
+    person, field = Person(page), page.tab.locator('[data-key="materials.steel.poisson"]')
+    undo, redo = (page.tab.get_by_role("button", name=word, exact=True) for word in ("Undo", "Redo"))
+    assert undo.is_disabled()
+    for text in ("0.31", "0.32"):
+        person.type("materials.steel.poisson", text)
+        person.wait()
+    undo.click()
+    person.wait()
+    assert field.input_value() == "0.31"
+    page.tab.keyboard.press("Control+z")
+    person.wait()
+    assert field.input_value() == "0.3"
+    assert undo.is_disabled()
+    assert page.tab.locator("#saved").inner_text() == "saved"
+    redo.click()
+    person.wait()
+    redo.click()
+    person.wait()
+    assert field.input_value() == "0.32"
+    assert redo.is_disabled()
+    page.close()
+
+
+def test_what_was_typed_outlives_a_closed_page(browser: Any, site: Server, tmp_path: Path) -> None:
+    before = copy_example("upsetting_q4", tmp_path).read_text("utf-8")
+    address = f"{site.address}edit?case=upsetting_q4.toml"
+    page = Tab(browser, address)
+    person = Person(page)
+    person.type("materials.steel.poisson", "0.33")
+    person.wait()
+    page.close()
+    assert (tmp_path / "upsetting_q4.toml").read_text("utf-8") == before, "nothing was saved"
+    page = Tab(browser, address)
+    field = page.tab.locator('[data-key="materials.steel.poisson"]')
+    assert field.input_value() == "0.3"
+    page.tab.get_by_role("button", name="Take them up").click()
+    Person(page).wait()
+    assert field.input_value() == "0.33"
+    page.tab.get_by_role("button", name="Save", exact=True).click()
+    page.tab.wait_for_selector("#saved:has-text('saved')")
+    page.close()
+    page = Tab(browser, address)
+    assert page.tab.locator("#draft").is_hidden(), "what is saved is no draft any more"
+    page.close()
+
+
+def test_search_finds_keys_that_are_not_set_and_sets_their_tables(browser: Any, site: Server, tmp_path: Path) -> None:
+    copy_example("upsetting_q4", tmp_path)
+    page = Tab(browser, f"{site.address}edit?case=upsetting_q4.toml")
+    page.tab.get_by_label("Search").fill("contact pressure")
+    found = page.tab.locator("#found button")
+    assert "limits.contact_pressure" in found.all_inner_texts()
+    page.tab.get_by_role("button", name="limits.contact_pressure").click()
+    Person(page).wait()
+    assert page.tab.locator('[data-key="limits.contact_pressure"]').evaluate("(e) => e === document.activeElement")
+    page.tab.get_by_label("Search").fill("remesh")
+    assert "remesh" in found.all_inner_texts()
+    page.close()

@@ -137,6 +137,9 @@ def test_run_is_followed_stopped_and_goes_on_to_the_same_bits(browser: Any, site
     page = Tab(browser, f"{site.address}run?run={name}")
     rows, steps = "() => presswork.runs[0].curves.columns[0].values.n", "() => presswork.runs[0].steps.length"
     page.tab.wait_for_function("() => (presswork.runs[0].curves.columns[0]?.values.n ?? 0) > 3", timeout=60_000)
+    page.tab.get_by_role("tab", name="Curves").click()
+    chosen = "() => document.querySelector('#panel select').selectedOptions[0].textContent.includes('force')"
+    page.tab.wait_for_function(chosen, timeout=20_000)
     page.tab.get_by_role("button", name="Hold the computation", exact=False).click()
     wait_for(site, name, "paused")
     held = wait_until_still(folder / name / "history.csv")
@@ -156,6 +159,8 @@ def test_run_is_followed_stopped_and_goes_on_to_the_same_bits(browser: Any, site
     page.tab.get_by_role("button", name="Go on from", exact=False).click()
     wait_for(site, name, "completed")
     page.tab.wait_for_function("() => presswork.runs[0].summary.status === 'completed'", timeout=60_000)
+    page.tab.get_by_role("tab", name="Result").click()
+    page.tab.wait_for_selector(".verdict.ok", timeout=20_000)
     page.close()
     whole = run(Case.from_toml(folder / name / "case.toml"), folder / "whole").result
     history = (folder / name / "history.csv").read_text(), (folder / "whole" / "history.csv").read_text()

@@ -104,7 +104,7 @@ class Drafts:
         if path.stat().st_size > _LARGEST_CASE:
             raise RefusedError(f"{name} is too large to edit")
         text = path.read_text(encoding="utf-8")
-        return {"text": text, **self.read(text)}
+        return {"text": text, "draft": self._read_draft(path, text), **self.read(text)}
 
     def read(self, text: str) -> dict[str, Any]:
         """Return the data of a text and the schema of its kind."""
@@ -120,6 +120,26 @@ class Drafts:
             raise RefusedError(f"{name} was changed elsewhere meanwhile; copy your text, and open it anew", 409)
         content = text.encode()
         write_whole(path, content)
+        self._keep(path, text)
+
+    def _keep(self, path: Path, text: str) -> None:
+        """Keep a text as the draft of a case; none where it is that of the file."""
+        draft = _draft_of(path)
+        if draft.is_symlink() or (draft.exists() and not draft.is_file()):
+            return
+        if path.is_file() and path.read_text(encoding="utf-8") == text:
+            draft.unlink(missing_ok=True)
+        else:
+            content = text.encode()
+            write_whole(draft, content)
+
+    def _read_draft(self, path: Path, text: str) -> str:
+        """Return the draft of a case; empty if there is none, or it is the text."""
+        draft = _draft_of(path)
+        if not draft.is_file() or draft.is_symlink() or draft.stat().st_size > _LARGEST_CASE:
+            return ""
+        kept = draft.read_text(encoding="utf-8", errors="replace")
+        return "" if kept == text else kept
 
     def _find_case(self, name: str) -> Path:
         path = self._opened.find(name)
@@ -142,8 +162,11 @@ class Drafts:
 
     # --- check and draw ----------------------------------------------------------------------------------------------
 
-    def check(self, name: str, text: str, data: dict[str, Any] | None) -> dict[str, Any]:
-        """Return the text with the data in it, and problems or the description; the start is drawn if it can be."""
+    def check(self, name: str, text: str, data: dict[str, Any] | None, *, keep: bool = False) -> dict[str, Any]:
+        """Return the text with the data in it, and problems or the description; the start is drawn if it can be.
+
+        keep: whether the text is kept as a draft beside the case, until it is saved.
+        """
         path = self._find_case(name)
         try:
             text = text if data is None else rewrite(text, data)
@@ -151,6 +174,8 @@ class Drafts:
         except RefusedError as error:
             return {"text": text, "problems": [{"key": "", "text": str(error)}]}
         data = found["data"]
+        if keep:
+            self._keep(path, text)
         try:
             self._opened.require_own_files({**data, "title": ""}, path.parent)
         except RefusedError as error:
@@ -209,6 +234,11 @@ class Drafts:
         if self._process is not None:
             self._process.kill()
             self._process.wait()
+
+
+def _draft_of(path: Path) -> Path:
+    """Return the hidden file beside a case that keeps what was typed and not saved."""
+    return path.with_name(f".{path.name}.draft")
 
 
 def _retitle(content: bytes, starter: str, name: str) -> bytes:

@@ -160,7 +160,10 @@ class Site:
         asked = request.get_json()
         data = asked.get("data")
         found = self.drafts.check(
-            request.get("case"), str(asked.get("text", "")), data if isinstance(data, dict) else None
+            request.get("case"),
+            str(asked.get("text", "")),
+            data if isinstance(data, dict) else None,
+            keep=asked.get("keep") is True,
         )
         return answer_json(found)
 

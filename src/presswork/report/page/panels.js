@@ -15,8 +15,7 @@ const find = (id) => document.getElementById(id);
 /** Make the tabs that the runs have something for; the first is open. */
 export function makePanels(runs, store, stage) {
   const all = [["Result", ResultPanel], ["Curves", CurvesPanel], ["Part", PartPanel], ["Forming limit", LimitPanel], ["Contact", ContactPanel], ["Measure", MeasurePanel], ["Case", CasePanel]];
-  const kinds = all.filter(([, Panel]) => !Panel.isFor || runs.some((run) => Panel.isFor(run)));
-  let open = null;
+  let kinds = [], tabs = [], open = null;
   const show = (number) => {
     open?.destroy?.();
     const panel = find("panel");
@@ -30,8 +29,15 @@ export function makePanels(runs, store, stage) {
     open = new kinds[number][1](panel, runs, store, stage);
     open.update([]);
   };
-  const tabs = kinds.map(([name], i) => make("button", { type: "button", role: "tab", id: `tab-${i}`, "aria-controls": "panel", onclick: () => show(i) }, name));
-  find("tabs").replaceChildren(...tabs);
+  /** Make the tabs anew where a run has got something more to show; says whether it has. */
+  const build = () => {
+    const now = all.filter(([, Panel]) => !Panel.isFor || runs.some((run) => Panel.isFor(run)));
+    if (now.length === kinds.length) return false;
+    kinds = now;
+    tabs = kinds.map(([name], i) => make("button", { type: "button", role: "tab", id: `tab-${i}`, "aria-controls": "panel", onclick: () => show(i) }, name));
+    find("tabs").replaceChildren(...tabs);
+    return true;
+  };
   find("tabs").addEventListener("keydown", (event) => {
     const change = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!change) return;
@@ -46,6 +52,14 @@ export function makePanels(runs, store, stage) {
     event.preventDefault();
     print();
   });
-  store.listen((changed) => open?.update(changed));
+  const grow = () => {
+    const at = kinds.find(([, Panel]) => open instanceof Panel);
+    if (build()) show(Math.max(kinds.indexOf(kinds.find(([name]) => name === at?.[0])), 0));
+  };
+  store.listen((changed) => {
+    if (changed.includes("rows")) grow();
+    open?.update(changed);
+  });
+  build();
   show(0);
 }

@@ -2,13 +2,16 @@
 // Edits a case: form or text on the left; problems, drawing and description on the right, anew at every change.
 import { ask, addressOf, send } from "./ask.js";
 import { make } from "./elements.js";
+import { findKeys } from "./find_keys.js";
 import { Form } from "./form.js";
 import { MaterialCurves } from "./material.js";
 
+const MOST_UNDONE = 200;
 const PAUSE = 350; // ms without a key before the case is checked
 const find = (id) => document.getElementById(id);
 const name = new URLSearchParams(location.search).get("case") ?? "", query = `case=${encodeURIComponent(name)}`;
-let saved = "", text = "", data = null, schema = null, kind = "", timer = null, number = 0, isText = false, isSound = false;
+let saved = "", text = "", data = null, schema = null, kind = "", timer = null, number = 0, isText = false, isSound = false, hasChanged = false;
+let past = [], at = -1; // texts that were checked, and which of them stands here
 
 const materials = await ask("materials").catch(() => []);
 const curves = new MaterialCurves(find("material"));
@@ -23,6 +26,7 @@ async function upload(file) {
 function later() {
   clearTimeout(timer);
   number++; // an answer that is still on its way is of what stood here before
+  hasChanged = true;
   timer = setTimeout(check, PAUSE);
   showSaved(true);
 }
@@ -35,15 +39,21 @@ function showSaved(isChecking = false) {
 }
 
 /** Check what was typed, and show what comes of it; an answer that a later change has overtaken is passed over. */
-async function check() {
-  const mine = ++number;
+async function check(restored) {
+  showSaved(true);
+  const mine = ++number, isRead = isText || typeof restored === "string";
+  clearTimeout(timer);
+  timer = null;
   try {
-    const answer = await send(`check?${query}`, isText ? { text: find("text").value } : { text, data });
+    const typed = typeof restored === "string" ? restored : find("text").value, keep = hasChanged;
+    const answer = await send(`check?${query}`, isRead ? { text: typed, keep } : { text, data, keep });
     if (mine !== number) return;
     text = answer.text;
     find("message").textContent = "";
-    if (isText) data = answer.data ?? data;
-    else find("text").value = text;
+    if (isRead) data = answer.data ?? data;
+    if (!isText || typeof restored === "string") find("text").value = text;
+    if (typeof restored === "string" && answer.kind === kind) form.show(data, schema);
+    remember();
     if (answer.kind && answer.kind !== kind) {
       ({ kind, schema } = answer);
       form.show(data, schema);
@@ -55,6 +65,45 @@ async function check() {
     isSound = false;
   }
   showSaved();
+}
+
+/** Take the checked text up as the newest of what can be undone. */
+function remember() {
+  if (text !== past[at]) {
+    past = [...past.slice(0, at + 1), text].slice(-MOST_UNDONE);
+    at = past.length - 1;
+  }
+  find("undo").disabled = at <= 0;
+  find("redo").disabled = at >= past.length - 1;
+}
+
+/** Go back or forth in what was typed; what is typed but not checked yet counts as a step. */
+async function step(change) {
+  if (timer !== null) await check();
+  if (past[at + change] === undefined) return;
+  at += change;
+  hasChanged = true;
+  await check(past[at]);
+  applySearch();
+}
+
+/** Offer what was typed when the page was last closed without saving. */
+function offerDraft(draft) {
+  const box = find("draft"), button = (word, action) => make("button", { type: "button", onclick: () => { box.hidden = true; hasChanged = true; action(); } }, word);
+  box.hidden = false;
+  box.replaceChildren(make("span", {}, "Changes of this case were not saved."), button("Take them up", () => check(draft)), button("Discard them", () => check(text)));
+}
+
+/** Show the fields that a word is in, and keys not yet set. */
+function applySearch() {
+  const word = find("search").value.trim().toLowerCase(), found = word.length > 1 && data && schema ? findKeys(schema, data, word) : [];
+  form.filter(word);
+  find("found").hidden = !found.length;
+  find("found").replaceChildren(...found.map(({ path, description, missing }) => make("li", {}, make("button", { type: "button", onclick: () => {
+    find("search").value = "";
+    applySearch();
+    form.add(path, missing);
+  } }, `${path.join(".")}`), make("span", { class: "soft" }, ` ${description}`))));
 }
 
 function show({ problems, description, note, drawn }) {
@@ -123,18 +172,29 @@ async function run() {
 find("as-text").addEventListener("click", () => { isText = true; find("text").value = text; switchTo(); });
 find("as-form").addEventListener("click", showForm);
 find("text").addEventListener("input", later);
-find("search").addEventListener("input", () => form.filter(find("search").value.trim().toLowerCase()));
+find("search").addEventListener("input", applySearch);
+find("undo").addEventListener("click", () => step(-1));
+find("redo").addEventListener("click", () => step(1));
+document.addEventListener("keydown", (event) => {
+  if (!(event.ctrlKey || event.metaKey) || event.target === find("text")) return;
+  const change = { z: event.shiftKey ? 1 : -1, y: 1 }[event.key.toLowerCase()];
+  if (!change) return;
+  event.preventDefault();
+  step(change);
+});
 find("save").addEventListener("click", save);
 find("run").addEventListener("click", run);
 window.addEventListener("beforeunload", (event) => { if (text !== saved && !find("run").disabled) event.preventDefault(); });
 
 try {
-  ({ text, data, schema, kind } = await ask(`draft?${query}`));
+  const opened = await ask(`draft?${query}`);
+  ({ text, data, schema, kind } = opened);
   saved = text;
   find("title").textContent = name;
   document.title = `${name} | presswork`;
   form.show(data, schema);
   await check();
+  if (opened.draft) offerDraft(opened.draft);
 } catch (error) {
   find("message").textContent = error.message;
 }

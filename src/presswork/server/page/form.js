@@ -54,6 +54,14 @@ export class Form {
     element?.focus?.();
   }
 
+  /** Add the tables that a key needs, and go to it. missing: {path, start}. */
+  add(path, missing) {
+    for (const table of missing) this.#set(table.path, table.start());
+    this.show(this.data, this.schema);
+    if (missing.length) this.onChange(this.data);
+    this.go(path.join("."));
+  }
+
   /** Show only what has a word in its name or explanation. */
   filter(word) {
     const isFor = (field) => !word || field.textContent.toLowerCase().includes(word);
