@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from presswork.case import Case, CaseError, OneStepCase, ShellCase, build_model
+from presswork.case.onestep.schema import simplify_yield
 from presswork.case.space.schema import SpaceCase
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells
@@ -252,7 +253,7 @@ def build(feature: str, family: str, libraries: tuple[Path, Path]) -> Any:
             "materials": {"metal": table},
         }
     )
-    return case.materials["metal"].to_model("metal")
+    return simplify_yield(case.materials["metal"]).to_model("metal")
 
 
 def error_of_tangent(model: Any, freedoms: int, size: float, *, hottest: float | None = None) -> tuple[float, float]:

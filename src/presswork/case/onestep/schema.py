@@ -18,7 +18,7 @@ from presswork.case.errors import CaseError, Problem
 from presswork.case.material.forming_limit.build import build_formability
 from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.library import add_library_materials, find_material_problem, find_sheet
-from presswork.case.material.yield_function import Hill1948, VonMisesYield, YieldFunction, Yld2000
+from presswork.case.material.yield_function import Hill1948, VonMisesYield, Yld2000
 from presswork.case.names import FileName, Name, Title
 from presswork.case.part import Part
 from presswork.case.shell.material import ShellMaterial
@@ -117,7 +117,7 @@ class OneStepCase(CaseFile):
     def check_together(self) -> None:
         """Refuse laws that the solver cannot take."""
         material = self.materials.get(self.blank.material)
-        if material is not None and not isinstance(_find_function(material), VonMisesYield | Hill1948):
+        if material is not None and not isinstance(simplify_yield(material).yield_function, VonMisesYield | Hill1948):
             raise fault(
                 f"{material.yield_function.law} gives no strain for a stress in closed form",
                 "give the material hill1948 with its r-values, or von_mises",
@@ -165,9 +165,9 @@ def build_onestep_model(case: OneStepCase) -> OneStepModel:
         raise CaseError([thin], case.source)
     for warning in warn_of_thickness(case.blank.thickness, span):
         logger.warning("%s", warning)
-    sheet = case.materials[case.blank.material]
-    if (function := _find_function(sheet)) is not sheet.yield_function:
-        sheet = sheet.model_copy(update={"yield_function": function})
+    given = case.materials[case.blank.material]
+    sheet = simplify_yield(given)
+    if sheet is not given:
         notes += ("one step takes Hill's yield function of the r-values in place of yld2000",)
     judged = build_formability(sheet, f"materials.{case.blank.material}", case.blank.thickness)
     return OneStepModel(
@@ -190,11 +190,11 @@ def build_onestep_model(case: OneStepCase) -> OneStepModel:
     )
 
 
-def _find_function(material: ShellMaterial) -> YieldFunction:
-    """Return the yield function of one step: Hill's of the same r-values in place of Yld2000-2d."""
+def simplify_yield(material: ShellMaterial) -> ShellMaterial:
+    """Return the material of one step: with Hill's yield function of the same r-values in place of Yld2000-2d."""
     chosen = material.yield_function
     hill = chosen.find_hill() if isinstance(chosen, Yld2000) else None
-    return chosen if hill is None else hill
+    return material if hill is None else material.model_copy(update={"yield_function": hill})
 
 
 def _read(case: OneStepCase) -> tuple[PartMesh, tuple[str, ...]]:
