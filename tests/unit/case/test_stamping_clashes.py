@@ -109,13 +109,13 @@ def test_a_punch_off_the_blank_may_come_to_it_by_its_own_way_or_the_die_s() -> N
 def test_a_holder_must_come_near_the_sheet_and_leave_it_its_thickness() -> None:
     stage = ("stages.0", DRAW)
     build(stage, ("tools.holder.gap", 1.1))
-    refuse(["tools.holder.gap", "never comes nearer to the die than 2 mm"], stage, ("tools.holder.gap", 2))
+    refuse(["tools.holder.gap", "never comes nearer to the die than 2 thicknesses"], stage, ("tools.holder.gap", 2))
     high = ("tools.holder.position", [0, 0, 5])
     refuse(["tools.holder.position", "holds nothing"], stage, high)
     close = {"name": "close", "tools": {"holder": {"stroke": 4.6}}}
     build(("stages", [close, DRAW]), high)
     close["tools"] = {"holder": {"stroke": 4.8}}
-    refuse(["stages.0.tools.holder.stroke", "within 0.6 mm of the die"], ("stages", [close, DRAW]), high)
+    refuse(["stages.0.tools.holder.stroke", "goes 0.12 mm further"], ("stages", [close, DRAW]), high)
     build(("stages", [DRAW, {"name": "open", "tools": {"holder": {"stroke": -9}}}]))
 
 

@@ -8,19 +8,16 @@ import itertools
 import numpy as np
 
 from presswork.case.errors import Problem
+from presswork.case.stamping.closing import find_approach, find_meeting
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.stage import StampingStage, ToolAction
-from presswork.mesh.tool_clearance import Closing, find_closing
-from presswork.model import Tool, Triangulation
+from presswork.mesh.tool_clearance import Closing
+from presswork.model import Tool
 
 IDLE = 2.0
 """Thicknesses between die and holder from which on it holds nothing."""
 SQUEEZED = 0.9
 """Part of the thickness to which a holder may be moved towards the die."""
-STEP = 0.5
-"""Part of the thickness by which tools advance as they are held against each other."""
-DRAWN_WITHIN = 0.02
-"""Part of the thickness by which the points of drawn tools may be off there."""
 
 
 def resolve_closings(case: StampingCase, tools: tuple[Tool, ...]) -> tuple[StampingCase, list[Problem]]:
@@ -58,9 +55,9 @@ def _find_stroke(
         if np.isnan(gone[name] + gone[die.name]) or _acts(stage.tools.get(die.name)):
             fault = f"where {name} and {die.name} stand to each other is not known, as a force or the stage moves them"
             return Problem(key, fault, "give the stroke, or let the die stand still", close)
-        found = _close(tool, die, close, case.blank.thickness)
+        found = find_meeting(tool, die, close, case.blank.thickness)
         if found is not None:
-            travels.append(found.travel - _approach(tool, die, gone))
+            travels.append(found.travel - find_approach(tool, die, gone))
     if not travels or min(travels) <= 0.0:
         fault = "it stands so near already" if travels else "it never comes so near to a die along its way"
         return Problem(key, fault, "mend the place of the tools, or give the stroke", close)
@@ -71,56 +68,39 @@ def _acts(action: ToolAction | None) -> bool:
     return action is not None and any(getattr(action, key) for key in ("stroke", "force", "close"))
 
 
-def _close(one: Tool, other: Tool, room: float, thickness: float) -> Closing | None:
-    """Return where a tool from its start first leaves less than `room` to another."""
-    between, direction = np.subtract(one.position, other.position), np.array(one.working_direction)
-    return find_closing(
-        one.surface, other.surface, between, direction, DRAWN_WITHIN * thickness, room, STEP * thickness
-    )
-
-
-def _approach(one: Tool, other: Tool, gone: dict[str, float]) -> float:
-    """Return by how much two tools have come together along the way of the first [mm]."""
-    along = float(np.dot(np.array(other.working_direction), np.array(one.working_direction)))
-    return gone[one.name] - along * gone[other.name]
-
-
 def check_binders(case: StampingCase, tools: tuple[Tool, ...]) -> list[Problem]:
-    """Return the problems of holders and dies, one of them from a file, as their surfaces come together."""
-    problems = []
-    for holder, die in itertools.product(tools, tools):
-        if (holder.kind, die.kind) == ("holder", "die") and is_from_file(holder, die):
-            problem = _check_binder(case, holder, die)
-            problems += [problem] if problem else []
-    return problems
-
-
-def is_from_file(*tools: Tool) -> bool:
-    """Say whether one of the tools may have a curved face."""
-    return any(isinstance(tool.shape, Triangulation) for tool in tools)
+    """Return the problems of holders and dies as their surfaces come together."""
+    pairs = itertools.product(tools, tools)
+    problems = [_check_binder(case, one, die) for one, die in pairs if (one.kind, die.kind) == ("holder", "die")]
+    return [problem for problem in problems if problem is not None]
 
 
 def _check_binder(case: StampingCase, holder: Tool, die: Tool) -> Problem | None:
     """Return a problem of strokes that press through the sheet or hold nothing, and of a force that slams."""
     thickness, gone = case.blank.thickness, {holder.name: 0.0, die.name: 0.0}
-    pressed = _close(holder, die, SQUEEZED * thickness, thickness)
+    pressed = find_meeting(holder, die, SQUEEZED * thickness, thickness)
     farthest = 0.0
     for index, stage in enumerate(case.stages):
-        before = _approach(holder, die, gone)
+        before = find_approach(holder, die, gone)
         if pushed := [name for name in gone if _is_pushed(stage, name)]:
             return _check_slam(case, index, pushed[0], holder, die, before)
         for name in gone:
             gone[name] += (stage.tools[name].stroke or 0.0) if name in stage.tools else 0.0
-        after = _approach(holder, die, gone)
+        after = find_approach(holder, die, gone)
         if pressed is not None and after > pressed.travel * (1 + 1e-9) + 1e-6 * thickness:
             return _explain_pressed(case, index, holder, die, pressed, after, before)
         farthest = max(farthest, after)
-    idle = _close(holder, die, IDLE * thickness, thickness)
+    idle = find_meeting(holder, die, IDLE * thickness, thickness)
     if idle is not None and idle.travel <= farthest:
         return None
     fault = f"the holder never comes nearer to the die than {IDLE:g} thicknesses: it holds nothing"
     remedy = f'close it in a stage (close = "{thickness:g} mm"), push it by a force, or leave the holder out'
-    return Problem(f"tools.{holder.name}", fault, remedy)
+    drawn = case.tools[holder.name]
+    if drawn.gap is not None:
+        remedy = f"take a gap near {thickness:g} mm, push it by a force, or leave the holder out"
+        return Problem(f"tools.{holder.name}.gap", fault, remedy, drawn.gap)
+    place = ".position" if drawn.position is not None else ""
+    return Problem(f"tools.{holder.name}{place}", fault, remedy)
 
 
 def _is_pushed(stage: StampingStage, name: str) -> bool:
@@ -130,7 +110,7 @@ def _is_pushed(stage: StampingStage, name: str) -> bool:
 def _check_slam(case: StampingCase, index: int, name: str, holder: Tool, die: Tool, before: float) -> Problem | None:
     """Return a problem of a force that closes a binder over a long way, in explicit dynamics."""
     thickness = case.blank.thickness
-    near = _close(holder, die, IDLE * thickness, thickness)
+    near = find_meeting(holder, die, IDLE * thickness, thickness)
     if case.procedure == "implicit" or near is None or near.travel <= before:
         return None
     fault = (

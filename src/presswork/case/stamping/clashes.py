@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-import itertools
 import logging
 
 import numpy as np
 
 from presswork.case.errors import Problem
 from presswork.case.material.umat import UmatMaterial
-from presswork.case.stamping.binder import IDLE, SQUEEZED, check_binders, is_from_file
+from presswork.case.stamping.binder import check_binders
 from presswork.case.stamping.closing import check_pairs, is_pushed, list_strokes
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.tools import RectangularTool, RoundTool, StripTool
@@ -18,7 +17,7 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.law.elastic_plastic import first_flow_stress
 from presswork.mesh.make.flange import find_held_area
 from presswork.mesh.simplices import list_simplices
-from presswork.model import FloatArray, Mesh, Tool, Triangulation
+from presswork.model import FloatArray, Mesh, Tool
 
 logger = logging.getLogger(__name__)
 
@@ -33,7 +32,7 @@ def check_clashes(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> li
     problems = [problem for tool in tools if (problem := _check_laid(case, mesh, tool))]
     if problems:
         return problems
-    problems = [*_check_holders(case, tools), *check_binders(case, tools), *_check_forces(case, mesh, tools)]
+    problems = [*check_binders(case, tools), *_check_forces(case, mesh, tools)]
     problems += [p for tool in tools if (p := _check_pushed(case, mesh, tool))]
     problems += [p for tool in tools if (p := _check_reach(case, mesh, tool))]
     problems += check_pairs(case, tools)
@@ -56,15 +55,6 @@ def _check_laid(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     return Problem(
         f"tools.{tool.name}.{size}", fault, "make the blank larger or the opening smaller", getattr(drawn, size)
     )
-
-
-def _height(tool: Tool) -> float:
-    """Return where the working face of a die or holder stands at the start [mm]."""
-    face = 0.0
-    if isinstance(tool.shape, Triangulation):
-        z = tool.shape.points[:, 2]
-        face = float(z.max() if tool.kind == "die" else z.min())
-    return tool.position[2] + face
 
 
 def _check_pushed(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
@@ -123,37 +113,6 @@ def _sample_cells(mesh: Mesh) -> FloatArray:
     first, second = (k.ravel() / parts for k in np.mgrid[: parts + 1, : parts + 1])
     share = np.column_stack([1.0 - first - second, first, second])[first + second <= 1.0 + 1e-9]
     return np.asarray(share @ corners).reshape(-1, 3)
-
-
-def _check_holders(case: StampingCase, tools: tuple[Tool, ...]) -> list[Problem]:
-    """Return the problems of holders that strokes or their place keep off the sheet, or press through it."""
-    thickness = case.blank.thickness
-    problems = []
-    for holder, die in itertools.product(tools, tools):
-        if (
-            (holder.kind, die.kind) != ("holder", "die")
-            or is_from_file(holder, die)
-            or is_pushed(case, holder.name)
-            or is_pushed(case, die.name)
-        ):
-            continue
-        apart = _height(holder) - _height(die)
-        drawn = case.tools[holder.name]
-        place = f"tools.{holder.name}." + ("gap" if drawn.gap is not None else "position")
-        gaps = (
-            apart - np.array([0.0, *list_strokes(case, holder.name)]) - np.array([0.0, *list_strokes(case, die.name)])
-        )
-        if gaps.min() < SQUEEZED * thickness * (1 - 1e-9):
-            index = max(int(np.argmin(gaps)) - 1, 0)
-            fault = f"the holder comes within {gaps.min():.4g} mm of the die, and the blank has {thickness:g} mm"
-            key = holder.name if holder.name in case.stages[index].tools else die.name
-            remedy = "shorten the stroke, or push the holder with a force"
-            problems.append(Problem(f"stages.{index}.tools.{key}.stroke", fault, remedy))
-        elif gaps.min() > IDLE * thickness:
-            fault = f"the holder never comes nearer to the die than {gaps.min():.4g} mm: it holds nothing"
-            remedy = f"push it by a force, take a gap near {thickness:g} mm, or leave the holder out"
-            problems.append(Problem(place if drawn.gap or drawn.position else f"tools.{holder.name}", fault, remedy))
-    return problems
 
 
 def _check_forces(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> list[Problem]:

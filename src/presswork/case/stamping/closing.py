@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import logging
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -27,7 +27,7 @@ CLOSED = 0.95
 """Part of the thickness that must be left between punch and die: shells are not squeezed thinner, and neither rolled
 sheet nor the facets of tools are truer."""
 STEP = 0.5
-"""Part of the thickness by which tools from files advance as they are held against each other."""
+"""Part of the thickness by which tools advance as they are held against each other."""
 DRAWN_WITHIN = 0.02
 """Part of the thickness by which the points of drawn tools may be off there."""
 OPEN = 0.1
@@ -61,11 +61,10 @@ def _check_dwells(
 ) -> list[Problem]:
     """Return the problems of stages in which tools press the sheet that have not closed on it."""
     thickness, problems = case.blank.thickness, []
-    along = float(np.dot(np.array(other.working_direction), np.array(one.working_direction)))
     for index, stage in enumerate(case.stages):
         if stage.dwell is None or not stage.dwell.pressure:
             continue
-        gone = moved[one.name][index] - along * moved[other.name][index]
+        gone = find_approach(one, other, {name: moved[name][index] for name in moved})
         left = closing.travel - gone - (1.0 - CLOSED) * thickness
         if left > OPEN * thickness:
             fault = (
@@ -107,7 +106,7 @@ def _check_pair(
     before = {tool.name: 0.0 for tool in (one, other)}
     for index, _ in enumerate(case.stages):
         after = {tool.name: moved[tool.name][index] for tool in (one, other)}
-        start, end = (travel[one.name] - along * travel[other.name] for travel in (before, after))
+        start, end = (find_approach(one, other, travel) for travel in (before, after))
         if end <= closing.travel:
             before = after
             continue
@@ -143,10 +142,21 @@ def find_closing_stroke(one: Tool, other: Tool, thickness: float, *, irons: bool
     room = Room(0.0, 0.0)
     if other.kind == "die":
         room = Room(CLOSED * thickness, (IRONED - 2.0 * DRAWN_WITHIN if irons else CLOSED) * thickness)
+    return find_meeting(one, other, room, thickness)
+
+
+def find_meeting(one: Tool, other: Tool, room: float | Room, thickness: float) -> Closing | None:
+    """Return where a tool from its start first leaves less than a room [mm] to another."""
     between, direction = np.subtract(one.position, other.position), np.array(one.working_direction)
     return find_closing(
         one.surface, other.surface, between, direction, DRAWN_WITHIN * thickness, room, STEP * thickness
     )
+
+
+def find_approach(one: Tool, other: Tool, gone: Mapping[str, float]) -> float:
+    """Return by how much two tools have come together along the way of the first [mm]; gone: of each along its own."""
+    along = float(np.dot(np.array(other.working_direction), np.array(one.working_direction)))
+    return gone[one.name] - along * gone[other.name]
 
 
 def _has_bottom(shape: Surface) -> bool:
