@@ -99,13 +99,15 @@ def find_blank(
     if write_case is not None:
         check_case_path(write_case, overwrite=overwrite)
     try:
-        _, outline = run_one_step(model, folder, overwrite=overwrite, threads=threads, on_iteration=report)
+        found, outline = run_one_step(model, folder, overwrite=overwrite, threads=threads, on_iteration=report)
     except OneStepError as error:
         return Outcome("gave_up", folder, str(error))
     except MeshError as error:
         raise StartError(str(error)) from error
     if write_case is not None:
-        for note in write_stamping_case(write_case, model, outline, folder / BLANK_POINTS, cells=cells or CELLS):
+        thinning = 100.0 * (1.0 - float(found.fields["thickness"].min()) / model.thickness)
+        points = folder / BLANK_POINTS
+        for note in write_stamping_case(write_case, model, outline, points, thinning, cells=cells or CELLS):
             logger.warning("%s: %s", write_case, note)
     return Outcome("completed", folder)
 

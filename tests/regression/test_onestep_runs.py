@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """presswork onestep from a part's file to its folder; what it refuses, and with which status."""
 
+import json
 from pathlib import Path
 
 import matplotlib.image
@@ -150,9 +151,16 @@ def test_a_file_that_is_not_there(tmp_path):
 
 
 def test_a_law_without_closed_form_is_refused(part, tmp_path):
-    done = run(part, "--material", "aa6016_t4", "--thickness", "1", "--output", tmp_path / "out")
+    done = run(part, "--material", "aa5754_o", "--thickness", "1", "--output", tmp_path / "out")
     assert done.exit_code == 2
     assert "hill1948" in done.output
+
+
+def test_hills_function_stands_for_yld2000(part, tmp_path):
+    done = run(part, "--material", "aa6016_t4", "--thickness", "1", "--output", tmp_path / "out", "--no-plot")
+    assert done.exit_code == 0, done.output
+    (warning,) = [w for w in Result(tmp_path / "out").summary["warnings"] if "yld2000" in w]
+    assert warning == "one step takes Hill's yield function of the r-values in place of yld2000"
 
 
 def test_the_blank_starts_a_stamping(part, tmp_path):
@@ -191,6 +199,8 @@ def test_the_blank_starts_a_stamping(part, tmp_path):
     )
     assert done.exit_code == 0, done.output
     edge = np.loadtxt(tmp_path / "one" / "blank.csv", delimiter=",", skiprows=1)[:, 1:]
+    one, both = (json.loads((tmp_path / name / "summary.json").read_text())["formability"] for name in ("one", "drawn"))
+    assert both["one_step_thinning_percent"] == pytest.approx(one["largest_thinning_percent"]["value"], rel=1e-3)
     drawn = Result(tmp_path / "drawn")
     rim = drawn.mesh.points[np.unique(drawn.mesh.boundary_edges[:, :2])]
     corner, radius = np.arctan2(edge[:, 1], edge[:, 0]), np.linalg.norm(edge, axis=1)

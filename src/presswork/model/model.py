@@ -92,6 +92,8 @@ class Model:
     """Points of the material whose path, stress and strain the history has."""
     draw_in: tuple[DrawInDirection, ...] = ()
     """Stampings: directions in which the history has the draw-in of the edge."""
+    one_step_thinning: float | None = None
+    """Stampings: largest thinning that one step has estimated [%]; None: it was not asked."""
     cyclic: CyclicSector | None = None
     """Solids in space: the sector that is modelled of a body of cyclic symmetry; None: it is whole, or mirrored."""
     remeshing: Remeshing | None = None

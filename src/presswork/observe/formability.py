@@ -38,7 +38,11 @@ class FormabilityObserver(Observer):
     def summary(self, run: Observed, history: History) -> dict[str, Any]:
         """Return the verdict."""
         verdict = self.judge(run)
-        return {"formability": verdict.to_summary()} if verdict else {}
+        if verdict is None:
+            return {}
+        estimate = run.model.one_step_thinning
+        compared = {} if estimate is None else {"one_step_thinning_percent": estimate}
+        return {"formability": verdict.to_summary() | compared}
 
     def warnings(self, run: Observed, history: History) -> list[str]:
         """Return what is wrong with the part."""

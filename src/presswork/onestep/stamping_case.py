@@ -54,11 +54,12 @@ def _tool_path(path: Path, kind: str) -> Path:
 
 
 def write_stamping_case(
-    path: Path, model: OneStepModel, outline: BlankOutline, points: Path, *, cells: int = CELLS
+    path: Path, model: OneStepModel, outline: BlankOutline, points: Path, thinning: float, *, cells: int = CELLS
 ) -> tuple[str, ...]:
     """Write a case of a stamping that draws the part from its blank, and STL files of its tools beside it.
 
-    outline: of the whole blank; points: its CSV file, which the case names. cells: shells of the whole blank at most.
+    outline: of the whole blank; points: its CSV file, which the case names. thinning: the largest by one step [%].
+    cells: shells of the whole blank at most.
     Return what is doubtful of the tools and the shells. Raises OutputError.
     """
     data = tomllib.loads(model.case_text)
@@ -68,6 +69,7 @@ def write_stamping_case(
     case: dict[str, Any] = {
         "title": f"{model.title}: drawn from the blank that one step has found",
         "analysis": "stamping",
+        "one_step_thinning": float(f"{max(thinning, 0.0):.4g}"),
     }
     size, note = _choose_size(outline, made.smallest_radius, cells, model.thickness)
     case |= {"blank": _describe_blank(path, model, points, data["blank"]["material"], size)}

@@ -252,7 +252,9 @@ def _judge_thinning(summary: Summary) -> Iterator[Line]:
     limit, at = summary.get("limits", {}).get("thinning", {}).get("limit"), tuple(worst["place"])
     state: State = "fail" if limit is not None and worst["value"] > 100.0 * limit else "figure"
     shown = _percent(limit) if state == "fail" else ""
-    yield Line("thinning", state, f"{worst['value']:.1f} %", shown, "", "thinning", at)
+    estimate = summary["formability"].get("one_step_thinning_percent")
+    note = "" if estimate is None else f"one step estimated {estimate:.1f} %"
+    yield Line("thinning", state, f"{worst['value']:.1f} %", shown, note, "thinning", at)
 
 
 def _judge_wrinkles(summary: Summary) -> Iterator[Line]:

@@ -69,7 +69,10 @@ def test_forming_limit_is_judged_by_the_safety_margin(margin: float, state: str)
     found = lines_of(summary, safety_margin=0.1)
     assert found["margin to the forming limit at the end"].state == state
     assert found["thinning"].state == "figure", "a limit of 70 % is that of a sheet that has torn"
+    assert found["thinning"].note == ""
     assert judge_summary(summary).state == state
+    formability["one_step_thinning_percent"] = 17.0
+    assert lines_of(summary)["thinning"].note == "one step estimated 17.0 %"
 
 
 @pytest.mark.parametrize(("worst", "state"), [(0.4, "ok"), (-0.9, "fail")])

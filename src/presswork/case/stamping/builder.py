@@ -187,6 +187,7 @@ def _build_first(case: StampingCase, stages: tuple[model.Stage, ...], run_user_c
         limits=case.limits.build(),
         points=points,
         draw_in=tuple(model.DrawInDirection(name, radians(angle)) for name, angle in case.draw_in.items()),
+        one_step_thinning=case.one_step_thinning,
         case_text=case.text,
         **parts,
     )

@@ -240,6 +240,13 @@ class StampingCase(CaseFile):
         default={},
         description="directions by name, as angles from x [degree]: the history has how far the edge has come in there",
     )
+    one_step_thinning: Number | None = Field(
+        default=None,
+        ge=0,
+        lt=100,
+        description="largest thinning that one step has estimated of the part, which `onestep --write-case` writes; "
+        "summary and page show it beside the stamping's [%]",
+    )
     limits: Limits = Field(
         default=Limits(), description="limits beyond which a run stops, since its result would no longer be physics"
     )
