@@ -188,7 +188,8 @@ def to_entries(values: Sequence[object], *converts: Callable[[object], float]) -
 def to_pair(value: object, dimension: Dimension) -> tuple[float, float]:
     """Convert [x, y], each a number or a string with a unit."""
     if not isinstance(value, list | tuple) or len(value) != 2:
-        raise fault(f"expected [x, y], two values, each {dimension.name}", "write for instance [10, 15]")
+        example = "[0, -1]" if dimension is PURE_NUMBER else "[10, 15]"
+        raise fault(f"expected [x, y], two values, each {dimension.name}", f"write for instance {example}")
     x, y = to_entries(value, *[functools.partial(to_number, dimension=dimension)] * 2)
     return x, y
 
@@ -214,7 +215,8 @@ def to_sides(value: object) -> tuple[float, float]:
 def to_triple(value: object, dimension: Dimension) -> tuple[float, float, float]:
     """Convert [x, y, z], each a number or a string with a unit."""
     if not isinstance(value, list | tuple) or len(value) != 3:
-        raise fault(f"expected [x, y, z], three values, each {dimension.name}", "write for instance [10, 15, 20]")
+        example = "[0, 0, -1]" if dimension is PURE_NUMBER else "[10, 15, 20]"
+        raise fault(f"expected [x, y, z], three values, each {dimension.name}", f"write for instance {example}")
     x, y, z = to_entries(value, *[functools.partial(to_number, dimension=dimension)] * 3)
     return x, y, z
 

@@ -11,7 +11,7 @@ from presswork.case.heat.forming import ToolHeat
 from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.stamping.plan_line import Trim
-from presswork.case.units import Length, Number, Point, Point3, fault
+from presswork.case.units import Direction3, Length, Number, Point, Point3, fault
 from presswork.geometry.section_tool import SectionError, draw_one_sided, draw_section
 from presswork.mesh.files.cad import is_cad
 from presswork.model import ToolKind
@@ -35,7 +35,7 @@ class _Tool(Part):
     gap: Length | None = Field(
         default=None, gt=0, description="holder: distance of its face from the die's [mm]; without it: the thickness"
     )
-    direction: Point3 | None = Field(
+    direction: Direction3 | None = Field(
         default=None,
         description="direction [x, y, z], of any length, in which it works: strokes and forces count along it; without "
         "it punch and holder work down, a die up. Another one needs a position",
