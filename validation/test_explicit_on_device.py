@@ -43,7 +43,8 @@ BY_THE_LOOP = {
     "test_the_clock_of_phases_adds_up": "a device tells the time of a call, not of its phases",
     "test_blocks_that_do_not_touch_move_as_each_does_alone": "bits of shells beside solids, of the loop",
     "does_not_fit": "its limit is of the host build's memory",
-    "same_bits and tet4_nodal": "work is summed a call at a time: its last bits know where a run was cut",
+    "explicit3-time_step": "the step of the mesh is found by the loop",
+    "same_bits and (tet4_nodal or hex8_1pt)": "work is summed a call at a time: its last bits know where a run was cut",
 }
 """Tests whose claim is one of the CPU's loop, and why."""
 UNTIMED = ("-o", "faulthandler_timeout=0")

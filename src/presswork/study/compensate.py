@@ -246,6 +246,7 @@ class _Search:
 
     def add_loop(self, number: int, folder: Path, misfit: Misfit, tools: tuple[PressedTool, ...]) -> None:
         """Note what tools have made, and what they are like."""
+        assert self.goal is not None
         moved = [
             np.linalg.norm(a.shape.points - b.shape.points, axis=1).max()
             for a, b in zip(tools, self.drawn, strict=True)
@@ -256,7 +257,7 @@ class _Search:
                 folder,
                 misfit,
                 float(max(moved)),
-                find_gap_change(tools, self.drawn, _NEAR * self.case.blank.thickness),
+                find_gap_change(tools, self.drawn, self.goal.points, _NEAR * self.case.blank.thickness, self.planes),
                 self.find_undercut(tools),
                 read_summary(folder)["wall_seconds"]["total"],
             )

@@ -186,18 +186,28 @@ def find_undercut(
     return worst
 
 
-def find_gap_change(tools: Sequence[PressedTool], drawn: Sequence[PressedTool], reach: float) -> float:
-    """Return the largest change of the distance between punch or holder and die [mm].
+def find_gap_change(
+    tools: Sequence[PressedTool],
+    drawn: Sequence[PressedTool],
+    part: FloatArray,
+    reach: float,
+    planes: tuple[bool, bool] = (False, False),
+) -> float:
+    """Return the largest change of the distance between punch or holder and die where the sheet lies [mm].
 
-    It is taken at corners of punch and holder nearer to the die than `reach` [mm] as drawn.
+    It is taken at corners of punch and holder nearer than `reach` [mm] to the die and to the part in the closed tools
+    as drawn (n, 3). planes: symmetry planes normal to x and y, beyond which the part goes on.
     """
-    largest = 0.0
+    largest, mirrored = 0.0, np.array([*planes, False])
+    sheet = cKDTree(np.where(mirrored, np.abs(part), part))
     for upper, upper_drawn in zip(tools, drawn, strict=True):
+        places = np.where(mirrored, np.abs(upper_drawn.closed), upper_drawn.closed)
+        is_on_sheet = np.isfinite(sheet.query(places, distance_upper_bound=reach)[0])
         for lower, lower_drawn in zip(tools, drawn, strict=True):
             if upper.kind == "die" or lower.kind != "die":
                 continue
             before = _measure_gap(upper_drawn, lower_drawn, reach)
-            near = np.abs(before) < reach
+            near = is_on_sheet & (np.abs(before) < reach)
             after = _measure_gap(upper, lower, 2.0 * reach)[near] if near.any() else np.zeros(0)
             change = np.abs(after - before[near])
             largest = max(largest, float(change[np.isfinite(change)].max(initial=0.0)))

@@ -69,8 +69,20 @@ def test_what_lies_under_a_holder_that_stays_stays_too(tools, warp) -> None:
     assert largest_move(die, tools[0], ~under) > 0.2
     alone = replace(die, shape=replace(die.shape, points=warp.carry(tools[0].closed)))
     as_drawn = (tools[0], holder)
-    assert find_gap_change((die, holder), as_drawn, 3.0) < 0.4 * find_gap_change((alone, holder), as_drawn, 3.0)
-    assert find_gap_change((die, punch), (tools[0], tools[1]), 3.0) < 0.02
+    part = channel_face(0.0, reach=60.0).points
+    changed = [find_gap_change((lower, holder), as_drawn, part, 3.0) for lower in (die, alone)]
+    assert changed[0] < 0.4 * changed[1]
+    assert find_gap_change((die, punch), (tools[0], tools[1]), part, 3.0) < 0.02
+
+
+def test_a_gap_counts_where_the_part_lies(tools, warp) -> None:
+    """Half of the part is looked at: tools that are bent in the other half keep their gap."""
+    die, punch, _ = tools
+    part = channel_face(0.0, reach=60.0).points
+    far = np.where(punch.shape.points[:, :1] < -3.0, [0.0, 0.0, 0.5], 0.0)
+    bent = replace(punch, shape=replace(punch.shape, points=punch.shape.points + far))
+    assert find_gap_change((die, bent), (die, punch), part[part[:, 0] > 3.0], 3.0) == 0.0
+    assert find_gap_change((die, bent), (die, punch), part, 3.0) == pytest.approx(0.5, rel=0.05)
 
 
 def test_tools_end_near_the_blank_and_their_strokes_stay_near_those_as_drawn(tmp_path) -> None:
