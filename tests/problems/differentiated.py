@@ -355,24 +355,30 @@ def differentiate(
     folder: Path,
     *,
     apart: Mapping[str, float] | None = None,
+    within: float = np.inf,
 ) -> dict[str, dict[str, tuple[FloatArray, FloatArray]]]:
     """Return derivatives row by row: in the run, and by central differences of whole runs.
 
     by: keys of the case, with their values. apart: of the value of a key, by how much whole runs
-    differ; without it APART.
+    differ; without it APART. within: a difference farther off is taken over twice and half of that, too, and the
+    nearest counts, since round-off grows with a shorter step and curvature with a longer one.
     """
     own = run_case(kind, {**data, "gradients": {"of": list(of), "by": list(by)}}, folder / "own").history
     found: dict[str, dict[str, tuple[FloatArray, FloatArray]]] = {}
     for key, value in by.items():
         change = (apart or {}).get(key, APART) * abs(value)
-        more, less = (
-            run_case(kind, set_value(data, key, value + way), folder / f"{key}{way:+g}").history
-            for way in (change, -change)
-        )
-        found[key] = {
-            name: (np.asarray(own[name_derivative(name, key)]), (more[name] - less[name]) / (2.0 * change))
-            for name in of
-        }
+        found[key] = {}
+        for step in (change, 2.0 * change, 0.5 * change):
+            left = [name for name in of if name not in found[key] or largest_error(*found[key][name]) > within]
+            if not left:
+                break
+            more, less = (
+                run_case(kind, set_value(data, key, value + way), folder / f"{key}{way:+g}").history
+                for way in (step, -step)
+            )
+            for name in left:
+                both = np.asarray(own[name_derivative(name, key)]), (more[name] - less[name]) / (2.0 * step)
+                found[key][name] = min(found[key].get(name, both), both, key=lambda pair: largest_error(*pair))
     return found
 
 

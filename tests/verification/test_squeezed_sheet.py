@@ -48,7 +48,7 @@ def plates(
     return sheet, above
 
 
-def move(sheet: ExplicitShells, tool: RigidTool, way: float, speed: float = 300.0) -> None:
+def move(sheet: ExplicitShells, tool: RigidTool, way: float, speed: float = 150.0) -> None:
     """Move a tool along z by so many mm, at a mean speed [mm/s] so slow that inertia does not matter."""
     cycles = max(200, int(abs(way) / speed / sheet.dt))
     tool.velocity = [0, 0, way / (cycles * sheet.dt)]
@@ -61,7 +61,7 @@ def area(sheet: ExplicitShells) -> float:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_strip_squeezed_in_plane_strain_meets_its_closed_form(kind: str) -> None:
-    """Pressure 2/sqrt(3) of the flow stress at 2/sqrt(3) ln(t0/t): 0.3 %; as thick as there is room: 2 %."""
+    """Pressure 2/sqrt(3) of the flow stress at 2/sqrt(3) ln(t0/t): 0.1 %; as thick as there is room: 2 %."""
     sheet, above = plates(0.2, held="v", **KINDS[kind])
     thickness, root = sheet.thickness.mean(), 2 / np.sqrt(3)
     strain = np.log(THICKNESS / thickness)
@@ -69,8 +69,8 @@ def test_strip_squeezed_in_plane_strain_meets_its_closed_form(kind: str) -> None
     strain -= exact / YOUNG * (1 - 0.5 * POISSON)  # the elastic part
     exact = root * K * (E0 + root * strain) ** N
     np.testing.assert_allclose(sheet.pressure, exact, rtol=1e-2)
-    assert sheet.pressure.mean() == pytest.approx(exact, rel=3e-3)
-    assert above.force[2] == pytest.approx(exact * area(sheet), rel=3e-3)
+    assert sheet.pressure.mean() == pytest.approx(exact, rel=1e-3)
+    assert above.force[2] == pytest.approx(exact * area(sheet), rel=1e-3)
     assert 1.0 < thickness / above.position[2] < 1.02
     elastic = exact * (1 - 2 * POISSON) / YOUNG  # of the volume, less what the stress along the strip has
     assert thickness * area(sheet) == pytest.approx(THICKNESS * SIDE**2 * (1 - 1.5 * elastic), rel=2e-4)
@@ -164,8 +164,8 @@ def test_a_force_beyond_the_yield_stress_squeezes_the_sheet_to_its_flow_stress()
     """In plane strain 2/sqrt(3) of it, all of the force: 1 %; the energies balance."""
     sheet, above = plates(0.0, held="v")
     root, force = 2 / np.sqrt(3), 450.0 * SIDE**2
-    above.push([0, 0, -1], ((0.0, 2e-3), (0.0, force)), damping=1e5)
-    sheet.advance(int(2e-3 / sheet.dt))
+    above.push([0, 0, -1], ((0.0, 4e-3), (0.0, force)), damping=1e5)
+    sheet.advance(int(4e-3 / sheet.dt))
     pressure = sheet.pressure.mean()
     strain = np.log(THICKNESS / sheet.thickness.mean()) - pressure / YOUNG * (1 - 0.5 * POISSON)
     assert strain > 0.1

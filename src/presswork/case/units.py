@@ -40,7 +40,7 @@ class Dimension:
     """Magnitude above which a value is a slip; products of such values stay far from overflow."""
 
 
-LENGTH = Dimension("a length", "mm", "2 mm", 1e6)
+LENGTH = Dimension("a length", "mm", "1 mm", 1e6)
 STRESS = Dimension("a stress", "MPa", "200 kN/mm^2")
 FORCE = Dimension("a force", "N", "5 kN")
 TIME = Dimension("a time", "s", "20 ms", 1e9)

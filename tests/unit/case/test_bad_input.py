@@ -72,7 +72,7 @@ FAULTS = {
     ),
     "number_of_a_point": (
         ("profile = [[0, 15], [30, 15]]", 'profile = [[0, 15], [30, "x"]]'),
-        ['tools.punch.profile.1.1 = "x"', "expected a length", "2 mm"],
+        ['tools.punch.profile.1.1 = "x"', "expected a length", "1 mm"],
     ),
     "many_tables": (
         ("[[stages]]", "".join(f"[tools.t{i}]\n" for i in range(30_000)) + "[[stages]]"),
@@ -100,7 +100,7 @@ FAULTS = {
     ),
     "wrong_unit": (
         ("stroke = 9.0", 'stroke = "5 kg"'),
-        ["stages.0.tools.punch.stroke", '"5 kg"', "expected a length", "`kg` has the dimension mass", '"2 mm"'],
+        ["stages.0.tools.punch.stroke", '"5 kg"', "expected a length", "`kg` has the dimension mass", '"1 mm"'],
     ),
     "unknown_unit": (
         ('"200 kN/mm^2"', '"200 kNN/mm^2"'),
