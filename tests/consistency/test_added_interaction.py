@@ -70,7 +70,7 @@ class SpringFoundation(Interaction):
         blocks[:, 1, 1] = self._stiffness
         return Forces(force, np.column_stack([self._nodes, self._nodes]).astype(np.int32), blocks)
 
-    def settle(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
+    def end_increment(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         trial[FoundationArrays].force = own.force[self._nodes, 1]
 
     def stored(self, state: State) -> float:
