@@ -21,8 +21,8 @@ AGREEMENT = {"double": 1e-12, "single": 1e-5}
 """Of the largest value, after CYCLES: round-off; 5e-15 and 1e-6 are found."""
 WITH_TOOLS = {"double": 1e-10, "single": 1e-3}
 """Of the largest value, after CYCLES_OF_TOOLS: contact comes and goes by round-off; 4e-12 and 1e-4 are found."""
-SQUEEZED = 1e-6
-"""Of the largest value; 2e-8 is found, of velocities of some mm/s under 100 MPa."""
+SQUEEZED = 1e-9
+"""Of the largest value; 4e-11 is found, of velocities. Pressed four times slower, round-off grows to all of them."""
 
 
 def make_run(device: Device, precision: Precision = "double", n: int = N, **changes: object) -> ExplicitShells:
@@ -87,7 +87,7 @@ def test_a_sheet_squeezed_on_the_host_build_agrees_with_the_loop() -> None:
     """Two plates press a sheet of each kind of shells thinner by a tenth."""
     mitc = {"options": ShellOptions(element="shell4_mitc_plus")}
     for kind in ({"cut": False}, {"cut": True}, mitc):
-        runs = [plates(0.08, mu=0.1, device=device, **kind)[0] for device in ("cpu", "host")]
+        runs = [plates(0.08, mu=0.1, speed=1200.0, device=device, **kind)[0] for device in ("cpu", "host")]
         assert runs[0].thickness.max() < 0.77
         for expected, found in zip(*map(cup.results, runs), strict=True):
             np.testing.assert_allclose(found, expected, rtol=0, atol=SQUEEZED * np.abs(expected).max())

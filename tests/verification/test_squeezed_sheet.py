@@ -30,7 +30,7 @@ KINDS: dict[str, dict[str, Any]] = {
 
 def plates(
     stroke: float, *, law: _core.SheetLaw = SWIFT, held: str = "", cut: bool = False, mu: float = 0.0, n: int = 4,
-    **how: Any,
+    speed: float = 150.0, **how: Any,
 ) -> tuple[ExplicitShells, RigidTool]:  # fmt: skip
     """A quarter of a sheet, 16 x 16 mm, on a plate, and pressed by another; held: freedoms that all nodes lack."""
     points, cells = grid(n, n, SIDE, SIDE)
@@ -44,7 +44,7 @@ def plates(
     sheet.add_tool("below", flat(), mu=mu)
     above = sheet.add_tool("above", flat(False), mu=mu)
     above.position = [0, 0, THICKNESS]
-    move(sheet, above, -stroke)
+    move(sheet, above, -stroke, speed)
     return sheet, above
 
 
