@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 from presswork import __version__, stop
 from presswork.fingerprint import fingerprint
 from presswork.model import Model
+from presswork.observe.doubts import find_doubts
 from presswork.observe.memory.contract import Memories
 from presswork.observe.memory.of_model import list_memories
-from presswork.observe.verdict import judge_run
 from presswork.outcome import GaveUpError, StartError
 from presswork.process.begin import begin
 from presswork.process.run import Meta, Report, Run
@@ -359,8 +359,8 @@ class _Run:
         self.steps.check()
         history = read_history(self.folder / HISTORY)
         found = recording.summary(history)
-        verdict = judge_run(self.model, history, found.get("extremes", {}), is_over=status == "completed")
-        warnings = [*verdict.warnings, *self.memories.warnings(), *found["warnings"]]
+        doubts = find_doubts(self.model, history, found.get("extremes", {}), is_over=status == "completed")
+        warnings = [*doubts.warnings, *self.memories.warnings(), *found["warnings"]]
         for warning in warnings:
             self.log.warning("warning: %s", warning)
         write_summary(
@@ -368,7 +368,7 @@ class _Run:
             {
                 "status": status,
                 "reason": reason,
-                "verdict": verdict.worst,
+                "verdict": doubts.worst,
                 "title": recording.title,
                 "version": __version__,
                 "fraction_computed": 1.0 - recording.remaining(),

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether the tools of a Model can form anything: something resists their strokes, and they press, not only slide.
 
-What is asked here needs the Model alone, of whatever kind its case is. The run's verdict (observe/verdict.py) says the
-rest, once it is known what the tools have done.
+The checks need the Model alone, whatever kind of case it comes from. observe/doubts.py checks the rest after the run.
 """
 
 from __future__ import annotations

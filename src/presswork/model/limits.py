@@ -5,6 +5,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+FULL_DIE = 0.98
+"""Part of a die's wall with metal on it from which on the die counts as full."""
+
 
 @dataclass(frozen=True)
 class Limits:

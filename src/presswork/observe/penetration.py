@@ -20,7 +20,7 @@ from presswork.mesh.edges import edge_shape_functions
 from presswork.mesh.faces import find_face_middles, take_bearing
 from presswork.model import FloatArray, IntArray, Mesh, take_corners
 from presswork.observe.contract import History, Measure, Observed, Observer
-from presswork.observe.verdict import find_never_touched
+from presswork.observe.doubts import find_never_touched
 
 _BETWEEN = np.linspace(-1.0, 1.0, 10)[1:-1]
 """Where edges are checked."""

@@ -10,12 +10,11 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
+from presswork.model import FULL_DIE
 from presswork.results import Result
 
 State = Literal["ok", "risk", "fail", "figure"]
 """`figure`: a number without a limit to judge it by."""
-FULL = 0.98
-"""Part of its wall from which on a die counts as full."""
 ROUND_OFF = 1e-9
 """Measure below which there is none."""
 _WORST: tuple[State, ...] = ("fail", "risk", "ok", "figure")
@@ -177,8 +176,8 @@ def _judge_die_fill(summary: Summary) -> Iterator[Line]:
     for die, fill in summary.get("die_fill", {}).items():
         gap, filled, place = fill["largest_gap_mm"], fill["wall_filled"], tuple(fill.get("largest_gap_at_mm") or ())
         open_at = "" if gap is None else f"widest gap {_number(gap)} mm"
-        state: State = "ok" if filled >= FULL else "fail"
-        limit, field = f"at least {100 * FULL:.0f} %", "gap"
+        state: State = "ok" if filled >= FULL_DIE else "fail"
+        limit, field = f"at least {100 * FULL_DIE:.0f} %", "gap"
         yield Line(f"fill of {die}", state, _percent(filled), limit, open_at, field, place)
         if fill.get("flash_thickness_mm") is not None:
             yield Line(f"flash at {die}", "figure", f"{_number(fill['flash_thickness_mm'])} mm thick")

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from presswork.model import BoolArray, FloatArray, Mesh, Model, Tool, find_held_side
+from presswork.model import FULL_DIE, BoolArray, FloatArray, Mesh, Model, Tool, find_held_side
 from presswork.observe.contract import History, Observed, Observer, Row
 from presswork.observe.working_direction import find_working_direction
 
@@ -45,10 +45,6 @@ class Side:
     def holds(self, places: FloatArray) -> BoolArray:
         """Return which places (n, dimension) [mm] are on the side of the workpiece."""
         return np.asarray(self.sign * (places[:, self.axis] - self.level) >= 0.0)
-
-
-FULL = 0.98
-"""Part of its wall from which on a die is said to be full."""
 
 
 class DieFill(Observer, ABC):
@@ -214,6 +210,8 @@ def explain_full_dies(row: Mapping[str, Any]) -> list[str]:
     >>> explain_full_dies({"upper.fill": 0.995, "lower.fill": 0.7})
     ['upper is full (99.5 % of its wall): what is left of the stroke would squeeze out flash']
     """
-    full = {name.removesuffix(".fill"): part for name, part in row.items() if name.endswith(".fill") and part >= FULL}
+    fills = {name.removesuffix(".fill"): part for name, part in row.items() if name.endswith(".fill")}
     end = "what is left of the stroke would squeeze out flash"
-    return [f"{name} is full ({100.0 * part:.3g} % of its wall): {end}" for name, part in full.items()]
+    return [
+        f"{name} is full ({100.0 * part:.3g} % of its wall): {end}" for name, part in fills.items() if part >= FULL_DIE
+    ]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whether a run has formed anything: asked once of every procedure, by the history, the extremes and the Model."""
+"""What makes a run doubtful: nothing was formed, tools that never touched, symmetry planes that look forgotten."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from numpy.typing import NDArray
 
 from presswork.law.elastic_plastic import first_flow_stress, is_hot
 from presswork.mesh.forgotten_planes import find_forgotten_planes
-from presswork.model import Material, Model, Tool
+from presswork.model import ExplicitSolid, Material, Model, Tool
 from presswork.observe.wall_load import warn_of_wall_load
 
 NOTHING = 1e-11
-"""Of Young's modulus times the least face of the workpiece: a force that is none, from round-off alone."""
+"""Force that counts as none (round-off), over Young's modulus times the smallest face of the workpiece."""
 OF_METAL = 0.05
-"""Of Young's modulus: a first flow stress above it is that of a body that is meant to stay elastic."""
+"""First flow stress over Young's modulus above which a body is meant to stay elastic."""
 ELASTIC = 1e-9
 """Equivalent plastic strain up to which nothing has yielded."""
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Doubts:
     """What makes a run doubtful, the worst first."""
 
     worst: str
@@ -33,27 +33,27 @@ class Verdict:
     """All of it, the worst first."""
 
 
-def judge_run(
+def find_doubts(
     model: Model, history: Mapping[str, NDArray[Any]], extremes: Mapping[str, Sequence[float]], *, is_over: bool
-) -> Verdict:
-    """Return the verdict on a run.
+) -> Doubts:
+    """Return what makes a run doubtful, by its history, its extremes and its Model; the same for every procedure.
 
     extremes: least and largest value of fields at the end, by name. is_over: whether the whole process was computed;
-    else the verdict names the tools alone that have not touched yet, once anything was computed.
+    else tools that have not touched yet are all that is named, once anything was computed.
     """
     if not is_over and not len(history["time"]):
-        return Verdict("", ())
+        return Doubts("", ())
     moving, standing = _find_idle(model, history, is_over=is_over)
     if not is_over:
-        return Verdict("", (*moving, *standing))
+        return Doubts("", (*moving, *standing))
     doubts = [_explain_plane(side.describe(dict(model.mesh.node_sets))) for side in find_forgotten_planes(model)]
     all_moving = [name for n in range(len(model.operations)) for name in _list_moving(model.of_operation(n))]
-    strikes = np.any(getattr(model.explicit, "velocity", 0.0))
+    strikes = isinstance(model.explicit, ExplicitSolid) and np.any(model.explicit.velocity)
     elastic = _find_elastic(model, extremes) if all_moving or strikes else []
     if elastic or (all_moving and len(moving) == len(all_moving)):
         worst = f"nothing was formed: {'; '.join([*moving, *elastic])}"
-        return Verdict(worst, (worst, *doubts, *standing))
-    return Verdict("", (*moving, *doubts, *warn_of_wall_load(model, history), *standing))
+        return Doubts(worst, (worst, *doubts, *standing))
+    return Doubts("", (*moving, *doubts, *warn_of_wall_load(model, history), *standing))
 
 
 def find_never_touched(model: Model, tools: Sequence[Tool], history: Mapping[str, NDArray[Any]]) -> list[str]:
@@ -83,7 +83,7 @@ def _largest_force(name: str, history: Mapping[str, NDArray[Any]]) -> float:
 
 
 def _find_idle(model: Model, history: Mapping[str, NDArray[Any]], *, is_over: bool) -> tuple[list[str], list[str]]:
-    """Return what there is to say of tools that were never pressed: of those that move, and of others."""
+    """Return a warning for each tool that never pressed: first for tools that move, then for the others."""
     moving: list[str] = []
     standing: list[str] = []
     what = "blank" if model.analysis == "stamping" else "workpiece"
