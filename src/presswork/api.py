@@ -149,7 +149,8 @@ class Checked:
 def check(case: AnyCase) -> Checked:
     """Describe a case and try its start. Raises CaseError.
 
-    Libraries that the case names are opened only if they may run (`allow_library`); without them nothing is tried.
+    Libraries that the case names are opened only if they may run (`allow_library`); without them the start is not
+    tried.
     """
     libraries = list_libraries(case)
     model = build(case, runs_code=bool(libraries) and all(map(is_allowed, libraries)))

@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 STEADY = 0.6, 0.95
-"""Part of the way pulled over which the forces are averaged: all that passes has come over every radius by then."""
+"""Share of the pulled distance over which the forces are averaged: by then all the metal has passed every radius."""
 
 
 def find_bead_forces(case: AnyCase, *, may_compute: bool = True) -> AnyCase:
-    """Return a stamping whose drawbeads have the forces that follow from their geometry; another case as it is.
+    """Return a stamping whose drawbeads have the forces that follow from their geometry; any other case unchanged.
 
     Forces that the file beside the case has for the same strip are taken from it; the others are computed and written
     there. may_compute: without it beads whose forces are not there stay as they are. Raises CaseError for a strip that

@@ -32,7 +32,7 @@ def fingerprint(model: Model) -> str:
 
 
 def _save_points(model: Model) -> object:
-    """Return what the output settings say of the implicit procedure's increments, which end where a step is saved."""
+    """Return the output settings that change the implicit procedure's increments, which end where a step is saved."""
     if model.explicit is not None:
         return None
     steps = 0 if model.output.every else model.output.steps

@@ -23,7 +23,7 @@ PATH_MARGINS = (POLAR, STRESS)
 """Fields that follow the paths of a sheet's layers (evolution/forming_path.py), the second where stress follows from
 plastic strain alone."""
 LEAST_STRETCH = 0.02
-"""Strain below which a sheet is said to be stretched too little: 2 %, the custom of outer panels."""
+"""Strain below which a sheet counts as stretched too little: 2 %, the custom of outer panels."""
 
 Info = Mapping[str, str | float | FloatArray]
 
@@ -66,7 +66,7 @@ class Formability:
     """What a sheet's strains are judged by."""
 
     curve: FormingLimitCurve | None = None
-    """None: nothing is said of cracks."""
+    """None: cracks are not judged."""
     safety_margin: float = 0.1
     """Part of the limit's height held in reserve."""
     r: float = 1.0
@@ -137,7 +137,7 @@ def find_zones(
 def find_wrinkling(major: FloatArray, minor: FloatArray, r: float = 1.0) -> FloatArray:
     """Return by how much the sheet is compressed beyond uniaxial tension: -minor - r/(1+r) major, at least 0.
 
-    A strain. It is 0 on the line of uniaxial tension, and major/(1+r) where the sheet begins to thicken. It tells where
+    A strain. It is 0 on the line of uniaxial tension, and major/(1+r) where the sheet begins to thicken. It shows where
     the sheet would fold if nothing held it; whether it does depends on the holder and shows in the deformed mesh.
     """
     return np.asarray(np.maximum(-np.asarray(minor) - r / (1 + r) * np.asarray(major), 0.0))

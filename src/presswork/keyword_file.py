@@ -15,7 +15,7 @@ LARGEST = 4 << 30
 _DEEPEST = 20
 """Files within files: beyond it they include each other."""
 _START = 1 << 16
-"""Bytes at the begin of a file that tell whether it is text."""
+"""Number of bytes at the start of a file that show whether it is text."""
 _PIECE = 8 << 20
 """Bytes of rows that are taken apart at once."""
 

@@ -16,22 +16,23 @@ _BYTES_PER_POINT = 4 * 8 * 16
 _BYTES_PER_LAYER = 3 * 8 * 8
 """Three copies of about 8 numbers at a point of a layer of a shell."""
 _BYTES_PER_ENTRY = 8 + 0.6 * 12
-"""Of an element's matrix: the value, and 12 bytes an entry once merged."""
+"""Bytes of an entry in an element's matrix: the value, and 12 bytes an entry once merged."""
 _FACTOR_BYTES_PER_FREEDOM = {1: 2500.0, 2: 2500.0, 3: 12000.0, 4: 12000.0, 6: 3500.0}
-"""Of a sparse factorisation at 100,000 freedoms, by freedoms of a node; grows with the logarithm of their number."""
+"""Bytes of a sparse factorisation for each freedom at 100,000 freedoms, by freedoms of a node; they grow with the
+logarithm of that number."""
 _ENTRIES_OF_ROW = 81
 """In the matrix of hexahedra."""
 _MULTIGRID_BYTES_PER_ENTRY = 45.0
-"""Of the whole matrix: its values twice, where they come from, and the levels above."""
+"""Bytes of an entry in the whole matrix: its values twice, their places of origin, and the levels above."""
 _EXPLICIT_BYTES_PER_CELL = 2000.0
-"""Of an explicit cell beside its layers: mesh, forces, work arrays and what is written."""
+"""Bytes of an explicit cell beside its layers: mesh, forces, work arrays and output."""
 
 _ADDRESS_SPACE, _DATA = 0, 5
 """Columns of /proc/self/statm."""
 
 
 class TooLargeError(Exception):
-    """A problem that the machine's memory does not hold; says so, and the remedy."""
+    """A problem that the machine's memory does not hold; the message holds the remedy."""
 
 
 def estimate_memory(problem: model.Model) -> float:
@@ -94,7 +95,7 @@ def check_memory(problem: model.Model) -> None:
 
 
 def explain_shortage(needed: float, there: float) -> str:
-    """Say how much memory is missing and what to do."""
+    """Explain how much memory is missing and what to do."""
     return (
         f"about {needed / 1e6:,.0f} MB of memory are needed, and {there / 1e6:,.0f} MB are free on this machine; "
         "take fewer or larger elements, close other programs, or compute it on a larger machine"

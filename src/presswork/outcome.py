@@ -74,7 +74,7 @@ class Step:
     fraction_n: float
     fraction: float
     number: int
-    """Of the increment, counted from 1 over all stages."""
+    """Number of the increment, counted from 1 over all stages."""
     time_n: float
     """When it begins [s]."""
     dt: float
@@ -96,7 +96,7 @@ class BadGuess:
 
     @property
     def factor(self) -> float:
-        """By what to cut the increment."""
+        """Return the factor that cuts the increment."""
         return 0.5
 
 
@@ -115,7 +115,7 @@ class GaveUpError(Exception):
 
 
 class StartError(Exception):
-    """Nothing can be computed from this start; said before the output folder is touched."""
+    """Nothing can be computed from this start; raised before the output folder is touched."""
 
 
 class ShortOfMemoryError(StartError):

@@ -14,7 +14,7 @@ from typing import Any
 
 
 class DiedError(Exception):
-    """A call whose process has ended without an answer; says how."""
+    """A call whose process has ended without an answer; the message describes its end."""
 
 
 def call_apart(place: str, *arguments: Any, seconds: int | None = None) -> Any:

@@ -96,10 +96,10 @@ def run_model(
     that the model asks for. world: the ranks of MPI that compute the run together: rank 0 writes.
 
     A resumed run starts from the folder's checkpoint and gives the same bits as one never stopped. Ctrl-C, SIGTERM and
-    a solver that gives up leave a checkpoint and readable results, and are told by Outcome.status. Raises OutputError
-    if the folder cannot be used or written, StartError if nothing can be computed from this start: as NotHeldError if
-    the workpiece is free to move as a rigid body. A signal that comes too late to interrupt raises KeyboardInterrupt
-    once all files are whole.
+    a solver that gives up leave a checkpoint and readable results, and appear in Outcome.status. Raises OutputError if
+    the folder cannot be used or written, StartError if nothing can be computed from this start: as NotHeldError if the
+    workpiece is free to move as a rigid body. A signal that comes too late to interrupt raises KeyboardInterrupt once
+    all files are whole.
     """
     recording = procedure(model, threads)
     if world is not None and world.rank > 0:
@@ -125,7 +125,7 @@ def _leading(world: World | None) -> AbstractContextManager[None]:
 
 
 def _follow(recording: Run, folder: Path, world: World, *, resume: bool) -> Outcome:
-    """Compute a rank's part of a run that rank 0 writes, as far as rank 0 goes; Outcome.reason is told by rank 0."""
+    """Compute a rank's part of a run that rank 0 writes, as far as rank 0 goes; Outcome.reason comes from rank 0."""
     try:
         world.follow()
         if resume:
@@ -183,7 +183,7 @@ class _Log(logging.FileHandler):
         return os.fdopen(open_to_append(Path(self.baseFilename)), "a", encoding=self.encoding, errors=self.errors)
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802
-        """Do nothing: files that matter say so themselves."""
+        """Do nothing: files that matter report their own errors."""
 
 
 class _Run:
@@ -324,7 +324,7 @@ class _Run:
         save_checkpoint(self.folder / CHECKPOINT, self.recording.to_arrays(), meta)
 
     def read_checkpoint(self) -> tuple[dict[str, NDArray[Any]], Meta]:
-        """Return the arrays of the checkpoint, and what it tells beside. Raises OutputError."""
+        """Return the arrays of the checkpoint, and its other data. Raises OutputError."""
         arrays, meta = load_checkpoint(self.folder / CHECKPOINT)
         if meta["model"] != self.fingerprint:
             raise OutputError(

@@ -32,7 +32,7 @@ class OnNewMesh:
 
     kind: Literal["run", "anew", "motion", "node", "place", "point", "cell", "share", "surface", "surface_force"]
     axis: int = 0
-    """Of the array, along which nodes are counted."""
+    """Axis of the array along which nodes are counted."""
 
 
 RUN, ANEW, MOTION, NODE = OnNewMesh("run"), OnNewMesh("anew"), OnNewMesh("motion"), OnNewMesh("node")
@@ -54,7 +54,7 @@ class Arrays:
 
     @classmethod
     def names(cls) -> list[str]:
-        """Return the names of the arrays, without fields that say how to read one."""
+        """Return the names of the arrays, without fields that describe how to read one."""
         return [f.name for f in fields(cls) if f.metadata.get("is_array", True)]
 
     def duplicate(self) -> Self:
@@ -176,8 +176,8 @@ class CellArrays(Arrays):
     volume: list[FloatArray]
     """Volume of each point (n_cells, p) [mm3]."""
     hourglass: list[FloatArray]
-    """Of solids (n_cells, 2): hourglass forces of quad4_1pt [N]; how fast flow relaxes the bubble of tet4_mini [1/s]
-    and 0; else zero."""
+    """Hourglass data of solids (n_cells, 2): hourglass forces of quad4_1pt [N]; how fast flow relaxes the bubble of
+    tet4_mini [1/s] and 0; else zero."""
     kept: list[History] = field(default_factory=list, metadata={"is_array": False})
     """The parts of `history` by name, as the law of each block declares them."""
 
@@ -213,7 +213,7 @@ class State:
         return cast(Owned, self._owned[kind])
 
     def __contains__(self, kind: type[Arrays]) -> bool:
-        """Say whether the model has an owner of such arrays."""
+        """Return whether the model has an owner of such arrays."""
         return kind in self._owned
 
     @property

@@ -17,7 +17,7 @@ from types import FrameType
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 Agree = Callable[[int], int]
-"""Of several processes that compute one run: returns the largest of their numbers."""
+"""Function for several processes that compute one run: returns the largest of their numbers."""
 
 _EVERY = 0.1
 """Seconds between two looks for a pause."""
@@ -33,8 +33,8 @@ _seen = False
 def listen(agree: Agree | None = None, is_paused: Callable[[], bool] | None = None) -> Iterator[None]:
     """Count signals until the block ends. One that nobody read raises KeyboardInterrupt there.
 
-    agree: then all processes read a signal that one of them has got, where they look next. is_paused: says whether to
-    wait there; a signal ends the pause.
+    agree: then all processes read a signal that one of them has got, where they look next. is_paused: whether to wait
+    there; a signal ends the pause.
 
     In a thread other than the main one, where Python does not allow it, nothing changes.
     """
@@ -74,7 +74,7 @@ def _wait_while_paused() -> None:
 
 
 def is_urgent() -> bool:
-    """Say whether a second signal has come."""
+    """Return whether a second signal has come."""
     return _asked > 1
 
 

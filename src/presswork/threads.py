@@ -12,7 +12,7 @@ costs a machine with other work two to three times the time of an explicit run (
 
 
 def limit_spinning(environment: MutableMapping[str, str]) -> None:
-    """Let waiting threads give their cores away soon, unless the user has said how they wait.
+    """Let waiting threads release their cores soon, unless the user has set how they wait.
 
     GCC's OpenMP runtime reads this when it is loaded, so before the compiled module is.
     """

@@ -28,7 +28,7 @@ class Timing:
             self.seconds[phase] += seconds
 
     def shares(self) -> str:
-        """Say which part of the time each phase has taken, the largest first."""
+        """Describe which share of the time each phase has taken, the largest first."""
         total = self.total()
         largest_first = sorted(self.seconds.items(), key=lambda item: -item[1])
         return ", ".join(f"{phase} {100 * seconds / total:.0f} %" for phase, seconds in largest_first if seconds)

@@ -30,7 +30,7 @@ class DividedCells:
         return [np.ascontiguousarray(cells[own]) for cells, own in zip(connectivity, self.own, strict=True)]
 
     def take(self, array: FloatArray, block: int) -> FloatArray:
-        """Return a copy of the rows of own cells; of what a material does not have, nothing."""
+        """Return a copy of the rows of own cells; None where the material has no such array."""
         return array[self.own[block]] if len(array) else array
 
     def make_assembler(
@@ -40,7 +40,7 @@ class DividedCells:
         return DividedAssembler(make, connectivity, couplings, self.division, self.world, symmetric=symmetric)
 
     def agree_on(self, bad: Any) -> Any:
-        """Return the fault of a cell, as ShellFailed, of the lowest rank that has one; None where none has."""
+        """Return the fault of a cell, as ShellFailed, of the lowest rank that has one; None if no rank has one."""
         if not self.world.largest(int(bad is not None)):
             return None
         if bad is not None:
@@ -48,7 +48,7 @@ class DividedCells:
         return next(found for found in self.world.gather_objects(bad) if found is not None)
 
     def look_near(self, looks: Sequence[Look], places: FloatArray) -> list[Near]:
-        """Return what looks find of all nodes: each rank looks from its own, and tells of those that are near."""
+        """Return what looks find of all nodes: each rank looks from its own nodes and sends those that are near."""
         if self.world.leads:
             return [nearest(places, reach) for nearest, reach in looks]
         own, rows = np.flatnonzero(self.division.owner == self.world.rank), [np.zeros((0, 6))]

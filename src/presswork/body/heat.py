@@ -56,7 +56,7 @@ class Enthalpy:
 class PointShapes:
     """Carries quantities between nodes and the integration points of solids by the cells' shape functions.
 
-    A cell with one point gives its nodes by the parts of its volume that they stand for: in axisymmetry more to the
+    A cell with one point distributes its value to the nodes by their shares of its volume: in axisymmetry more to the
     outer ones.
     """
 
@@ -68,7 +68,7 @@ class PointShapes:
         self._shapes = [CELLS[row.cell].rules[row.points].shapes for row in rows]
         self._parts = []
         self.volumes: list[FloatArray] = []
-        """Of each block's cells at the start (n_cells,) [mm3]."""
+        """Volumes of each block's cells at the start (n_cells,) [mm3]."""
         for row, connectivity in zip(rows, self._connectivity, strict=True):
             axisymmetric = model.analysis == "axisymmetric"
             volume = _core.lump_volumes(

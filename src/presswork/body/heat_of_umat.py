@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The heat that a law from a shared library makes, from what the routine tells (docs/adding_a_law.md)."""
+"""The heat that a law from a shared library makes, from what the routine returns (docs/adding_a_law.md)."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from presswork.model import FloatArray, Material
 from presswork.state import State
 
 PLASTIC, CREEP = 1, 2
-"""Of the energies."""
+"""Columns of the plastic and the creep energy."""
 
 
 def find_heat(material: Material, state_n: State, trial: State, block: int, fraction: float) -> FloatArray:
     """Return the heat of an increment per volume at a block's points (n_cells, n_points) [MPa].
 
-    RPL times the increment's time where the routine sets it. Else a fraction of what SPD and SCD have grown by. Of a
-    routine that sets none of them: of the work of the stress less the change of the elastic energy, with the elastic
-    constants of its first tangent.
+    RPL times the increment's time where the routine sets it. Otherwise it is a fraction of the growth of SPD and SCD.
+    If the routine sets none of them, it is a fraction of the work of the stress less the change of the elastic energy,
+    with the elastic constants of its first tangent.
     """
     heat = trial.cells.find_kept(block, HEAT)
     if heat.any():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A material law that refused an increment, and what a law from a shared library is told of one."""
+"""A material law that refused an increment, and what a law from a shared library learns about an increment."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _CUT = {
     _core.LawStatus.stopped: 0.0,
     _core.LawStatus.components: 0.0,
 }
-"""By what an increment is cut; 0 gives up."""
+"""Factor that cuts an increment; 0 gives up."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class LawFailed(BadGuess):
     cell: int
     status: _core.LawStatus
     step_factor: float
-    """By which to cut."""
+    """Factor that cuts the step."""
 
     @classmethod
     def of(cls, block: int, fault: _core.LawFault) -> LawFailed:
@@ -36,12 +36,12 @@ class LawFailed(BadGuess):
 
     @property
     def is_final(self) -> bool:  # type: ignore[override]
-        """Whether the law has said what to do, so that a shorter correction is not to be tried."""
+        """Whether the law has decided what to do, so that no shorter correction is tried."""
         return self.status not in (_core.LawStatus.not_finite, _core.LawStatus.no_stress)
 
     @property
     def factor(self) -> float:
-        """By what to cut the increment."""
+        """Return the factor that cuts the increment."""
         return self.step_factor
 
     def __str__(self) -> str:
@@ -49,7 +49,7 @@ class LawFailed(BadGuess):
 
 
 def place_increment(step: Step) -> _core.UmatPlace:
-    """Return which increment this is, as a law from a shared library is told."""
+    """Return the increment's place in the run, as a law from a shared library receives it."""
     return _core.UmatPlace(
         stage=step.stage + 1,
         increment=step.number,

@@ -21,14 +21,14 @@ FLOWS = 1e-6
 
 @dataclass
 class LawWindow(Arrays):
-    """What the materials have been through where they flowed, since the start; of laws without a window nothing."""
+    """What the materials went through where they flowed, since the start; laws without a window have nothing."""
 
     owner = "law_window"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = dict.fromkeys(("flowed", "outside", "reached"), RUN)
     flowed: FloatArray
     """Points times increments in which they flowed (n_materials,)."""
     outside: FloatArray
-    """Of these those below and above the window, by QUANTITIES (n_materials, 3, 2)."""
+    """Sums of these below and above the window, by QUANTITIES (n_materials, 3, 2)."""
     reached: FloatArray
     """Lowest and highest strain, rate [1/s] and temperature [degrees C] (n_materials, 3, 2)."""
 
@@ -76,7 +76,8 @@ class LawWindow(Arrays):
         return {"law_windows": windows} if windows else {}
 
     def warnings(self, materials: Sequence[Material]) -> list[str]:
-        """Say which laws were taken beyond their windows; below the smallest strain every law is, as metal yields."""
+        """Warn of laws used beyond their windows; below the smallest strain all are, since metal passes it as it
+        yields."""
         found = []
         for i, material in enumerate(materials):
             window = None if material.hardening is None else material.hardening.window

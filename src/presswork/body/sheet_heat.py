@@ -31,12 +31,12 @@ RESIDUAL = 1e-12
 CORRECTION = 1e-11
 """Largest correction [K] over the largest temperature: nothing smaller is worth an iteration."""
 PLANE_ACCURACY = 1e-6
-"""Of conjugate gradients, relative: no balance depends on it."""
+"""Relative accuracy of the conjugate gradients; the balance of heat does not depend on it."""
 _CORNER = 1.0 / np.sqrt(3.0)
 _XI = np.array([[-_CORNER, -_CORNER], [_CORNER, -_CORNER], [_CORNER, _CORNER], [-_CORNER, _CORNER]])
 _SIGNS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 SHAPES = 0.25 * np.prod(1.0 + _XI[:, None] * _SIGNS, axis=2)
-"""Of four nodes at the 2 x 2 points (q, node)."""
+"""Shape functions of four nodes at the 2 x 2 points (q, node)."""
 _SLOPES = 0.25 * np.stack(
     [_SIGNS[:, 0] * (1.0 + _XI[:, None, 1] * _SIGNS[:, 1]), _SIGNS[:, 1] * (1.0 + _XI[:, None, 0] * _SIGNS[:, 0])],
     axis=2,
@@ -62,7 +62,7 @@ class SheetHeatStep:
     temperature: FloatArray
     """(levels, n_points) [degrees C]."""
     fractions: FloatArray
-    """Of PHASES (4, levels, n_points)."""
+    """Fractions of PHASES (4, levels, n_points)."""
     power: dict[str, float]
     """Mean heat that came in by kind of film [N mm/s]; `latent`: set free by transformations."""
     error: float
@@ -77,17 +77,17 @@ class _Balance:
     content: FloatArray
     """[N mm]"""
     flow: FloatArray
-    """In by conduction through the thickness and by films."""
+    """Heat that conduction through the thickness and films bring in."""
     latent: FloatArray
     """Set free by martensite."""
     slope: FloatArray
-    """Of what is stored and given away, but for conduction [N mm/(s K)]."""
+    """Derivative of the stored and released heat, conduction left out [N mm/(s K)]."""
     storing: FloatArray
     """The part of it that is stored, with latent heat."""
     fractions: FloatArray
     """(4, levels, n_points)."""
     power: dict[str, float]
-    """Of the films by kind."""
+    """Power of each kind of film."""
 
 
 class SheetConduction:
@@ -116,11 +116,11 @@ class SheetConduction:
         self.shapes = np.broadcast_to(SHAPES, (len(cells), 4, 4))
         self._shape: tuple[FloatArray, FloatArray] | None = None
         self.mass = self._lump(points, np.full(len(cells), thermal.density * thickness))
-        """Of the nodes [t]."""
+        """Mass of the nodes [t]."""
         self.update(points, np.full(len(cells), thickness))
 
     def _lump(self, points: FloatArray, amount: FloatArray) -> FloatArray:
-        """Return what an amount per area of each cell comes to at the nodes (n_points,)."""
+        """Return the nodal sums of an amount per area of each cell (n_points,)."""
         _, area = self._measure(points)
         return sum_at_nodes(self._cells, np.einsum("cq,qa->ca", area * amount[:, None], SHAPES), self.n_points)
 
@@ -147,10 +147,10 @@ class SheetConduction:
         slopes = _SLOPES @ inverse
         self._plane = slopes.transpose(0, 2, 1, 3).reshape(len(base), 4, 8) @ _SLOPES.transpose(0, 2, 1).reshape(8, 4)
         self.area = sum_at_nodes(self._cells, np.einsum("cq,qa->ca", area, SHAPES), self.n_points)
-        """Of one face that each node stands for (n_points,) [mm2]."""
+        """Area of one face that each node stands for (n_points,) [mm2]."""
         volume = sum_at_nodes(self._cells, np.einsum("cq,qa->ca", weight, SHAPES), self.n_points)
         self.thickness = np.divide(volume, self.area, out=np.ones(self.n_points), where=self.area > 0)
-        """At the nodes (n_points,) [mm]."""
+        """Thickness at the nodes (n_points,) [mm]."""
         normal = np.zeros((self.n_points, 3))
         of_cell = np.cross(base[:, :, 0], base[:, :, 1]).sum(axis=1)
         for axis in range(3):

@@ -46,9 +46,9 @@ def elastic_energy(model: Model, state: State) -> float:
 
 
 def plastic_work(model: Model, laws: list[SheetLaw], state_n: State, trial: State, dt: float) -> float:
-    """Return the plastic work of one increment over dt [s] [N mm], by the trapezoidal rule; laws: of the blocks.
+    """Return the plastic work of one increment over dt [s] [N mm], by the trapezoidal rule; laws: those of the blocks.
 
-    Of a UMAT: all work of its stress, since what it stores elastically only the routine knows.
+    A UMAT counts all work of its stress, since what it stores elastically only the routine knows.
     """
     total = 0.0
     for i, (block, work) in enumerate(

@@ -108,7 +108,7 @@ class ShellMechanics:
         self.sense = np.ones(6)
 
     def _choose_cells(self, of_cells: list[IntArray]) -> list[IntArray]:
-        """Return what is known of cells, block by block, of those that are evaluated here: all of them."""
+        """Return the values that are known of cells, block by block, of those that are evaluated here: all of them."""
         return of_cells
 
     def _make_assembler(self, couplings: IntArray | None) -> ShellAssembler:
@@ -245,7 +245,7 @@ class ShellMechanics:
         return [nearest(places, reach) for nearest, reach in looks]
 
     def begin_increment(self, state_n: State, step: Step) -> None:
-        """Keep which increment this is, for laws that ask."""
+        """Keep the increment's place in the run, for laws that use it."""
         self._when = place_increment(step)
 
     def complete(self, trial: State) -> None:
@@ -297,7 +297,7 @@ class ShellMechanics:
     def flow_stress(self, block: int, state: State) -> FloatArray:
         """Return the flow stress [MPa] at a block's points at their rates (n_cells, n_points).
 
-        Of a UMAT: effective stress.
+        A UMAT has its effective stress instead.
         """
         law = self._laws[block]
         if isinstance(law, SheetUmat):  # which does not tell it
@@ -362,7 +362,7 @@ class ShellMechanics:
         )
 
     def extremes(self, state: State) -> dict[str, FloatArray]:
-        """Return the values whose extremes the summary tells."""
+        """Return the values whose extremes the summary reports."""
         stress = np.concatenate([s.reshape(-1, 3) for s in state.cells.stress])
         return {
             "equivalent_plastic_strain": np.concatenate([e.ravel() for e in state.cells.eqps]),

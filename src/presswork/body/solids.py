@@ -159,7 +159,7 @@ class Mechanics:
         return history_at_rest(self._laws[block], size, components, rolling=rolling, porosity=porosity)
 
     def begin_increment(self, state_n: State, step: Step) -> None:
-        """Keep which increment this is, for laws that ask."""
+        """Keep the increment's place in the run, for laws that use it."""
         self._when = place_increment(step)
 
     def end_increment(self, state_n: State, trial: State, dt: float) -> None:
@@ -277,7 +277,7 @@ class Mechanics:
         return total / np.maximum(count, 1)
 
     def _flow_stress_now(self, block: int, state: State) -> FloatArray:
-        """Return the flow stress at the points; where there is none, of a UMAT or elastic, the effective stress."""
+        """Return the flow stress at the points; for a UMAT and an elastic law, the effective stress."""
         material = self._model.materials[self._model.mesh.blocks[block].material]
         if isinstance(self._laws[block], _core.Umat) or material.is_elastic:
             return effective_stress(state.cells.stress[block])
@@ -336,7 +336,7 @@ class Mechanics:
         return temperature(self._material(block), kept, history, state.cells.temperature[block])
 
     def extremes(self, state: State) -> dict[str, FloatArray]:
-        """Return the values whose extremes the summary tells."""
+        """Return the values whose extremes the summary reports."""
         stress = np.concatenate([s.reshape(-1, s.shape[-1]) for s in state.cells.stress])
         return {
             "equivalent_plastic_strain": np.concatenate([e.ravel() for e in state.cells.eqps]),
@@ -360,14 +360,14 @@ class Mechanics:
     def plastic_work(self, state_n: State, trial: State, dt: float) -> float:
         """Return the plastic work of one increment over dt [s] [N mm], by the trapezoidal rule.
 
-        Of a UMAT: all work of its stress, since what it stores elastically only the routine knows.
+        A UMAT counts all work of its stress, since what it stores elastically only the routine knows.
         """
         return sum(float(work.sum()) for work in self.plastic_work_at_points(state_n, trial, dt))
 
     def plastic_heat_at_points(self, state_n: State, trial: State, dt: float, fraction: float) -> Iterator[FloatArray]:
         """Yield the heat of an increment over dt [s] at the points of block after block (n_cells, n_points) [N mm].
 
-        fraction: of the plastic work. A UMAT tells its heat, or its dissipation (body/heat_of_umat.py).
+        fraction: of the plastic work. A UMAT reports its heat, or its dissipation (body/heat_of_umat.py).
         """
         for i, work in enumerate(self.plastic_work_at_points(state_n, trial, dt)):
             if isinstance(self._laws[i], _core.Umat):

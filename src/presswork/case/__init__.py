@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The case: schema, units, reading of case files, and the way from a case to the Model."""
+"""The case: schema, units, reading of case files, and the builders that turn a case into a Model."""
 
 import lazy_loader
 

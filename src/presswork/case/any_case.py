@@ -91,8 +91,8 @@ def list_libraries(case: AnyCase) -> list[Path]:
 def json_schema(kind: str | None = None) -> dict[str, Any]:
     """Return the JSON schema of case files, by which editors complete and check them.
 
-    kind: an `analysis`, or plane for both of the plane; without it: of all, told apart by `analysis`. Raises CaseError
-    for an unknown kind.
+    kind: an `analysis`, or plane for both in the plane; without it the schema covers all kinds, and `analysis`
+    distinguishes them. Raises CaseError for an unknown kind.
     """
     names = {word: name for name, entry in KINDS.items() for word in (name, *entry.analyses)}
     if kind is not None and kind not in names:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every kind of case file is: read from TOML with overrides, checked whole, able to say what it was."""
+"""What every kind of case file shares: reading from TOML with overrides, validation of the whole, a description for
+errors."""
 
 from __future__ import annotations
 
@@ -122,7 +123,7 @@ def _tables_with_paths(data: dict[str, Any]) -> list[tuple[dict[str, Any], str]]
 
 
 def names_files(data: dict[str, Any]) -> bool:
-    """Say whether a case names files, whose paths are relative to it."""
+    """Return whether a case names files, whose paths are relative to it."""
     return bool(_tables_with_paths(data))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is wrong with a case, said in one place: key, value, what was expected, and the remedy."""
+"""Errors of a case in one form: key, value, what was expected, and the remedy."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Problem:
     key: str
     """Dotted path, e.g. `workpiece.mesh.pattern`; empty when the whole file is meant."""
     expected: str
-    """What the key wants, or what is wrong, in one clause."""
+    """What the key expects, or what is wrong, in one clause."""
     remedy: str = ""
     """What to do about it."""
     value: object = _Missing.VALUE

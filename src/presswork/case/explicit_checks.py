@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 CONTACTS = ("frictionless", "sticking", "coulomb")
 LARGEST_MU = 2.0
 STEPS_OF_A_STAGE = 20
-"""Time steps that the shortest stage has at least, where a step is asked for."""
+"""Least number of time steps in the shortest stage, where a step is given."""
 
 
 def check_implicit_keys(case: Case | SpaceCase, velocities: Sequence[str]) -> list[Problem]:

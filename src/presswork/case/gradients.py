@@ -18,7 +18,8 @@ from presswork.case.part import Part
 from presswork.case.reader import apply_overrides
 
 STEP = 1e-4
-"""Of a number: by how much the neighbours of a run differ from it. The error is h^2 and that of round-off over h."""
+"""Relative step: the difference between a number and that of the run's neighbours. Its error is h^2, that of round-off
+1/h."""
 OF_LAWS = 3e-4
 """The same of numbers of the materials of solids: a modulus changes damage so little that round-off counts for more."""
 WEAK = 1e-3
@@ -169,7 +170,7 @@ def _vary(case: CaseFile, data: dict[str, Any], key: str, value: float) -> CaseF
 
 
 def _has_mesh_of(side: model.Model, built: model.Model) -> bool:
-    """Say whether a Model has the cells of another, wherever their nodes are."""
+    """Return whether a Model has the cells of another, wherever their nodes are."""
     own, other = side.mesh, built.mesh
     return own.points.shape == other.points.shape and all(
         np.array_equal(a.connectivity, b.connectivity) for a, b in zip(own.blocks, other.blocks, strict=True)

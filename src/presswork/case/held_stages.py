@@ -33,7 +33,7 @@ def check_held_stages(boundary: Mapping[str, StagedBoundary], stages: Sequence[s
 
 
 def releases(boundary: Mapping[str, StagedBoundary], stages: Sequence[str], number: int) -> bool:
-    """Say whether a stage releases what the stage before it holds; stages: names of those of the case."""
+    """Return whether a stage releases what the stage before it holds; stages: names of those of the case."""
     before = list_released(boundary, stages[max(number - 1, 0)])
     return not set(list_released(boundary, stages[number])) <= set(before)
 

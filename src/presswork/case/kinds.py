@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The kinds of case, told apart by `analysis`: the class and the builder of each, by name.
+"""The kinds of case, distinguished by `analysis`: the class and the builder of each, by name.
 
-A new kind is an entry of KINDS. Its class needs `analysis`, a Literal of words that no other kind has.
-Class and builder are imported when a case of that kind is read, so a run does not wait for the schemas of all others.
+A new kind is an entry of KINDS. Its class needs the key `analysis`, a Literal of words that no other kind uses. Class
+and builder are imported when a case of that kind is read, so a run does not wait for the schemas of all others.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ KINDS = {
         has_laws=False,
     ),
 }
-"""By the names that `presswork schema` knows."""
+"""Kinds of case by the names that `presswork schema` accepts."""
 
 
 def find_kind(analysis: object) -> Kind | None:

@@ -16,7 +16,7 @@ DESCRIPTION = (
     "temperature"
 )
 OUTSIDE = 1e-3
-"""Of the size of the body, by which a point may lie outside it."""
+"""How far a point may lie outside the body, over the body's size."""
 
 
 def build_points(

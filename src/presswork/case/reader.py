@@ -174,7 +174,7 @@ def list_problems(error: ValidationError, data: object, schema: JsonSchema) -> l
 
 
 def _is_of_a_form_not_taken(problem: Problem, problems: Sequence[Problem]) -> bool:
-    """Say whether a place that may be a value or a list was meant as the other, which has its own problem."""
+    """Return whether a place that may be a value or a list was meant as the other, which has its own problem."""
     others = [other for other in problems if other is not problem]
     if problem.expected == "expected a list":
         return any(other.key == problem.key for other in others)
@@ -182,12 +182,12 @@ def _is_of_a_form_not_taken(problem: Problem, problems: Sequence[Problem]) -> bo
 
 
 def _follows_from_an_entry(entry: Mapping[str, Any]) -> bool:
-    """Say whether a list is only called too short because pydantic left out entries that have their own error."""
+    """Return whether a list is only called too short because pydantic left out entries that have their own error."""
     return bool(entry["type"] == "too_short" and len(entry["input"]) >= entry["ctx"]["min_length"])
 
 
 def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Problem:
-    """Say one pydantic error in the words of a case file."""
+    """Translate one pydantic error into the words of a case file."""
     kind: str = entry["type"]
     context: dict[str, Any] = entry.get("ctx", {})
     value = entry["input"]
@@ -223,7 +223,7 @@ def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Probl
 
 
 def _suggest_key(key: str, name: str, table: JsonSchema, schema: JsonSchema) -> str:
-    """Say where a key that its table does not know belongs: in another table, or which of this one is meant."""
+    """Explain where an unknown key belongs: in another table, or which key of this one is meant."""
     keys = table.get("properties", {})
     here = key.split(".")[:-1]
     places = [place or "the case itself" for place in _find_tables(name, schema) if not _is_at(here, place)]
@@ -233,7 +233,7 @@ def _suggest_key(key: str, name: str, table: JsonSchema, schema: JsonSchema) -> 
 
 
 def _is_at(path: Sequence[str], place: str) -> bool:
-    """Say whether a place of the schema, where NAME and N stand for any entry, is that of a path."""
+    """Return whether a place of the schema, where NAME and N stand for any entry, is that of a path."""
     steps = place.split(".") if place else []
     pairs = zip(path, steps, strict=False)
     return len(steps) == len(path) and all(step in ("NAME", "N", own) for own, step in pairs)
@@ -263,7 +263,7 @@ def _find_tables(name: str, schema: JsonSchema) -> list[str]:
 
 
 def _instance(key: str, expected: str) -> str:
-    """Return a remedy for a place whose schema says nothing: what may stand there, for instance."""
+    """Return a remedy for a place whose schema has none: what may stand there, for instance."""
     texts = {
         "a table": f"write [{key}], and its keys below",
         "a list": "write [1, 2], for instance",
@@ -295,7 +295,7 @@ def _problem(key: str, expected: str, remedy: str, value: object) -> Problem:
 
 
 def _expectation(kind: str, context: Mapping[str, Any], message: str) -> str:
-    """Say what pydantic's commonest checks want."""
+    """Describe what pydantic's commonest checks expect."""
     if kind in ("model_type", "model_attributes_type", "dict_type", "mapping_type"):
         return "expected a table"
     if kind in ("tuple_type", "list_type"):

@@ -21,15 +21,15 @@ logger = logging.getLogger(__name__)
 ACROSS = 0.1
 """Part of a unit vector from which on a support or a ring resists along it."""
 TOLERANCE = 1e-6
-"""Of the size of the workpiece: a gap that counts as closed."""
+"""Gap that counts as closed, over the size of the workpiece."""
 SAMPLES = 16
 """Places along each motion."""
 
 
 def check_resistance(model: Model) -> list[Problem]:
-    """Return a problem where tools push a workpiece that nothing holds against them, which then rides along.
+    """Return a problem where tools push a workpiece that nothing holds against them, which then moves along with them.
 
-    Where inertia resists that is a warning, as a symmetry plane is that looks forgotten, and tools that only slide.
+    Where inertia resists, that is a warning. So are a symmetry plane that looks forgotten, and tools that only slide.
     """
     for side in find_forgotten_planes(model):
         logger.warning("%s", explain_forgotten(model, side.describe(dict(model.mesh.node_sets))))
@@ -49,7 +49,7 @@ def check_resistance(model: Model) -> list[Problem]:
 
 
 def explain_forgotten(model: Model, place: str) -> str:
-    """Say that a side looks like a symmetry plane; place: what FlatSide.describe says of it."""
+    """Explain that a side looks like a symmetry plane; place: what FlatSide.describe returns."""
     key = "blank.symmetry" if model.analysis == "stamping" else "[boundary]"
     return (
         f"nothing holds, loads or touches the workpiece on {place}, which looks like a symmetry plane: if it is one, "
@@ -58,7 +58,7 @@ def explain_forgotten(model: Model, place: str) -> str:
 
 
 def _knows_all(model: Model) -> bool:
-    """Say whether strokes alone make what happens: no load, flight, turning tool or spring, and no formed part."""
+    """Return whether strokes alone drive the process: no load, flight, turning tool or spring, and no formed part."""
     stages = model.stages
     loaded = any(
         s.forces or s.pressures or s.edge_forces or s.face_forces or s.face_pressures or s.shell_pressures
@@ -108,7 +108,7 @@ def _find_unresisted(model: Model) -> Problem | None:
 
 
 def _is_resisted(model: Model, tool: Tool, points: FloatArray, direction: FloatArray) -> bool:
-    """Say whether anything but the tool itself can hold the workpiece back along a way."""
+    """Return whether anything but the tool itself can hold the workpiece back along a direction."""
     along = np.abs(direction) > ACROSS
     if model.analysis == "axisymmetric" and along[0]:
         return True
@@ -153,7 +153,7 @@ def _explain_unresisted(model: Model, tool: Tool, stage: int, direction: FloatAr
 
 
 def _only_slide(model: Model) -> bool:
-    """Say whether tools that move touch the workpiece, and none ever comes nearer than it starts."""
+    """Return whether tools that move touch the workpiece, and none ever comes nearer than it starts."""
     points = _list_boundary(model)
     tolerance = TOLERANCE * float(np.linalg.norm(np.ptp(points, axis=0)))
     touches = False

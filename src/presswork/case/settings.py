@@ -17,7 +17,7 @@ _SOLVER = model.SolverSettings()
 _OUTPUT = model.OutputSettings()
 
 RAMP = 0.1
-"""Part of an explicit stage that starts it smoothly, and part that ends it, where it says nothing."""
+"""Share of an explicit stage that starts it smoothly, and share that ends it, where the stage sets none."""
 
 Whole = Annotated[int, Field(strict=True)]
 IncrementTolerance = Annotated[
@@ -176,7 +176,7 @@ def build_solver(
 ) -> model.SolverSettings:
     """Turn a case's solver settings into the Model's; Coulomb friction and contact of bodies keep the whole tangent.
 
-    Shells do without a line search: on the way to a new shape full steps pass through large membrane forces.
+    Shells use no line search: between two shapes full steps pass through large membrane forces.
     """
     values = solver.model_dump(exclude={"terms"})
     if solver.symmetric is None:

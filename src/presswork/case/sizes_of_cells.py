@@ -14,7 +14,7 @@ from presswork.mesh.topology import list_cell_edges
 from presswork.remesh.space.tetrahedra import list_edges
 
 SMALLEST = 0.25
-"""Of the largest size."""
+"""Smallest size over the largest."""
 
 
 class SizesOfCells(Part):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of measured points in text files: lines that say something, cut into cells."""
+"""Tables of measured points in text files: lines with content, cut into cells."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ VERY_ROUND = 50.0
 WITHIN = 0.051
 """How far a number may lie off such a step."""
 COOLER = 100.0
-"""By how much surroundings are cooler than a hot workpiece, at least [K]: in a furnace they are not."""
+"""How much cooler surroundings are than a hot workpiece, at least [K]; in a furnace they are not."""
 
 
 def warn_of_temperatures(model: Model) -> Iterator[str]:
@@ -103,13 +103,13 @@ def _is_room(key: str) -> bool:
 
 
 def _is_room_in_kelvin(temperature: float, hottest: float) -> bool:
-    """Say whether surroundings have a workshop's temperature in kelvin, not a furnace's in degrees C."""
+    """Return whether surroundings have a workshop's temperature in kelvin, not a furnace's in degrees C."""
     is_room = COLDEST_ROOM <= temperature - ZERO_CELSIUS <= HOTTEST_ROOM
     return is_room and (not _is_step(temperature) or temperature < hottest - COOLER)
 
 
 def _is_round_in_kelvin(temperature: float, step: float = ROUND) -> bool:
-    """Say whether a number is round once it is taken for kelvin, and is not as it is."""
+    """Return whether a number is round once it is taken for kelvin, but not as it is."""
     above = temperature >= ZERO_CELSIUS + COLDEST_ROOM
     return (
         above

@@ -102,7 +102,7 @@ def _is_file(drawn: Any) -> bool:
 
 
 def _is_off(tool: Tool, share: float, *, is_file: bool, all_small: bool) -> bool:
-    """Say whether a tool's size over the workpiece's is one that no tool has."""
+    """Return whether a tool's size over the workpiece's is one that no tool has."""
     if is_file:
         return share > LARGE or share < TINY or (share < SMALL and all_small)
     if tool.kind == "punch":
@@ -112,7 +112,7 @@ def _is_off(tool: Tool, share: float, *, is_file: bool, all_small: bool) -> bool
 
 
 def _explain(key: str, drawn: Any, own: float, size: float) -> str:
-    """Say how large a tool is, and which unit would make it about as large as the workpiece."""
+    """Describe how large a tool is, and which unit would make it about as large as the workpiece."""
     share = own / size
     text = f"{key}: the tool is {own:.4g} mm across, {share:.3g} times the workpiece of {size:.4g} mm"
     unit = getattr(drawn, "unit", None)

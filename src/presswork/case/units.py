@@ -117,7 +117,7 @@ def unit_factor(unit: str, dimension: Dimension) -> float:
 
 
 def _ask_pint(unit: str, dimension: Dimension) -> float:
-    """Return what pint says of a unit that has the form of one. Raises ValueError, as unit_factor."""
+    """Return what pint reports about a unit that has the form of one. Raises ValueError, as unit_factor."""
     import pint
 
     registry = _unit_registry()
@@ -174,7 +174,7 @@ def split_quantity(value: object) -> tuple[float, str] | None:
 
 
 def to_entries(values: Sequence[object], *converts: Callable[[object], float]) -> tuple[float, ...]:
-    """Convert the entries of a list, each in its own way; a fault is that of the entry, by its index."""
+    """Convert the entries of a list, each with its own converter; a fault is reported for the entry, by its index."""
     found = []
     for index, (value, convert) in enumerate(zip(values, converts, strict=True)):
         try:

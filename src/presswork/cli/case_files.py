@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Messages that say what is wrong with a case file."""
+"""Messages that explain what is wrong with a case file."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ def check(
     set_: Settings = None,
     run_user_code: RunUserCode = False,
 ) -> None:
-    """Validate a case and say in words what would be computed; code that it names runs only if allowed."""
+    """Validate a case and describe what would be computed; code that it names runs only if allowed."""
     with reading():
         checked = api.check(read_case(case, set_ or []))
     typer.echo(checked.description)

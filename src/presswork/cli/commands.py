@@ -13,7 +13,7 @@ from presswork import __version__
 
 COMMANDS = {
     "run": "Compute a case, draw its pictures and write its page for the browser.",
-    "check": "Validate a case and say in words what would be computed; code that it names runs only if allowed.",
+    "check": "Validate a case and describe what would be computed; code that it names runs only if allowed.",
     "plot": "Draw PNG pictures of results: mesh with fields, history, contact stress, forming limit diagram.",
     "animate": "Write a film of a run, GIF or MP4: the part with a field, a picture a saved step.",
     "report": "Write one page for the browser: the part in 3D with its fields over time, curves, forming limit, case.",
@@ -32,13 +32,13 @@ COMMANDS = {
     "calibrate": "Find a parameter from measured tests.",
     "material": "Sheet materials at a point.",
     "export": "Write the formed part for other programs, with thickness, stress and plastic strain.",
-    "import": "Make a case of another program's deck, and say line by line what was kept, changed and dropped.",
+    "import": "Make a case of another program's deck, and report line by line what was kept, changed and dropped.",
 }
 """First paragraph of each command's help by its name. A command is the function of that name in the module of that name
 in this package; a group of commands is the Typer `app` of its module."""
 
 _MODULES = {"import": "import_deck"}
-"""Of commands whose name is no name of a module."""
+"""Modules of commands whose name is no name of a module."""
 
 
 def load(name: str) -> Any:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command `compensate`.
 
-Exit status: 0 the part is within the tolerance; 2 bad input; 3 it is not; 130 interrupted."""
+Exit status: 0 the part is within the tolerance; 2 bad input; 3 the part is outside the tolerance; 130 interrupted."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ def _print_summary(result: Result, outcome: Outcome, quiet: bool) -> None:
 
 
 def describe_crack(crack: Mapping[str, Any]) -> str:
-    """Say at which stroke, and where, a sheet first passed its forming limit.
+    """Describe the stroke and the place at which a sheet first passed its forming limit.
 
     >>> describe_crack({"strokes_mm": {"punch": -12.346, "holder": 0.0}, "time_s": 0.4, "at_mm": [1.0, 25.0, -3.0]})
     'first crack after punch -12.35 mm, at (1, 25, -3) mm'

@@ -93,7 +93,7 @@ def _export_solid(result: Result, step: int, files: list[Path]) -> None:
 
 
 def _print_sheet(sheet: FormedSheet, part: FormedPart) -> float:
-    """Say how many shells and layers there are, how thick, and what energy they store; return that [N mm]."""
+    """Print the number of shells and layers, the thickness and the stored energy; return the energy [N mm]."""
     from presswork.mesh.files.formed.layers import elastic_energy
 
     energy, thickness = elastic_energy(sheet, part.young, part.poisson), sheet.thickness
@@ -106,7 +106,7 @@ def _print_sheet(sheet: FormedSheet, part: FormedPart) -> float:
 
 
 def _map(part: FormedPart, onto: Path, scale: float, within: float | None) -> FormedSheet:
-    """Return the part on another mesh, and say how well it lies there. Raises MeshError."""
+    """Return the part on another mesh, and print how well it lies there. Raises MeshError."""
     from presswork.mesh.files.formed.layers import elastic_energy
     from presswork.mesh.files.shell_mesh import read_shell_mesh
     from presswork.mesh.sheet_map import covered_part, map_sheet

@@ -49,7 +49,7 @@ def import_deck(
     ] = "",
     drop: Annotated[list[str] | None, typer.Option(help="A keyword that carries physics, to leave out anyway.")] = None,
 ) -> None:
-    """Make a case of another program's deck, and say line by line what was kept, changed and dropped."""
+    """Make a case of another program's deck, and report line by line what was kept, changed and dropped."""
     with exit_on(CaseError, OSError, OutputError):
         _import(deck, output or deck.with_name(deck.stem.removesuffix("_0000")), units, drop or [])
 
@@ -67,7 +67,7 @@ def _explain_misfits(deck: Path) -> Iterator[None]:
 
 
 def _import(deck: Path, folder: Path, units: str, drop: list[str]) -> None:
-    """Read a deck, write the case, and tell what became of the lines. Raises CaseError."""
+    """Read a deck, write the case, and print what became of the lines. Raises CaseError."""
     sign = "/" if deck.suffix.lower() == ".rad" else "*"
     notes = Notes(deck, frozenset(f"{sign}{each.lstrip('*/').upper()}" for each in drop))
     if deck.suffix.lower() not in _READERS:

@@ -63,7 +63,7 @@ def allow(
 
 @app.command()
 def show(name: Name) -> None:
-    """Say what a material is and where its numbers come from."""
+    """Show what a material is and where its numbers come from."""
     with exit_on(CaseError, ImportError, OSError, OutputError):
         sheet = find_sheet(name)
     typer.echo(f"{sheet.name}: {sheet.summary}" + (f", {sheet.thickness:g} mm" if sheet.thickness else ""))

@@ -62,7 +62,7 @@ def optimise(
 
 
 def _report(found: Optimum, study: Study) -> None:
-    """Say what the best case is, or why there is none."""
+    """Print the best case, or why there is none."""
     if found.best is not None:
         values = ", ".join(
             f"{variable.names[0]} = {variable.write(found.best.values[variable.names[0]])}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures of results, and the message that says where they are."""
+"""Pictures of results, and the message with their paths."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from presswork.cli.terminal import console, exit_on
 from presswork.results import OutputError, Result
 
 NAME = "report.html"
-"""Of the page in an output folder."""
+"""File name of the page in an output folder."""
 
 
 def report(

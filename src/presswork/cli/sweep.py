@@ -96,7 +96,7 @@ def sweep(
 
 
 def _report_members(result: SweepResult, quiet: bool) -> None:
-    """Say which members did not complete and what their runs warn of, and leave with the status that it asks for."""
+    """Print which members did not complete and what their runs warn of, and exit with the status that follows."""
     for member in result.members:
         if member.status in ("bad_input", "gave_up", "failed"):
             status = member.status.replace("_", " ")

@@ -54,7 +54,7 @@ def console() -> Console:
 
 
 def refuse(message: str, status: int = BAD_INPUT) -> typer.Exit:
-    """Say what is wrong; return what the caller raises to end the program."""
+    """Print what is wrong; return what the caller raises to end the program."""
     console().print(f"error: {message}", style="red", markup=False)
     return typer.Exit(status)
 

@@ -16,9 +16,9 @@ from presswork.model import BoolArray, FloatArray
 _STEADY = 0.01
 """Part by which a force may change in a stage and yet be one number."""
 _ROWS = 9
-"""Of a force that changes with the stroke."""
+"""Number of rows for a force that changes with the stroke."""
 _STILL = 1e-6
-"""Shorter strokes are none [mm]."""
+"""Length below which a stroke counts as none [mm]."""
 
 
 def describe_stages(reader: BlankAndTools, names: dict[int, str], kinds: dict[int, str]) -> list[dict[str, Any]]:
@@ -64,7 +64,7 @@ def _sense(kind: str) -> float:
 
 
 def _is_moved(motions: list[Motion], begin: float, end: float, unit: float) -> bool:
-    """Say whether a motion lasts through a stage; times [s], unit: of the deck's own."""
+    """Return whether a motion lasts through a stage; times [s], unit: unit of time in the deck."""
     tiny = 1e-6 * (end - begin)
     return any(unit * m.begin <= begin + tiny and unit * m.end >= end - tiny for m in motions)
 
@@ -80,7 +80,7 @@ def _find_breaks(reader: BlankAndTools, pushes: dict[int, list[Push]], motions: 
 
 
 def _stroke(reader: BlankAndTools, free: set[int], inside: BoolArray) -> FloatArray:
-    """Return how far the tool with the longest way has gone in a stage (n,) [mm]."""
+    """Return how far the tool with the longest travel has gone in a stage (n,) [mm]."""
     strokes = (w for p, w in reader.displacements.items() if p not in free)
     longest = max(strokes, key=np.ptp, default=np.zeros(len(reader.times)))
     return np.asarray(np.abs(longest[inside] - longest[inside][0]))

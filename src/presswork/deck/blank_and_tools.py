@@ -35,7 +35,7 @@ class Surface:
 
 
 class BlankAndTools:
-    """What a deck says of its blank and of the tools that touch it."""
+    """The blank of a deck and the tools that touch it."""
 
     def __init__(self, deck: Deck, units: Units, notes: Notes) -> None:
         self.deck, self.units, self.notes = deck, units, notes
@@ -113,7 +113,7 @@ class BlankAndTools:
         return points + self.offset if part == self.blank else points, index
 
     def _find_offset(self) -> FloatArray:
-        """Return how far the blank's middle lies from its nodes (3,) [mm]: half its thickness, where a section says."""
+        """Return how far the blank's middle lies from its nodes (3,) [mm]: half its thickness, if a section has it."""
         section = self.deck.sections.get(self.deck.parts[self.blank].section)
         if section is None or not section.offset:
             return np.zeros(3)
@@ -138,7 +138,7 @@ class BlankAndTools:
 
     @property
     def angle(self) -> FloatArray:
-        """Of the material from the first side of each shell of the blank (n,) [rad]."""
+        """Return the angle of the material from the first side of each shell of the blank (n,) [rad]."""
         own = self.shells.part == self.blank
         return np.zeros(int(own.sum())) if self.shells.angle is None else np.radians(self.shells.angle[own])
 
@@ -170,7 +170,7 @@ class BlankAndTools:
         return Surface(points, mesh.cells)
 
     def _half_thickness(self, part: int) -> tuple[float, Contact | None]:
-        """Return half the thickness [mm] with which a tool touches the sheet, and the contact that says so."""
+        """Return half the thickness [mm] with which a tool touches the sheet, and the contact that sets it."""
         for contact in self.deck.contacts:
             for side, other in ((0, 1), (1, 0)):
                 if part not in contact.parts[side] or self.blank not in contact.parts[other]:
@@ -227,7 +227,7 @@ class BlankAndTools:
         return placed, symmetry
 
     def _comes_from_above(self, normal: int) -> bool:
-        """Say whether the punch comes from the side of the positive normal: named so, or pushed, or with most tools."""
+        """Return whether the punch comes from the side of the positive normal: by name, by force, or as most tools."""
         level = float(self.sheet_points[:, normal].mean())
         side = {number: float(np.sign(self._points_of(number)[0][:, normal].mean() - level)) for number in self.tools}
         named = [number for number, part in self.tools.items() if is_punch(part.title)]

@@ -22,7 +22,7 @@ class Shells:
     nodes: IndexArray
     """Labels of their nodes (n, 4); a triangle has its last one twice."""
     thickness: FloatArray
-    """Of its own, NaN where the section gives it (n,)."""
+    """Thickness of each shell itself, NaN where the section sets it (n,)."""
     labels: IndexArray | None = None
     """Their own (n,), where the sheet may have a past."""
     angle: FloatArray | None = None
@@ -51,7 +51,7 @@ class SectionCard:
     place: Place
     keyword: str = "*SECTION_SHELL"
     offset: float = 0.0
-    """Of the nodes from the middle, along the shells' normals, in thicknesses."""
+    """Offset of the nodes from the middle, along the shells' normals, in thicknesses."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ class Contact:
     place: Place
     keyword: str
     thickness: tuple[tuple[float, float], tuple[float, float]] | None = None
-    """Of the shells of rigid bodies on each side, as they touch, and a factor; 0: that of their section.
+    """Thickness with which rigid bodies touch on each side, and a factor; 0: the thickness of their section.
 
     None: the mesh of a rigid body is its face.
     """
@@ -156,7 +156,7 @@ class Deck:
     breaks: list[float] = field(default_factory=list)
     """Times at which the deck itself ends a step."""
     node_place: Place | None = None
-    """Of the first nodes."""
+    """Place in the deck of the first nodes."""
     labels: IndexArray = field(default_factory=lambda: np.empty(0, dtype=np.intp))
     points: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     shells: Shells | None = None

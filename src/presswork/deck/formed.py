@@ -19,12 +19,12 @@ _FROM = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 """Where a tensor has xx, yy, zz, xy, yz, zx."""
 _TO = (np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0]))
 _ALIKE = 1e-6
-"""Of the thickness, by which that of shells may differ in one blank."""
+"""How much the thickness of shells may differ in one blank, over the thickness."""
 _RULES: tuple[Literal["gauss", "lobatto"], ...] = ("gauss", "lobatto")
 
 
 def has_past(deck: Deck, part: int) -> bool:
-    """Say whether shells of a part have stresses, strains, or thickness of their own that differs."""
+    """Return whether the shells of a part have stresses, strains, or unequal thickness."""
     assert deck.shells is not None
     own = deck.shells.part == part
     thickness = deck.shells.thickness[own]

@@ -14,7 +14,7 @@ Fate = Literal["kept", "changed", "dropped"]
 KEPT: Fate = "kept"
 DROPPED: Fate = "dropped"
 _RANK: tuple[Fate, ...] = ("dropped", "kept", "changed")
-"""Of several notes on a line the last one of these is what became of it."""
+"""Order of notes on a line: the last one of these is what became of the line."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Note:
     keyword: str
     text: str
     is_datum: bool = False
-    """Whether it tells of one datum of a keyword, whose others have notes of their own."""
+    """Whether it is about one datum of a keyword, whose other data have notes of their own."""
 
     def __str__(self) -> str:
         return f"{self.place}  {self.fate:8}{self.keyword}: {self.text}"
@@ -41,17 +41,17 @@ class Notes:
     """Keywords that carry physics and may be dropped nevertheless."""
     notes: list[Note] = field(default_factory=list)
     seen: dict[Place, Note] = field(default_factory=dict)
-    """What is said of a line that nothing else is noted of."""
+    """Note on a line that no other note is about."""
     belonging: dict[Place, tuple[str, Place]] = field(default_factory=dict)
     """Keywords whose fate is that of another line."""
     faults: list[Problem] = field(default_factory=list)
 
     def see(self, place: Place, keyword: str, text: str, fate: Fate = "kept") -> None:
-        """Say what becomes of a line unless something else is noted of it, so that no line is missing."""
+        """Note what becomes of a line unless there is another note on it, so that no line is missing."""
         self.seen[place] = Note(place, fate, keyword, text)
 
     def belong(self, place: Place, keyword: str, to: Place) -> None:
-        """Say that a line is kept, changed or dropped with another one."""
+        """Note that a line is kept, changed or dropped with another one."""
         self.belonging[place] = (keyword, to)
 
     def keep(self, place: Place, keyword: str, text: str) -> None:

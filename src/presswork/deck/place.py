@@ -12,9 +12,9 @@ from presswork.deck.contents import Held
 from presswork.model import FloatArray, IndexArray
 
 _FLAT = 1e-3
-"""Of its size, by which a flat sheet may leave its plane."""
+"""How far a flat sheet may leave its plane, over its size."""
 _ON = 1e-4
-"""Of its size, within which nodes lie on a plane."""
+"""How far nodes on a plane may lie off it, over the size of the sheet."""
 _PLANES = {
     0: (True, False, False, False, True, True),
     1: (False, True, False, True, False, True),
@@ -37,7 +37,7 @@ class Seat:
         return np.asarray(points @ self.turn.T + self.shift)
 
     def describe(self) -> str:
-        """Say in words what was done; empty where nothing was."""
+        """Describe what was done; empty where nothing was."""
         words = []
         if not np.allclose(self.turn, np.eye(3)):
             names = np.array(["x", "y", "z"])

@@ -11,11 +11,11 @@ import numpy as np
 from presswork.model import FloatArray
 
 _STILL = 1e-4
-"""Of the longest way of all tools: what counts as standing still."""
+"""Length that counts as standing still, over the longest travel of all tools."""
 _SHORTEST = 2e-3
-"""Of the whole time: shorter stages are joined to their neighbours."""
+"""Shortest stage over the whole time: shorter ones are joined to their neighbours."""
 _REST = 0.05
-"""Of the whole time: shorter rests of all tools are joined to their neighbours."""
+"""Shortest rest of all tools over the whole time: shorter ones are joined to their neighbours."""
 _SAMPLES = 4001
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The case of a stamping that says what a deck says: its blank, tools and stages."""
+"""The case of a stamping from a deck: its blank, tools and stages."""
 
 from __future__ import annotations
 

@@ -13,12 +13,12 @@ _HOLDER_ENDS = ("holder", "binder")
 
 
 def is_punch(title: str) -> bool:
-    """Say whether a title names a punch; a holder of a punch is none."""
+    """Return whether a title names a punch; the holder of a punch is none."""
     return _has_word(title, _PUNCHES, _PUNCH_ENDS) and not is_holder(title)
 
 
 def is_holder(title: str) -> bool:
-    """Say whether a title names a holder: `spring` and `padding` do not, though `ring` and `pad` do."""
+    """Return whether a title names a holder: `spring` and `padding` do not, though `ring` and `pad` do."""
     return _has_word(title, _HOLDERS, _HOLDER_ENDS)
 
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from presswork.deck.contents import MaterialCard
 
 _YOUNG = (40e3, 250e3)
-"""Of sheet metals, from magnesium to steel [MPa]."""
+"""Young's modulus of sheet metals, from magnesium to steel [MPa]."""
 _DENSITY = (1.5e-9, 9.5e-9)
 """From magnesium to copper [t/mm^3]."""
 _PREFIXES = {
@@ -56,7 +56,7 @@ class Units:
         return self.mass / self.length**3
 
     def is_as(self, other: Units) -> bool:
-        """Say whether numbers mean the same in other units."""
+        """Return whether numbers mean the same in other units."""
         pairs = ((self.length, other.length), (self.mass, other.mass), (self.time, other.time))
         return all(abs(own - its) <= 1e-9 * own for own, its in pairs)
 

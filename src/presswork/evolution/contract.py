@@ -60,7 +60,8 @@ class PointChange:
     temperature: FloatArray | None = None
     """At its end."""
     back_stress: FloatArray | None = None
-    """Of a sheet with kinematic hardening at its end, components as the stress [MPa]; None: there is none."""
+    """Back stress at the end in a sheet with kinematic hardening, components as the stress [MPa]; None: there is none.
+    """
     layers: int = 1
     """Points through the thickness of a sheet, one after the other."""
     parts: int = 1

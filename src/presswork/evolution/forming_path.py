@@ -12,7 +12,7 @@ between. A neck does not form in so little strain: 1/p* is averaged over the las
 that decay exponentially. On a straight path that changes nothing.
 
 A sheet necks when all its layers have reached their limits at the same time (Stoughton & Yoon 2011). Over a radius one
-face is beyond its limit while the other is compressed, and the other way round where the sheet is straightened again:
+face is beyond its limit while the other is compressed, and the reverse holds where the sheet is straightened again:
 neither necks it. So in every increment a place has the margin of its best layer, one that does not flow the whole of
 it, and the least of these so far is kept.
 """
@@ -39,7 +39,7 @@ MEMORY = 0.01
 FARTHEST = 3.0
 """Equivalent plastic strain beyond which no limit in stresses is looked for."""
 FLOWS = 0.9
-"""Part of the flow stress below which a stress at the end of a row of explicit cycles tells nothing of its flow."""
+"""Share of the flow stress below which a stress at the end of a row of explicit cycles does not show flow."""
 SHARE = "forming_limit_share"
 QUANTITIES = {
     quantity.name: quantity
@@ -109,7 +109,7 @@ def _keep_least(before: FloatArray, margin: FloatArray, flows: NDArray[np.intp],
 
 
 def has_stress_limit(material: Material) -> bool:
-    """Tell whether a material's flow stress is one of plastic strain alone, so that stresses have one limit."""
+    """Return whether a material's flow stress depends on plastic strain alone, so that stresses have one limit."""
     return material.kinematic is None and not depends_on_rate(material) and not depends_on_temperature(material)
 
 

@@ -28,8 +28,8 @@ class EvolvedArrays(Arrays):
     owner = "evolved"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {"values": POINT}
     values: dict[str, list[FloatArray]]
-    """By the quantity's name: a list entry for each block of cells (n_cells, p), without rows where the material has no
-    such law; units as the quantities say (presswork.evolution.of_material)."""
+    """Values by the quantity's name: a list entry for each block of cells (n_cells, p), without rows where the material
+    has no such law; units as the quantities define them (presswork.evolution.of_material)."""
 
 
 def find_evolved(state: State) -> dict[str, list[FloatArray]]:
@@ -50,7 +50,7 @@ class Evolution:
         self.place(None)
 
     def place(self, origin: FloatArray | None) -> None:
-        """Say where the material of the nodes was when the run began (n_points, 2) [mm]; None: at the mesh's points."""
+        """Set where the material of the nodes was when the run began (n_points, 2) [mm]; None: at the mesh's points."""
         if any(material.gtn for material in self._model.materials):
             from presswork.evolution.porosity import NonlocalPorosity  # loads scipy, which dense metals do without
 

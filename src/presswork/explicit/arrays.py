@@ -31,7 +31,7 @@ class LoopArrays(Arrays):
     owner = "loop"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {"work": RUN}
     work: Array
-    """Of external forces, damping, contact and friction up to half a step back (4,) [N mm]."""
+    """Work of external forces, damping, contact and friction up to half a step back (4,) [N mm]."""
 
 
 @dataclass
@@ -63,19 +63,19 @@ class SolidArrays(Arrays):
         "damage": POINT,
     }
     mass_factor: list[Array]
-    """Of mass scaling (n_cells,)."""
+    """Factor of mass scaling (n_cells,)."""
     points: list[Array]
     """Stress and what the law keeps, as `kept` names it (n_cells, p, n_values)."""
     work: list[Array]
-    """Of the stress and, where there are any, of hourglass forces (n_cells, 1 | 2) [N mm]."""
+    """Work of the stress and, where there are any, of hourglass forces (n_cells, 1 | 2) [N mm]."""
     hourglass: list[Array]
     """Hourglass forces (n_cells, 2 | 12) [N]."""
     pressure: list[Array]
-    """Of the nodal mean, of tet4_nodal (n_cells, 1) [MPa]."""
+    """Nodal mean of the pressure, of tet4_nodal (n_cells, 1) [MPa]."""
     force: list[Array]
     """On the nodes in the last cycle (n_cells, 3 nodes) [N]."""
     damage: dict[str, list[Array]]
-    """By the quantity's name (n_cells, p); without rows where the block has no such law."""
+    """Damage by the quantity's name (n_cells, p); without rows where the block has no such law."""
     kept: list[History] = field(default_factory=list, metadata={"is_array": False})
 
     def find_kept(self, block: int, name: str) -> Array:
@@ -97,7 +97,7 @@ class LayerArrays(Arrays):
     rounding: list[Array]
     """What rounding took from the layers, in single precision (n_cells, n)."""
     damage: dict[str, list[Array]]
-    """By the quantity's name (n_cells, q k)."""
+    """Damage by the quantity's name (n_cells, q k)."""
 
 
 @dataclass
@@ -131,7 +131,7 @@ class WallArrays(Arrays):
     offset: list[Array]
     """Displacement since the start (3,) [mm]."""
     angle: list[Array]
-    """By which it has turned about its axis (1,) [rad]."""
+    """Angle by which it has turned about its axis (1,) [rad]."""
     floating: list[Array]
     """Travel [mm] and speed [mm/s] along the direction of a force or spring (2,)."""
     impulse: list[Array]
@@ -139,7 +139,7 @@ class WallArrays(Arrays):
     force: list[Array]
     """On the nodes in the last cycle (n_nodes, 3) [N]."""
     travel: list[Array]
-    """By which nodes and tool may have come nearer since the start, and what it was last (2,) [mm]."""
+    """Largest possible approach of nodes and tool since the start, and its last value (2,) [mm]."""
     wake: list[Array]
     """Travel at which a node is looked at again (n_nodes,) [mm]."""
 
@@ -192,19 +192,19 @@ class SheetToolArrays(Arrays):
     velocity: list[Array]
     """(3,) [mm/s]."""
     force: list[Array]
-    """Of the sheet (3,) [N]."""
+    """Force of the sheet (3,) [N]."""
     push: list[Array]
     """Force that pushes it (1,) [N]."""
     was_pushed: list[Array]
     """The same in the cycle before (1,) [N]."""
     travel: list[Array]
-    """By which points and tool may have come nearer since the start (1,) [mm]."""
+    """Largest possible approach of points and tool since the start (1,) [mm]."""
     pairs: list[Array]
     """What points remember of the tool (n_slots, n)."""
     hint: list[Array]
     """Place on the tool where a point is looked for first (n_slots,)."""
     edge_asked: list[Array]
-    """Of edges of the sheet: where the tool was last looked for (n_edges, n)."""
+    """Edges of the sheet at which the tool was last looked for (n_edges, n)."""
     edge_force: list[Array]
     """(n_edges, 8) [N]."""
     edge_hint: list[Array]
@@ -254,7 +254,7 @@ class BeadPointArrays(Arrays):
     cell: Array
     """Shell beneath a point, and whether the point is within it (n_points, 2)."""
     weight: Array
-    """Of the nodes of that shell (n_points, 4)."""
+    """Weight of the nodes of that shell (n_points, 4)."""
     work: Array
     """(1,) [N mm]."""
     cycle: Array

@@ -116,12 +116,12 @@ class BodyContactOfRun:
 
     @property
     def pressure(self) -> Array:
-        """Of the slots (n_slots,) [MPa]."""
+        """Return the pressure of the slots (n_slots,) [MPa]."""
         return self._loop.contact_pressure(self._number)
 
     @property
     def shear(self) -> Array:
-        """Of the slots, on the slave (n_slots, 3) [MPa]."""
+        """Return the shear of the slots, on the slave (n_slots, 3) [MPa]."""
         return self._loop.contact_shear(self._number)
 
     @property

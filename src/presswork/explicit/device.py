@@ -21,7 +21,7 @@ def refuse(device: Device, lack: str) -> None:
 
 
 def name_device(device: Device) -> str:
-    """Return what a log says of a device behind what it computes; nothing of the CPU."""
+    """Return the part of a log line that names the device; empty for the CPU."""
     return {"cpu": "", "host": " by the host build of the code for cards", "cuda": " on the graphics card"}[device]
 
 
@@ -41,7 +41,7 @@ def check_device(device: Device, loop: _core.SpaceLoop | _core.SpaceLoopSingle) 
 
 
 def describe_devices() -> list[tuple[str, str]]:
-    """List each device and what is to be said of it."""
+    """List each device with its description."""
     cards, why = _core.list_cuda_cards()
     rows = [
         ("cpu", "all that explicit runs have, in packs of SIMD width; the default"),

@@ -34,7 +34,7 @@ FOR_BOTH = {
     "begin_wall_sums", "float_wall", "hold_wall", "move_tool", "move_wall", "place_wall", "push_tool", "push_wall",
     "limit_contact_friction", "remove_tool", "set_contact_step", "set_slower", "stop_tool",
 }  # fmt: skip
-"""Calls that say the same to the whole loop and to parts."""
+"""Calls that are made alike on the whole loop and on the parts."""
 OF_CONTACTS = {
     "contact_area", "contact_impulse", "contact_passed", "contact_pressure", "contact_push", "contact_rub",
     "contact_shear", "contact_work",
@@ -56,7 +56,7 @@ class DividedLoop:
     def __init__(self, whole: Any, own: Any, part: Part, world: World, *, width: int) -> None:
         """whole, own: loops with their blocks; own has part's nodes and elements, without the blocks that have none.
 
-        width: numbers that ranks tell each other of a node (cpp/explicit/neighbours.hpp).
+        width: numbers that ranks exchange for a node (cpp/explicit/neighbours.hpp).
         """
         self._whole, self._own, self._part, self._world = whole, own, part, world
         self._state = SharedState(whole, own, part, world)
@@ -81,7 +81,7 @@ class DividedLoop:
         self._reported: Array = np.zeros((0, 0))
         """What came of the last cycles on each rank: a row (6 + n) by rank."""
         self._sums = np.zeros(0)
-        """Of the ranks' forces (n)."""
+        """Sums of the ranks' forces (n)."""
 
     def __getattr__(self, name: str) -> Any:
         """Return what the whole loop has, brought up to date."""

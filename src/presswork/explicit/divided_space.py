@@ -28,12 +28,12 @@ class DividedSpaceLoop(DividedLoop):
 
     @property
     def _forces(self) -> Array:
-        """Of a sheet on its tools (tools, 3) [N]."""
+        """Return the forces of a sheet on its tools (tools, 3) [N]."""
         return self._sums[: 3 * self._tools].reshape(-1, 3)
 
     @property
     def _restraints(self) -> Array:
-        """Of drawbeads (beads,) [N]."""
+        """Return the restraining forces of drawbeads (beads,) [N]."""
         return self._sums[3 * self._tools :]
 
     def help(self, what: tuple[Any, ...]) -> None:
@@ -151,7 +151,7 @@ class DividedSpaceLoop(DividedLoop):
         self._own.limit_wall_friction(wall, np.ascontiguousarray(limit[self._part.nodes]))
 
     def add_shell_contact(self, undeformed: Array, **grip: float) -> None:
-        """Let shells touch shells: each rank computes all that touches, and all tell each other of what is near."""
+        """Let shells touch shells: each rank computes all that touches, and all exchange what is near."""
         self.bring_together()
         self._whole.add_shell_contact(undeformed, **grip)
         elements = self._part.list_elements()
@@ -180,7 +180,7 @@ class DividedSpaceLoop(DividedLoop):
         return int(self._whole.add_bead(place, across, length, force=force, tool=tool))
 
     def drive_bead(self, bead: int, share: Array) -> None:
-        """Say what share of its force a drawbead has in the next cycles."""
+        """Set the share of its force that a drawbead has in the next cycles."""
         self._own.drive_bead(bead, share)
 
     def bead_restraint(self, bead: int) -> float:
@@ -197,7 +197,7 @@ class DividedSpaceLoop(DividedLoop):
         return np.asarray(found)
 
     def drive_tool(self, tool: int, drive: Array) -> None:
-        """Say what the next cycles do with a tool."""
+        """Set what the next cycles do with a tool."""
         self._own.drive_tool(tool, drive)
 
     def tool_state(self, tool: int) -> tuple[Any, Any, Any]:

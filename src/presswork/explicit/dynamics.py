@@ -32,7 +32,8 @@ RENEWAL = 10
 LONGER = 0.01
 """Part by which the elements must allow a longer step before one is taken."""
 CRUSHED = 1e-3
-"""Of the first step: what a cell asks for that no result should be taken from, and that would take for ever."""
+"""Least stable step over the first step: a cell that needs a shorter one gives no useful result and would take for
+ever."""
 PHASES = ("nodes", "elements", "contact", "waiting")
 
 

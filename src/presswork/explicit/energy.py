@@ -19,7 +19,7 @@ FORMED = 0.1
 YIELD_OFFSET = 0.002
 """Plastic strain that defines the yield strength: a sheet that has so much on the mean is being formed."""
 ENERGIES = ("kinetic", "internal", "hourglass", "contact", "friction", "damping", "external")
-"""Of an EnergyBalance, in the order of history.csv."""
+"""Terms of an EnergyBalance, in the order of history.csv."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ def choose_advice(damping: float) -> dict[str, str]:
 
 
 def warn_of_energies(history: Mapping[str, NDArray[Any]], advice: Mapping[str, str] = ADVICE) -> list[str]:
-    """Return which energies with advice have been beyond their limits since forming was under way."""
+    """Return which energies with advice have been beyond their limits since forming began."""
     internal = history["internal_energy"]
     if len(internal) == 0 or internal.max() <= 0:
         return []

@@ -3,8 +3,8 @@
 
 A copy of the sheet, elastic, free and at rest where the sheet is now, is set in small random motion and run by a step
 that is too long. Central differences multiply a mode of frequency w by -mu a step, with mu + 1/mu = (w dt)^2 - 2 where
-w dt > 2, so the highest modes soon outgrow all others, and their growth tells the highest frequency. The cycles are
-those of Chebyshev's polynomials of the mesh's matrix: no other n products with it tell its largest eigenvalue much
+w dt > 2, so the highest modes soon outgrow all others, and their growth shows the highest frequency. The cycles are
+those of Chebyshev's polynomials of the mesh's matrix: no other n products with it estimate its largest eigenvalue much
 better (Saad 2011, chapter 4). Supports and plastic flow only lower it.
 """
 
@@ -27,7 +27,7 @@ CYCLES, MOST = 5, 80
 CLEAR, ENOUGH = 1e2, 1e9
 """Growth that is no beat of stable modes, and that at which the highest modes are alone."""
 SMALL = 1e-20
-"""Of the motion at first, a step [mm]: when it has grown by `ENOUGH` and in five cycles more it is elastic still."""
+"""Size of the random motion at the start, a step [mm]; grown by `ENOUGH`, five cycles later, it is still elastic."""
 
 
 class MeshStep:

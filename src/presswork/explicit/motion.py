@@ -18,10 +18,10 @@ FIT = 1e-3
 
 
 class Motion(Protocol):
-    """A way along a line as a function of time."""
+    """A travel along a line as a function of time."""
 
     def position(self, time: Array) -> Array:
-        """Give the way gone [mm] at times (n) [s]."""
+        """Return the travel [mm] at times (n) [s]."""
         ...
 
 
@@ -62,7 +62,7 @@ class SmoothStroke:
         return self.stroke / (self.duration * (1.0 - self.rise))
 
     def position(self, time: Array) -> Array:
-        """Give the way gone [mm] at times (n) [s]."""
+        """Return the travel [mm] at times (n) [s]."""
         t = np.clip(np.asarray(time, dtype=float) - self.start, 0.0, self.duration)
         ramp = self.rise * self.duration
 
@@ -76,9 +76,9 @@ class SmoothStroke:
 
 @dataclass(frozen=True)
 class DrivenStroke:
-    """The part of the way of a stage that a ram has gone, times `scale`, from `start` [s] on.
+    """The part of a stage's travel that a ram has done, times `scale`, from `start` [s] on.
 
-    Where the course of the stage decides on its time, all moves evenly.
+    Where the duration of the stage depends on its course, all moves evenly.
     """
 
     drive: Drive
@@ -86,7 +86,7 @@ class DrivenStroke:
     start: float = 0.0
 
     def position(self, time: Array) -> Array:
-        """Give the way gone at times (n) [s]."""
+        """Return the travel at times (n) [s]."""
         since = np.clip(np.asarray(time, dtype=float) - self.start, 0.0, self.drive.duration)
         if not self.drive.is_prescribed:
             return np.asarray(self.scale * since / self.drive.duration)
@@ -100,7 +100,7 @@ class EvenMotion:
     velocity: float
 
     def position(self, time: Array) -> Array:
-        """Give the way gone [mm] at times (n) [s]."""
+        """Return the travel [mm] at times (n) [s]."""
         return np.asarray(self.velocity * np.asarray(time, dtype=float))
 
 
@@ -119,7 +119,7 @@ class VelocityCurve:
             )
 
     def position(self, time: Array) -> Array:
-        """Give the way gone [mm] at times (n) [s]."""
+        """Return the travel [mm] at times (n) [s]."""
         t = np.clip(np.asarray(time, dtype=float), self.times[0], self.times[-1])
         at = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(self.times) - 2)
         since = t - self.times[at]

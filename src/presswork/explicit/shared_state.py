@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The state of an explicit loop whose mesh is divided over ranks: brought together in a whole loop, and handed out.
 
-Rows of nodes, elements and edges come from the rank that answers for them. Of what is counted, such as work, each rank
-has a share; the rest is the same on all.
+Rows of nodes, elements and edges come from the rank that answers for them. Each rank has a share of sums, such as work;
+the rest is the same on all.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class SharedState:
     def __init__(self, whole: Any, own: Any, part: Part, world: World) -> None:
         self.whole, self.own, self._part, self._world = whole, own, part, world
         self.blocks = [block for block, elements in enumerate(part.elements) if len(elements)]
-        """Of the whole loop, those that the own one has."""
+        """Blocks of the whole loop that the rank's own loop has."""
         self.n_walls = 0
         self._to_all = True
         self._answers = part.owner[part.nodes] == world.rank

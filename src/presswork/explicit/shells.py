@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Explicit dynamics of shells alone, and of a sheet that is refined on the way.
+"""Explicit dynamics of shells alone, and of a sheet that is refined during the run.
 
     run = ExplicitShells(points, connectivity, thickness, law, density)
     run.fix(nodes, "uvw")

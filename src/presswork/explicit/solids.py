@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 FREEDOMS = "uv"
 COMPONENTS = 4
-"""Of the stress, which comes first in a point's values."""
+"""Number of components of the stress, which comes first in a point's values."""
 
 
 class ExplicitSolids(TouchingBodies, Dynamics):

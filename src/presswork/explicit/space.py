@@ -74,9 +74,9 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
     points (n_nodes, 3) [mm]; blocks: at most one of Shells, which the properties of layers, thickness and tools mean,
     and it comes first. hanging: nodes that follow the ends of sides (n, 7), as SplitMesh.hanging gives them.
     precision: "single" computes shells and velocities in single precision, positions and energies in double: about half
-    the time and memory; docs/theory/explicit.md says where it is good enough. device: "cuda" computes the cycles on
-    the first NVIDIA card, "host" runs the card's code on the CPU, for tests; docs/theory/graphics_card.md says what a
-    device computes. The state is that of the CPU's loop: a dump goes on anywhere. world: ranks that share the cycles.
+    the time and memory; docs/theory/explicit.md states where it is accurate enough. device: "cuda" computes the cycles
+    on the first NVIDIA card, "host" runs the card's code on the CPU, for tests; docs/theory/graphics_card.md lists what
+    a device computes. The state is that of the CPU's loop: a dump goes on anywhere. world: ranks that share the cycles.
     tied: pairs of nodes (n, 2) that will be tied, which ranks must know.
     """
 

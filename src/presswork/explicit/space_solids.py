@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 COMPONENTS = 6
-"""Of the stress, which comes first in a point's values."""
+"""Number of components of the stress, which comes first in a point's values."""
 DEEPEST_START = 1e-6
-"""Of the size of the body: how deep a node may lie in a tool at the start."""
+"""How deep a node may lie in a tool at the start, over the size of the body."""
 SAME_DIRECTION = 1e-6
 """Part of a normal beside what holds its nodes already that counts for nothing."""
 

@@ -14,7 +14,7 @@ from presswork.explicit.input_checks import ExplicitError
 
 Array = npt.NDArray[np.float64]
 DRAG = 0.4
-"""Of a tool on a spring: twice the part of critical damping."""
+"""Damping of a tool on a spring: twice the fraction of critical damping."""
 
 
 @dataclass(frozen=True)
@@ -118,7 +118,7 @@ class SpaceWall:
 
     @property
     def angle(self) -> float:
-        """By how much it has turned about its axis since the start [rad]."""
+        """Return the angle by which it has turned about its axis since the start [rad]."""
         return self._loop.wall_angle(self._number)
 
     @property

@@ -14,7 +14,7 @@ Array = npt.NDArray[np.float64]
 Loop = _core.SpaceLoop | _core.SpaceLoopSingle
 MOST_PENALTY, MOST_DAMPING = 0.2, 0.5
 LEAST_MASS = 0.5
-"""Of a pushed tool that squeezes the sheet, over the sheet's: its springs are up to mass/dt^2 in all."""
+"""Mass of a pushed tool that squeezes the sheet, over the sheet's: the springs of contact sum to mass/dt^2 at most."""
 DEEPEST_START = 0.05
 """Part of the thickness by which a sheet may stick in a tool when it starts."""
 
@@ -49,7 +49,7 @@ class RigidTool:
         self._velocity = self._vector(value, "velocity")
 
     def follow(self, direction: npt.ArrayLike, motion: Motion) -> None:
-        """Move along a direction (3), of any length, as a motion says: at time t [s] at motion.position(t) [mm]."""
+        """Move along a direction (3), of any length, along a motion: at time t [s] at motion.position(t) [mm]."""
         self._refuse_second_motion("follow")
         self._prescribed = (self._unit(direction), motion)
 

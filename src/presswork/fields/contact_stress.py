@@ -182,7 +182,7 @@ class Chain:
 
 def split_edges(edges: IntArray, points: FloatArray, depth: float | None) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return the edges or their halves (m, 2), the integrals of both hats over each (m, 2), and those of the shape
-    functions over whole edges (n_edges, 2 | 3) [mm2]. Of quadratic edges all first halves come first.
+    functions over whole edges (n_edges, 2 | 3) [mm2]. For quadratic edges all first halves come first.
     """
     if not find_cell(1, edges).is_quadratic:
         parts, whole = _integrate_hats(points, edges, depth, -1.0, 1.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A field: one quantity of the results, with all that is said of it anywhere."""
+"""A field: one quantity of the results, with its name, unit, label and meaning."""
 
 from __future__ import annotations
 

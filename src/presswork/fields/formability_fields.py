@@ -99,7 +99,7 @@ class FormingVerdict:
         return "; ".join(parts)
 
     def _describe_strains(self, margin: Extreme) -> str:
-        """Return what strains say of cracks, as if they had come straight."""
+        """Describe what the strains mean for cracks, taken as if their paths were straight."""
         count, worst = sum(self.zones.values()), 100 * margin.value
         if self.failing:
             return (
@@ -111,7 +111,7 @@ class FormingVerdict:
         return f"no element lies above the forming limit{risk}; least margin {worst:.1f} % {margin.where()}"
 
     def _describe_path(self) -> str:
-        """Return what the paths say of cracks, with a word before; empty where they were not followed."""
+        """Describe what the paths mean for cracks, after a linking word; empty where they were not followed."""
         if POLAR not in self.by_path:
             return ""
         worst, count = self.by_path[POLAR], sum(self.zones.values())

@@ -77,10 +77,10 @@ class Instant:
     deviation: FloatArray | None = None
     """Distance from the shape that the part had in its tools (n_points,) [mm]."""
     temperature: FloatArray | None = None
-    """Of bodies that conduct heat (n_points,) [degrees C]; of a sheet the mean through its thickness."""
+    """Temperature of bodies that conduct heat (n_points,) [degrees C]; of a sheet the mean through its thickness."""
     heated: Mapping[str, FloatArray] = field(default_factory=dict)
-    """Of a sheet that conducts heat: temperatures at bottom, middle and top, phases, hardness and cooling rate by the
-    names of their fields (n_points,)."""
+    """Temperatures of a sheet that conducts heat at bottom, middle and top, and its phases, hardness and cooling rate,
+    by the names of their fields (n_points,)."""
     points: SolidPoints | None = None
     initial_position: FloatArray | None = None
     """Where the material at the nodes was when the run began, if its mesh may change (n_points, 2) [mm]."""

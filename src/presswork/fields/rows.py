@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The fields of the results: a row for each quantity, the same row for every procedure that has the quantity.
 
-A cell's value is the mean of its integration points, weighted by their volume. In a sheet the layers have tensors; what
-one number must say of a whole cell is that of the layer where it is largest.
+A cell's value is the mean of its integration points, weighted by their volume. In a sheet the layers have tensors; a
+single number for a whole cell is that of the layer where it is largest.
 """
 
 from __future__ import annotations

@@ -4,9 +4,9 @@
 The bending strain is half the difference of the strains at top and bottom. A fold is a wave: along the lines on which
 its middle is compressed, the sheet bends to one side between two places where it bends as much to the other. A tool, a
 wall or a round corner bends it to one side there, or, from punch to die, to one side and then to the other. The least
-of the three bending strains, where no tool touches, is the amplitude of the fold. Over the compressive strain it tells
-how much of the compression has gone into folding: below 0.2 in flat flanges, above 1 where the sheet has folded freely.
-Symmetry planes are looked through, so that a quarter has the folds of the whole part.
+of the three bending strains, where no tool touches, is the amplitude of the fold. Its ratio to the compressive strain
+shows how much of the compression has gone into folding: below 0.2 in flat flanges, above 1 where the sheet has folded
+freely. Symmetry planes are looked through, so that a quarter has the folds of the whole part.
 
 Faces that were bent and straightened have more plastic strain than the middle, and are not bent: the mean of the faces'
 equivalent plastic strain, less that of the middle and of the present bending.
@@ -33,7 +33,8 @@ REACH = 20.0
 PLACES = 20
 """On that length."""
 LEAST_HEIGHT = 0.05
-"""Of a wave over the thickness, from its middle line to its crest. Coarse shells on a round tool ripple by less."""
+"""Height of a wave over the thickness, from its middle line to its crest, below which it is no fold. Coarse shells on a
+round tool ripple by less."""
 PLANE = 1e-6
 """Distance of a node from a symmetry plane, over the sheet's size, up to which it lies in it."""
 LEAST_COMPRESSION = 0.02
@@ -126,8 +127,8 @@ def count_folds(
 ) -> int:
     """Return the number of folds of the whole part.
 
-    A fold is a wave: shells of one side that hang together, its crest, beside those of the other, its trough. side
-    (n_cells,): as find_folds returns it; points (n_points, 3) [mm]. A fold that a symmetry plane cuts counts once.
+    A fold is a wave: connected shells of one side, its crest, beside those of the other, its trough. side (n_cells,):
+    as find_folds returns it; points (n_points, 3) [mm]. A fold that a symmetry plane cuts counts once.
     """
     if not side.any():
         return 0

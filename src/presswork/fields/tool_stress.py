@@ -25,7 +25,7 @@ from presswork.model import BoolArray, FloatArray, IndexArray, Model, Tool
 BEARING = 2 + np.pi
 """Pressure over k that a half-space bears beside a free surface."""
 WINDOW = 9
-"""Nodes whose median pressure tells a peak from a hill."""
+"""Number of nodes whose median pressure distinguishes a peak from a hill."""
 REACH = 4
 """Nodes over which shear that a sticking tool has beyond k is moved."""
 

@@ -43,7 +43,7 @@ class Asymmetry:
     """That place, on the side that is modelled (dimension,) [mm]."""
 
     def describe(self) -> str:
-        """Say by how much they differ, and where."""
+        """Describe by how much they differ, and where."""
         where = ", ".join(f"{x:.4g}" for x in np.round(self.place, 6) + 0.0)
         return f"its halves differ, by {self.deviation:.3g} mm at ({where})"
 

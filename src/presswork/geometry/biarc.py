@@ -24,7 +24,7 @@ _MOST_HALVINGS = 14
 
 
 class CurveError(Exception):
-    """A curve that arcs cannot follow; says where."""
+    """A curve that arcs cannot follow; the message names the place."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def make_arc(start: ArrayLike, tangent: ArrayLike, end: ArrayLike) -> FloatArray
 
 
 def reverse_segment(segment: FloatArray) -> FloatArray:
-    """Return a segment (7,) walked the other way."""
+    """Return a segment (7,) in the opposite direction."""
     turn = -segment[6] + 0.0
     return np.array([*segment[2:4], *segment[0:2], *segment[4:6], turn])
 

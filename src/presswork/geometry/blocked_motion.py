@@ -37,7 +37,7 @@ def look_at(tool: Tool) -> Callable[[FloatArray, float], tuple[FloatArray, Float
 
 
 def blocks_motion(tool: Tool, points: FloatArray, direction: FloatArray) -> bool:
-    """Say whether points (n, d) that go along a unit vector (d,), however far, come upon a tool where it starts."""
+    """Return whether points (n, d) that go along a unit vector (d,), however far, come upon a tool where it starts."""
     if isinstance(tool.shape, Plane):  # without end: reached, however far, by all that does not glide along it
         _, normal = look_at(tool)(points[:1], np.inf)
         return bool(normal[0] @ -direction > AGAINST)

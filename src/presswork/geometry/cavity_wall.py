@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The wall of a die's cavity: the part of its profile between its flash lands.
 
-A flash land is the deepest part of a die along its way where it lies across the way: there the dies come closest.
-The cavity is the rest of the profile in front of the workpiece, up to the first land on either side.
+A flash land is the deepest part of a die along its travel where it lies across the direction of travel: there the dies
+come closest. The cavity is the rest of the profile in front of the workpiece, up to the first land on either side.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from presswork.model import BoolArray, FloatArray
 SAMPLES = 400
 """Pieces of equal length that a profile is divided into."""
 LAND = 0.05
-"""Of the depth of a profile along its way, by which a land may be shallower than its deepest place."""
+"""How much shallower a land may be than its deepest place, over the depth of a profile along its travel."""
 ACROSS = 0.3
-"""Largest cosine of the angle between a land and the way."""
+"""Largest cosine of the angle between a land and the direction of travel."""
 LEAST_LAND, LEAST_WALL = 0.02, 0.5
 """Least length of a land over that of the wall, and of the wall over that of the longest land."""
 

@@ -53,7 +53,7 @@ class Piece:
         return f"the {self.kind} from {_place(self.start)} to {_place(self.end)}"
 
     def reversed(self) -> Piece:
-        """Return it walked the other way."""
+        """Return it in the opposite direction."""
         return Piece(self.kind, tuple(reverse_segment(segment) for segment in self.segments[::-1]))
 
 
@@ -105,7 +105,7 @@ def _is_long(piece: Piece, tolerance: float) -> bool:
 
 
 def _middle(piece: Piece) -> FloatArray:
-    """Return a point in the middle of a piece, the same whichever way it is walked."""
+    """Return a point in the middle of a piece, the same for both directions."""
     n_segments = len(piece.segments)
     if n_segments % 2 == 0:
         return piece.segments[n_segments // 2][0:2]

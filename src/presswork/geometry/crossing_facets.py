@@ -13,7 +13,7 @@ from presswork.model import FloatArray, IntArray
 CHUNK = 1_000_000
 """Pairs of triangles that are looked at together."""
 INSIDE = 1e-6
-"""Of edges and triangles: what lies nearer to their ends and sides touches, and does not cross."""
+"""Margin over the size of edges and triangles: what lies nearer to their ends and sides touches only."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def _list_near_pairs(points: FloatArray, triangles: IntArray) -> Iterator[IntArr
 
 
 def _pierce(start: FloatArray, end: FloatArray, triangle: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Say which lines from start to end (n, 3) pass through triangles (n, 3, 3), and where (Moeller & Trumbore)."""
+    """Return which lines from start to end (n, 3) pass through triangles (n, 3, 3), and where (Moeller & Trumbore)."""
     one, two, along = triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0], end - start
     across = np.cross(along, two)
     volume = np.einsum("ni,ni->n", one, across)
@@ -81,7 +81,7 @@ def _pierce(start: FloatArray, end: FloatArray, triangle: FloatArray) -> tuple[F
 
 
 def _find_on_triangle(own: FloatArray, triangle: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Say which triangles (n, 3, 3) lie in the plane of others with their middles on them, and where."""
+    """Return which triangles (n, 3, 3) lie in the plane of others with their middles on them, and where."""
     one, two = triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]
     normal = np.cross(one, two)
     area = np.linalg.norm(normal, axis=1)

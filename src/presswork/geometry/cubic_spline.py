@@ -17,7 +17,7 @@ class CubicSpline:
     """
 
     def __init__(self, length_along: FloatArray, points: FloatArray) -> None:
-        """way: parameters of the points, increasing (n,); points: (n, 2) [mm]."""
+        """way: parameter of each point, increasing (n,); points: (n, 2) [mm]."""
         self._length_along, self._points = length_along, points
         self._slope = _find_slopes(np.diff(length_along), np.diff(points @ np.array([1.0, 1.0j])))
 

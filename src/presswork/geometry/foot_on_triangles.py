@@ -21,7 +21,7 @@ class Feet:
     triangle: IntArray
     """Which triangle (n,)."""
     weight: FloatArray
-    """Of its corners (n, 3); they sum to 1."""
+    """Weight of its corners (n, 3); they sum to 1."""
 
     def interpolate(self, values: FloatArray, triangles: IntArray) -> FloatArray:
         """Return nodal values (n_points, k) at the places (n, k)."""

@@ -12,7 +12,7 @@ from presswork.geometry.pose import find_space_pose
 from presswork.model import Model, Tool, Triangulation, find_held_side
 
 WITHIN = 5e-4
-"""Of the smallest cells: how far a tool may end off the symmetry plane at which it is completed."""
+"""How far a tool may end off the symmetry plane at which it is completed, over the smallest cells."""
 
 
 def find_mirrors(tool: Tool, model: Model) -> list[tuple[int, float, float]]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A profile of lines and arcs by the way along it: nearest places, places at a way, corners, radii."""
+"""A profile of lines and arcs by the distance along it: nearest places, places at a distance, corners, radii."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class ProfilePath:
         self._sweep = np.where(sweep > 0.0, sweep, 2.0 * np.pi)
         chord = np.linalg.norm(segments[:, X1] - segments[:, X0], axis=1)
         self.radius = np.where(self._is_arc, np.linalg.norm(start, axis=1), np.inf)
-        """Of each segment [mm]; infinite for a line."""
+        """Radius of each segment [mm]; infinite for a line."""
         length = np.where(self._is_arc, np.where(self._is_arc, self.radius, 0.0) * self._sweep, chord)
         self.begin = np.concatenate([[0.0], np.cumsum(length)])
         """Way at which each segment begins, and that of the end (n_segments + 1,) [mm]."""
@@ -32,7 +32,7 @@ class ProfilePath:
         self.is_closed = bool(np.allclose(segments[0, X0], segments[-1, X1], rtol=0.0, atol=1e-9))
 
     def find(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the way to the nearest place, and its distance, of points (n, 2) (n,) [mm]."""
+        """Return the distance along the profile to the place nearest to points (n, 2), and their gap (n,) [mm]."""
         best, place = np.full(len(points), np.inf), np.zeros(len(points))
         for i, segment in enumerate(self._segments):
             part = self._nearest_part(i, segment, points)
@@ -61,7 +61,7 @@ class ProfilePath:
         return np.asarray(segment[CENTRE] + self.radius[i] * np.column_stack([np.cos(angle), np.sin(angle)]))
 
     def at(self, place: FloatArray) -> FloatArray:
-        """Return the places at a way along the profile (n, 2) [mm]."""
+        """Return the places at a distance along the profile (n, 2) [mm]."""
         place = np.mod(place, self.length) if self.is_closed else place
         which = np.clip(np.searchsorted(self.begin, place, side="right") - 1, 0, len(self._segments) - 1)
         places = np.empty((len(place), 2))
@@ -72,7 +72,7 @@ class ProfilePath:
         return places
 
     def corners(self) -> tuple[FloatArray, FloatArray]:
-        """Return the way to each corner (n,) [mm] and its turn (n,) [rad], positive to the left, into free space."""
+        """Return the distance along the profile to corners (n,) [mm] and their turns, left positive (n,) [rad]."""
         out, into = self._directions(0), self._directions(1)
         before, after = (into, np.roll(out, -1, axis=0)) if self.is_closed else (into[:-1], out[1:])
         turn = np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1))

@@ -6,7 +6,7 @@ squares; in space by Kabsch 1976): each place moves by the rigid motion that fit
 angles next to the nodes are kept, so two tools on either side of a sheet keep their distance. Beyond the sheet's edge
 the map goes on straight over a few times the distance of the nodes. Farther off only the rotation of all nodes together
 goes on: that of the last nodes would lift the end of a wide tool by many millimetres. The map smooths over the nodes
-near: a node does not come to lie exactly where it is told.
+near: a node does not come to lie exactly at its target.
 """
 
 from __future__ import annotations

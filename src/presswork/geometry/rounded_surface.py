@@ -18,11 +18,11 @@ from presswork import _core
 from presswork.model import BoolArray, FloatArray, IndexArray
 
 BAND = 4.0
-"""Of the spacing: a point farther from the tool is told the distance of the tool as it is drawn. So is one beside the
-open rim of a tool, where samples find no tool."""
+"""Distance from the tool over the spacing beyond which a point gets the distance of the tool as it is drawn. So does a
+point beside the open rim of a tool, where samples find no tool."""
 LEAST_STEEP = 0.1
-"""Slope of the field along its own gradient: where it rises less, as halfway between the two walls of a ridge, it does
-not tell where the tool is, and the tool as it is drawn answers."""
+"""Slope of the field along its own gradient below which the tool as it is drawn is used: halfway between the two walls
+of a ridge the field does not show where the tool is."""
 _BITS = 21
 _OFFSETS = np.stack(np.meshgrid(*3 * [np.arange(4)], indexing="ij"), axis=-1).reshape(-1, 3)
 
@@ -138,7 +138,7 @@ def _find_places(keys: IndexArray) -> IndexArray:
 
 
 def _are_among(wanted: IndexArray, keys: IndexArray) -> BoolArray:
-    """Say which wanted numbers are among keys, both in order."""
+    """Return which wanted numbers are among keys, both in order."""
     if not len(keys):
         return np.zeros(len(wanted), dtype=bool)
     return np.asarray(keys[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)] == wanted)

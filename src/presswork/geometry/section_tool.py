@@ -13,7 +13,7 @@ from presswork.geometry.segments import sample_arc
 from presswork.model import FloatArray, SweptProfile, Triangulation
 
 CHORD = 1e-3
-"""Of a radius: how far the chords of a tool of triangles may be off; 5 degrees each."""
+"""How far the chords of a tool of triangles may be off, over the radius; 5 degrees each."""
 
 
 class SectionError(ValueError):
@@ -38,7 +38,7 @@ def draw_section(corners: Sequence[tuple[float, float]], radii: Sequence[float],
 
 
 def draw_one_sided(corners: Sequence[tuple[float, float]], radii: Sequence[float], half_length: float) -> Triangulation:
-    """Draw the surface of a tool of a closed section that stands where its corners (x, z) say, on one side alone.
+    """Draw the surface of a tool of a closed section that stands where its corners (x, z) are, on one side alone.
 
     half_length: how far it goes straight along y to either side [mm]; its ends are open. Raises SectionError.
     """

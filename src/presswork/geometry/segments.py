@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Directed profiles of lines and arcs in the plane: signed distance, samples, and the way to a touch.
+"""Directed profiles of lines and arcs in the plane: signed distance, samples, and the travel until contact.
 
 Segments have the form of model.Tool: x0, y0, x1, y1, centre x, centre y, turn; the left of a directed profile is free.
 """
@@ -18,11 +18,11 @@ X0, X1, CENTRE, TURN = slice(0, 2), slice(2, 4), slice(4, 6), 6
 TOUCHING = 1e-9
 """Gap that remains where a tool is moved to touch the workpiece, over the workpiece's size."""
 MOST_STEPS = 2000
-"""Steps on its way there: one for a flat tool, more the more it slides along the workpiece."""
+"""Most steps of the travel until contact: one for a flat tool, more the more it slides along the workpiece."""
 
 
 def reverse_segments(segments: FloatArray) -> FloatArray:
-    """Return the profile walked the other way."""
+    """Return the profile in the opposite direction."""
     reverse = segments[::-1].copy()
     reverse[:, X0], reverse[:, X1] = segments[::-1, X1], segments[::-1, X0]
     reverse[:, TURN] *= -1.0
@@ -147,7 +147,7 @@ def _end_normal(segment: FloatArray, vertex: FloatArray) -> FloatArray:
 
 
 def find_touch(nodes: FloatArray, segments: FloatArray, direction: FloatArray) -> float | None:
-    """Return how far a profile goes along `way` (2,), of length 1, until it touches a node [mm]; None if it never does.
+    """Return how far a profile goes along `way`, a direction (2,), until it touches a node [mm]; None if it never does.
 
     It goes by the least distance of any node again and again: no node can come nearer.
     """

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far opposite walls of a tool lie apart: across its ridges, and across the slots that metal flows into.
 
-The width at a place of the tool is the diameter of the largest ball that touches it there and does not cross the
-tool's surface (medial axis; Ma, Bae & Choi 2012, The Visual Computer 28: "3D medial axis point approximation using
-nearest neighbors and the normal field"), on the one side of the surface or on the other. It counts where the ball
-touches the surface a second time at a wall that looks the other way: balls beside an edge touch the next face instead.
+The width at a place of the tool is the diameter of the largest ball that touches it there and does not cross the tool's
+surface (medial axis; Ma, Bae & Choi 2012, The Visual Computer 28: "3D medial axis point approximation using nearest
+neighbors and the normal field"), on the one side of the surface or on the other. It counts where the ball touches the
+surface a second time at a wall with the opposite normal: balls beside an edge touch the next face instead.
 """
 
 from __future__ import annotations
@@ -63,8 +63,8 @@ def find_widths(shape: Triangulation, widest: float, spacing: float) -> Widths:
 def spread_places(shape: Triangulation, spacing: float) -> tuple[FloatArray, FloatArray]:
     """Return places about a spacing [mm] apart on triangles, and the normals there, each (n, 3).
 
-    In a triangle they follow the additive sequence R2 (Roberts 2018), the first in its middle. Small triangles that
-    look the same way have one together.
+    In a triangle they follow the additive sequence R2 (Roberts 2018), the first in its middle. Small triangles with
+    about the same normal share one place.
     """
     corners = shape.points[shape.triangles]
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -86,8 +86,8 @@ def spread_places(shape: Triangulation, spacing: float) -> tuple[FloatArray, Flo
 def _grow_balls(
     surface: _core.ToolSurface, place: FloatArray, direction: FloatArray, largest: float
 ) -> tuple[FloatArray, BoolArray]:
-    """Return the radii (n,) [mm] of the largest balls that touch places from the side of a way (n, 3), and which of
-    them meet the surface before they have the largest radius (n,)."""
+    """Return the radii (n,) [mm] of the largest balls that touch places from the side of a direction (n, 3), and which
+    of them meet the surface before they have the largest radius (n,)."""
     low, high = np.zeros(len(place)), np.full(len(place), largest)
     fits = _fits(surface, place, direction, high)
     meets = ~fits
@@ -99,7 +99,7 @@ def _grow_balls(
 
 
 def _fits(surface: _core.ToolSurface, place: FloatArray, direction: FloatArray, radius: FloatArray) -> BoolArray:
-    """Say whether balls do not cross the surface."""
+    """Return whether balls do not cross the surface."""
     gap, *_ = surface.nearest(np.ascontiguousarray(place + radius[:, None] * direction), np.inf)
     return np.abs(gap) > (1.0 - _EXACT) * radius
 

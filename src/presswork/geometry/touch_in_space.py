@@ -12,20 +12,21 @@ from presswork.model import FloatArray
 
 MOST_STEPS = 2000
 TOUCHING = 1e-9
-"""Of the size of what is touched: a gap that counts as closed."""
+"""Gap that counts as closed, over the size of the touched body."""
 LEAST = 1e-3
-"""Of the same size: the least step of a point that stays beside the tool."""
+"""Least step of a point that stays beside the tool, over the size of the touched body."""
 FARTHEST = 1e4
 """Sizes beyond which a tool that has not touched never does."""
 AGAINST = 1e-3
-"""Part of the tool's normal along its way from which it comes towards a node, and does not glide past it."""
+"""Component of the tool's normal along its motion from which on it comes towards a node, and does not glide past it."""
 
 Nearest = Callable[[FloatArray, float], tuple[FloatArray, FloatArray]]
 """Returns gap (n,) and normal (n, 3) of a tool at points (n, 3), infinite gaps beyond a reach [mm]."""
 
 
 def find_touch_in_space(nearest: Nearest, nodes: FloatArray, direction: FloatArray) -> float | None:
-    """Return how far a tool goes along `way` (3,), of length 1, until it touches a node (n, 3) [mm]; None: never.
+    """Return how far a tool goes along `way`, a unit vector (3,), until it touches a node (n, 3) [mm];
+    None: never.
 
     Every node is taken towards the tool by its own gap again and again, since the tool can be no nearer, and halves its
     last step where that has led inside.

@@ -2,8 +2,8 @@
 """Arc length control: the load is an unknown too, so that limit points and snap-through can be passed.
 
 Each increment moves the nodes by a given arc length s, |du| = s over the translations, and finds the part of the
-stage's load that goes with it (Crisfield 1981: cylindrical arc; of its two roots the one that goes on as before).
-The load fraction may fall on the way; the stage is over when it has reached 1. Loads only: prescribed displacements and
+stage's load that goes with it (Crisfield 1981: cylindrical arc; of its two roots the one that goes on as before). The
+load fraction may fall during a stage; the stage is over when it has reached 1. Loads only: prescribed displacements and
 tools have load control.
 """
 
@@ -125,7 +125,7 @@ class ArcLengthProcedure(ImplicitProcedure):
         return turn_back(constraints, moves[0]), turn_back(constraints, moves[1]), balance
 
     def _follow(self, stage: int, fraction_n: float, arc: float, *, end: bool = False) -> _Found | str:
-        """Find equilibrium an arc further on, or at the end of the stage, or say why not."""
+        """Find equilibrium an arc further on, or at the end of the stage, or return the reason why not."""
         settings, mechanics = self.model.solver, self.mechanics
         state_n, trial, log = self.state, self.state.duplicate(), IterationLog()
         step_n = self._step(stage, fraction_n, fraction_n)

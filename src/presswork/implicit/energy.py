@@ -29,14 +29,14 @@ class Work(Arrays):
         ("external_work", "plastic_work", "friction_work", "inertia_work", "thermal_work"), RUN
     )
     external_work: float = 0.0
-    """Of tools, supports and loads."""
+    """External work of tools, supports and loads."""
     plastic_work: float = 0.0
     friction_work: float = 0.0
     """Lost on tools, beads and between bodies."""
     inertia_work: float = 0.0
     """Against inertia and damping."""
     thermal_work: float = 0.0
-    """Of the stress on thermal strain, and what moduli that fall with temperature take off the elastic energy."""
+    """Work of the stress on thermal strain, and the elastic energy that moduli lose as they fall with temperature."""
 
 
 def add_external_work(state_n: State, trial: State, fixed_n: BoolArray, fixed: BoolArray) -> None:

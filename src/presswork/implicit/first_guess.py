@@ -23,7 +23,7 @@ from presswork.state import Arrays, State
 FARTHEST = 2.0
 """How many times the change of velocity between the last two increments is continued at most."""
 TOO_SHORT = 0.1
-"""Of the last increment: an increment before it that is shorter says nothing of the velocity."""
+"""Length of an increment over the one after it below which it is too short to show the velocity."""
 
 
 @dataclass

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the stepping tells of its increments, for instance to the derivatives of a run (sensitivities.py)."""
+"""The contract of objects that follow the increments of the stepping, for instance the derivatives of a run
+(sensitivities.py)."""
 
 from __future__ import annotations
 

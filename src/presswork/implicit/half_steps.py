@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """How far the stress of a user's law (UMAT) is off by the length of an increment, by two half steps.
 
-Such a law is only asked, never changed. With q the effective stress at the end of an increment of h seconds, q' that
-after two steps of half the strain and half the time, a law of first order is off by 2 |q - q'|, one of higher order by
-less.
+Such a law is only evaluated, never changed. With q the effective stress at the end of an increment of h seconds, q'
+that after two steps of half the strain and half the time, a law of first order is off by 2 |q - q'|, one of higher
+order by less.
 
 Errors of later increments add up, and each forgets a part of those before: a perturbation shrinks by 1/(1 + z). With
-q_0 the stress that the whole strain gives in next to no time, the answer to a slightly shorter increment tells z:
+q_0 the stress that the whole strain gives in next to no time, the answer to a slightly shorter increment shows z:
 
     1 + z = (q_0 - q)/|dq/d ln h|.
 
 As in stress_error.py, a stress that is the m-th power of the rate relaxes along a curve, m = (q_0 - q)/(z q), and a
-stress that rises is on its way to the flow stress, where the error is forgotten.
+stress that rises approaches the flow stress, where the error is forgotten.
 
 A law whose stress does not follow h at all is exact.
 """
@@ -84,7 +84,7 @@ class HalfSteps:
         return end
 
     def _follows(self, block: int, trial: State, shorter: State) -> bool:
-        """Say whether the stress of a block follows the time of the increment."""
+        """Return whether the stress of a block follows the time of the increment."""
         stress = trial.cells.stress[block]
         change = float(np.abs(shorter.cells.stress[block] - stress).max())
         return change > FOLLOWS * float(np.abs(stress).max())

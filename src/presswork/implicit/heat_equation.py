@@ -32,7 +32,7 @@ class HeatProblem:
     """[s]"""
     films: Sequence[Film]
     time: float
-    """Of its end, since the stage began [s]."""
+    """Time at its end, since the stage began [s]."""
     mask: MaskArray
     """Nodes whose temperature is prescribed (n_points,)."""
     prescribed: FloatArray
@@ -96,7 +96,7 @@ class HeatEquation:
         return self._solver
 
     def solve(self, problem: HeatProblem, guess: FloatArray) -> HeatStep | Failed:
-        """Find the temperatures at the end of a step from a guess at them (n_points,), or say why not.
+        """Find the temperatures at the end of a step from a guess at them (n_points,), or return the reason why not.
 
         Raises ValueError for a cell that is turned inside out.
         """

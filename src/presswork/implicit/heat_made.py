@@ -21,7 +21,7 @@ class MadeHeat:
     friction: FloatArray
     """That goes into the bodies."""
     into_tools: FloatArray
-    """Of friction at these nodes that goes into each tool (n_tools, n_points)."""
+    """Heat of friction at these nodes that goes into each tool (n_tools, n_points)."""
 
 
 class HeatSources:

@@ -36,11 +36,11 @@ KINDS = ("plastic", "friction", "tools", "convection", "radiation", LATENT)
 DIE_KINDS = ("friction", "contact", "convection", "radiation", PRESCRIBED)
 """What heats and cools tools with a mesh."""
 FIRST_PART = 0.1
-"""Of the increment with which a stage begins: its first time step of heat that is tried."""
+"""First time step of heat that is tried, over the increment with which a stage begins."""
 SAFETY, SHRINK, GROWTH, REFUSED = 0.9, 0.2, 2.0, 2.0
 """As in process.heat."""
 SMALLEST_PART = 1e-4
-"""Of an increment: a time step of heat that is taken as it is."""
+"""Time step of heat that is accepted as it is, over an increment."""
 _CONTENT_ROUNDS = 5
 _NO_PAIRS: IntArray = np.zeros((0, 2), dtype=np.int32)
 
@@ -70,8 +70,8 @@ class HeatArrays(Arrays):
     heat: FloatArray
     """Since the start, by KINDS (6,) [N mm]."""
     columns: FloatArray
-    """Of the steel of every tool behind every node, from the surface on (n_tools, n_points, CELLS) [degrees C]; no
-    tools where none warms up."""
+    """Temperatures of the steel of every tool behind every node, from the surface on (n_tools, n_points, CELLS)
+    [degrees C]; no tools where none warms up."""
     dies: FloatArray
     """Temperatures of the nodes of tools with meshes, tool after tool (n_die_points,) [degrees C]."""
     die_rate: FloatArray
@@ -196,7 +196,8 @@ class HeatOfForming:
 
         stored: (n_bodies,) [N mm]; new: nodes (n_points,). What a body lacks goes to its nodes in proportion to the
         range of temperature in the cells round them, where carrying errs: an even temperature stays. A body that keeps
-        its mesh keeps its temperatures; its mass is counted anew as it lies, and the others make up for the difference.
+        its mesh keeps its temperatures; its mass is counted anew in its present shape, and the others balance the
+        difference.
         """
         conduction, carried = self._equation.conduction, arrays.temperature.copy()
         span = np.zeros(len(carried))

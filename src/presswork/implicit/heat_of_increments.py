@@ -40,10 +40,10 @@ class HeatOfIncrements:
         self.forming = HeatOfForming(model, timing, threads, usual)
         """What conducts and stores the heat."""
         self.tolerance = model.heat.tolerance
-        """By how much temperatures given to laws may be off [K]."""
+        """Largest error of the temperatures given to laws [K]."""
         self.passes: list[tuple[State, Sequence[Augmentation]]] = []
-        """Where the last increment was in equilibrium, each time before heat was found, and where it took multipliers
-        over on the way; kept for those who follow the run."""
+        """Where the last increment was in equilibrium, each time before heat was found, and where it took over
+        multipliers before; kept for followers of the run."""
         self._fraction = model.heat.plastic_fraction
         self._across = {name: tool.gap for name, tool in model.heat.tools.items()}
         self._contacts = {contact.name: contact for contact in model.contacts}
@@ -128,7 +128,7 @@ class HeatOfIncrements:
         )
 
     def _show_bodies(self, state_n: State, trial: State) -> BetweenBodies:
-        """Return how bodies press and rub on each other."""
+        """Return how bodies press on each other and slide."""
         assert self._model.heat is not None
         entries = [self._contacts[entry.name] for entry in self._model.heat.contacts]
         arrays = trial[InterfaceArrays] if entries else None
@@ -143,7 +143,7 @@ class HeatOfIncrements:
         )
 
     def _spread(self, contact: BodyContact, slots: FloatArray) -> FloatArray:
-        """Return what the slots of all contacts (n_slots,) tell of one at the slave's nodes (n_points,)."""
+        """Return values at the slave's nodes (n_points,) from those of the slots of all contacts (n_slots,)."""
         nodal = np.zeros(len(self._model.mesh.points))
         interface = next(i for i in self._interactions.bodies.interfaces if i.contact is contact)
         nodal[interface.nodes] = slots[interface.places]

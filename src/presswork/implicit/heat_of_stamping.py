@@ -63,7 +63,8 @@ class HeatOfStamping:
         return found.reshape(len(found), -1)
 
     def find(self, state_n: State, trial: State, step: Step, log: IterationLog) -> Converged | Failed:
-        """Find the heat of a settled increment, or refuse one in which the temperatures given to laws change by much.
+        """Find the heat of an increment in equilibrium, or refuse one in which temperatures given to laws change by
+        much.
 
         Raises GaveUpError if there is no balance of heat.
         """

@@ -26,7 +26,7 @@ from presswork.model import BoolArray, FloatArray, Model, list_bodies
 from presswork.state import State
 
 SLANTED = 0.1
-"""Of a unit vector: part along an axis that holds there."""
+"""Component of a unit vector along an axis above which a support holds along that axis."""
 
 
 def check_held(model: Model, interactions: Interactions, state: State) -> None:
@@ -95,7 +95,7 @@ def note_loose(model: Model, interactions: Interactions, state: State, stage: in
 
 
 def _leaves_free(model: Model, interactions: Interactions, state: State, stage: int) -> bool:
-    """Say whether supports leave any body a motion."""
+    """Return whether supports leave any body a rigid motion."""
     rows, _ = _find_support_rows(model, interactions, state, stage)
     return int(find_free(rows).shape[2]) > 0
 

@@ -18,7 +18,7 @@ from presswork.model import FloatArray
 from presswork.outcome import BadGuess
 
 SMALLEST_PART = 0.1
-"""Of a correction, down to which it is halved where it turns a cell inside out."""
+"""Smallest part of a correction: down to it the correction is halved where it turns a cell inside out."""
 DRIVEN = 0.3
 """Part of the largest correction by which constraints drive a node, above which none is shortened."""
 OVERSHOOT = 0.8
@@ -28,7 +28,7 @@ ENOUGH = 0.5
 MOST_PARTS = 5
 """Times that a correction is shortened."""
 _ENDS = 0.1
-"""Of a bracket, within which no part is taken at either end."""
+"""Part of a bracket at either end within which no point is taken."""
 
 
 class LineSearch:
@@ -117,7 +117,7 @@ def _find_work(balance: Balance, point: Point, correction: FloatArray) -> float:
 
 
 def _comes_nearer(balance: Balance, found: Point) -> bool:
-    """Say whether a correction of pressures alone, which do no work, has brought equilibrium nearer."""
+    """Return whether a correction of pressures alone, which do no work, has brought equilibrium nearer."""
     lacking = turn(balance.constraints, balance.drag - found.reaction)
     lacking[balance.constraints.mask == 1] = 0.0
     return _largest(lacking / balance.length) <= OVERSHOOT * balance.largest_lacking

@@ -29,8 +29,8 @@ class SensitivityArrays(Arrays):
 
     owner = "sensitivities"
     slope: dict[str, list[FloatArray]]
-    """Of each array of the State, by its name in a checkpoint: by one parameter after the other, in its form and unit
-    over that of the parameter. They are replaced, never written to."""
+    """Derivative of each array of the State, by its name in a checkpoint: one parameter after the other, in its form
+    and unit over that of the parameter. They are replaced, never written to."""
 
     def duplicate(self) -> SensitivityArrays:
         """Return a copy with the same arrays."""
@@ -45,9 +45,9 @@ class Neighbour:
     ) -> None:
         self.procedure = procedure
         self.change = change
-        """Of the parameter, from that of the run."""
+        """Change of the parameter from its value in the run."""
         self.later = later
-        """By how much of the stage its increment ends later than that of the run."""
+        """Difference in time by which its increment ends later than that of the run, over the stage."""
         self._counts_work = counts_work
         self._begun: _Begun | None = None
 
@@ -160,7 +160,7 @@ class Neighbour:
     def end_increment(self, progress: Progress, next_stage: int | None, *, stops: bool = False) -> None:
         """Complete its state at the end of an increment; the run's progress goes with it. Raises GaveUpError.
 
-        stops: whether the stage ends here, before its way is gone.
+        stops: whether the stage ends here, before its travel is complete.
         """
         now, procedure = self.now, self.procedure
         if not procedure.only_heat_flows(now.step.stage):
@@ -193,7 +193,7 @@ class _Begun:
     state_n: State
     trial: State
     step: Step
-    """Of the run's part of the stage, in its own time."""
+    """Step of the run's share of the stage, in its own time."""
     point: Point = field(init=False)
     lacking: Lacking = field(init=False)
     force: FloatArray = field(init=False)

@@ -40,9 +40,9 @@ PUSHED = 1e-4
 STAGNANT = 0.1
 """With a residual this many times below its tolerance, the last correction's size does not matter."""
 CLOSE = 1e-6
-"""Of the model's size: as near constrained nodes must then be to their places."""
+"""Distance of constrained nodes from their places that is then close enough, over the model's size."""
 ROUND_OFF = 2.0**-52
-"""Of the model's size: corrections that are no larger do not move nodes."""
+"""Size of corrections that no longer move nodes, over the model's size."""
 FAINT = 1e-6
 """Relative residual below which round-off alone can leave one."""
 LOST = 0.6
@@ -58,7 +58,7 @@ class Augmentation:
     nodes: FloatArray
     """Increment of the nodes (n_points, freedoms) [mm, rad]."""
     travel: FloatArray
-    """Of freedoms that interactions own (n,)."""
+    """Travel of freedoms that interactions own (n,)."""
     by: Sequence[int]
     """The interactions that took over theirs, by their numbers."""
 
@@ -218,7 +218,7 @@ class Equilibrium:
         return point if augmented else None
 
     def _needs_new_factors(self, balance: Balance, size: float, *, keeps: bool) -> bool:
-        """Say whether modified Newton needs new factors, too: contact has changed, or constraints ask for a way.
+        """Return whether modified Newton needs new factors, too: contact has changed, or constraints move nodes.
 
         keeps: full Newton is modified for now.
         """
@@ -260,10 +260,10 @@ class Equilibrium:
             log.start = len(log)
 
     def _has_converged(self, log: IterationLog, balance: Balance, scale: float, size: float) -> bool:
-        """Say whether an iterate that a correction of this size [mm] has led to is in equilibrium.
+        """Return whether an iterate that a correction of this size [mm] has led to is in equilibrium.
 
-        Where a correction no longer moves nodes, what is out of balance is round-off: that of a sheet that hardly
-        anything pushes is above any tolerance.
+        Where a correction no longer moves nodes, the residual is round-off; for a sheet under hardly any force it is
+        above any tolerance.
         """
         settings = self._model.solver
         if log.contact_changes[-1] > 0 or not balance.bears(PUSHED, min(PUSHED, settings.force_tolerance) * scale):

@@ -140,7 +140,8 @@ class NodalForces:
         trial[Progress].peak_force = max(state_n[Progress].peak_force, self.largest_force(point))
 
     def find_fault(self, point: Point, peak: float) -> str:
-        """Say why equilibrium at a point is none; empty: it is one. peak: largest nodal force before it [N]."""
+        """Explain why a point is no equilibrium though its forces balance; empty: it is. peak: largest nodal force
+        before [N]."""
         loads = np.zeros_like(point.reaction)
         for interaction, forces in zip(self._interactions, point.forces, strict=True):
             if forces and interaction.is_driving:
@@ -159,7 +160,7 @@ class NodalForces:
         return largest
 
     def move(self, trial: State, point: Point, balance: Balance, change: FloatArray, travel: FloatArray) -> None:
-        """Tell interactions of a change of the nodes, and move what has freedoms of its own."""
+        """Pass a change of the nodes to the interactions, and move what has freedoms of its own."""
         for interaction, forces, border in zip(self._interactions, point.forces, balance.borders, strict=True):
             if forces:
                 interaction.predict(forces, change)

@@ -28,7 +28,7 @@ class Progress(Arrays):
     stage: int = 0
     """The stage that the next increment belongs to, counted from 0."""
     fraction: float = 0.0
-    """Of this stage that is computed."""
+    """Part of this stage that is computed."""
     increments: int = 0
     iterations: int = 0
     cutbacks: int = 0
@@ -40,7 +40,7 @@ class Progress(Arrays):
     peak_force: float = 0.0
     """Largest nodal force so far [N]: what a residual is small beside once the load is taken off."""
     negative_pivots: int = 0
-    """Of the tangent, of a shell that no tool leads: more than none at an unstable equilibrium."""
+    """Negative pivots of the tangent of a shell that no tool leads: more than zero at an unstable equilibrium."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 
 The ram's motion is integrated with the increments: m v dv = -F ds, with the force F of the workpiece on all tools that
 move. Work is added up by the trapezoidal rule; an increment takes the time 2 ds / (v_n + v), exact for constant force,
-with v foretold by the force at its start, so that laws and heat see one time through all iterations. A blow ends when
+with v predicted by the force at its start, so that laws and heat see one time through all iterations. A blow ends when
 its energy is spent, a stage with a limit of force when this is reached; the increment that passes either is tried again
 with the part of it that fits.
 """
@@ -26,10 +26,10 @@ from presswork.state import RUN, Arrays, OnNewMesh, State
 SPENT = 1e-5
 """Part of the energy of a blow, or of a limit of force, that may be missing or too much."""
 UNSURE = 5e-4
-"""Part of the energy of a blow that the change of force over an increment times half the way is at most: where force
+"""Part of the energy of a blow that the change of force over an increment times half the travel is at most: where force
 rises to the yield point, or dies close, the trapezoidal rule might miss that much."""
 LEAST = 1e-9
-"""Of a stage: increments are made no smaller to meet an end."""
+"""Smallest increment, over a stage, that is made to meet an end."""
 
 
 @dataclass
@@ -45,7 +45,7 @@ class RamArrays(Arrays):
     speed: float = 0.0
     """[mm/s]; 0 in a stage without a ram."""
     force: float = 0.0
-    """Of the workpiece against the whole ram [N]."""
+    """Force of the workpiece against the whole ram [N]."""
     work: float = 0.0
     """Since the start [N mm]."""
     stage_work: float = 0.0
@@ -90,7 +90,7 @@ class Ram:
         return state[RamArrays].stage_time
 
     def longest(self, start: State, stage: int, fraction_n: float) -> float:
-        """Return the part of the stage after which its end is foretold by the present force."""
+        """Return the part of the stage after which its end is predicted by the present force."""
         drive = self._drives[stage]
         if drive is None or not isinstance(drive.motion, Blow):
             return math.inf
@@ -124,7 +124,7 @@ class Ram:
         return (max(min(part, 1.0 - SPENT), 1e-3) * size, ends) if part < 1.0 else None
 
     def is_over(self, trial: State, stage: int) -> bool:
-        """Say whether a stage ends with this state, though its way is not gone."""
+        """Return whether a stage ends with this state, though its travel is not complete."""
         drive = self._drives[stage]
         if drive is None or not drive.may_end_early:
             return False
@@ -134,7 +134,7 @@ class Ram:
         return now.force >= drive.force * (1.0 - SPENT)
 
     def strikes(self, stage: int) -> bool:
-        """Say whether a stage is a blow."""
+        """Return whether a stage is a blow."""
         drive = self._drives[stage]
         return drive is not None and isinstance(drive.motion, Blow)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What to tell a user whose increments find no equilibrium however small they are."""
+"""Remedies to report to a user whose increments find no equilibrium however small they are."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ SNAP = (
 def find_remedy(model: Model, negative_pivots: int) -> str:
     """Return a sentence on what to do.
 
-    negative_pivots: the most of any tangent in the last attempt; of shells they tell of a limit load. Solids are
-    softened by much else.
+    negative_pivots: the most of any tangent in the last attempt; for shells they show a limit load. Solids soften for
+    many other reasons.
     """
     if _is_stamping(model) and model.solver.inertia == 0.0:
         return f"{SNAP}. {MESH}"
@@ -42,11 +42,11 @@ def find_remedy(model: Model, negative_pivots: int) -> str:
 
 
 def _is_stamping(model: Model) -> bool:
-    """Say whether the model is of shells between tools, which the procedure of a stamping makes of its own."""
+    """Return whether the model is one of shells between tools, which the procedure of a stamping builds itself."""
     return model.analysis == "stamping" or (model.analysis == "shell" and bool(model.tools))
 
 
 def _is_under_loads_alone(model: Model) -> bool:
-    """Say whether arc length may take the model: no tools, nothing prescribed, no law that needs time."""
+    """Return whether arc length may compute the model: no tools, nothing prescribed, no law that needs time."""
     moved = model.tools or model.beads or any(stage.prescribed for stage in model.stages)
     return not moved and all(material.rate is None for material in model.materials)

@@ -12,13 +12,13 @@ changes lie between increments. Increments are those of the run.
 
 The derivatives on the right are taken along one direction at a time, (du, ds_n, dp), by two neighbours of the run: the
 same model with the parameter a little less and a little more, whose states differ by the same part of ds/dp. So every
-law, cell, tool and load counts without a line of its own, and so does all that an increment keeps for the next one.
-Where equilibrium is not solved to so many digits, the neighbour with less is the run itself, computed once for all.
-K lacks what curved tools and the area of friction add to the tangent, so the solution is repeated
-with what is out of balance, and the ways found are combined so that the least is left (generalised conjugate
-residuals), until nothing is. Tsay & Arora 1990, Comput. Methods Appl. Mech. Engrg. 81 (direct
-differentiation with history); there the derivatives are written out, here they are differences of step h, with
-an error of h^2, on one side of h, and of round-off over h.
+law, cell, tool and load counts without a line of its own, and so does everything that an increment keeps for the next
+one. Where equilibrium is not solved to so many digits, the neighbour with less is the run itself, computed once for
+all. K lacks what curved tools and the area of friction add to the tangent, so the solution is repeated with what is out
+of balance, and the directions found are combined so that the residual is least (generalised conjugate residuals), until
+nothing is. Tsay & Arora 1990, Comput. Methods Appl. Mech. Engrg. 81 (direct differentiation with history); there the
+derivatives are written out, here they are differences of step h, with an error of h^2, on one side of h, and of
+round-off over h.
 """
 
 from __future__ import annotations
@@ -41,13 +41,13 @@ equilibrium is not so near, over its tolerance."""
 ENOUGH = 1e-4
 """The same, above which it is not, if it becomes no less."""
 NOTHING = 1e-7
-"""Part of the largest nodal force, and of the largest way, that these change by between two neighbours at least, for
-what is out of balance: a number that moves the body as a whole changes no force at all."""
+"""Part of the largest nodal force, and of the largest displacement, that these change by between two neighbours at
+least, for what is out of balance: a number that moves the body as a whole changes no force at all."""
 ROUND_OFF = 1e-11
-"""Of the largest nodal force: what neighbours may differ by out of balance where no force changes by more than NOTHING,
-if it becomes no less."""
+"""Largest residual of neighbours, over the largest nodal force, where no force changes by more than NOTHING and the
+residual falls no more."""
 LATER = 1e-5
-"""Of a stage: by how much neighbours end it later and sooner that differ by its end alone."""
+"""Difference in the end of a stage by which neighbours differ that differ by its end alone, over the stage."""
 ALL_ALIKE = -1
 """In place of a parameter's number: of neighbours that begin with the run's state."""
 INNER = 0.3
@@ -115,12 +115,12 @@ class Sensitivities:
                 side.procedure.state = shift(state, side.procedure.state, number, side.change)
 
     def is_lost_now(self, number: int) -> bool:
-        """Say the same of the run's state."""
+        """Return whether the same holds for the run's state."""
         return self.is_lost(self._procedure.state, number)
 
     @staticmethod
     def is_lost(state: State, number: int) -> bool:
-        """Say whether the derivative by a parameter has not been found in some increment up to a state."""
+        """Return whether the derivative by a parameter has not been found in some increment up to a state."""
         return bool(np.isnan(state[SensitivityArrays].slope["nodes.displacement"][number]).any())
 
     def _go_along(self, courses: Sequence[_Course], state_n: State, step: Step) -> None:
@@ -233,7 +233,7 @@ class _Course:
         return True
 
     def go(self, direction: FloatArray, enough: float, evaluate: Evaluate) -> bool:
-        """Go a way further; return whether the derivative is still to be found."""
+        """Take another step of the solution; return whether the derivative is still to be found."""
         if not self._evaluate(self._slope + direction, evaluate):
             return False
         # 1. what the way leaves
@@ -308,7 +308,7 @@ class _Lack:
         """Largest derivative of a nodal force that holds the nodes so far, made a force."""
 
     def find(self, each: Neighbours) -> FloatArray:
-        """Return both for the present ways of the neighbours (2, n_points, freedoms)."""
+        """Return both for the present displacements of the neighbours (2, n_points, freedoms)."""
         more, less = each.more.now, each.less.now
         change = np.abs((more.point.reaction - less.point.reaction) / self._length).max()
         least = NOTHING * np.abs(more.point.reaction / self._length).max()
@@ -317,16 +317,16 @@ class _Lack:
         return np.array([more.force - less.force, more.missing - less.missing]) / each.apart
 
     def size(self, lack: FloatArray, slope: FloatArray) -> float:
-        """Return the larger of both over the forces and ways of the derivative."""
+        """Return the larger of both over the forces and displacements of the derivative."""
         return float(np.abs(self._weigh(lack, slope)).max())
 
     def is_round_off(self, lack: FloatArray, slope: FloatArray) -> bool:
-        """Say whether forces and ways lack no more than round-off leaves."""
+        """Return whether the residuals of forces and displacements are within round-off."""
         forces, displacements = np.abs(self._weigh(lack, slope)).max(axis=(1, 2))
         return bool(forces * self.force <= self._round_off and displacements <= ENOUGH)
 
     def combine(self, first: FloatArray, taken: Sequence[FloatArray], slope: FloatArray) -> FloatArray:
-        """Return the shares of what ways have taken (n, 2, n_points, freedoms) that leave the least of the first."""
+        """Return the shares of directions' residuals (n, 2, n_points, freedoms) that leave the least of the first."""
         columns = np.column_stack([self._weigh(each, slope).ravel() for each in taken])
         return np.asarray(np.linalg.lstsq(columns, self._weigh(first, slope).ravel(), rcond=None)[0])
 

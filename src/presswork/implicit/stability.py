@@ -16,11 +16,11 @@ from presswork.outcome import Converged, Failed
 from presswork.state import State
 
 BELIEVED = 0.1
-"""Of the increment first tried, down to which it is made shorter."""
+"""Smallest increment over the one first tried at which instability is believed."""
 
 
 def shows_stability(model: Model) -> bool:
-    """Say whether negative pivots tell of stability: of shells that no tool leads, under loads with a potential.
+    """Return whether negative pivots show instability: for shells that no tool leads, under loads with a potential.
 
     Moments about axes that stay have none: they make the tangent unsymmetric.
     """

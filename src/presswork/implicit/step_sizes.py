@@ -28,7 +28,7 @@ def list_ends(model: Model, stage: int) -> FloatArray:
 
 
 def is_saved(model: Model, number: int, fraction_n: float, fraction: float, *, at_end: bool) -> bool:
-    """Say whether an increment of a stage is saved: every so many, or what passes one of the equal steps.
+    """Return whether an increment of a stage is saved: every so many, or what passes one of the equal steps.
 
     number: of the increment. at_end: it ends where one must, which is always saved.
     """

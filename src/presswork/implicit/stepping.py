@@ -47,7 +47,7 @@ BACK = 1e-3
 """Fraction of the last increment by which the first guess is reversed where a stage releases what held the workpiece:
 the tangent from there is that of unloading."""
 WORTH_ALL = 0.25
-"""Of the last increment: attempts at so little of it are worth all iterations."""
+"""Length of an increment over the last one up to which an attempt is worth all iterations."""
 ENOUGH_FOR_THREADS = 10_000
 """Freedoms below which waking a second thread costs more than it gives."""
 
@@ -96,7 +96,7 @@ class ImplicitProcedure:
         self.evolution = Evolution(model)
         self.accuracy = Accuracy(model, self.mechanics)
         self.followers: list[Follower] = []
-        """Who is told of every increment in equilibrium."""
+        """Followers that learn of every increment in equilibrium."""
         self.state = self.at_rest()
         self._start, self._releases, self._to_rest = self.state, False, False
         if before:
@@ -247,7 +247,9 @@ class ImplicitProcedure:
 
     @property
     def _may_turn(self) -> bool:
-        """Say whether the next increment may turn: shells that no tool leads may buckle, snap or collapse."""
+        """Return whether the load may turn in the next increment: shells that no tool leads may buckle, snap or
+        collapse.
+        """
         return self.model.analysis == "shell" and not self.model.space_tools and bool(self.state.nodes.increment.any())
 
     def _attempt(
@@ -276,7 +278,7 @@ class ImplicitProcedure:
         return trial, self.equilibrium.solve(state_n, trial, step, guess, gently=gently, is_led=is_led)
 
     def only_heat_flows(self, stage: int) -> bool:
-        """Say whether nothing moves in a stage."""
+        """Return whether nothing moves in a stage."""
         return self.model.stages[stage].dwell is not None
 
     def _conduct(self, heat: HeatOfIncrements, trial: State, step: Step, found: Converged) -> Converged | Failed:
@@ -334,7 +336,7 @@ class ImplicitProcedure:
         log: IterationLog,
         cutbacks: int,
     ) -> bool:
-        """Make the settled trial state the converged one; return whether the stage is over."""
+        """Make the trial state in equilibrium the converged one; return whether the stage is over."""
         step, state_n = self._step(stage, fraction_n, fraction), self._start
         self.count_work(state_n, trial, step)
         if self.ram.is_needed:
@@ -392,6 +394,6 @@ class ImplicitProcedure:
             interaction.end_stage(state, next_stage)
 
     def energy_balance(self) -> dict[str, float]:
-        """Return what energy.balance says of the converged state [N mm, per cent]."""
+        """Return the balance of energy.balance for the converged state [N mm, per cent]."""
         stored = sum(i.stored(self.state) for i in self.interactions.all)
         return balance(self.state, self.mechanics.elastic_energy(self.state), stored)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The contract of an interaction: all that acts on nodes beside their own cells.
 
-Newton's method asks every interaction of a run the same questions, in this order, and knows none of them by name:
+Newton's method makes the same calls to every interaction of a run, in this order, and knows none of them by name:
 
     find_places       the run begins, or goes on with another mesh; nodes are found here
     begin_stage       a stage begins; what stands elsewhere from now on is put there
@@ -17,7 +17,7 @@ Newton's method asks every interaction of a run the same questions, in this orde
     find_fault        in equilibrium: why it is none
     end_increment     the increment has converged; what the next one needs goes into the trial state
     commit, work      the trial state becomes the converged one; work done in the increment [N mm]
-    stop              the stage ends before its way is gone
+    stop              the stage ends before its travel is complete
     stored            energy that is stored in it [N mm]
 
 What it does in a neighbour of a run, by which derivatives are found, is another contract (led.py).
@@ -42,7 +42,7 @@ from presswork.state import Arrays, State
 
 @dataclass(frozen=True)
 class Guess:
-    """A guess at the nodes' way through an increment."""
+    """A guess at the nodes' displacement in an increment."""
 
     step: Step
     dt: float
@@ -55,7 +55,7 @@ class Guess:
 
 @dataclass(frozen=True)
 class Forces:
-    """Of one interaction on the nodes at a guess."""
+    """Forces of one interaction on the nodes at a guess."""
 
     force: FloatArray
     """(n_points, d) [N, N mm], d at most the freedoms of a node."""
@@ -71,9 +71,9 @@ class Point:
 
     guess: Guess
     internal: FloatArray
-    """Of the cells (n_points, freedoms) [N, N mm]."""
+    """Internal forces of the cells (n_points, freedoms) [N, N mm]."""
     forces: tuple[Forces | None, ...]
-    """Of each interaction; None of one that exerts none by itself."""
+    """Forces of each interaction; None of one that exerts none by itself."""
     reaction: FloatArray
     """What holds the nodes: internal force less the forces of all interactions."""
 
@@ -158,7 +158,7 @@ class Interaction:
     is_driving: ClassVar[bool] = False
     """Whether residuals are measured against its forces too."""
     softness: float = 1.0
-    """How many times softer than they are its springs are taken, on the way to equilibrium."""
+    """How many times softer than they are its springs are taken, during the iteration to equilibrium."""
     n_undecided: int = 0
     """Nodes that may change no more in this increment, and pull."""
 
@@ -213,7 +213,8 @@ class Interaction:
     def update(self, trial: State, point: Point, own: Forces | None, *, near: bool, pull: float) -> int:
         """Hold and release nodes; return the changes.
 
-        near: equilibrium is near enough for reactions to be believed. pull: force below which a pull says nothing [N].
+        near: equilibrium is near enough for reactions to be believed. pull: force below which a pull counts as none
+        [N].
         """
         return 0
 
@@ -232,7 +233,7 @@ class Interaction:
     def tune(self, trial: State, point: Point, *, pull: float, credible: float) -> int:
         """Improve what its law leaves open at a guess; return how many nodes are not right yet.
 
-        pull: as in update() [N]. credible: forces below it say nothing, since equilibrium is as far off [N].
+        pull: as in update() [N]. credible: forces below it count as zero, since the residual is as large [N].
         """
         return 0
 
@@ -267,9 +268,9 @@ class Interaction:
         return False
 
     def find_fault(self, own: Forces | None, loads: FloatArray, peak: float) -> str:
-        """Say why an equilibrium that is found is none; empty: it is one.
+        """Explain why an equilibrium that was found is not valid; empty: it is.
 
-        loads: on the nodes (n_points, d) [N]. peak: largest nodal force so far [N].
+        loads: on the nodes (n_points, d) [N]. peak: largest nodal force up to now [N].
         """
         return ""
 
@@ -280,7 +281,7 @@ class Interaction:
         """Complete the trial state, whose nodes are where the increment ends."""
 
     def stop(self, state: State, stage: int, fraction: float) -> None:
-        """Let what a stage moves rest where it is: the stage ends at a fraction of its way."""
+        """Keep what a stage moves where it is: the stage ends at a fraction of its travel."""
 
     def end_stage(self, state: State, next_stage: int) -> None:
         """Prepare a converged state for the next stage."""

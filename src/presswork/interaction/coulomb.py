@@ -26,7 +26,7 @@ class Returned:
     slides: BoolArray
     """(n,)."""
     size: FloatArray
-    """Of the trial force where the point slides, else 1 (n,) [N]."""
+    """Size of the trial force where the point slides, else 1 (n,) [N]."""
     along: FloatArray
     """The trial over `size`: where the point slides, the unit vector of its friction; in the form of force."""
 

@@ -67,7 +67,7 @@ class LooseArrays(Arrays):
 
 @dataclass(frozen=True)
 class _Spring:
-    """Of one body in an increment."""
+    """Spring of one body in an increment."""
 
     points: slice
     motions: FloatArray
@@ -75,7 +75,7 @@ class _Spring:
     weight: FloatArray
     """k w of each node (n,) [N/mm]."""
     name: str
-    """Of the body."""
+    """Name of the body."""
 
 
 class LooseBodies(Interaction):
@@ -155,7 +155,7 @@ class LooseBodies(Interaction):
         return Forces(force, np.column_stack([own, own]), np.concatenate(blocks))
 
     def find_fault(self, own: Forces | None, loads: FloatArray, peak: float) -> str:
-        """Say so where loads push a body that nothing holds."""
+        """Explain where loads push a body that nothing holds; empty where there is none."""
         if own is None:
             return ""
         d = self._model.dimension

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tools that forces place: each has one freedom more, its travel q along a direction, and one equation more.
+"""Tools that forces place: each adds one freedom, its travel q along a direction, and one equation. In that equation
 
-The equation says that the workpiece's force on the tool is the force that pushes it. The system of the nodes so gets a
-border,
+the workpiece's force on the tool equals the force that pushes it. The system of the nodes so gets a border,
 
     K dx - c_j q_j = r,        a_i dx + d_i q_i = m_i,
 
 c_j being the force on the nodes for each mm of travel, m_i what tool i lacks, a_i and d_i the derivatives of that. K is
-factorised as ever. The response b_j of the nodes to c_j costs one substitution for each tool, and a system of as many
+factorised as before. The response b_j of the nodes to c_j costs one substitution for each tool, and a system of as many
 equations as there are tools gives their travel (Schur complement),
 
     (a_i b_j + d_i delta_ij) q_j = m_i - a_i dx_0,        dx = dx_0 + b_j q_j,

@@ -14,7 +14,7 @@ from presswork.model import Body, BodyContact, BoolArray, FloatArray, IndexArray
 FREE = 1e-12
 """Part of the largest eigenvalue below which a combination of rigid motions is free."""
 NAMED = 0.3
-"""Of a unit vector: part that names a motion."""
+"""Component of a unit vector above which it is named in a motion."""
 IN_SPACE = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
 NAMES = {"axisymmetric": ("y",), "plane_strain": ("x", "y", "rotation")}
 

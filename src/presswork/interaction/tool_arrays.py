@@ -39,7 +39,7 @@ class ToolArrays(Arrays):
     travel: FloatArray
     """Part of displacement that forces and springs have made (n_tools, 2) [mm]."""
     travel_increment: FloatArray
-    """Of the last increment (n_tools, 2) [mm]."""
+    """Travel in the last increment (n_tools, 2) [mm]."""
     gives: StatusArray
     """1 for a tool on a spring that is off its stop (n_tools,)."""
     force: FloatArray
@@ -124,13 +124,13 @@ class SpaceToolArrays(Arrays):
     travel: FloatArray
     """Part of displacement that forces and springs have made (n_space_tools, 3) [mm]."""
     travel_increment: FloatArray
-    """Of the last increment (n_space_tools, 3) [mm]."""
+    """Travel in the last increment (n_space_tools, 3) [mm]."""
     gives: StatusArray
     """1 for a tool on a spring that is off its stop (n_space_tools,)."""
     force_start: FloatArray
     """Force of the workpiece on each tool, as modelled, when the stage began (n_space_tools, 3) [N]."""
     force: FloatArray
-    """Of each tool on the nodes (n_space_tools, n_points, 3) [N]."""
+    """Force of each tool on the nodes (n_space_tools, n_points, 3) [N]."""
     friction: FloatArray
     """The part of it along the tool, in the same form."""
     energy: float

@@ -77,7 +77,7 @@ class ToolCourse:
         placed.displacement[t] = target
 
     def stop(self, placed: ToolArrays | SpaceToolArrays, stage: int, fraction: float) -> None:
-        """Let the tools rest where they are at a fraction of a stage's way: later stages count from its end."""
+        """Let the tools rest where they are at a fraction of a stage's travel: later stages count from its end."""
         left = (1.0 - fraction) * self._motion(self._stages[stage])
         placed.restart -= left[:, :-1]
         placed.displacement = self.base(stage + 1)[:, :-1] + placed.restart + placed.travel

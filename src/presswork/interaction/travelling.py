@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What tools that float share in the plane and in space: how far they go along their ways are freedoms of their own."""
+"""What tools that float share in the plane and in space: their travels are freedoms of their own."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class TravellingTools(Led, Interaction):
     """What a state has of them."""
 
     def _directions(self, stage: int) -> dict[int, FloatArray]:
-        """Return the ways (d,) of the tools that float in a stage, by their numbers."""
+        """Return the directions (d,) of the tools that float in a stage, by their numbers."""
         raise NotImplementedError
 
     def find_travel(self, state_n: State, trial: State, step: Step) -> FloatArray:
-        """Return how far the tools that float have gone along their ways in an increment (n,) [mm]."""
+        """Return the travel of the tools that float in an increment (n,) [mm]."""
         return self._along(trial[self._arrays].travel - state_n[self._arrays].travel, step.stage)
 
     def find_last_travel(self, state: State, step: Step) -> FloatArray:
@@ -36,7 +36,7 @@ class TravellingTools(Led, Interaction):
         return np.array([float(travel[t] @ direction) for t, direction in self._directions(stage).items()])
 
     def travel_like(self, state_n: State, trial: State, step: Step, travel: FloatArray) -> None:
-        """Put the tools that float where they have gone so far along their ways in the increment (n,) [mm]."""
+        """Put the tools that float where their travel in the increment leads (n,) [mm]."""
         moving, arrays = self._directions(step.stage), trial[self._arrays]
         directions = np.array(list(moving.values())).reshape(-1, arrays.travel.shape[1])
         further = travel - self.find_travel(state_n, trial, step)

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The one way from a Model's material to a compiled law."""
+"""The one place where a Model's material becomes a compiled law."""

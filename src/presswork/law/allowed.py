@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which libraries may run here: those compiled here, those allowed by name, all if the environment says so.
+"""Which libraries may run here: those compiled here, those allowed by name, all if the environment allows it.
 
 The code of a library does whatever its author wants, so a case from elsewhere must not run it unasked. A library is
 known by its content: one that is replaced has to be allowed anew.
@@ -12,7 +12,7 @@ import os
 from pathlib import Path
 
 VARIABLE = "PRESSWORK_RUN_USER_CODE"
-"""Of the environment: 1 allows all libraries of this process and those that it starts, as --run-user-code does."""
+"""Environment variable: 1 allows all libraries of this process and those that it starts, as --run-user-code does."""
 
 
 def allow_all() -> None:
@@ -31,7 +31,7 @@ def allow_library(library: Path | str) -> None:
 
 
 def is_allowed(library: Path) -> bool:
-    """Say whether a library may run."""
+    """Return whether a library may run."""
     if os.environ.get(VARIABLE) == "1":
         return True
     try:

@@ -56,14 +56,14 @@ def make_solid_law(material: Material) -> _core.SolidLaw:
 
 
 def first_flow_stress(material: Material) -> float:
-    """Return the flow stress of a sheet that has not flowed yet, at rest [MPa]; of a UMAT what the case tells."""
+    """Return the flow stress of a sheet that has not flowed yet, at rest [MPa]; for a UMAT the value in the case."""
     if material.umat is not None:
         return material.umat.yield_stress
     return float(make_sheet_law(material).flow_stress(np.zeros(1))[0][0])
 
 
 def is_plain(material: Material) -> bool:
-    """Tell whether a solid's material is von Mises with isotropic hardening alone, which has a law in closed form."""
+    """Return whether a solid's material is von Mises with isotropic hardening alone, which has a law in closed form."""
     beside = (
         material.yield_function,
         material.kinematic,
@@ -76,22 +76,22 @@ def is_plain(material: Material) -> bool:
 
 
 def is_hot(material: Material) -> bool:
-    """Tell whether the flow stress is one of strain, strain rate and temperature together."""
+    """Return whether the flow stress depends on strain, strain rate and temperature together."""
     return material.hardening is not None and material.hardening.is_hot
 
 
 def depends_on_temperature(material: Material) -> bool:
-    """Tell whether the law must know its temperature."""
+    """Return whether the law must know its temperature."""
     return is_hot(material) or material.heating is not None or material.thermoelastic is not None
 
 
 def depends_on_rate(material: Material) -> bool:
-    """Tell whether the flow stress depends on the rate of plastic strain."""
+    """Return whether the flow stress depends on the rate of plastic strain."""
     return material.rate is not None or is_hot(material)
 
 
 def heats(material: Material) -> bool:
-    """Tell whether plastic work raises the temperature, so that the law keeps the rise."""
+    """Return whether plastic work raises the temperature, so that the law keeps the rise."""
     return find_heating(material) > 0.0
 
 

@@ -19,10 +19,11 @@ EQPS, RISE, AXES, BACK_STRESS, TEMPERATURE = "eqps", "rise", "axes", "back_stres
 """Equivalent plastic strain; rise of temperature by plastic work [K]; directions of the law's axes; parts of the back
 stress [MPa]; temperature of the last increment less that of the start [K]."""
 POROSITY, GROWN = "porosity", "grown"
-"""Of a metal with pores: porosity, and what the metal there has grown by since it was last averaged."""
+"""Names of the history of a metal with pores: porosity, and the plastic strain that the metal has gained since it was
+last averaged."""
 DEFORMATION_GRADIENT, ENERGY, HEAT, WORK = "deformation_gradient", "energy", "heat", "work"
-"""Of a law from a shared library: by columns, of the whole deformation; elastic, plastic and creep energy; heat that
-the last increment has made, and its work, all per volume [MPa]."""
+"""Names of the history of a law from a shared library, by columns: deformation gradient of the whole deformation;
+elastic, plastic and creep energy; heat that the last increment has made, and its work, all per volume [MPa]."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class History:
         return sum(part.size for part in self.parts)
 
     def __contains__(self, name: str) -> bool:
-        """Say whether there is a part of this name."""
+        """Return whether there is a part of this name."""
         return any(part.name == name for part in self.parts)
 
     def __getitem__(self, name: str) -> slice:

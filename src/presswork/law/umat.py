@@ -33,7 +33,7 @@ _COMPILERS = {
 
 
 class CompileError(Exception):
-    """A law that cannot be compiled; says why."""
+    """A law that cannot be compiled; the message holds the reason."""
 
 
 def compile_law(source: Path, library: Path | None = None) -> Path:
@@ -61,7 +61,7 @@ def compile_law(source: Path, library: Path | None = None) -> Path:
 
 
 def open_umat(law: model.Umat) -> _core.Umat:
-    """Open a UMAT; raises RuntimeError that says what its library lacks."""
+    """Open a UMAT; raises RuntimeError that names what its library lacks."""
     if law.library == model.GTN:
         return _core.Umat.make_gtn(law.props)
     return _core.Umat(
@@ -82,7 +82,7 @@ class SheetUmat:
     young: float
     poisson: float
     yield_stress: float
-    """As the case tells; 0 where it does not."""
+    """Yield stress that the case states; 0 where it states none."""
 
 
 SheetLaw = _core.SheetLaw | SheetUmat
@@ -96,7 +96,7 @@ def list_sheet_history(law: SheetLaw) -> History:
 def open_sheet_law(material: model.Material) -> SheetLaw:
     """Make the law of a material in plane stress, or open its UMAT.
 
-    Raises RuntimeError that says what the library lacks.
+    Raises RuntimeError that names what the library lacks.
     """
     if material.umat is None:
         return make_sheet_law(material)

@@ -25,7 +25,7 @@ from presswork.model import FloatArray, Material
 Flow = Callable[[FloatArray], FloatArray]
 """Flow stress [MPa] over plastic strain, shapes (n,)."""
 DIRECTIONS = np.radians(np.arange(0.0, 91.0, 7.5))
-"""Of the wall from the rolling direction."""
+"""Directions of the wall from the rolling direction."""
 LARGEST_STRAIN = 1.0
 RINGS = 60
 DRAWS = 60
@@ -117,6 +117,6 @@ def find_flow_stress(material: Material) -> Flow:
 
 
 def has_wall(material: Material) -> bool:
-    """Say whether a material's wall can be judged: plastic, by a law of strain alone."""
+    """Return whether a material's wall can be judged: plastic, by a law of strain alone."""
     known = material.hardening is not None and material.umat is None and not material.is_elastic
     return known and not is_hot(material) and material.rate is None and material.heating is None

@@ -49,7 +49,7 @@ class CompressionTest:
     stress: FloatArray
     """True stress [MPa]: force over area as read, flow stress once friction is taken off."""
     temperature: FloatArray
-    """Of the metal [degrees C]: as the test begins, or with the heat of its plastic work."""
+    """Temperature of the metal [degrees C]: as the test begins, or with the heat of its plastic work."""
     slenderness: float | None = None
     """Radius over height of the specimen at the start; None: not given, nothing is corrected for friction."""
     m: float = 0.0

@@ -76,7 +76,7 @@ class HardeningFit:
 
     law: str
     parameters: dict[str, float]
-    """By the keys of a case."""
+    """Parameters by the keys of a case."""
     scatter: float
     """Root mean square of measured less fitted stress [MPa]."""
     relative: float
@@ -143,7 +143,8 @@ def find_yield_stress(test: TensileTest, young: float) -> float:
 def fit_r_value(test: TensileTest, young: float, poisson: float) -> float | None:
     """Return the slope of plastic width strain over plastic thickness strain; None if the width was not measured.
 
-    By a straight line through the origin over plastic strains of 0.02 and more. Raises CaseError if it is not positive.
+    The fit is a straight line through the origin over plastic strains of 0.02 and more. Raises CaseError if it is not
+    positive.
     """
     if test.width_strain is None:
         return None

@@ -31,11 +31,12 @@ TERMS: dict[str, Callable[[FloatArray, FloatArray, FloatArray], FloatArray]] = {
     "m8": lambda e, r, t: t * np.log(r),
     "m9": lambda e, r, t: np.log(t),
 }
-"""Of Hensel-Spittel: what stands with each parameter in the logarithm of the stress; e, rate, T [degrees C]."""
+"""Terms of Hensel-Spittel: the factor of each parameter in the logarithm of the stress; e, rate, T [degrees C]."""
 USUAL_TERMS = ("m1", "m3", "m2", "m8", "m5", "m7", "m4")
-"""Those that few tests tell come first; m9 beside m1 says the same over most windows."""
+"""Terms in the order of their use: those that few tests determine come first; m9 beside m1 has the same effect over
+most windows."""
 DISTINCT = 1e-6
-"""Least singular value over the largest, of columns of length 1, from which the points tell terms apart."""
+"""Least singular value over the largest, of columns of length 1, from which on the points distinguish terms."""
 OF_SINH = 4
 """Constants of the sinh law, which do not depend on the strain."""
 FIRST_STRAIN = 0.02
@@ -49,7 +50,7 @@ class HotFit:
 
     law: str
     parameters: dict[str, float]
-    """By the keys of the case."""
+    """Parameters by the keys of the case."""
     strain_window: tuple[float, float]
     rate_window: tuple[float, float]
     temperature_window: tuple[float, float]
@@ -59,7 +60,7 @@ class HotFit:
     relative: float
     """Mean of their magnitudes over the measured stress."""
     left_out: tuple[str, ...] = ()
-    """Parameters of Hensel-Spittel that the tests do not tell, which are zero."""
+    """Parameters of Hensel-Spittel that the tests do not determine, which are zero."""
 
     def stress(self, strain: FloatArray, rate: float, temperature: FloatArray) -> FloatArray:
         """Return the flow stress [MPa] at strains and temperatures [degrees C] (n,), a rate [1/s], in the window."""
@@ -94,8 +95,8 @@ def evaluate(
 def fit_hot(tests: Sequence[CompressionTest], law: str, terms: Sequence[str] | None = None) -> HotFit:
     """Fit a law to corrected tests.
 
-    terms: parameters of Hensel-Spittel that may differ from zero; without them those of the usual ones that the tests
-    tell apart. Raises CaseError where the tests do not determine it.
+    terms: parameters of Hensel-Spittel that may differ from zero; without them the usual ones that the tests
+    distinguish. Raises CaseError where the tests do not determine it.
     """
     short = [test for test in tests if test.strain[-1] < FIRST_STRAIN]
     if short:
@@ -143,7 +144,7 @@ def fit_hot(tests: Sequence[CompressionTest], law: str, terms: Sequence[str] | N
 
 
 def _choose_terms(e: FloatArray, r: FloatArray, t: FloatArray) -> tuple[str, ...]:
-    """Return the usual terms that points tell apart, with one point more than parameters.
+    """Return the usual terms that the points distinguish, with one point more than parameters.
 
     t: temperatures at which the tests begin, since those by heating in the test depend on strain and rate.
     """

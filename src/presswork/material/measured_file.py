@@ -19,7 +19,7 @@ from presswork.text_file import UnreadableError, read_bytes
 SEPARATORS = (";", "\t", ",", " ")
 """In the order in which they are taken where several read as many numbers."""
 GROUPS = {".": "[,'\u00a0\u202f]", ",": "[.'\u00a0\u202f]"}
-"""By decimal mark: what may stand between groups of thousands."""
+"""Characters that may stand between groups of thousands, by decimal mark."""
 FEWEST = 3
 """Rows of a block, if the file has one so long; shorter ones are lines of a head that hold two numbers."""
 ENCODINGS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
@@ -27,7 +27,7 @@ ENCODINGS = {b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 
 @dataclass(frozen=True)
 class Line:
-    """A line that says something."""
+    """A line with content."""
 
     number: int
     cells: tuple[str, ...]
@@ -133,7 +133,7 @@ def _split(line: str, separator: str) -> tuple[str, ...]:
 
 
 def is_row(line: Line, decimal: str) -> bool:
-    """Say whether a line holds at least two numbers."""
+    """Return whether a line holds at least two numbers."""
     return not line.comment and sum(read_number(cell, decimal) is not None for cell in line.cells) >= 2
 
 
@@ -159,7 +159,7 @@ def _find_blocks(lines: Sequence[Line], decimal: str) -> list[Block]:
 
 
 def _is_fault(lines: Sequence[Line], i: int, start: int, decimal: str) -> bool:
-    """Say whether a line inside a run is a row in which a cell is no number, or empty: as wide, and begun alike."""
+    """Return whether a line inside a run is a row in which a cell is no number, or empty: as wide, and begun alike."""
     cells, first = lines[i].cells, lines[start].cells
     if len(cells) != len(first):
         return False

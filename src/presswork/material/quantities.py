@@ -21,7 +21,7 @@ UNITS: dict[str, tuple[str, float]] = {
     "mm/min": ("speed", 1.0), "mm/s": ("speed", 60.0), "1/s": ("rate", 1.0), "s-1": ("rate", 1.0),
     "deg": ("angle", 1.0), "degc": ("temperature", 1.0), "c": ("temperature", 1.0),
 }  # fmt: skip
-"""By unit: the dimension, and the factor to N, MPa, mm, mm^2, fractions."""
+"""Dimension and factor to N, MPa, mm, mm^2, fractions, by unit."""
 ENDINGS = {"percent": "%", "prozent": "%", "pct": "%", "mm": "mm", "kn": "kn", "mpa": "mpa", "n": "n", "um": "um"}
 """Last words of a name that are a unit."""
 _WIDTH = r"width|breite|transvers|quer|lateral|largeur|larghezza|anchura|ancho|trasvers"
@@ -56,7 +56,7 @@ FACTS = (
     ("area", r"^s ?0$|^a ?0 mm2$|cross section|querschnitt|area|section initiale|seccion"),
     ("angle", r"^angle|^winkel|direction|richtung|orientation|^probe$|^specimen$|^sample$|^lage$|^probenlage"),
 )
-"""What a line of the head may say of the specimen."""
+"""Facts of the specimen that a line of the head may hold."""
 DIRECTIONS = {"rd": 0.0, "dd": 45.0, "td": 90.0, "langs": 0.0, "quer": 90.0, "diagonal": 45.0, "longitudinal": 0.0,
               "transverse": 90.0, "l": 0.0, "t": 90.0, "d": 45.0}  # fmt: skip
 
@@ -72,7 +72,7 @@ class Quantity:
     unit: str
     """As in UNITS; empty where the file has none."""
     true: bool | None
-    """Whether the name says true or engineering values; None: it does not."""
+    """Whether the name means true or engineering values; None: it is open."""
 
     @property
     def dimension(self) -> str:
@@ -103,7 +103,7 @@ def find_unit(text: str) -> str | None:
 
 
 def read_column(title: str, unit_below: str = "") -> Quantity:
-    """Return what a column's name and the cell below it say.
+    """Return the quantity and unit that a column's name and the cell below it name.
 
     The unit may stand in brackets, after a slash or "in", or as the name's last word.
     """
@@ -134,7 +134,7 @@ def read_title(title: str, unit_below: str = "") -> tuple[str, float]:
 
 
 def _goes(kind: str, dimension: str) -> bool:
-    """Say whether a kind of column can have a dimension."""
+    """Return whether a kind of column can have a dimension."""
     allowed = {"force": ("force",), "stress": ("stress",), "path": ("length",), "strain": ("strain",),
                "extensometer": ("length", "strain")}  # fmt: skip
     return not dimension or dimension in allowed[kind]

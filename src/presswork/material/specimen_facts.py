@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the head of a test machine's file says of the specimen: its sizes, and its angle from the rolling direction."""
+"""What the head of a test machine's file reports about the specimen: its sizes, and its angle from the rolling
+direction."""
 
 from __future__ import annotations
 
@@ -35,7 +36,7 @@ class Sizes:
 
 
 def read_facts(head: Sequence[Line], sizes: Sizes, decimal: str) -> Sizes:
-    """Return the sizes and the angle that the lines of a head say, beside those said before."""
+    """Return the sizes and the angle in the lines of a head, added to those known before."""
     facts: dict[str, float] = {}
     for key, text, unit in _list_facts(head, decimal):
         name, bracket = key, re.search(r"[\[(]([^\])]*)[\])]\s*$", key)
@@ -78,7 +79,7 @@ def _list_facts(head: Sequence[Line], decimal: str) -> Iterator[tuple[str, str, 
 
 
 def read_angle(text: str, key: str, decimal: str) -> float | None:
-    """Return the angle that a text says; a bare number counts only under a key that means an angle."""
+    """Return the angle that a text states; a bare number counts only under a key that means an angle."""
     degrees = re.search(r"(-?\d+(?:[.,]\d+)?)\s*(\u00b0|deg|grad\b)", text, re.IGNORECASE)
     if degrees:
         return float(degrees[1].replace(",", "."))

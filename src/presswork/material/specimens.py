@@ -20,7 +20,7 @@ from presswork.model import FloatArray
 STRESS, STRAIN = ("stress", "force"), ("extensometer", "strain", "path")
 """Kinds of columns for stress and for strain, the better ones first."""
 TRUE_NAMES = ("strain", "strain_percent", "stress")
-"""Written exactly so, they are true values; other names are engineering values unless they say true."""
+"""Names that, written exactly so, mean true values; other names mean engineering values unless they contain "true"."""
 SHOWN = 3
 """Faults of a kind that are named; the others are counted."""
 LARGEST = 1e6
@@ -49,7 +49,7 @@ class Specimen:
 
 
 def read_specimens(path: Path, given: Sizes) -> list[Specimen]:
-    """Read every specimen of a file; given: what the file need not say, or says otherwise.
+    """Read every specimen of a file; given: facts that replace those of the file.
 
     Raises CaseError with every fault.
     """

@@ -2,7 +2,7 @@
 """The forming limit in stresses: for strain paths that change (Arrieux 1982; Stoughton & Yoon 2012).
 
 A forming limit measured on proportional paths becomes a limit of equivalent plastic strain by the ratio of principal
-stresses. With isotropic hardening stresses and p are one, and neither knows the way that strain has come.
+stresses. With isotropic hardening stresses and p are one, and neither depends on the strain path.
 """
 
 from __future__ import annotations

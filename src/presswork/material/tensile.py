@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measured tensile tests: from files to true stress against plastic strain up to the uniform elongation.
 
-`specimens.py` says what a file may hold. Specimens of the same angle become one test, their mean.
+`specimens.py` lists what a file may hold. Specimens of the same angle become one test, their mean.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from presswork.model import FloatArray
 STIFF = 0.9
 """Part of Young's modulus below which the slope of a crosshead's path shows the machine's own give."""
 ODD_SLOPE = 1.5
-"""Factor between an extensometer's slope and Young's modulus from which a note says so."""
+"""Factor between an extensometer's slope and Young's modulus from which on a note reports it."""
 RISE = (0.1, 0.3)
 """Parts of the highest stress between which the first rise is elastic."""
 
@@ -56,8 +56,8 @@ class TensileTests:
 def read_tensile(paths: Path | Sequence[Path], sizes: Sizes | None = None, young: float | None = None) -> TensileTests:
     """Read tensile tests of one or several files by direction.
 
-    sizes: of the specimens, where files do not say them, or say them otherwise; young: Young's modulus [MPa], with
-    which the give of a machine is taken off the paths of its crosshead. Raises CaseError with every fault.
+    sizes: of the specimens, which replace those of the files; young: Young's modulus [MPa], with which the give of a
+    machine is taken off the paths of its crosshead. Raises CaseError with every fault.
     """
     files = [paths] if isinstance(paths, Path) else list(paths)
     specimens = [(path, one) for path in files for one in read_specimens(path, sizes or Sizes())]
@@ -135,7 +135,7 @@ def _average(tests: Sequence[TensileTest], notes: list[str]) -> TensileTest:
 
 
 def _check(test: TensileTest, one: Specimen, problems: list[Problem]) -> None:
-    """Say what makes a test useless."""
+    """Note what makes a test useless."""
     where = f"the test at {test.angle:g} degrees"
     strain, stress = float(one.strain.max()), float(one.stress.max())
     if len(test.strain) < 5:

@@ -369,7 +369,7 @@ def _insert(
 ) -> tuple[list[int], FloatArray]:
     """Return a cell's nodes with those new on its edges, and their natural coordinates.
 
-    at: by edge the new node, and its part of the way along it.
+    at: by edge the new node, and its place as a share of the edge.
     """
     loop: list[int] = []
     places: list[FloatArray] = []

@@ -2,9 +2,9 @@
 """Directors of a shell: the unit normals that its nodes carry.
 
 Where a sheet is smooth all cells round a node share one director, the mean of their normals, and the node's rotation
-about it, the drilling, means nothing. Where cells meet at more than FOLD, at an edge or a junction, each group of
-cells has a director of its own, all of them turn together, and the rotation has three parts. Cells wound the other
-way round have the opposite director, so winding need not be uniform.
+about it, the drilling, means nothing. Where cells meet at more than FOLD, at an edge or a junction, each group of cells
+has a director of its own, all of them turn together, and the rotation has three parts. Cells wound in the opposite
+sense have the opposite director, so winding need not be uniform.
 """
 
 from __future__ import annotations
@@ -175,7 +175,7 @@ def _ring_neighbours(connectivity: IntArray) -> IntArray:
 
 
 def _nodes_of_turned_cells(node: IntArray, after: IntArray) -> IntArray:
-    """Return the nodes of edges that two cells run through in the same direction: one is wound the other way."""
+    """Return the nodes of edges that two cells run through in the same direction: one is wound in reverse."""
     on_ring = after >= 0
     keys = (node[on_ring].astype(np.int64) << 32) | after[on_ring]
     found, count = np.unique(keys, return_counts=True)
@@ -186,7 +186,7 @@ def _nodes_of_turned_cells(node: IntArray, after: IntArray) -> IntArray:
 def _group(normals: FloatArray, neighbours: IntArray) -> tuple[IntArray, FloatArray]:
     """Return the group of each cell at a node, and whether its normal is that of the group (1) or opposite (-1).
 
-    Cells belong together that share an edge there, with normals, taken the same way round, at most FOLD apart.
+    Cells belong together that share an edge there, with normals, taken in the same sense, at most FOLD apart.
     """
     before, after = neighbours.T
     turned = (after[:, None] == after) & (after[:, None] >= 0) | (before[:, None] == before) & (before[:, None] >= 0)

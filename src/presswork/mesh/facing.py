@@ -11,7 +11,7 @@ from presswork import _core
 from presswork.model import BoolArray, FloatArray, IntArray, find_cell
 
 TOUCH = 1e-3
-"""Of an edge: how far the ends of another may be from its line and still lie on it."""
+"""How far the ends of an edge may be from the line of another and still lie on it, over the length of the other."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Facing:
     own_shape: FloatArray
     """Shape functions of the nodes of the own side there (n, 2 | 3 | 4)."""
     other_shape: FloatArray
-    """Of the nodes of the other side, in the same form."""
+    """Shape functions of the nodes of the other side, in the same form."""
     gap: FloatArray
     """Distance along the normal of the own side, negative where the bodies overlap (n,) [mm]."""
     area: FloatArray

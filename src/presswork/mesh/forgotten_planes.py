@@ -21,7 +21,7 @@ from presswork.geometry.tool_surface import list_extreme_points
 from presswork.model import FloatArray, IntArray, Model, Plane, Profile, Stage, Tool, take_corners
 
 FLAT = 1e-6
-"""Of the size of the workpiece: how far a side may lie off its plane, and that off the origin."""
+"""How far a side may lie off its plane, and that off the origin, over the size of the workpiece."""
 ACROSS = 0.1
 """Part of a unit vector along a normal from which on it counts as going along it."""
 OVER, BEYOND = 0.25, 0.5
@@ -101,7 +101,7 @@ def _list_normals(model: Model, tolerance: float) -> list[FloatArray]:
 
 
 def _has_area(points: FloatArray, edges: IntArray, normal: FloatArray, tolerance: float) -> bool:
-    """Say whether boundary edges (n, 2) lie in the plane through the origin across a normal."""
+    """Return whether boundary edges (n, 2) lie in the plane through the origin across a normal."""
     return bool((np.abs(points[edges] @ normal) <= tolerance).all(axis=1).any())
 
 
@@ -116,7 +116,7 @@ def _list_strokes(model: Model) -> FloatArray:
 
 
 def _is_held(model: Model, side: FlatSide) -> bool:
-    """Say whether supports hold the whole side along its normal, and no more than that: as a symmetry plane."""
+    """Return whether supports hold the whole side along its normal, and no more than that: as a symmetry plane."""
     for support in model.supports:
         if not np.isin(side.nodes, model.mesh.node_sets[support.node_set]).all():
             continue
@@ -131,7 +131,7 @@ def _is_held(model: Model, side: FlatSide) -> bool:
 
 
 def _is_bare(model: Model, side: FlatSide) -> bool:
-    """Say whether nothing holds a node of a side along its normal, loads the side or stands before it."""
+    """Return whether nothing holds a node of a side along its normal, loads the side or lies before it."""
     mesh, sets = model.mesh, model.mesh.node_sets
     along = np.abs(side.normal) > ACROSS
     for support in model.supports:
@@ -153,7 +153,7 @@ def _is_bare(model: Model, side: FlatSide) -> bool:
 
 
 def _share_inside(side: FlatSide, nodes: IntArray, model: Model) -> bool:
-    """Say whether a held set has nodes of a side, those aside that it has for a side that meets this one."""
+    """Return whether a held set has nodes of a side, those aside that it has for a side that meets this one."""
     common = np.intersect1d(side.nodes, nodes)
     if not len(common):
         return False
@@ -174,7 +174,7 @@ def _list_loaded(model: Model, stage: Stage) -> Iterator[IntArray]:
 
 
 def _has_partner(side: FlatSide, held: list[FlatSide]) -> bool:
-    """Say whether a symmetry plane meets a side at an angle that divides the whole turn."""
+    """Return whether a symmetry plane meets a side at an angle that divides the whole turn."""
     for other in held:
         inside = np.degrees(np.pi - np.arccos(np.clip(side.normal @ other.normal, -1.0, 1.0)))
         parts = 360.0 / max(float(inside), 1e-3)
@@ -185,7 +185,7 @@ def _has_partner(side: FlatSide, held: list[FlatSide]) -> bool:
 
 
 def _has_tool(model: Model, side: FlatSide) -> bool:
-    """Say whether a tool of finite extent is symmetric about a side's plane, or ends at it and goes on far inwards."""
+    """Return whether a tool of finite extent is symmetric about a side's plane, or ends there and reaches inwards."""
     for low, over, width in _list_reaches(model, side):
         beyond = -width - low
         ends_there = -FLAT * width <= over <= OVER * width and beyond > max(BEYOND * width, MORE * over)
@@ -195,7 +195,7 @@ def _has_tool(model: Model, side: FlatSide) -> bool:
 
 
 def _is_crossed(model: Model, side: FlatSide) -> bool:
-    """Say whether a tool of finite extent reaches over a side's plane, and not as far as to the other side of it."""
+    """Return whether a tool of finite extent reaches over a side's plane, and not as far as to the other side of it."""
     reaches = _list_reaches(model, side)
     return any(over > OVER * width and not _is_symmetric(low, over, width) for low, over, width in reaches)
 

@@ -8,7 +8,7 @@ import numpy as np
 from presswork.model import FloatArray, IndexArray, Mesh
 
 NEAR = 1e-9
-"""Of the length of an edge, by which a ray may pass beside its end and meet it still."""
+"""How far a ray may pass beside the end of an edge and still meet it, over the edge's length."""
 
 
 def find_outer_edge(mesh: Mesh, angle: float) -> tuple[IndexArray, FloatArray] | None:

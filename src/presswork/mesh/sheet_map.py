@@ -4,7 +4,7 @@
 Each shell takes the mean over a grid of its own places. A place takes what the nearest shell of the part has at its
 foot: the value of that shell and its slope, by least squares over the shells that share a node with it. That is exact
 for what varies linearly. Stresses go by the axes of the material, which are laid into the new shell, so they turn with
-the sheet; where a normal of the new mesh points the other way, the layers are counted from the other face.
+the sheet; where a normal of the new mesh points to the opposite side, the layers are counted from the other face.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from presswork.model import BoolArray, FloatArray, FormedSheet, IntArray
 _MOST = 6
 """Places along a side of a new shell at most."""
 _BEYOND = 0.5
-"""Of the range of the neighbours' values, by which a place may lie beyond it."""
+"""How far a place may lie beyond the range of the neighbours' values, over that range."""
 _FROM = (np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0]))
 
 

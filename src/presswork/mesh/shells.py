@@ -51,7 +51,7 @@ def read_shell_mesh(
     """Read the mesh of a shell; return it and notes on what was changed.
 
     scale: factor of the file's coordinates to mm. in_parts: whether it may have several, which share no node. Sets as
-    in read_mesh, by x and y. Cells may be wound either way. Raises MeshError.
+    in read_mesh, by x and y. Cells may be wound in either sense. Raises MeshError.
     """
     raw = read_raw(path)
     if not len(raw.points):

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shells split in four where it is asked for: neighbours one level apart at most, hanging nodes on the sides between.
+"""Shells split in four where a size is exceeded: neighbours one level apart at most, hanging nodes on the sides
+between.
 
 Triangles have their last node twice. The middle of a side is one node, however many shells have the side; where one
-shell has the whole side and two others its halves, that node hangs: cpp/explicit/space/hanging.hpp says how it moves.
+shell has the whole side and two others its halves, that node hangs: cpp/explicit/space/hanging.hpp describes how it
+moves.
 """
 
 from __future__ import annotations

@@ -14,7 +14,8 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.model import FloatArray, Surface, SweptProfile, Triangulation
 
 MOST_ADVANCES = 200
-"""A gap between surfaces that lie 60 degrees to the way is halved by each or by every other one."""
+"""Most advances of a tool: a gap between surfaces at 60 degrees to its direction is halved by each or by every second
+one."""
 MOST_TOUCHES = 20_000
 WITHIN = 1e-4
 """Part of the thickness that is left between a tool and the part that it touches."""
@@ -40,13 +41,13 @@ def sample_tool(shape: Surface, within: float) -> FloatArray:
 def find_clearance(
     one: Surface, other: Surface, between: FloatArray, direction: FloatArray, within: float, tolerance: float = 1e-4
 ) -> float:
-    """Return how far a tool can go along its way before it strikes another [mm]; infinite where it never does.
+    """Return how far a tool can go along its direction before it strikes another [mm]; infinite where it never does.
 
     between: from the other's origin to the one's (3,) [mm]. direction: unit vector (3,). within: as in `sample_tool`.
     tolerance: of the gap that is left [mm].
 
-    Points of either are held against the surface of the other. While the least gap is g nothing can touch within g, so
-    the tool advances by g, and gaps that may now be small are asked again. Where that comes to no end, they only slide
+    Points of either are compared with the surface of the other. While the least gap is g nothing can touch within g, so
+    the tool advances by g, and gaps that may now be small are computed again. Where that does not end, they only slide
     past each other. Tools that overlap from the start have no clearance to find: infinite, too.
     """
     points = sample_tool(one, within) + between, sample_tool(other, within) - between
@@ -70,10 +71,10 @@ def find_clearance(
 def find_touch(
     surface: _core.ToolSurface, points: FloatArray, half: FloatArray, direction: FloatArray, farthest: float
 ) -> float | None:
-    """Return how far a tool goes along its way until it touches a sheet; None where it does not within `farthest`.
+    """Return how far a tool goes along its direction until it touches a sheet; None: not within `farthest`.
 
     points: nodes in the tool's frame (n, 3), half the thickness there (n,) [mm]. No gap falls by more than the tool
-    advances: it advances by the least, and asks again those that may be small.
+    advances: it advances by the least, and those that may be small are computed again.
     """
     tolerance = WITHIN * float(half.mean())
     gaps = surface.nearest(points)[0] - half
@@ -117,9 +118,9 @@ class Room:
 
 
 class _Pair:
-    """Points of two tools, each held against the surface of the other as the one goes along its way.
+    """Points of two tools, each compared with the surface of the other as the one moves.
 
-    A gap falls by no more than the travel, so only points that may be near are asked again.
+    A gap falls by no more than the travel, so only points that may be near are computed again.
     """
 
     def __init__(
@@ -172,7 +173,7 @@ def find_closing(
     room: float | Room,
     step: float,
 ) -> Closing | None:
-    """Return where a tool, going along its way, first leaves less than `room` [mm] to another; None where it does not.
+    """Return where a moving tool first leaves less than `room` [mm] to another; None where it does not.
 
     between, direction, within: as in `find_clearance`. step: of the travel [mm]; what they leave less room in over
     a shorter stroke is not found. Tools that slide along each other with more room between them go on.

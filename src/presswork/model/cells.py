@@ -54,11 +54,11 @@ class Cell:
     pieces: IndexArray
     """Lines or triangles between all nodes of a line or plane cell (n, dimension + 1); of a solid none."""
     spans: IndexArray
-    """Of a plane cell two pairs of corners (2, 2): the cross product of their differences is twice its area."""
+    """Two pairs of corners of a plane cell (2, 2): the cross product of their differences is twice its area."""
     reversed: IndexArray
     """The nodes of the cell turned inside out (n_nodes,)."""
     mass_shares: FloatArray
-    """Of the nodes in the mass of a cell (n_nodes,); none where they are int N dV."""
+    """Shares of the nodes in the mass of a cell (n_nodes,); none where they are int N dV."""
     rules: Mapping[int, _core.Rule]
     """Quadrature rules by their number of points."""
     files: NamesInFiles

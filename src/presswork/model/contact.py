@@ -20,7 +20,7 @@ class Body:
     blocks: range
 
     def owns(self, edges: IntArray) -> BoolArray:
-        """Say which edges (n, 2 | 3) or faces (n, 3 | 4) belong to the body, shape (n,)."""
+        """Return which edges (n, 2 | 3) or faces (n, 3 | 4) belong to the body, shape (n,)."""
         return np.asarray((edges[:, 0] >= self.points.start) & (edges[:, 0] < self.points.stop), dtype=bool)
 
 

@@ -23,7 +23,7 @@ class FormedSheet:
     axis: FloatArray
     """x of the law in space, unit vectors (n, 3)."""
     heights: FloatArray
-    """Of the layers, from -1 to 1 (k,)."""
+    """Heights of the layers, from -1 to 1 (k,)."""
     stress: FloatArray
     """xx, yy, zz, xy, yz, zx in space (n, k, 6) [MPa]."""
     plastic_strain: FloatArray

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Derivatives that a run finds on its way: of which columns of its history, by which numbers of its case."""
+"""Derivatives that a run finds as it goes: of which columns of its history, by which numbers of its case."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Parameter:
     value: float
     """In the units of the Model: mm, s, N, MPa."""
     step: float
-    """By how much it is less and more in the two models."""
+    """Difference of the number in the two models: less in the one, more in the other."""
     less: Model | None
     """None: the run itself stands for it, in differences to one side."""
     more: Model

@@ -25,7 +25,7 @@ class DynamicRecrystallisation:
     half_strain: PowerLaw
     """Strain beyond the critical one in which the first half recrystallises."""
     size: PowerLaw
-    """Of the new grains [um]."""
+    """Size of the new grains [um]."""
     exponent: float = 2.0
 
 
@@ -36,7 +36,7 @@ class Recrystallisation:
     half_time: PowerLaw
     """Time in which the first half recrystallises [s]."""
     size: PowerLaw
-    """Of the new grains [um]."""
+    """Size of the new grains [um]."""
     exponent: float = 1.0
 
 

@@ -44,7 +44,7 @@ class PrescribedTemperature:
 
     node_set: str
     value: FloatArray
-    """By time [degrees C]."""
+    """Temperature by time [degrees C]."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Convection:
     coefficient: FloatArray
     """Coefficient by temperature of the surface [N/(mm s K)]."""
     ambient: FloatArray
-    """By time [degrees C]."""
+    """Ambient temperature by time [degrees C]."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class Radiation:
     side_set: str
     emissivity: float
     ambient: FloatArray
-    """By time [degrees C]."""
+    """Ambient temperature by time [degrees C]."""
 
 
 @dataclass(frozen=True)
@@ -128,9 +128,9 @@ class ToolHeat:
     effusivity: float | None = None
     """sqrt(conductivity density specific heat) [N/(mm K s^0.5)]; None: that of the workpiece."""
     steel: tuple[float, float] | None = None
-    """Of a tool that takes up heat: conductivity [N/(s K)], heat capacity per volume [N/(mm2 K)]."""
+    """Properties of a tool that takes up heat: conductivity [N/(s K)], heat capacity per volume [N/(mm2 K)]."""
     die: DieMesh | None = None
-    """Of a tool that conducts heat on a mesh of its own."""
+    """Mesh of a tool that conducts heat on one of its own."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,7 +171,7 @@ class Heat:
     fixed_step: float | None = None
     """All steps are of this part of the stage, whatever their errors."""
     levels: int = 5
-    """Of a sheet: equally spaced temperatures through its thickness, on both faces and between."""
+    """Number of levels of a sheet: equally spaced temperatures through its thickness, on both faces and between."""
 
 
 @dataclass(frozen=True)

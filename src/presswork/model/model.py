@@ -31,7 +31,7 @@ Analysis = Literal["axisymmetric", "plane_strain", "solid", "shell", "stamping"]
 
 
 _OF_THE_LINE = ("name", "place", "laid", "spaced", "closings")
-"""What an operation says beside what a Model of one operation has."""
+"""Data of an operation beyond those of a Model of one operation."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ class Model:
     remeshing: Remeshing | None = None
     """Solids in the plane or in axisymmetry: new meshes in the run; None: one mesh to the end."""
     gradients: Gradients | None = None
-    """Derivatives that an implicit run finds on its way; None: none."""
+    """Derivatives that an implicit run finds as it goes; None: none."""
     case_text: str = ""
     """The case file as read, kept with the results."""
 

@@ -30,7 +30,7 @@ class OneStepModel:
 
     title: str
     points: FloatArray
-    """Of the part's mid-surface (n_points, 3) [mm]."""
+    """Points of the part's mid-surface (n_points, 3) [mm]."""
     triangles: IntArray
     """(n, 3)"""
     quadrilaterals: IntArray
@@ -39,13 +39,13 @@ class OneStepModel:
     """Loops of open edges; the first is the outline."""
     material: Material
     thickness: float
-    """Of the blank [mm]."""
+    """Thickness of the blank [mm]."""
     rolling_direction: float
     """Angle from x in the blank [rad]."""
     symmetry: tuple[bool, bool]
     """Whether the planes x = 0 | y = 0 mirror the part."""
     holder_force: float
-    """Of the whole holder [N]."""
+    """Force of the whole holder [N]."""
     mu: float
     """Coefficient of friction."""
     beads: tuple[PartBead, ...] = ()

@@ -58,5 +58,6 @@ class Operation:
     laid: tuple[str, ...] = ()
     """Names of tools whose height is where they just touch the part; their position gives x and y."""
     spaced: Mapping[str, tuple[str, float]] = field(default_factory=dict)
-    """By name of tool: another one, and how much higher its position is than that of the other [mm]."""
+    """Tools that are placed relative to another one: by name, the other tool, and how much higher the position is than
+    that of the other [mm]."""
     closings: tuple[Closing, ...] = ()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """What drives the tools that move in a stage: the ram of a press, by its kinematics or by its energy.
 
-The way of the ram is counted from where the stage begins. It is that of the tool that moves farthest, or twice as far
-where a symmetry plane across it stands for the other half of the workpiece.
+The travel of the ram is counted from where the stage begins. It is that of the tool that moves farthest, or twice as
+far where a symmetry plane across it stands for the other half of the workpiece.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from presswork.model.arrays import FloatArray
 
 @dataclass(frozen=True)
 class SpeedTable:
-    """A speed over the way, such as a hydraulic press has."""
+    """A speed over the travel, such as a hydraulic press has."""
 
     rows: FloatArray
     """Way gone [mm], increasing from 0, and speed there [mm/s], above 0 (n, 2); linear between the rows and constant
@@ -48,7 +48,7 @@ class SpeedTable:
         return float(travels[k]) + speed * stretch
 
     def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return ways, speeds and times of the rows."""
+        """Return travels, speeds and times of the rows."""
         travels, speeds = self.rows.T
         means = [_mean_speed(float(a), float(b)) for a, b in itertools.pairwise(speeds)]
         steps = np.diff(travels) / np.array(means)
@@ -68,7 +68,7 @@ class Crank:
     rod_ratio: float
     """Radius over the length of the connecting rod, 0 to below 1; 0: a rod of infinite length."""
     speed: float
-    """Of the crank [rad/s]."""
+    """Speed of the crank [rad/s]."""
     start: float
     """Distance from bottom dead centre where the stage begins [mm], at most the stroke."""
 
@@ -107,7 +107,7 @@ class Blow:
     energy: float
     """That the workpiece takes [N mm]: the kinetic energy times the efficiency of the blow."""
     velocity: float
-    """Of the ram when it strikes [mm/s]."""
+    """Velocity of the ram when it strikes [mm/s]."""
     number: int = 1
     """Counted from 1 over the blows of this press."""
 
@@ -122,7 +122,7 @@ class Drive:
 
     motion: SpeedTable | Crank | Blow
     travel: float
-    """Of the ram over the whole stage [mm]."""
+    """Travel of the ram over the whole stage [mm]."""
     whole: float = 1.0
     """Work of the ram over that of the moved tools, as modelled: mirror images work, too."""
     press: str = ""
@@ -141,31 +141,31 @@ class Drive:
 
     @property
     def is_prescribed(self) -> bool:
-        """Whether the time follows from the way alone."""
+        """Whether the time follows from the travel alone."""
         return not isinstance(self.motion, Blow) and math.isinf(self.power)
 
     @property
     def may_end_early(self) -> bool:
-        """Whether the stage may end before its whole way is gone."""
+        """Whether the stage may end before its whole travel is complete."""
         return isinstance(self.motion, Blow) or math.isfinite(self.force)
 
     def time_between(self, start: float, end: float) -> float:
-        """Return the time between two parts of the way, where it follows from the way alone [s]."""
+        """Return the time between two fractions of the travel, where it follows from the travel alone [s]."""
         assert not isinstance(self.motion, Blow), "the time of a blow follows from its course"
         return self.motion.time_at(end * self.travel) - self.motion.time_at(start * self.travel)
 
     def speed_at(self, part: float) -> float:
-        """Return the speed [mm/s] at a part of the way, where it follows from the way alone."""
+        """Return the speed [mm/s] at a fraction of the travel, where it follows from the travel alone."""
         assert not isinstance(self.motion, Blow), "the speed of a blow follows from its course"
         return self.motion.speed_at(part * self.travel)
 
     def part_at(self, time: float) -> float:
-        """Return the part of the way that is gone after a time [s], where it follows from the time alone."""
+        """Return the fraction of the travel that is complete after a time [s], where it follows from the time alone."""
         assert not isinstance(self.motion, Blow), "the way of a blow follows from its course"
         return min(self.motion.travel_at(time) / self.travel, 1.0)
 
 
 def _mean_speed(first: float, last: float) -> float:
-    """Return the way over the time between two speeds, where speed is linear in the way: their logarithmic mean."""
+    """Return the travel over the time between two speeds, speed being linear in the travel: their logarithmic mean."""
     ratio = (last - first) / first
     return first if abs(ratio) < 1e-14 else first * ratio / math.log1p(ratio)

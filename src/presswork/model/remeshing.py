@@ -37,7 +37,7 @@ class Remeshing:
     error: float = 0.0
     """Part of the stress power that cells may miss, by which their size is chosen; 0: it is not."""
     bodies: Mapping[str, Remeshing] = field(default_factory=dict)
-    """Of further bodies, by their names; `every` is that of the workpiece for all."""
+    """Settings of further bodies, by their names; `every` is that of the workpiece for all."""
 
     def of_body(self, name: str) -> Remeshing:
         """Return the sizes and triggers of a body."""

@@ -102,7 +102,7 @@ class OutputSettings:
     """Stampings: whether each operation's part is written as a dynain."""
 
     def is_closer_than(self, increment: float) -> bool:
-        """Say whether the equal steps lie closer together than increments of this fraction of a stage."""
+        """Return whether the equal steps lie closer together than increments of this fraction of a stage."""
         return self.steps * increment > 1 + 1e-9
 
 

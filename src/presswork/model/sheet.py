@@ -53,7 +53,7 @@ class PartSection:
     start: tuple[float, float]
     """Where it begins, in the plan of the part in its tools [mm]."""
     angle: float
-    """Of its direction from x [rad]."""
+    """Angle of its direction from x [rad]."""
     length: float = float("inf")
     """From the start on [mm]; infinite: on both sides of the start as far as there is sheet."""
 

@@ -25,8 +25,8 @@ class Support:
     name: str = ""
     """Name under which its reaction is recorded; empty: it is not recorded."""
     normal: tuple[float, float, float] | None = None
-    """Of a solid in space: the unit vector along which the nodes are held, where it is not x, y or z; fix then tells
-    the components that their reaction has."""
+    """For a solid in space: the unit vector along which the nodes are held, where it is not x, y or z; fix then names
+    the components of their reaction."""
 
 
 @dataclass(frozen=True)
@@ -108,8 +108,8 @@ class EdgeForce:
     force: tuple[float, ...]
     """x, y; of a shell x, y, z; or x, y, z and the moments about them."""
     area: float | None = None
-    """Of the set when the run began [mm2], by which the whole force stays the same on new meshes of a solid in the
-    plane; None: that of the mesh."""
+    """Area of the set when the run began [mm2]: the total force stays the same on new meshes of a solid in the plane.
+    None: the area in the mesh."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ class Push:
     stop: str = ""
     """In space: name of a tool that no force places, on which this one stands at last; empty: none."""
     clearance: float = math.inf
-    """By how much its travel along direction then exceeds that of the other tool, since the start [mm]."""
+    """Excess of its travel along direction over that of the other tool, since the start [mm]."""
 
 
 @dataclass(frozen=True)
@@ -143,11 +143,12 @@ class ToolMotion:
     move: tuple[float, ...] = (0.0, 0.0, 0.0)
     """Displacement [mm]; in the plane x and y."""
     turn: float = 0.0
-    """Of solids: angle [rad], counter-clockwise, about the tool's centre, in space about its axis."""
+    """Turn of a tool of solids: angle [rad], counter-clockwise, about the tool's centre, in space about its axis."""
     push: Push | None = None
     """Force that places the tool, instead of a move."""
     start: tuple[float, ...] | Literal["touch", "touch_again"] | None = None
-    """Of solids: position of the origin of its frame when the stage begins [mm], from which its stroke counts;
+    """Start of a tool of solids: position of the origin of its frame when the stage begins [mm], from which its stroke
+    counts;
     touch: where the tool first touches the workpiece along its motion; touch_again: the same, but its stroke goes on;
     None: where the stage before has left it."""
 
@@ -207,14 +208,13 @@ class Stage:
     drive: Drive | None = None
     """The ram that moves the tools, from which time follows; None: all moves evenly in time."""
     process_time: float | None = None
-    """Of a stamping: how long the stage takes in the press [s], by which heat flows and rates are taken; None: the
-    duration."""
+    """Duration of a stamping's stage in the press [s], which sets rates and the flow of heat; None: the duration."""
     dwell: Dwell | None = None
-    """Of a stamping: heat alone flows."""
+    """Dwell of a stamping's stage, in which only heat flows."""
 
     @property
     def slower(self) -> float:
-        """By how much the stage takes longer in the press than it is computed."""
+        """Return how many times longer the stage takes in the press than in the computation."""
         return 1.0 if self.process_time is None else self.process_time / self.duration
 
     def time_between(self, start: float, end: float) -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rigid tools and drawbeads: shape, place, friction. What a tool does in a stage, its stage says (stage.py)."""
+"""Rigid tools and drawbeads: shape, place, friction. The stage holds what a tool does in it (stage.py)."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class SweptProfile:
     """A profile of lines and arcs carried round a rectangle with rounded corners about the origin."""
 
     half_widths: tuple[float, float]
-    """Of the plan along x and y [mm]; one may be infinite: a strip."""
+    """Half widths of the plan along x and y [mm]; one may be infinite: a strip."""
     corner_radius: float
-    """Of the plan [mm]; of a circle both half widths; of a strip it means nothing."""
+    """Radius of the plan's corners [mm]; for a circle both half widths; unused for a strip."""
     segments: FloatArray
     """Shape (n, 7) as in Profile, x and y meaning s, outwards from the plan's curve, and z."""
 
@@ -99,12 +99,12 @@ class Tool:
     centre: tuple[float, ...] = (0.0, 0.0)
     """In its own frame: the point about which it turns and its torque is taken [mm]; in space a point of its axis."""
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """Of a solid in space, in its own frame: unit vector about which it turns."""
+    """For a solid in space, in its own frame: unit vector about which the tool turns."""
     rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Of a solid in space: by which it is turned about the origin of its frame at the start, a vector along the axis
-    of this rotation with the angle as its length [rad]."""
+    """For a solid in space: rotation about the origin of the tool's frame at the start, a vector along its axis with
+    the angle as its length [rad]."""
     spring: Spring | None = None
-    """Of solids: the spring on which it rests; its stages move the spring's foot."""
+    """For solids: the spring on which the tool rests; its stages move the spring's foot."""
     mirrored_across: tuple[bool, ...] = (False, False)
     """Plane strain, solids in space: whether the whole tool is twice what is modelled, mirrored by a symmetry plane
     normal to x | y | z."""
@@ -145,6 +145,6 @@ class Drawbead:
     tool: str | None = None
     """Name of the tool that it moves with; None: it stands still."""
     closing_force: float = 0.0
-    """Of a stamping: per length [N/mm], taken off the force of a pushed holder."""
+    """For a stamping: closing force per length [N/mm], taken off the force of a pushed holder."""
     is_sought: bool = False
     """Whether its forces are still to be found from its geometry: such a Model is described and drawn, not computed."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Transformation of austenite on cooling: what a steel's composition says of it, and what is given outright."""
+"""Transformation of austenite on cooling: what follows from a steel's composition, and what is given directly."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Transformation:
 
     martensite_start: float
     martensite_rate: float = 0.011
-    """Of Koistinen and Marburger [1/K]."""
+    """Rate in the law of Koistinen and Marburger [1/K]."""
     composition: Mapping[str, float] = field(default_factory=dict)
     """Mass per cent by element; empty: austenite becomes martensite alone."""
     grain_size: float = 8.0
@@ -29,6 +29,7 @@ class Transformation:
     """Ae1."""
     bainite_start: float = 0.0
     delay: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    """Factors on the times that ferrite, pearlite and bainite take, by what the composition does not say: boron."""
+    """Factors on the times that ferrite, pearlite and bainite take, for elements that the composition does not hold:
+    boron."""
     latent_heat: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     """Set free by PHASES [mm2/s2]."""

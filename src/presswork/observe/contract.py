@@ -43,7 +43,7 @@ class Metal:
     flow_stress: FloatArray
     """(n,) [MPa]"""
     centres: FloatArray
-    """Of their cells (n, 2 | 3) [mm]."""
+    """Centres of their cells (n, 2 | 3) [mm]."""
     volume: FloatArray | None
     """(n,) [mm3]; None where a mean pressure means nothing."""
 
@@ -54,13 +54,13 @@ class ToolGaps:
 
     names: Sequence[str]
     profiles: Mapping[str, FloatArray]
-    """Of tools in the plane, where they are now (n_segments, 7)."""
+    """Profiles of tools in the plane, where they are now (n_segments, 7)."""
     find: Callable[[FloatArray], FloatArray]
     """Return how far places are from each tool (n_tools, n) [mm]."""
     pairs: Sequence[Mapping[str, IntArray]] = ()
     """Boundary edges of two bodies each (n, 2 | 3)."""
     tolerance: float | None = None
-    """Of contact at nodes [mm]; None where there is none, as in explicit runs."""
+    """Tolerance of contact at nodes [mm]; None where there is none, as in explicit runs."""
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Evolved:
     """What evolution laws keep at the points of the material."""
 
     values: Mapping[str, Sequence[FloatArray]]
-    """By quantity and block (n_cells, p), of shells the layers of a point one after the other."""
+    """Values by quantity and block (n_cells, p), for shells the layers of a point one after the other."""
     critical: Mapping[str, Sequence[float | None]]
     """The critical value in each block, by quantity."""
 
@@ -197,7 +197,7 @@ class Observer:
         return []
 
     def info(self, run: Observed) -> Info:
-        """Return what a saved step says of the run."""
+        """Return what a saved step stores about the run."""
         return {}
 
     def show(self, run: Observed, now: Instant) -> None:
@@ -269,7 +269,7 @@ class Observers:
             observer.show(run, now)
 
     def info(self, run: Observed) -> Info:
-        """Return what a saved step says of the run."""
+        """Return what a saved step stores about the run."""
         found: dict[str, str | float | FloatArray] = {}
         for observer in self._observers:
             found |= observer.info(run)

@@ -15,7 +15,7 @@ from presswork.observe.damage_length import find_lengths
 from presswork.observe.neighbourhood import FormedBlock
 
 DAMAGE = "damage_"
-"""Beginning of the names of quantities that the history and the summary tell."""
+"""Beginning of the names of damage quantities in the history and the summary."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Peak:
     place: tuple[float, ...]
     """Centre of the cell [mm]."""
     mean: Mean
-    """Of all means the largest, or the one nearest to its critical value."""
+    """The largest of all means, or the one nearest to its critical value."""
 
 
 class DamagePeaks(Observer):

@@ -15,9 +15,9 @@ import numpy as np
 from presswork.model import BoolArray, FloatArray, IntArray, Model
 
 PART = 0.1
-"""Of the thickness."""
+"""Length over which damage is averaged in a sheet, over the thickness."""
 FLAT = 1e-6
-"""Of the body's size: how far nodes of a symmetry plane may lie off it."""
+"""How far nodes of a symmetry plane may lie off it, over the body's size."""
 
 
 def find_lengths(model: Model) -> list[float | None]:

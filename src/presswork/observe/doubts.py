@@ -111,7 +111,7 @@ def _has_moved(name: str, history: Mapping[str, NDArray[Any]]) -> bool:
 
 
 def _find_elastic(model: Model, extremes: Mapping[str, Sequence[float]]) -> list[str]:
-    """Say that nothing has yielded in a workpiece that could."""
+    """Report that nothing has yielded in a workpiece that could."""
     strain = extremes.get("equivalent_plastic_strain")
     could = any(_can_yield(material) for material in model.materials)
     if strain is None or not could or strain[1] > ELASTIC:
@@ -122,12 +122,12 @@ def _find_elastic(model: Model, extremes: Mapping[str, Sequence[float]]) -> list
 
 
 def _can_yield(material: Material) -> bool:
-    """Say whether a material is meant to yield: its first flow stress is far below Young's modulus."""
+    """Return whether a material is meant to yield: its first flow stress is far below Young's modulus."""
     if material.hardening is None:
         return False
     return is_hot(material) or first_flow_stress(material) < OF_METAL * material.young
 
 
 def _explain_plane(place: str) -> str:
-    """Say that a side looks like a symmetry plane that was forgotten."""
+    """Report that a side looks like a symmetry plane that was forgotten."""
     return f"nothing held, loaded or touched the workpiece on {place}, which looks like a symmetry plane"

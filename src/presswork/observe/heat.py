@@ -16,7 +16,7 @@ from presswork.model import FloatArray, IntArray, Model
 from presswork.observe.contract import History, Observed, Observer, Row
 
 JOULE = 1e-3
-"""Of 1 N mm."""
+"""Value of 1 N mm in J."""
 
 
 class HeatOfBodies(Observer):
@@ -94,7 +94,7 @@ class HeatOfSheets(Observer):
 
 
 def heat_columns(kinds: Sequence[str]) -> list[str]:
-    """Return the columns of history.csv. kinds: ways by which heat comes in."""
+    """Return the columns of history.csv. kinds: kinds of heat that comes in."""
     temperatures = ["temperature_min", "temperature_mean", "temperature_max"]
     return [*temperatures, "heat_stored", *(f"heat_{kind}" for kind in kinds)]
 

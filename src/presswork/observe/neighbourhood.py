@@ -25,7 +25,7 @@ ENOUGH = 1e-3
 """Part by which a cell's own damage must exceed the largest mean so far for its neighbourhood to be looked at."""
 _AT_ONCE = 64
 _FRACTIONS = (np.arange(8) + 0.5) / 8
-"""Of the angle within which a ring is inside the neighbourhood: where its distance is taken."""
+"""Places, over the angle within which a ring is inside the neighbourhood, where its distance is taken."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class FormedBlock:
     mesh: Mesh
     """Its points where their material was when the run began."""
     position: FloatArray
-    """Of the nodes now (n_points, 2 | 3) [mm]."""
+    """Position of the nodes now (n_points, 2 | 3) [mm]."""
     number: int
-    """Of the block."""
+    """Number of the block."""
 
     def find_largest_mean(self, damage: FloatArray, length: float | None) -> tuple[float, int, float]:
         """Return the largest mean over a neighbourhood, the cell in its middle, and its radius [mm].

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""By how much a sheet that touches itself overlaps."""
+"""The depth to which a sheet that touches itself overlaps."""
 
 from __future__ import annotations
 

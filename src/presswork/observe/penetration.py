@@ -25,7 +25,7 @@ from presswork.observe.doubts import find_never_touched
 _BETWEEN = np.linspace(-1.0, 1.0, 10)[1:-1]
 """Where edges are checked."""
 _SPACING = 0.25
-"""Of the places where profiles are checked, over the mean edge."""
+"""Spacing of the places where profiles are checked, over the mean edge."""
 _MOST_PLACES = 400
 """On a piece of a profile."""
 CUT_EDGE = 0.25

@@ -47,7 +47,7 @@ class RamObserver(Observer):
 
 
 def has_ram(model: Model) -> bool:
-    """Say whether a ram drives any stage."""
+    """Return whether a ram drives any stage."""
     return any(stage.drive is not None for stage in model.stages)
 
 

@@ -70,7 +70,7 @@ class Reactions(Observer):
 
     @property
     def names(self) -> list[str]:
-        """Of its columns."""
+        """Return the names of its columns."""
         return [f"{holder.name}.{quantity}" for holder in self.holders for quantity in _quantities(holder)]
 
     def columns(self, run: Observed) -> list[str]:
@@ -124,10 +124,10 @@ class Reactions(Observer):
         return row
 
     def gauges(self, model: Model) -> dict[str, FloatArray]:
-        """Return what nominal stress and strain are reckoned with, of every set that moves along one axis.
+        """Return the gauges for nominal stress and strain of every set that moves along one axis.
 
-        By `gauge_` and its name: the undeformed area across this axis [mm2], the length of its body along it [mm], and
-        1 if the set is at the upper end of the body, -1 if at the lower.
+        Under `gauge_` and its name: the undeformed area across this axis [mm2], the length of its body along it [mm],
+        and 1 if the set is at the upper end of the body, -1 if at the lower.
         """
         mesh, found = model.mesh, {}
         section = mesh.blocks[0].section
@@ -156,7 +156,7 @@ class Reactions(Observer):
 
 
 def _quantities(holder: Holder) -> list[str]:
-    """Return what the history says of a holder: its components that are held at all, and those that are moved."""
+    """Return the history's quantities of a holder: its components that are held at all, and those that are moved."""
     held: BoolArray = np.atleast_1d(holder.held.any(axis=0))
     names = [f"force_{axis}" for axis, is_held in zip(AXES, held[:3], strict=False) if is_held]
     names += [f"moment_{axis}" for axis, is_held in zip(AXES, held[3:], strict=False) if is_held]
@@ -165,7 +165,7 @@ def _quantities(holder: Holder) -> list[str]:
 
 
 def _gauge_faces(mesh: Mesh, holder: Holder, axis: int) -> FloatArray | None:
-    """Return what Reactions.gauges tells of a set on the surface of a solid in space that moves along an axis."""
+    """Return the gauge of a set on the surface of a solid in space that moves along an axis, as in Reactions.gauges."""
     faces = select_faces(mesh.boundary_faces, mesh.node_sets[holder.node_set])
     if not len(faces):
         return None

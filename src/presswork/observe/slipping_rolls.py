@@ -13,7 +13,7 @@ from presswork.model import FloatArray, Model
 from presswork.observe.contract import History, Measure, Observed, Observer
 
 STANDS_STILL = 0.01
-"""Of the angle times the least extent of the workpiece: a path of its nodes below which a roll has slipped."""
+"""Path of nodes below which a roll has slipped, over its angle times the least extent of the workpiece."""
 
 
 class SlippingRolls(Observer):

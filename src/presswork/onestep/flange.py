@@ -15,8 +15,8 @@ from presswork.model import BoolArray, FloatArray, IntArray
 FLAT = 0.996
 """z of the normals of a flange: within 5 degrees of level."""
 GENTLE, SMOOTH, CHORD = np.cos(np.radians(20.0)), 100.0, np.radians(0.5)
-"""Of a curved flange: its least normal along the press [1], its least radius over the thickness, and the angle between
-facets that may be chords of any radius [rad]."""
+"""Limits of a curved flange: its least normal along the press [1], its least radius over the thickness, and the angle
+between facets that may be chords of any radius [rad]."""
 MOST = 0.9
 """Part of a flange's outline that is level if the flange is flat."""
 
@@ -24,7 +24,7 @@ MOST = 0.9
 def find_flange(
     points: FloatArray, triangles: IntArray, up: FloatArray, thickness: float, neighbours: list[list[int]]
 ) -> BoolArray:
-    """Return the triangles of the flange (n,): those about level that hang together with the highest of the outline.
+    """Return the triangles of the flange (n,): those about level that are connected with the highest of the outline.
 
     A level flange is flat. One of a curved binder bends smoothly and stays below a slope of GENTLE; it is taken where
     the level part of it is less than MOST of its outline.

@@ -3,8 +3,8 @@
 
 Unknown are the places of the part's nodes in the blank. Equilibrium is asked along the part's surface only, for normal
 to it the tools hold: the forces of inverse_membrane.hpp along two tangents of each node, with friction, vanish. Where
-no symmetry plane holds the part, three force fields (two directions and a turn) take up what tools must hold beside
-that; they tell how far the part is from a place where it would stay by itself. Theory: docs/theory/one_step.md.
+no symmetry plane holds the part, three force fields (two directions and a turn) balance what tools must hold beyond
+that; they show how far the part is from a place where it would stay by itself. Theory: docs/theory/one_step.md.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _SLIP_SCALE = 0.25
 
 @dataclass(frozen=True)
 class Friction:
-    """Friction forces against the sheet's way over one tool."""
+    """Friction forces against the sheet's motion over one tool."""
 
     force: FloatArray
     """At each node (n_nodes,) [N]."""
@@ -49,7 +49,7 @@ class OneStepProblem:
     part: PartSurface
     law: _core.DeformationLaw
     thickness: float
-    """Of the blank [mm]."""
+    """Thickness of the blank [mm]."""
     flow_stress: float
     """A typical one, to scale forces with [MPa]."""
     layers: int = 3
@@ -72,7 +72,7 @@ class OneStepSolution:
     blank: FloatArray
     """Places of the nodes in the blank (n_nodes, 2) [mm]."""
     forces: FloatArray
-    """Of the sheet on what holds it, at each node in space (n_nodes, 3) [N]."""
+    """Forces of the sheet on what holds it, at each node in space (n_nodes, 3) [N]."""
     held_force: FloatArray
     """Resultant of the force fields that hold the part: along x, y [N], about z [N mm]."""
     iterations: int = 0
@@ -269,7 +269,7 @@ class OneStep:
         return np.asarray(np.log(np.maximum(flat, 1e-300) / formed))
 
     def _describe_thinnest(self, blank: FloatArray) -> str:
-        """Say how thin the sheet is where it is thinnest, and where that is."""
+        """Describe how thin the sheet is at its thinnest place, and where that is."""
         part, strain = self.problem.part, self._thickness_strains(blank)
         thinnest = int(np.argmin(strain))
         place = ", ".join(f"{x:.4g}" for x in part.points[part.triangles[thinnest]].mean(axis=0))

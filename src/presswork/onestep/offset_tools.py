@@ -22,9 +22,9 @@ from presswork.onestep.flange import find_flange, find_outline, list_neighbours,
 from presswork.onestep.solve import mirror_part
 
 CLEARANCE = 0.1
-"""Of the thickness: what is left between punch and die beside the sheet, on each side."""
+"""What is left between punch and die beside the sheet, on each side, over the thickness."""
 STEEPER = np.radians(0.5)
-"""By how much the slope of the die's shoulder changes over a triangle, at least [rad]."""
+"""Change of slope of the die's shoulder over a triangle, at least [rad]."""
 ISLAND = 0.02
 """Part of the area inside the shoulder that a piece of the punch has at least."""
 _FREE = 5.0
@@ -40,11 +40,11 @@ class OffsetTools:
     """The tools of a part."""
 
     faces: Mapping[ToolKind, Triangulation]
-    """Of punch and die, and of a holder if there is a level flange, wound as seen from the sheet."""
+    """Faces of punch and die, and of a holder if there is a level flange, wound as seen from the sheet."""
     stroke: float
-    """Of the punch from where both touch the flat blank to the finished part [mm]."""
+    """Stroke of the punch from where both touch the flat blank to the finished part [mm]."""
     smallest_radius: float
-    """Of the mid-surface [mm]."""
+    """Smallest radius of the mid-surface [mm]."""
     is_binder_curved: bool
     """Whether the blank, flat, does not lie all along the flange."""
     notes: tuple[str, ...]
@@ -312,7 +312,7 @@ def _width_of_pieces(
 def _find_faults(
     points: FloatArray, triangles: IntArray, below: FloatArray, above: FloatArray, has_flange: bool
 ) -> tuple[str, ...]:
-    """Say what is doubtful of the tools."""
+    """Describe what is doubtful about the tools."""
     notes = []
     before = double_areas(points, triangles)
     folded = [(before * double_areas(x, triangles)).sum(axis=1) < 0.0 for x in (below, above)]

@@ -73,11 +73,11 @@ class Nesting:
     """One blank after the other in a strip."""
 
     angle: float
-    """By which the blank is turned, counter-clockwise [degrees]."""
+    """Angle by which the blank is turned, counter-clockwise [degrees]."""
     pitch: float
     """Feed of the strip for each blank [mm]."""
     width: float
-    """Of the strip [mm]."""
+    """Width of the strip [mm]."""
     utilisation: float
     """Net area of the blank over pitch x width."""
 

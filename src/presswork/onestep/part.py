@@ -25,9 +25,9 @@ class PartSurface:
     share: FloatArray
     """Part of each triangle that counts (n,): 1/2 for a quadrilateral's four, which overlap."""
     normals: FloatArray
-    """Of the nodes (n_nodes, 3), unit."""
+    """Normals of the nodes (n_nodes, 3), unit."""
     axes: FloatArray
-    """Of the triangles (n, 2, 3), unit, in their planes."""
+    """Axes of the triangles (n, 2, 3), unit, in their planes."""
     edges: FloatArray
     """Edges 01 and 02 as columns in these axes (n, 2, 2) [mm]."""
     curvature: FloatArray

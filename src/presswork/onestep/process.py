@@ -51,7 +51,7 @@ class Process:
         self._law = make_law(model.material, self.metric)
         self._flow = float(self._law.flow_curve(np.array([_TYPICAL_STRAIN]))[0][0])
         self.share = 0.5 ** sum(model.symmetry)
-        """Of the whole part that is modelled."""
+        """Share of the whole part that is modelled."""
         rim = model.rims[0]
         self._rim: IntArray = rim if self.held is None else rim[~(self.held[0] | self.held[1])[rim]]
 

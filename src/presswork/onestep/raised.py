@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Shapes that a part goes through as the punch comes down, made from the part alone, and the sheet's places on them.
 
-While the punch stands above its last place by a way, the bottom does, the flange is where it will be, and the walls are
-shorter. The share of that way that a node is raised by solves Laplace's equation over the part, 0 at the flange and 1
-at the bottom; conductivity is so much lower where the part is steep and straight that the walls take nearly all of it.
-On such a shape the sheet's metal lies farther out than in the part (carry_nodes).
+While the punch is above its last place by a height, so is the bottom; the flange is at its final place, and the walls
+are shorter. The share of that height by which a node is raised solves Laplace's equation over the part, 0 at the flange
+and 1 at the bottom; conductivity is so much lower where the part is steep and straight that the walls take nearly all
+of it. On such a shape the sheet's metal lies farther out than in the part (carry_nodes).
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ _WALL = 0.5
 
 
 def find_raise(part: PartSurface, flange: BoolArray, bottom: BoolArray, thickness: float) -> tuple[FloatArray, float]:
-    """Return the share of the punch's way that each node is raised by (n_nodes,), and the way that uses up a wall [mm].
+    """Return the share of the punch's height that raises each node (n_nodes,), and the height that uses up a wall [mm].
 
-    part: with its curvature; flange, bottom: nodes that stay, and that go with the punch (n_nodes,). The way is 0 for a
-    part without walls between them.
+    part: with its curvature; flange, bottom: nodes that stay, and nodes that go with the punch (n_nodes,). The height
+    is 0 for a part without walls between them.
     """
     cells, n = part.triangles, len(part.points)
     inverse = np.linalg.inv(part.edges)  # rows: gradients of the second and third corner's shape functions
@@ -93,8 +93,8 @@ class RaisedSurface:
 def carry_nodes(wanted: FloatArray, blank: FloatArray, points: FloatArray, triangles: IntArray) -> FloatArray:
     """Return where metal lies that starts at wanted (k, 2), (k, 3).
 
-    blank (n, 2), points (n, 3): where a sheet's nodes start and lie. Beyond the sheet's rim the metal keeps its way to
-    the rim.
+    blank (n, 2), points (n, 3): where a sheet's nodes start and lie. Beyond the sheet's rim the metal keeps its
+    distance from the rim.
     """
     flat, places = (np.column_stack([x, np.zeros(len(x))]) for x in (blank, wanted))
     feet = find_feet(places, flat, triangles)

@@ -27,7 +27,7 @@ from presswork.results.folder import CASE, HISTORY, LOG, RESULTS, SUMMARY
 from presswork.results.whole_file import write_whole
 
 STRAIGHT = "one step knows the strains of the part alone: it judges them as if every path had been straight"
-"""Of the forming limit."""
+"""Note on the forming limit."""
 BLANK_POINTS, BLANK_DRAWING = "blank.csv", "blank.dxf"
 
 

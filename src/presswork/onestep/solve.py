@@ -31,9 +31,9 @@ class OneStepResult:
     blank: FloatArray
     """Places of the part's nodes in the blank (n_points, 2) [mm]."""
     fields: dict[str, FloatArray]
-    """Of the cells, triangles first (n_cells,)."""
+    """Fields of the cells, triangles first (n_cells,)."""
     punch_force: float
-    """Of the whole part [N]."""
+    """Punch force of the whole part [N]."""
     held_force: FloatArray
     """What tools hold the part with beside friction: along x, y [N], about z [N mm]."""
     iterations: int
@@ -49,7 +49,7 @@ class OneStepResult:
 def solve_one_step(
     model: OneStepModel, *, threads: int = 0, on_iteration: Callable[[int, float], None] | None = None
 ) -> OneStepResult:
-    """Find the blank, by way of the model's stages. Raises OneStepError, MeshError."""
+    """Find the blank over the model's stages. Raises OneStepError, MeshError."""
     if threads:
         _core.set_threads(threads)
     started = perf_counter()

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The blank of a part by way of shapes between: deformation theory from stage to stage.
+"""The blank of a part over shapes between: deformation theory from stage to stage.
 
 The wall of a deep part was stretched while its metal left the flange, by the force that the flange held it with then.
 At the end little of the flange may be left, and one step knows no other. So the sheet is brought into equilibrium on
-raised parts (raised.py), the highest first, each time from what the stage before has left in it. Theory:
+raised parts (raised.py), the highest first, each time from the result of the stage before. Theory:
 docs/theory/one_step.md.
 """
 
@@ -34,7 +34,7 @@ _NEAR = 0.25
 
 
 def has_deep_walls(process: Process, part: PartSurface) -> bool:
-    """Tell whether a part is so deep, with walls that could be raised, that stages between are worth their time."""
+    """Return whether a part is so deep, with walls that can be raised, that stages between are worth their time."""
     if _find_depth(part) <= _DEEP * process.model.thickness:
         return False
     try:
@@ -49,9 +49,9 @@ def _find_depth(part: PartSurface) -> float:
 
 
 def _raise_bottom(process: Process, part: PartSurface) -> tuple[FloatArray, float]:
-    """Return the share of the punch's way that each node is raised by, and the way to the first stage [mm].
+    """Return the share of the punch's height by which each node is raised, and the height of the first stage [mm].
 
-    Raises OneStepError where there is no wall that could be raised.
+    Raises OneStepError where no wall could be raised.
     """
     model = process.model
     bottom = part.points[:, 2] - part.points[:, 2].min() < 0.5 * model.thickness
@@ -77,10 +77,10 @@ class Stages:
         up = np.array([0.0, 0.0, 1.0])
         self._raised = [process.shape(part.points + height * self._share[:, None] * up) for height in self._heights]
         self.residuals: list[float] = []
-        """Of all iterations on the way, as OneStepSolution has them."""
+        """Residuals of all iterations up to now, as OneStepSolution has them."""
 
     def find_blank(self, blank: FloatArray) -> Found:
-        """Return the blank by way of the stages; blank: of one step (n_nodes, 2). Raises OneStepError, MeshError."""
+        """Return the blank over the stages; blank: of one step (n_nodes, 2). Raises OneStepError, MeshError."""
         places = self._guess_places(blank)
         for _ in range(_ROUNDS):
             formed = None

@@ -21,7 +21,7 @@ from presswork.results.whole_file import write_whole
 CELLS = 8_000
 """Shells of the whole blank at most, whatever the part's radii ask for."""
 _CELLS_ACROSS = 30
-"""Of the blank at least, along its longer side."""
+"""Least number of cells across the blank, along its longer side."""
 _CELLS_A_RADIUS = 2.0
 """Cells along the smallest radius of the part: three round a corner of 90 degrees."""
 _SINKS = 0.7
@@ -29,7 +29,7 @@ _SINKS = 0.7
 _BEYOND = 4.0
 """Times the budget: so many shells at most for that."""
 _GAP = 1.1
-"""Of a holder that no force pushes, over the thickness."""
+"""Gap of a holder that no force pushes, over the thickness."""
 _CLOSED = 1.05
 """To which a curved holder closes before a force pushes it, over the thickness."""
 _HEAD = """\

@@ -16,7 +16,8 @@ from presswork.results import Result, ResultError
 FINE = 0.5
 """Side of the tool's triangles, over the mean edge of the workpiece's skin."""
 TOUCHING = 0.25
-"""Of that edge: places of the tool closer to the skin than that have its contact stress, by chords of rounds."""
+"""Distance from the skin, over that edge, up to which places of the tool have its contact stress; chords of rounds need
+it."""
 BESIDE = 2.0
 """Edges that are shown of the tool round the workpiece."""
 _MOST_ROUNDS = 20
@@ -27,9 +28,9 @@ class DieStress:
     """A tool's surface near the workpiece, and what presses on it."""
 
     corners: FloatArray
-    """Of its triangles where it stands (n, 3, 3) [mm]."""
+    """Corners of its triangles where it stands (n, 3, 3) [mm]."""
     pressure: FloatArray
-    """Of each (n,) [MPa]; 0 where the workpiece does not touch it."""
+    """Pressure on each triangle (n,) [MPa]; 0 where the workpiece does not touch it."""
 
 
 def find_die_stress(result: Result, tool: str, step: int = -1) -> DieStress:

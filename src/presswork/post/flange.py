@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compare a drawn flange with a target outline, and correct the edge of the blank.
 
-A point of the edge that is to come to rest elsewhere on its way, by dx, has to start from elsewhere by F^-1 dx, F the
+A point of the edge that must come to rest elsewhere along its path, by dx, has to start elsewhere by F^-1 dx, F the
 deformation of the sheet beside it. For a flange that keeps its thickness this is exact to first order: the area between
 edge and target is the same in blank and flange.
 """
@@ -17,11 +17,11 @@ from presswork.post.outline import find_outline
 from presswork.results import Result, ResultMesh
 
 _SHORT = 0.05
-"""Way of an edge point over its farthest below which its direction says nothing."""
+"""Travel of an edge point over the largest one below which its direction is unreliable."""
 _STEEPEST = 0.5
 """Least area of a cell seen from above, over that in the blank, by whose deformation a deviation is pulled back."""
 _FARTHEST = 2.0
-"""Longest way to the target, and longest correction, over the distance."""
+"""Longest distance to the target, and longest correction, over the distance."""
 
 
 @dataclass(frozen=True)

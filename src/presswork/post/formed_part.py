@@ -18,11 +18,11 @@ from presswork.results import Result, ResultError
 
 Frame = Literal["axisymmetric", "plane_strain", "solid"]
 _SOUND = 0.3
-"""Poisson's ratio where a run does not say its own."""
+"""Poisson's ratio where a run does not store its own."""
 _STEEL = 206e3
-"""Young's modulus [MPa] where a run does not say its own."""
+"""Young's modulus [MPa] where a run does not store its own."""
 _SAME = 1e-6
-"""Of a part's size, by which nodes of its dynain lie off those of the results."""
+"""How far nodes of a part's dynain may lie off those of the results, over the part's size."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class FormedPart:
     """[MPa]"""
     poisson: float
     notes: tuple[str, ...]
-    """What the files cannot say, or say otherwise."""
+    """What the files lack, or state differently."""
 
 
 def read_formed_part(
@@ -44,7 +44,7 @@ def read_formed_part(
     """Return the sheet of a run at a saved step. Raises ResultError for what is no sheet.
 
     At the end of an operation that wrote its dynain all layers are known; else those of the results: bottom, middle and
-    top. whole: returns the sheet at the end of the run, where it is known in another way.
+    top. whole: returns the sheet at the end of the run, if the caller knows it otherwise.
     """
     if not result.is_shell:
         raise ResultError(f"{result.folder} is no sheet: it has no thickness")
@@ -82,7 +82,7 @@ def _read_own_dynain(result: Result, step: int) -> FormedSheet | None:
 
 
 def _is_at(sheet: FormedSheet, points: FloatArray) -> bool:
-    """Say whether nodes of a sheet lie at points (n_points, 3)."""
+    """Return whether nodes of a sheet lie at points (n_points, 3)."""
     size = float(np.ptp(points, axis=0).max())
     return sheet.points.shape == points.shape and bool(np.abs(sheet.points - points).max() < _SAME * size)
 

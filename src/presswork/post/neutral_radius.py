@@ -38,9 +38,10 @@ def find_neutral_radius(result: Result, step: int = -1, tool: str | None = None)
     """Return where the flow parts on the contact surface of an axisymmetric run.
 
     The slip is that between the saved steps on both sides (one-sided at the first and the last step), of the nodes in
-    contact at all of them; so save steps close together. A surface that flows one way has none: in a ring with little
-    friction all of it flows outwards. Of several, as on a wavy surface, the innermost is returned. Raises ResultError
-    for another kind of run, an unknown step or an unknown tool, or if several tools leave the choice.
+    contact at all of them; so save steps close together. A surface that flows in one direction has none: in a ring with
+    little friction all of it flows outwards. If there are several, as on a wavy surface, the innermost is returned.
+    Raises ResultError for another kind of run, an unknown step or an unknown tool, or if several tools leave the
+    choice.
     """
     if result.info.get("analysis") != "axisymmetric":
         raise ResultError(f"{result.folder} is not axisymmetric: it has no radius")

@@ -59,7 +59,7 @@ def read_released(result: Result) -> tuple[ReleasedPart, FloatArray, IntArray]:
 
 
 def _is_cut(mesh: ResultMesh, before: ResultMesh) -> bool:
-    """Say whether a mesh covers less of the blank than the one before."""
+    """Return whether a mesh covers less of the blank than the one before."""
     areas = []
     for each in (mesh, before):
         a, b, c = each.points[triangulate_mesh(each, each.points)].transpose(1, 0, 2)

@@ -71,7 +71,7 @@ def find_breaks(line: FloatArray) -> NDArray[np.intp]:
 def find_ray(
     result: Result, angle: float = 0.0, step: int = -1, *, start: tuple[float, float] = ORIGIN
 ) -> tuple[float, tuple[float, float]]:
-    """Return angle [rad] and start [mm] of a ray on the blank where an operation has laid it, as `place` says."""
+    """Return angle [rad] and start [mm] of a ray on the blank where an operation has laid it, as in `place`."""
     plan = result.plan_at(step)
     x, y = plan[:, :2] @ start + plan[:, 2]
     out = plan[:, :2] @ (np.cos(angle), np.sin(angle))
@@ -149,7 +149,7 @@ def cut_tool(
 ) -> FloatArray:
     """Cut a tool in space by the half plane from `start` (x, y) [mm] at an angle from x [rad], or by the whole plane.
 
-    They are where the tool is; find_ray says where a ray of the blank is then.
+    They are where the tool is; find_ray returns where a ray of the blank is then.
 
     Return lines (n, 2, 2) of distance from the start and height [mm].
     """
@@ -175,7 +175,7 @@ def cut_tool(
 def measure_draw_in(result: Result, angle: float = 0.0, step: int = -1) -> float:
     """Return how far the sheet's edge has come in along the radius at an angle from x [rad] [mm].
 
-    Of a trimmed sheet that is the trimmed edge, from where it was in the blank.
+    For a trimmed sheet this is the trimmed edge, from its place in the blank.
     """
     mesh = result.mesh_at(step)
     # whole, since the ray may start in the middle of its only cell

@@ -15,10 +15,10 @@ from presswork.results.reader import ResultBlock
 
 
 def find_skin(mesh: ResultMesh) -> tuple[ResultMesh, NDArray[np.int32] | None]:
-    """Return what is seen of a mesh in space, and the cell that each of its faces belongs to.
+    """Return the visible faces of a mesh in space, and the cell that each of them belongs to.
 
-    Of a solid it is the boundary faces, quadrilaterals or triangles of 3 or 6 nodes; a sheet is seen itself, and comes
-    without numbers.
+    For a solid they are the boundary faces, quadrilaterals or triangles of 3 or 6 nodes; a sheet is seen itself, and
+    comes without numbers.
     """
     solids = [cell.files.vtk for cell in CELLS.values() if cell.dimension == 3]
     if not any(block.vtk_type in solids for block in mesh.blocks):

@@ -36,7 +36,7 @@ GROWTH, SHRINK, SAFETY = 2.0, 0.2, 0.9
 REFUSED = 2.0
 """Times the tolerance: an error for which a step is taken again."""
 SMALLEST = 1e-4
-"""Of the first step: a step so short is taken whatever its error, and a run gives up below it."""
+"""Smallest time step over the first one: so short a step is taken whatever its error, and a run gives up below it."""
 ENOUGH_FOR_THREADS = 10_000
 TIME, STAGE, FRACTION, STEPS, SIZE, ITERATIONS, CUTBACKS = range(7)
 """Places in `progress`; SIZE is a part of the stage."""
@@ -227,7 +227,7 @@ class HeatProcedure:
         return float(np.clip(SAFETY * np.sqrt(self.heat.tolerance / error), SHRINK, GROWTH))
 
     def _next_size(self, size: float, step: float, error: float) -> float:
-        """Return the size of the next step; one cut short by a saved step says nothing against the size before."""
+        """Return the size of the next step; one cut short by a saved step does not reduce it."""
         if self.heat.fixed_step is not None:
             return self.heat.fixed_step
         wanted = step * self._find_factor(error)

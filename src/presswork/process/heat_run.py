@@ -33,7 +33,7 @@ class HeatRun(ModelRun):
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv."""
+        """Return the columns of history.csv."""
         bodies = [body.name for body in self.model.bodies]
         each = [f"{body}.temperature_mean" for body in bodies] if len(bodies) > 1 else []
         return ["time", "stage", "increment", "iterations", *each, *heat_columns(KINDS)]
@@ -56,7 +56,7 @@ class HeatRun(ModelRun):
         return f"linear solver: {self.procedure.equation.solver.name}"
 
     def log_lines(self, report: IncrementReport) -> list[str]:
-        """Say how the step was found."""
+        """Describe how the step was found."""
         return [
             *(f"step {report.number} cut back: {reason}" for reason in report.cutbacks),
             f"step {report.number}, stage {report.stage} at {report.fraction:.4f}, {len(report.log)} iterations, "

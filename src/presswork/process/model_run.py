@@ -50,7 +50,7 @@ class ModelRun:
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv."""
+        """Return the columns of history.csv."""
         raise NotImplementedError
 
     def row(self, report: Any) -> Row:
@@ -58,7 +58,7 @@ class ModelRun:
         raise NotImplementedError
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what summary.json says beyond status and wall time."""
+        """Return the contents of summary.json beyond status and wall time."""
         raise NotImplementedError
 
     def at_work(self) -> Observed | None:

@@ -64,7 +64,7 @@ class Run(Protocol):
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv."""
+        """Return the columns of history.csv."""
 
     @property
     def checkpoint_every(self) -> int:
@@ -87,7 +87,7 @@ class Run(Protocol):
         """Return the line that begins the log."""
 
     def log_lines(self, report: Any) -> list[str]:
-        """Return what the log says of a report."""
+        """Return the log's lines on a report."""
 
     def progress_text(self, report: Any) -> str:
         """Return a line for who waits."""
@@ -114,4 +114,4 @@ class Run(Protocol):
         """Take up what meta gave."""
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what summary.json says beyond status and wall time; "warnings" lists what a user should know."""
+        """Return the contents of summary.json beyond status and wall time; "warnings" lists what a user should know."""

@@ -11,7 +11,7 @@ from presswork.geometry.tool_surface import cut_plane
 from presswork.model import FloatArray, IntArray, Model, Plane, SweptProfile, Tool
 
 SHEET_CHORD = 0.02
-"""Of the thickness of a sheet: how far the triangles of a drawn tool lie off its surface."""
+"""How far the triangles of a drawn tool lie off its surface, over the thickness of a sheet."""
 SOLID_CHORD = 1e-3
 """The same, of the size of a solid."""
 AROUND = 1.5

@@ -33,7 +33,7 @@ from presswork.process.space_surfaces import SHEET_CHORD
 FORCE_TIMES = 100
 """Times of each stage at which a force over the stroke is tabulated."""
 BEAD_POINTS = 2000
-"""Of all beads that results keep: an attribute of HDF5 has 64 kB."""
+"""Number of points of all beads that results keep: an attribute of HDF5 has 64 kB."""
 
 
 class StampingTools:
@@ -83,7 +83,7 @@ class StampingTools:
         return [PlacedTool(s, tool.position) for s, tool in zip(self._surfaces, self._tools, strict=True)]
 
     def begin_stage(self, number: int) -> None:
-        """Let the tools move, push or stand still as the stage says; the speed of strokes is a stroke in its time."""
+        """Let the tools move, push or stand still as in the stage; the speed of strokes is a stroke in its time."""
         stages = self._model.stages
         for tool, at_work in zip(self._model.tools, self._tools, strict=True):
             at_work.stop()
@@ -152,7 +152,7 @@ def make_whole(model: Model, forces: FloatArray) -> FloatArray:
 
 
 def tool_columns(model: Model, displacement: Mapping[str, FloatArray], forces: FloatArray) -> Row:
-    """Return the history's columns of all tools: stroke along the way [mm], force along it and in space [N].
+    """Return the history's columns of all tools: stroke along its direction [mm], force along it and in space [N].
 
     displacement: of each tool since the start (3,) [mm]. forces: of the sheet on the whole tools (n_tools, 3) [N].
     """
@@ -177,7 +177,7 @@ def tool_text(model: Model, row: Row) -> str:
 
 
 def describe_stamping(model: Model) -> Info:
-    """Return what results say of a stamping."""
+    """Return what results store about a stamping."""
     planes = "".join(name for name, is_cut in zip("xy", model.symmetry, strict=True) if is_cut)
     judged = model.sheet[1].formability
     described: dict[str, str | float | FloatArray] = {"title": model.title, "analysis": "stamping", "symmetry": planes}
@@ -189,7 +189,7 @@ def describe_stamping(model: Model) -> Info:
 
 
 def describe_sheet(model: Model) -> Info:
-    """Return what results say of a sheet: where its layers lie, its rolling direction and elasticity."""
+    """Return what results store about a sheet: where its layers lie, its rolling direction and elasticity."""
     section, material = model.sheet
     return {
         "layers": thickness_rule(section)[0],
@@ -212,20 +212,20 @@ def working_direction_of(tool: Tool) -> tuple[float, float, float]:
 
 
 def is_pushed(model: Model, tool: Tool) -> bool:
-    """Say whether a force places the tool."""
+    """Return whether a force places the tool."""
     return any((m := s.tool_motion.get(tool.name)) is not None and m.push is not None for s in model.stages)
 
 
 def is_pushed_in(model: Model, tool: Tool, number: int) -> bool:
-    """Say whether a force places the tool in a stage: the last stage up to this one that names it pushes it."""
+    """Return whether a force places the tool in a stage: the last stage up to this one that names it pushes it."""
     named = [m for s in model.stages[: number + 1] if (m := s.tool_motion.get(tool.name)) is not None]
     return bool(named) and named[-1].push is not None
 
 
 def find_stops(model: Model) -> dict[str, tuple[str, float]]:
-    """Return on which other a pushed holder or die comes to stand, bare, and after how much of its way [mm].
+    """Return on which other tool a pushed holder or die comes to rest, bare, and after which travel [mm].
 
-    The other has then not moved. What cannot strike is left out.
+    The other has then not moved. Tools that cannot strike are left out.
     """
     found: dict[str, tuple[str, float]] = {}
     for tool, other in itertools.permutations(model.tools, 2):
@@ -244,7 +244,7 @@ def tabulate_force(model: Model, name: str) -> tuple[FloatArray, FloatArray]:
     """Return times [s] and forces [N] of a pushed tool on the sheet over the whole process.
 
     At the start of each stage the force goes over to the stage's own within its ramp; before the first it is zero, and
-    a stage that says nothing keeps it. What closes beads is taken off a holder's.
+    a stage without a force keeps it. What closes beads is taken off a holder's.
     """
 
     def force_in(stage: Stage, at: FloatArray) -> FloatArray | None:
@@ -290,7 +290,7 @@ def _tabulate(
 
 
 def by_stage(model: Model, times: FloatArray, values: FloatArray) -> list[FloatArray]:
-    """Return rows of part of the way gone (0 to 1) and value (n, 2) for each stage, of a table over the process."""
+    """Return rows of completed travel (0 to 1) and value (n, 2) for each stage, of a table over the process."""
     rows, begin = [], 0.0
     for stage in model.stages:
         end = begin + stage.duration
@@ -301,13 +301,13 @@ def by_stage(model: Model, times: FloatArray, values: FloatArray) -> list[FloatA
 
 
 def stroke_of(stage: Stage) -> Motion:
-    """Return the part of its way that all that moves in a stage has gone, 0 to 1, as a motion in time."""
+    """Return the completed part of the travel of all that moves in a stage, 0 to 1, as a motion in time."""
     if stage.drive is not None:
         return DrivenStroke(stage.drive)
     return SmoothStroke(1.0, stage.duration, rise=stage.ramp / stage.duration)
 
 
 def mean_speeds(stage: Stage, start: float, end: float, n: int) -> FloatArray:
-    """Return the mean speed in n equal steps from start to end, times the stage's way [1/s]; they add up to the way."""
+    """Return the mean rate at which travel is completed in each of n equal steps from start to end (n,) [1/s]."""
     gone = stroke_of(stage).position(np.linspace(start, end, n + 1))
     return np.asarray(np.diff(gone) * n / (end - start))

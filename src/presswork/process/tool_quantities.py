@@ -19,11 +19,10 @@ OF_A_TOOL, OF_TURNING = ("stroke", "force", "force_x", "force_y", "force_z"), ("
 
 @dataclass(frozen=True)
 class ToolQuantities:
-    """Of one tool, the whole of it: with its mirror image in plane strain, the whole ring in axisymmetry."""
+    """Quantities of one whole tool: with its mirror image in plane strain, the whole ring in axisymmetry."""
 
     stroke: float
-    """Displacement along its first motion since it was last placed; of a tool on a spring how far it has given way
-    [mm]."""
+    """Displacement along its first motion since it was last placed; for a tool on a spring its deflection [mm]."""
     force: float
     """Against its first motion [N]: positive when the workpiece resists; on a spring, what presses the spring; of a
     tool that does neither, the vector's length, in axisymmetry its axial part: the radial one loads no press."""
@@ -32,8 +31,8 @@ class ToolQuantities:
     angle: float
     """Turned since the start [rad]."""
     torque: float
-    """Of the workpiece on the whole tool about its centre, in space about its axis, against its turning in this stage,
-    so positive when it must be driven; clockwise where it does not turn [N mm]."""
+    """Torque of the workpiece on the whole tool about its centre, in space about its axis, against its turning in this
+    stage, so positive when it must be driven; clockwise where it does not turn [N mm]."""
 
 
 def measure_tools(procedure: ImplicitProcedure, stage: int) -> dict[str, ToolQuantities]:
@@ -114,7 +113,7 @@ def size_of_force(model: Model, force: FloatArray) -> float:
 
 
 def describe_plane(model: Model) -> Info:
-    """Return what results say of a case in the plane."""
+    """Return what results store about a case in the plane."""
     starts = [(stage.name, motion.start) for stage in model.stages for motion in stage.tool_motion.values()]
     placing = dict.fromkeys(name for name, start in starts if start not in (None, "touch_again"))
     return {

@@ -133,7 +133,7 @@ class DividedAssembler:
             self._nodes_from |= {rank: of} if len(of) else {}
 
     def _find_held(self, rank: int, connectivity: Sequence[IntArray], couplings: IntArray | None) -> BoolArray:
-        """Say of each node whether a rank's pattern has entries of it."""
+        """Return for each node whether a rank's pattern has entries of it."""
         owned: BoolArray = self.division.owner == rank
         held: BoolArray = owned.copy()
         for cells, of in zip(connectivity, self.division.rank_of_cell, strict=True):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the loops of neighbouring ranks tell each other in every cycle: messages made once, and started again."""
+"""What the loops of neighbouring ranks exchange in every cycle: messages made once, and started again."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Channel:
         self._world.wait(self._requests)
 
     def agree(self) -> None:
-        """Wait until all ranks have told what is shared."""
+        """Wait until all ranks have sent what is shared."""
         self._world.wait(self._agreeing)
 
     def find_largest(self, numbers: FloatArray) -> None:

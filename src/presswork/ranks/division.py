@@ -20,7 +20,7 @@ class Division:
     size: int
     """Ranks."""
     rank_of_cell: tuple[IntArray, ...]
-    """Of each block (n_cells,)."""
+    """Rank of each cell, block by block (n_cells,)."""
     owner: IntArray
     """Rank of each node (n_points,): it has a cell there."""
 

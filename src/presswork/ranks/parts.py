@@ -19,7 +19,7 @@ from presswork.ranks.division import bisect
 
 @dataclass(frozen=True)
 class Part:
-    """What a rank has; nodes and elements are numbered as in the whole loop unless said otherwise."""
+    """What a rank has; nodes and elements are numbered as in the whole loop unless stated otherwise."""
 
     owner: IntArray
     """Rank of each node of the whole loop (n_nodes,)."""
@@ -28,7 +28,7 @@ class Part:
     nodes: IndexArray
     """Own nodes and ghosts, rising: the nodes of the rank's own loop."""
     elements: tuple[IndexArray, ...]
-    """Of each block, rising."""
+    """Elements of each block, rising."""
     around: tuple[IndexArray | None, ...]
     """Elements round all nodes of these, where a block depends on them."""
     sent: dict[int, IndexArray]

@@ -193,7 +193,7 @@ class World:
     def follow(self) -> bool:
         """Help rank 0 until it has done what it does alone; return whether the run goes on.
 
-        Raises LeadFailed where rank 0 has ended by an error, which it tells by itself.
+        Raises LeadFailed where rank 0 has ended by an error, which rank 0 reports.
         """
         number, what = self._comm.bcast(None, root=0)
         while number > 0:
@@ -217,7 +217,7 @@ class World:
         self._helpers[number].help(what)
 
     def describe_traffic(self) -> str:
-        """Say in a line what all ranks have sent so far."""
+        """Describe in a line what all ranks have sent up to now."""
         messages, sent, collectives, received = sum(self.gather_objects(self.traffic.numbers()))
         return (
             f"{self.size} ranks: {messages} messages of {sent / 1e6:.3f} MB from rank to rank, "

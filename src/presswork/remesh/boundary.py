@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """A new boundary line: nodes on tools exactly on their profiles, free arcs on cubics, corners and planes kept.
 
-A place on the old line is a number: the old node before it, and the part of the way to the next one. On a tool the way
-follows its profile, on a free arc a cubic through the old nodes, in a plane the straight line. Hard places become nodes
-at even places of the new line: corners of more than CORNER, ends of planes and of named sets, corners of tools inside
-the contact. Between them nodes follow at equal ways over the size of cells; the nearest ones go to the ends of
-contacts. Contact reaches half an edge beyond its last node, on the old line and on the new one. One offset of all free
-nodes along their normals gives the volume back (volume.py).
+A place on the old line is a number: the old node before it, and the fraction of the distance to the next one. On a tool
+the distance follows its profile, on a free arc a cubic through the old nodes, in a plane the straight line. Hard places
+become nodes at even places of the new line: corners of more than CORNER, ends of planes and of named sets, corners of
+tools inside the contact. Between them nodes follow at equal distances over the size of cells; the nearest ones go to
+the ends of contacts. Contact reaches half an edge beyond its last node, on the old line and on the new one. One offset
+of all free nodes along their normals gives the volume back (volume.py).
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ THIN = 0.35
 MOST_LAPS = 8
 """Loops that one new line leaves out at most."""
 _CLOSE = 0.35
-"""Of the size of cells, within which another hard place replaces a corner."""
+"""Distance over the size of cells within which another hard place replaces a corner."""
 _BULGE = 0.3
-"""Of its chord, by which a cubic may leave an edge; the edge stays straight where it would leave it by more."""
+"""How far a cubic may leave an edge, over its chord; the edge stays straight where the cubic would leave it by more."""
 _STEEP = 0.5
-"""Of its distance from the end of a contact, by which a node may lie off the tool and come to lie on it."""
+"""How far a node may lie off the tool and still be put on it, over its distance from the end of a contact."""
 _SAMPLES = 16
 FREE, PLANE_X, PLANE_Y, TOOL = -1, -2, -3, 0
 """Kinds of edges; from TOOL on the number of the tool."""
@@ -58,7 +58,7 @@ class OldLine:
     kept: BoolArray
     """Nodes that stay nodes: ends of named sets (n,)."""
     profiles: Sequence[FloatArray]
-    """Of the tools where they stand, as model.Profile.segments."""
+    """Profiles of the tools where they stand, as model.Profile.segments."""
     ring: bool
     """Whether volumes are those of revolution about x = 0."""
     lost: float = 0.0
@@ -76,7 +76,7 @@ class NewLine:
     is_free: BoolArray
     """Nodes that neither a tool nor a plane holds (k,)."""
     offset: float
-    """By which free nodes were moved outwards to give the volume back [mm]."""
+    """Offset by which free nodes were moved outwards to give the volume back [mm]."""
     seams: tuple[FloatArray, ...] = ()
     """Middles of the loops left out in which the line crossed itself, from the mouth to the end of each (m, 2) [mm]."""
 
@@ -181,7 +181,7 @@ def _find_middle(loop: FloatArray) -> FloatArray:
 
 
 def _is_thin(loop: FloatArray) -> bool:
-    """Say whether a loop of nodes (m, 2) is on average narrower than THIN of its edges."""
+    """Return whether a loop of nodes (m, 2) is on average narrower than THIN of its edges."""
     edges = np.linalg.norm(np.diff(loop, axis=0), axis=1)
     return abs(enclosed_volume(loop, ring=False)) < THIN * float(edges.mean()) * 0.5 * float(edges.sum())
 
@@ -223,7 +223,7 @@ class _Curve:
         return kind
 
     def _stretch(self, t: int) -> FloatArray:
-        """Return the way along a tool's profile from each node to the next (n,) [mm], the shorter one if closed."""
+        """Return the distance along a tool's profile from each node to the next (n,) [mm], the shorter if closed."""
         stretch = np.roll(self._place[t], -1) - self._place[t]
         if self._paths[t].is_closed:
             length = self._paths[t].length
@@ -335,7 +335,7 @@ class _Curve:
         return np.flatnonzero(alone | (before != self.kind)).astype(float)
 
     def measure(self, size: SizeField) -> tuple[FloatArray, FloatArray]:
-        """Return places all along the line, and the way to them over the size of cells, each (m,)."""
+        """Return places all along the line, and the distance to them over the size of cells, each (m,)."""
         places = np.arange(self.n * _SAMPLES + 1) / _SAMPLES
         points = self.at(places)
         step = np.linalg.norm(np.diff(points, axis=0), axis=1)

@@ -32,13 +32,13 @@ class SurfacePlaces:
     """Where nodes of a new boundary line lie on the old one."""
 
     node: IndexArray
-    """Of the new mesh (k,)."""
+    """Node of the new mesh (k,)."""
     before: IndexArray
     """Node of the old mesh before it on the boundary (k,)."""
     after: IndexArray
     """And after it (k,)."""
     part: FloatArray
-    """Of the way from the one to the other (k,)."""
+    """Share of the distance from the one to the other (k,)."""
     earlier: IndexArray
     """Node before the one before (k,)."""
     later: IndexArray
@@ -63,11 +63,11 @@ class SkinPlaces:
     """Where nodes of a new skin in space lie on the old one."""
 
     node: IndexArray
-    """Of the new mesh (k,)."""
+    """Node of the new mesh (k,)."""
     corners: IndexArray
-    """Of the face of the old skin (k, 3)."""
+    """Corners of the face of the old skin (k, 3)."""
     share: FloatArray
-    """Of these corners (k, 3)."""
+    """Share of these corners (k, 3)."""
     on_tool: BoolArray
     """Which tools, then which other bodies, each node lies on (n_tools + n_others, k)."""
 
@@ -98,11 +98,11 @@ class _Sources:
     """Where the values of a remeshed part come from."""
 
     position: FloatArray
-    """Of all nodes of the old mesh (n_old_points, 2 | 3) [mm]."""
+    """Position of all nodes of the old mesh (n_old_points, 2 | 3) [mm]."""
     old: CellBlock
     new: CellBlock
     points: FloatArray
-    """Of the new mesh, of all parts (n_new_points, 2 | 3) [mm]."""
+    """Points of the new mesh, of all parts (n_new_points, 2 | 3) [mm]."""
     own: IndexArray
     """The part's new nodes."""
     like: _Sources | None = None

@@ -336,9 +336,10 @@ def _smooth(points: FloatArray, cells: IndexArray, n_line: int) -> FloatArray:
 def measure_thickness(
     sides: FloatArray, places: FloatArray, inwards: FloatArray, doubled: BoolArray | None = None
 ) -> FloatArray:
-    """Return the way from places (n, 2) along unit directions (n, 2) to the opposite one of sides (k, 2, 2) (n,) [mm].
+    """Return the distance (n,) [mm] from places (n, 2) along unit directions (n, 2) to the opposite one of sides (k, 2,
+    2).
 
-    doubled (k,): sides up to which the way counts twice. Infinite where no side lies opposite.
+    doubled (k,): sides up to which the distance counts twice. Infinite where no side lies opposite.
     """
     line, along = sides[:, 0], sides[:, 1] - sides[:, 0]
     length = np.linalg.norm(along, axis=1)

@@ -26,7 +26,7 @@ REACH = 3.0
 MOST_SHARE = 0.01
 """Part of a tool's force that an edge may add when its node lands, wherever LEAST allows."""
 LEAST = 0.5
-"""Of the smallest size, where an edge adds more."""
+"""Least size over the smallest one, where an edge adds more."""
 
 
 def find_closing(

@@ -48,7 +48,7 @@ def find_corners_ahead(
 def find_narrow_gap(
     line: FloatArray, free: BoolArray, outline: FloatArray, size: SizeField, *, wait: float = 1.0
 ) -> str | None:
-    """Say before which edge of a closed line (n, 2) the gap to another body is narrow, though the edge is too long.
+    """Describe an edge of a closed line (n, 2) that is too long for the narrow gap to another body before it.
 
     free, outline: as in find_corners_ahead; wait: factor on the trigger.
     """

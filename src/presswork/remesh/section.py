@@ -79,13 +79,13 @@ class OldSection:
 
     mesh: Mesh
     position: FloatArray
-    """Of the nodes (n_points, 2) [mm]."""
+    """Position of the nodes (n_points, 2) [mm]."""
     on_tool: BoolArray
     """Which tools hold a node; a last row, if there is one more, marks nodes on other bodies (n, n_points)."""
     fixed: BoolArray
     """Components that supports hold (n_points, 2)."""
     profiles: Sequence[FloatArray]
-    """Of the tools where they stand."""
+    """Profiles of the tools where they stand."""
     ring: bool
     points: range
     """Its nodes among those of all bodies."""
@@ -94,7 +94,7 @@ class OldSection:
     power: FloatArray | None = None
     """Stress power over volume in each cell (n_cells,), in any unit; None: nothing has moved."""
     element: ElementName = "quad4_fbar"
-    """Of its new mesh where the first one has triangles or quadratic cells."""
+    """Element of its new mesh where the first one has triangles or quadratic cells."""
     others: Sequence[FloatArray] = ()
     """Outlines of the bodies that it may touch, as profiles."""
     closing: BoolArray | None = None

@@ -36,9 +36,9 @@ class PointTransfer:
     donor: IntArray
     """(n_new, n_donors), the nearest first, and again where there are fewer."""
     weight: FloatArray
-    """Of the quadratic fit's value (n_new, n_donors)."""
+    """Weight of the quadratic fit's value (n_new, n_donors)."""
     linear_weight: FloatArray
-    """Of the linear fit's (n_new, n_donors)."""
+    """Weight of the linear fit's value (n_new, n_donors)."""
 
     def apply(self, values: FloatArray) -> FloatArray:
         """Return values (n_old, m) at the new points (n_new, m)."""
@@ -174,7 +174,7 @@ def _to_int(values: IndexArray) -> IntArray:
 
 
 def interpolate_along(points: FloatArray, values: FloatArray, part: FloatArray) -> FloatArray:
-    """Return values (n, m) on a line, each at a part (n,) of the way from the second to the third of four points.
+    """Return values (n, m) on a line, each at a fraction (n,) of the distance between the inner two of four points.
 
     points: of the line one after the other (n, 4, 2) [mm]; values: there (n, 4, m).
     """

@@ -26,7 +26,7 @@ TOO_DEEP = 0.08
 
 
 def find_flat_cell(position: FloatArray, increment: FloatArray, cells: IndexArray, least: float) -> str | None:
-    """Say which cell will be flat after another increment like the last (n_points, 2) [mm], or is now."""
+    """Describe the cell that will be flat after another increment like the last (n_points, 2) [mm], or is now."""
     expected = np.minimum(measure_quality(position, cells), measure_quality(position + increment, cells))
     worst = int(np.argmin(expected))
     if expected[worst] >= least:
@@ -36,7 +36,7 @@ def find_flat_cell(position: FloatArray, increment: FloatArray, cells: IndexArra
 
 
 def find_long_edge(line: FloatArray, size: SizeField, *, longest: float = TOO_LONG) -> str | None:
-    """Say which edge of a closed line (n, 2) is too long for the tools ahead of it or the metal beneath it."""
+    """Describe an edge of a closed line (n, 2) that is too long for the tools ahead of it or the metal beneath it."""
     after = np.roll(line, -1, axis=0)
     middle = 0.5 * (line + after)
     ratio = np.linalg.norm(after - line, axis=1) / size(middle)
@@ -50,7 +50,7 @@ def find_long_edge(line: FloatArray, size: SizeField, *, longest: float = TOO_LO
 def find_cut_edge(
     line: FloatArray, profiles: Sequence[FloatArray], *, deepest: float = TOO_DEEP, corners_count: bool = False
 ) -> str | None:
-    """Say which edge of a closed line (n, 2) lies too deep in a tool between its nodes.
+    """Describe an edge of a closed line (n, 2) that lies too deep in a tool between its nodes.
 
     Round a sharp corner of a tool every edge does, until its node behind has passed: unless corners_count, only its
     length counts there.
@@ -77,7 +77,7 @@ def find_closing_gap(sides: FloatArray, moves: FloatArray) -> FloatArray | None:
     """Return where a free outline is about to fold onto itself (2,) [mm]; None: nowhere.
 
     sides: of a body, the metal on their left (k, 2, 2) [mm]; moves: of their ends in the last increment, in the same
-    form. A side counts whose way outwards to the nearest side that faces it will be less than CLOSED of its length
+    form. A side counts whose distance outwards to the nearest side that faces it will be less than CLOSED of its length
     after AHEAD increments like the last.
     """
     line, along = sides[:, 0], sides[:, 1] - sides[:, 0]
@@ -120,7 +120,7 @@ def count_across(
 
 
 def find_few_across(sides: FloatArray, across: FloatArray, wanted: FloatArray, *, wait: float = 1.0) -> str | None:
-    """Say where fewer than three cells lie across the metal, though the size asked for has more.
+    """Describe where fewer than three cells lie across the metal, though the requested size has more.
 
     sides: of an outline (k, 2, 2) [mm]; across, wanted: cells across the metal behind each, as they are and with the
     size asked for (k,). Rows of unequal height count as three down to FEW; a new mesh must add a fifth.

@@ -12,7 +12,7 @@ from presswork.mesh.checks import MeshError
 from presswork.model import BoolArray, FloatArray
 
 LARGEST_OFFSET = 0.25
-"""Of the mean free edge, by which the volume is given back at most."""
+"""Largest offset that gives the volume back, over the mean free edge."""
 _ROUNDS = 8
 
 

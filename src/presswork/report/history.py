@@ -108,8 +108,8 @@ def _find_strokes_at_work(history: dict[str, NDArray[Any]]) -> dict[str, FloatAr
 def _find_strokes(history: dict[str, NDArray[Any]]) -> dict[str, FloatArray]:
     """Return how far each tool has come in the stage in which it works, where tools of a run take turns; nan elsewhere.
 
-    Its stroke would tell of the places to which it was moved between operations, too. The first increment is taken to
-    be as long as the second.
+    Its stroke would include its moves between operations, too. The first increment is taken to be as long as the
+    second.
     """
     tools = find_moving_tools(history)
     stages = np.asarray(history["stage"]) if tools else np.zeros(0)
@@ -149,7 +149,7 @@ def _choose_charts(history: dict[str, NDArray[Any]]) -> list[dict[str, Any]]:
 def _choose_curves(result: Result, history: dict[str, Any]) -> list[tuple[str, str]]:
     """Return pairs of columns, abscissa and ordinate: force against stroke, or what comes nearest to it.
 
-    Of heat alone these are the temperatures over time.
+    For heat alone these are the temperatures over time.
     """
     moving, turning = find_moving_tools(history), find_turning_tools(history)
     if turning:

@@ -28,7 +28,7 @@ _UNITS = {"1": "–", "degrees C": "°C"}
 
 
 def describe_run(result: Result) -> dict[str, Any]:
-    """Return what a header says of a run as a whole."""
+    """Return the header of a run as a whole."""
     name = result.folder.resolve().name
     return {
         "name": name,
@@ -57,7 +57,7 @@ def _read_end_of_log(result: Result) -> str:
 
 
 def describe_saved_step(result: Result, step: int) -> dict[str, Any]:
-    """Return what a header says of a saved step beside its numbers: time, words, where the tools are."""
+    """Return the header of a saved step beside its numbers: time, words, where the tools are."""
     return {
         "saved": step,
         "time": float(result.times[step]),
@@ -88,7 +88,7 @@ def _name_analysis(result: Result) -> str:
 
 
 def describe_shown(result: Result, shown: Shown, bounds: tuple[float, float]) -> dict[str, Any]:
-    """Return what the page says of a field; bounds: its smallest and largest value in the steps shown."""
+    """Return the page's data of a field; bounds: its smallest and largest value in the steps shown."""
     unit = result.unit(shown.stored)
     data: dict[str, Any] = {
         "name": shown.name,

@@ -17,14 +17,14 @@ from presswork.results.whole_file import write_whole
 BUDGET = 20_000_000
 """Bytes of a page at most, as long as two steps with their first fields fit."""
 _FRAME = 1_000_000
-"""Of it for the program of the page, meshes, history and case."""
+"""Bytes for the program of the page, meshes, history and case."""
 
 
 def write_report(results: Result | Sequence[Result], path: Path | str | None = None, *, budget: int = BUDGET) -> Path:
     """Write one HTML page of a run, or of several to compare, and return its path.
 
     path: by default report.html in the first run's folder. budget: size [bytes] by which fields and saved steps are
-    chosen, half a megabyte of it for the program of the page; what was left out is said in the page. The page holds
+    chosen, half a megabyte of it for the program of the page; the page lists what was left out. The page holds
     everything it shows and needs no network. Raises OutputError if results cannot be read or the page not be written.
     """
     runs = [results] if isinstance(results, Result) else list(results)

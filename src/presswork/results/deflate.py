@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 NOISE = 7.5
 """Bits a byte of information above which a plane is stored."""
 _SAMPLE = 8
-"""Of so many bytes one is counted."""
+"""One of so many bytes is counted."""
 _LEVEL = 1
 _LARGEST_STORED = 65535
 

@@ -95,7 +95,7 @@ def occupy(folder: Path) -> Iterator[None]:
 
 
 def _find_remedy(folder: Path) -> str:
-    """Say what to do about the run that is at work in a folder."""
+    """Return the remedy for a folder in which another run is at work."""
     from presswork.results.progress import find_stopped
 
     other = "or choose another folder by --output"
@@ -107,7 +107,7 @@ def _find_remedy(folder: Path) -> str:
 
 
 def is_occupied(folder: Path) -> bool:
-    """Say whether a run is at work in a folder."""
+    """Return whether a run is at work in a folder."""
     try:
         with occupy(folder):
             return False

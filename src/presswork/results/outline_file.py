@@ -16,7 +16,7 @@ _COLUMNS = ("x_mm", "y_mm", "z_mm")
 def write_outline(loops: Sequence[FloatArray], path: Path | str) -> None:
     """Write loops (n, 2 | 3) [mm].
 
-    By its ending the path says how: .csv with loop, x, y[, z]; .dxf with closed polylines in x, y. Raises
+    The path's ending chooses the format: .csv with loop, x, y[, z]; .dxf with closed polylines in x, y. Raises
     OutputError for another ending, for a file that cannot be written, and for DXF without ezdxf.
     """
     path = Path(path)

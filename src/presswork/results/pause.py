@@ -38,7 +38,7 @@ def pause_run(folder: Path) -> int:
 
 
 def is_paused(folder: Path) -> bool:
-    """Say whether a process that is alive wants the run in a folder to pause."""
+    """Return whether a process that is alive wants the run in a folder to pause."""
     try:
         handle = os.open(folder / PAUSE, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     except OSError:

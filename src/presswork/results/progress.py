@@ -23,7 +23,7 @@ _LARGEST = 100_000
 
 @dataclass(frozen=True)
 class RunProgress:
-    """What the file says."""
+    """Contents of the file."""
 
     process: int
     """Number of the process that computes."""
@@ -41,7 +41,7 @@ class ProgressFile:
         self._last = -_PAUSE
 
     def report(self, fraction: float, text: str) -> None:
-        """Write how far the run is, unless it was said just now."""
+        """Write the progress of the run, unless it was written a moment ago."""
         if monotonic() - self._last < _PAUSE:
             return
         content = json.dumps({"process": os.getpid(), "fraction": fraction, "text": text}).encode()
@@ -68,7 +68,7 @@ def find_stopped(folder: Path) -> int | None:
 
 
 def _read(folder: Path) -> RunProgress | None:
-    """Return what the file says, if the process that it names is there and has the folder open."""
+    """Return the contents of the file, if the process that it names is there and has the folder open."""
     try:
         found: dict[str, Any] = json.loads(read_text(folder / PROGRESS, most=_LARGEST))
         progress = RunProgress(int(found["process"]), float(found["fraction"]), str(found["text"]))
@@ -79,7 +79,7 @@ def _read(folder: Path) -> RunProgress | None:
 
 
 def _has_open(process: int, folder: Path) -> bool:
-    """Say whether a process has a folder open, as the run at work there has; the file may name any process."""
+    """Return whether a process has a folder open, as the run at work there has; the file may name any process."""
     handles = Path(f"/proc/{process}/fd")
     try:
         own = os.stat(folder)
@@ -93,7 +93,7 @@ def _has_open(process: int, folder: Path) -> bool:
 
 
 def is_stopped(process: int) -> bool:
-    """Say whether a process is stopped, as by Ctrl-Z or SIGSTOP, and waits for SIGCONT."""
+    """Return whether a process is stopped, as by Ctrl-Z or SIGSTOP, and waits for SIGCONT."""
     try:
         state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
     except (OSError, IndexError):

@@ -125,7 +125,7 @@ class Result:
         return self.mesh_at(0)
 
     def mesh_at(self, step: int = -1) -> ResultMesh:
-        """Return the undeformed mesh of a saved step: one that a sheet was cut to, say, instead of the first."""
+        """Return the undeformed mesh of a saved step, for example that of a trimmed sheet instead of the first."""
         with self._open() as file:
             parts = self._whole(find_body(file), "Steps/PartOffsets")
             part = int(parts[self._index(step, len(parts))])
@@ -175,7 +175,7 @@ class Result:
         return max(of_tools, key=len, default="")  # a name may begin with another one
 
     def plan_at(self, step: int = -1) -> FloatArray:
-        """Return how x and y of the blank lie at a saved step, as `place` of operations says: turn and shift (2, 3)."""
+        """Return how x and y of the blank lie at a saved step, as in `place` of operations: turn and shift (2, 3)."""
         plans, name = self.info.get("plans"), self.operation_at(step)
         if plans is None or not name:
             return np.eye(2, 3)
@@ -234,7 +234,7 @@ class Result:
     def dies(self, step: int = -1) -> dict[str, tuple[FloatArray, IntArray, FloatArray]]:
         """Return the meshes of tools that conduct heat, where they are at a saved step.
 
-        By tool: points (n, 2) [mm], cells (m, k) and temperatures (n,) [degrees C].
+        They are, by tool: points (n, 2) [mm], cells (m, k) and temperatures (n,) [degrees C].
         """
         with self._open() as file:
             found = read_dies(file, step)

@@ -8,7 +8,7 @@ points and cells: VTK calls these a part. Beside it the group /presswork, which 
 need: cell blocks and boundary edges of each mesh, tool profiles and positions.
 
 Fields are compressed. Tensors at the layers of a sheet, most of its data, are kept in single precision, all else in
-double; the table of fields says so, and the units.
+double; the table of fields records this and the units.
 
 Every append writes a copy and renames it. HDF5 has no journal, so an append in place that is killed can leave a file
 that nothing reads; the copy costs a sequential read and write of the file, and in return the file is whole at any
@@ -168,7 +168,7 @@ def report_damage(path: Path | str) -> Iterator[None]:
 
 
 def _check_fields(fields: Mapping[str, FloatArray], n_rows: int) -> dict[str, FloatArray]:
-    """Return the fields as contiguous float64, or say which one has the wrong shape."""
+    """Return the fields as contiguous float64, or name the one that has the wrong shape."""
     checked = {}
     for name, values in fields.items():
         array = np.ascontiguousarray(values, dtype=np.float64)

@@ -23,7 +23,7 @@ CHORD = np.radians(4.0)
 """Angle of an arc that one line stands for."""
 COMPRESSION = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 _N_FILTERS = 2
-"""Of COMPRESSION."""
+"""Number of filters in COMPRESSION."""
 _WORTH_IT = 32768
 """Bytes from which deflate.py is faster than HDF5."""
 _LINE, _TRIANGLE = 3, 5

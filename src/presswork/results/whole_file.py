@@ -28,7 +28,7 @@ DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 
 class OutputError(Exception):
-    """Results cannot be written or continued; the message says why and what to do."""
+    """Results cannot be written or continued; the message holds the reason and the remedy."""
 
 
 @contextmanager
@@ -91,7 +91,7 @@ def _remove(path: Path) -> None:
 
 
 def explain_write_error(error: OSError, path: Path, needed_bytes: int) -> OutputError:
-    """Turn an operating-system error in writing `path` into one that says what to do."""
+    """Turn an operating-system error in writing `path` into one with a remedy."""
     if error.errno in DISK_FULL:
         return OutputError(
             f"disk full: {path} cannot be written, {needed_bytes} bytes needed; what is on disk is whole; "

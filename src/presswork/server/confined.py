@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A process that opens and changes no file of a user but those in the opened folder, whatever a case or a file says.
+"""A process that opens and changes no file of a user but those in the opened folder, whatever a case or a file holds.
 
 Python reports every file that it opens, makes, renames or deletes; what libraries in C do by themselves (HDF5) it does
 not see.

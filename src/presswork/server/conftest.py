@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tests run in several processes, one a core: each takes one thread, and says so before any library is loaded."""
+"""Tests run in several processes, one a core: each takes one thread, and sets this before any library is loaded."""
 
 import os
 

@@ -257,7 +257,7 @@ def _parse(text: str) -> dict[str, Any]:
 
 
 def _require_content(ending: str, content: bytes) -> None:
-    """Raise RefusedError for content that is not what the name's ending says."""
+    """Raise RefusedError for content that does not fit the name's ending."""
     if ending == "stl" and content.lstrip()[:5].lower() != b"solid":
         count = int.from_bytes(content[80:84], "little")
         if len(content) < 84 or len(content) != 84 + 50 * count or not count:

@@ -265,4 +265,4 @@ class _Handler(BaseHTTPRequestHandler):
             self.wfile.write(response.content[start : start + _PIECE])
 
     def log_message(self, format: str, *args: object) -> None:
-        """Say nothing: the terminal is the user's."""
+        """Log nothing: the terminal is the user's."""

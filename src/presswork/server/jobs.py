@@ -37,7 +37,7 @@ class _Job:
     errors: IO[bytes]
 
     def last_words(self) -> str:
-        """Return what the process said last on standard error."""
+        """Return the last lines of the process on standard error."""
         self.errors.seek(0)
         lines = self.errors.read().decode(errors="replace").strip().splitlines()
         return lines[-1] if lines else ""
@@ -47,7 +47,7 @@ class Jobs:
     """The runs at work in the opened folder."""
 
     def __init__(self, root: Path, scratch: Path) -> None:
-        """scratch: a folder for what runs say."""
+        """scratch: a folder for the output of runs."""
         self._root, self._scratch = root, scratch
         self._begun: dict[Path, _Job] = {}
         self._paused: dict[Path, int] = {}

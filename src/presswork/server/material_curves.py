@@ -15,7 +15,7 @@ from presswork.case.units import LENGTH, to_number
 
 _LARGEST_STRAIN = 0.8
 _THICKNESS = 1.0
-"""Of the sheet that a forming limit is shown for where no blank has one [mm]."""
+"""Thickness of the sheet that a forming limit is shown for where no blank has one [mm]."""
 
 
 def describe_material(asked: dict[str, Any]) -> dict[str, Any]:

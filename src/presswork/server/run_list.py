@@ -21,7 +21,7 @@ _MOST_BYTES = 16_000_000
 
 
 class RunList:
-    """Reads what there is; what a file says is read again when it has changed."""
+    """Reads what there is; a file that has changed is read again."""
 
     def __init__(self, opened: OpenedFolder, jobs: Jobs) -> None:
         self._opened = opened
@@ -68,7 +68,7 @@ class RunList:
         return {"name": self._opened.name(path), "title": str(data["title"]), "analysis": data["analysis"]}
 
     def _read(self, path: Path, read: Any) -> dict[str, Any]:
-        """Return what a small file says; empty if it cannot be read, or is a link that leads out of the folder."""
+        """Return the contents of a small file; empty if it cannot be read, or is a link out of the folder."""
         try:
             stat = path.stat()
             if path in self._known and self._known[path][0] == stat.st_mtime_ns:
@@ -84,7 +84,7 @@ class RunList:
         return found
 
     def find_picture(self, folder: Path) -> Path | None:
-        """Return the picture that tells most of a run."""
+        """Return the picture that shows most of a run."""
         pictures = sorted((folder / "plots").glob("*.png"), reverse=True)
         pictures = [path for path in pictures if path.is_file() and not (path.is_symlink() or path.parent.is_symlink())]
         for start in _PICTURES:

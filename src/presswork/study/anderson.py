@@ -19,7 +19,7 @@ class Anderson:
     Anderson (1965), Iterative procedures for nonlinear integral equations, J. ACM 12, 547, as written by Walker and Ni
     (2011), Anderson acceleration for fixed-point iterations, SIAM J. Numer. Anal. 49, 1715. The least squares are
     damped (Scieur, d'Aspremont and Bach 2016, Regularized nonlinear acceleration): differences that are nearly alike
-    would else be told apart by their noise. A residual that has grown forgets what was before.
+    would else be distinguished by their noise. A residual that has grown forgets what was before.
     """
 
     def __init__(self, weight: FloatArray) -> None:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The shape of a blank from the flange wanted: draw it, correct its outline, draw again.
 
-DIR/draw_00 ... are the runs, DIR/blank_00.toml ... their cases; table.csv and outlines.png tell how it went, and the
+DIR/draw_00 ... are the runs, DIR/blank_00.toml ... their cases; table.csv and outlines.png show the course, and the
 best blank is left as blank.csv, blank.dxf and blank.toml.
 """
 

@@ -37,7 +37,7 @@ VALUES: dict[FrictionLaw, tuple[float, ...]] = {
     "coulomb": (0.0, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4, 0.55),
 }
 FEW = 4
-"""Fewer points than this say little of their own scatter."""
+"""Number of points below which their own scatter is unknown."""
 
 
 @dataclass(frozen=True)
@@ -182,7 +182,7 @@ def calibrate_ring(
 
 
 def collect_curves(sweep: SweepResult, symbol: str, bore: BorePlace) -> tuple[CalibrationCurves, list[str]]:
-    """Return the curves of the members that completed, and what to say of the others. Raises CaseError below 3."""
+    """Return the curves of the members that completed, and notes on the others. Raises CaseError below 3."""
     good = sorted((m for m in sweep.members if m.status == "completed"), key=lambda m: float(m.values[symbol]))
     lost = [
         f"no curve at {symbol} = {m.values[symbol]:g}: {m.status.replace('_', ' ')}, {m.reason}"

@@ -26,7 +26,8 @@ FARTHEST = 2.0
 ENOUGH = 1e-4
 """Change of the numbers, over themselves, below which the fit is found."""
 UNDETERMINED = 1e-6
-"""Least singular value of the derivatives over the largest, below which the curve does not tell the numbers apart."""
+"""Least singular value of the derivatives over the largest, below which the curve does not determine the numbers one by
+one."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class CurveFit:
     """What fits a measured curve best."""
 
     values: Mapping[str, float]
-    """By the keys of the case, in mm, s, N, MPa."""
+    """Values by the keys of the case, in mm, s, N, MPa."""
     interval: Mapping[str, float]
     """Half of the 95 % interval of each, from the scatter of the points."""
     misfit: float
@@ -58,8 +59,8 @@ def calibrate_curve(
     """Fit numbers of a case to a measured curve, and write calibration.json and a folder for each run.
 
     measured: CSV of two columns, named as columns of history.csv, e.g. punch.stroke and punch.force. The case's own
-    numbers are the first guess. on_run: told of the number, values and misfit of every run. Raises CaseError for what
-    the curve or the case does not have, and where the curve does not tell the numbers apart.
+    numbers are the first guess. on_run: called with the number, values and misfit of every run. Raises CaseError for
+    what the curve or the case does not have, and where the curve does not determine the numbers one by one.
     """
     case_file, folder = Path(case_file), Path(folder)
     (along, of), points = _read_curve(Path(measured))
@@ -111,7 +112,7 @@ def _write_fit(fit: CurveFit) -> None:
 
 
 def _check_determined(matrix: FloatArray, keys: Sequence[str], measured: Path | str) -> None:
-    """Raise CaseError where the curve does not tell the numbers apart."""
+    """Raise CaseError where the curve does not determine the numbers one by one."""
     singular = np.linalg.svd(matrix, compute_uv=False)
     if singular[-1] < UNDETERMINED * singular[0]:
         text = f"the curve does not tell {', '.join(keys)} apart"

@@ -21,12 +21,12 @@ STROKE = ".stroke"
 
 @dataclass(frozen=True)
 class CriticalDamage:
-    """What a test says of the critical damage."""
+    """Critical damage from a test."""
 
     criterion: str
     value: float
     stroke: float
-    """Of the first crack [mm]."""
+    """Stroke of the first crack [mm]."""
     tool: str
     place: tuple[float, ...]
     """Where it was taken [mm]: at the crack, or where the damage is largest in the step saved nearest to the stroke."""
@@ -47,7 +47,8 @@ def calibrate_damage(
 
     test: a case file, which is run, or the folder of a run. stroke: of the tool at the first crack [mm]; tool: its
     name, which is needed where several move. at: place of the crack in the formed part (2 | 3) [mm]; without it the
-    largest mean over a neighbourhood counts. folder: for the run of a case. Raises CaseError for what cannot be told.
+    largest mean over a neighbourhood counts. folder: for the run of a case. Raises CaseError where the test does not
+    determine it.
     """
     if not test.is_dir():
         folder = folder or test.with_name(f"{test.stem}_damage")

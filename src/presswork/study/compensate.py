@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Dies corrected for springback: form, let go, move the tools against what is off, form again.
+"""Dies corrected for springback: form, release, move the tools against the deviation, form again.
 
 Displacement adjustment (Gan and Wagoner 2004, Die design method for sheet springback, Int. J. Mech. Sci. 46, 1097) with
 Anderson's acceleration. DIR/loop_00 ... are the runs, DIR/case_00.toml and DIR/tools_00 ... their cases and tools;
-table.csv and deviation.png tell how it went; the best tools are left as TOOL.stl and compensated.toml.
+table.csv and deviation.png show the course; the best tools are left as TOOL.stl and compensated.toml.
 """
 
 from __future__ import annotations
@@ -272,7 +272,7 @@ class _Search:
         return find_undercut(tools, self.drawn, sheet, _NEAR * self.case.blank.thickness + longest, self.planes)
 
     def explain_undercut(self, tools: tuple[PressedTool, ...]) -> str:
-        """Return what is said of tools that lean over so far that others cannot pass, or nothing."""
+        """Explain tools that lean over so far that others cannot pass; empty where there are none."""
         if self.goal is None or (found := self.find_undercut(tools)).angle < _LEANS:
             return ""
         x, y, z = found.place
@@ -338,7 +338,7 @@ def _rms(loop: Loop, share: FloatArray) -> float:
 
 
 def _check(case: StampingCase, fix_binder: bool) -> None:
-    """Refuse a case that says nothing of springback, or has more operations than one."""
+    """Refuse a case without springback, or with more operations than one."""
     problems = []
     if case.operations:
         text = "compensation corrects the tools of one operation"

@@ -42,7 +42,7 @@ class PressedTool:
     shape: Triangulation
     """In its own frame."""
     position: FloatArray
-    """Of its origin at the start (3,) [mm]."""
+    """Position of its origin at the start (3,) [mm]."""
     travel: FloatArray
     """From there to the closed tools (3,) [mm]."""
 
@@ -63,7 +63,7 @@ class Undercut:
 
     tool: str
     angle: float
-    """Of the face against the press's direction [degree]; 0: nowhere."""
+    """Angle of the face against the press's direction [degree]; 0: nowhere."""
     place: FloatArray
     """In the closed tools (3,) [mm]."""
 

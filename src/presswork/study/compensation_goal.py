@@ -18,11 +18,12 @@ from presswork.post.released_part import Misfit, ReleasedPart, measure_misfit
 from presswork.study.compensated_tools import PressedTool
 
 _ON_PART = 0.05
-"""Of an edge: a node of the whole sheet nearer to the trimmed part belongs to it."""
+"""Distance of a node of the whole sheet from the trimmed part, over the edge, within which it belongs to the part."""
 _UNDER_HOLDER = 0.3
-"""Of the thickness: a node this much farther from the holder's face than half of it is held."""
+"""Distance of a node from the holder's face beyond half the thickness, over the thickness, within which it is held."""
 _BESIDE, _SHARE = 0.05, 0.05
-"""Of the part's size, and of the target's points: so many farther off make it another part."""
+"""Distance beyond which a point of the target lies off the part, over the part's size, and share of such points that
+makes it another part."""
 _BLEND = 4.0
 """Times the thickness: within it of the binder the correction fades."""
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which measures the runs of a case will have, told from its start before anything is computed."""
+"""The measures that runs of a case will have, known from its start before anything is computed."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def check_measures(
 def check_columns(columns: Sequence[Column], members: Sequence[Member]) -> None:
     """Raise CaseError, before anything is run, for columns that none of the members will have.
 
-    A member that cannot start says nothing.
+    A member that cannot start is passed over.
     """
     missing, found = list(columns), dict[Column, str]()
     for member in members:
@@ -146,7 +146,7 @@ class _Start:
 
 
 def _has_pushed_holder(model: Model) -> bool:
-    """Say whether a force pushes a flat blank's holder, or the die against it."""
+    """Return whether a force pushes a flat blank's holder, or the die against it."""
     kinds = {tool.name: tool.kind for tool in model.tools}
     pushed = {kinds.get(name) for stage in model.stages for name, motion in stage.tool_motion.items() if motion.push}
     return model.formed is None and "holder" in kinds.values() and bool(pushed & {"holder", "die"})

@@ -70,7 +70,7 @@ class MemberProcess:
     ) -> tuple[Ending, str]:
         """Wait for its end, and return how it ended and why not well.
 
-        on_progress: gets the completed fraction and a line of text. is_wanted: says whether anybody still waits for it;
+        on_progress: gets the completed fraction and a line of text. is_wanted: whether anybody still waits for it;
         otherwise it is stopped, as it is when its time is over.
         """
         over = Event()
@@ -97,7 +97,7 @@ class MemberProcess:
                 return
 
     def _listen(self, on_progress: Callable[[float, str], None]) -> tuple[Ending, str] | None:
-        """Hand over the work and return how it says that it ended; None if it died without a word."""
+        """Hand over the work and return the ending that it reports; None if it died without a word."""
         work, stdin, stdout = self._work, self._process.stdin, self._process.stdout
         assert stdin is not None
         assert stdout is not None
@@ -137,7 +137,7 @@ class MemberProcess:
         return "failed", f"its process ended with status {code}{last}" + self._name_share()
 
     def _name_share(self) -> str:
-        """Say how much memory it could take, if that was limited."""
+        """Describe the memory that it could take, if that was limited."""
         if not self._work.memory:
             return ""
         return (

@@ -60,7 +60,7 @@ class Processes:
                 process.stop(number)
 
     def _watch(self, member: int, task: Task) -> None:
-        """Run one task, passing on what it says."""
+        """Run one task, passing on its messages."""
         job = pickle.dumps(task.job)
         with self._lock:
             if self._stopping:

@@ -221,7 +221,7 @@ class _Sweep:
         return True
 
     def _end(self, i: int, status: MemberStatus, reason: str) -> None:
-        """Note how a member has ended, and what its run says."""
+        """Record how a member has ended, and the messages of its run."""
         self.status[i], self.reasons[i], self.fractions[i] = status, reason, 1.0
         folder = self.folder / self.members[i].folder_name
         if status != "bad_input":

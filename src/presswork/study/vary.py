@@ -86,7 +86,7 @@ def _parse_value(text: str) -> Any:
 
 
 def format_override(key: str, value: object) -> str:
-    """Write `key=value` as --set takes it. Raises CaseError for a value that TOML cannot say."""
+    """Write `key=value` as --set takes it. Raises CaseError for a value that TOML cannot express."""
     try:
         return f"{key}={_format_toml(value)}"
     except (TypeError, ValueError):

@@ -64,7 +64,7 @@ SPRINGBACK_FIELDS = ("springback", "deviation")
 """Displacement of springback; distance from the shape in the tools."""
 MICROSTRUCTURE = ("grain_size", "recrystallised_fraction")
 HEATED_FIELDS = ("temperature", "martensite", "hardness")
-"""Of a sheet with a temperature, and of one that transforms."""
+"""Fields of a sheet with a temperature, and of one that transforms."""
 TEMPERATURE = "temperature"
 """Field of a solid that plastic work heats."""
 NODAL_TEMPERATURE = "nodal_temperature"
@@ -83,21 +83,20 @@ def plot_all(
 ) -> list[Path]:
     """Write the pictures of a run as PNG and return their paths.
 
-    For each field and step: contours beside the mesh, and the mesh coloured by the field; of a shell or a solid in
-    space one picture in space. For each moving tool: force against stroke, and one more for each operation where
-    stages place tools anew; without one, for each set that is moved: reaction against displacement, and nominal
-    stress against nominal strain. For each tool in contact: contact stress along the contact surface, in space on the
-    tool. Of dynamics and of stampings: energies against time; of a stamping the section along x, the outline from above
-    with the draw-in in every direction, also as CSV, draw-in against stroke, and the whole part, mirrored by its
-    symmetry planes. Of a sheet with a forming limit: the forming limit diagram. Of a press: force and speed of the ram
-    over stroke and time.
-    `fields` are by default FIELDS, and TEMPERATURE if it was saved, of a shell SHELL_FIELDS, of a stamping
-    STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS, of heat alone NODAL_TEMPERATURE, at the last step and at the one
-    with the widest range, and damage that has a critical value, and MICROSTRUCTURE; `out_dir` is the folder "plots" in
-    the output folder. sections: x, y of where a section begins [mm], and its angle from x [degree]; each is drawn, and
-    its thickness written as CSV. flow_lines: whether to draw the grain flow of a section; None: of one that got a new
-    mesh in the run.
-    Raises ResultError for an unknown field or step, and for sections of what is no sheet, before anything is written.
+    For each field and step: contours beside the mesh, and the mesh coloured by the field; for a shell or a solid in
+    space one picture in space. For each moving tool: force against stroke, and one more for each operation where stages
+    place tools anew; without one, for each set that is moved: reaction against displacement, and nominal stress against
+    nominal strain. For each tool in contact: contact stress along the contact surface, in space on the tool. For
+    dynamics and stampings: energies against time; for a stamping the section along x, the outline from above with the
+    draw-in in every direction, also as CSV, draw-in against stroke, and the whole part, mirrored by its symmetry
+    planes. For a sheet with a forming limit: the forming limit diagram. For a press: force and speed of the ram over
+    stroke and time. `fields` are by default FIELDS, and TEMPERATURE if it was saved, of a shell SHELL_FIELDS, of a
+    stamping STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS, of heat alone NODAL_TEMPERATURE, at the last step and at
+    the one with the widest range, and damage that has a critical value, and MICROSTRUCTURE; `out_dir` is the folder
+    "plots" in the output folder. sections: x, y of where a section begins [mm], and its angle from x [degree]; each is
+    drawn, and its thickness written as CSV. flow_lines: whether to draw the grain flow of a section; None: of one that
+    got a new mesh in the run. Raises ResultError for an unknown field or step, and for sections of what is no sheet,
+    before anything is written.
     """
     require_matplotlib()
     from matplotlib import rc_context
@@ -118,7 +117,7 @@ def _plot_all(
     sections: Sequence[tuple[float, float, float]],
     flow_lines: bool | None,
 ) -> list[Path]:
-    """Write the pictures, as plot_all says."""
+    """Write the pictures, as in plot_all."""
     chosen = [-1] if steps == "last" else list(steps)
     if steps == "last" and FIELDS[0] not in result.field_names and NODAL_TEMPERATURE in result.field_names:
         chosen = sorted({find_widest_step(result), len(result.times) - 1})

@@ -48,7 +48,7 @@ def find_centre(points: FloatArray, blocks: Sequence[IndexArray], cell: int) -> 
 
 
 def mark_first_crack(ax: Axes, result: Result, field: str, step: int) -> str:
-    """Mark the cell in which a crack first began, where it is now; return the line that says when, or nothing.
+    """Mark the cell in which a crack first began, where it is now; return the line with the time, or an empty one.
 
     Steps before the crack have no mark, nor have runs whose mesh has changed: the cell is not known there.
     """

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 LAP, RED = "lap", "#d1001f"
 MARKED = 0.5
-"""Of the field, from which on a node counts as part of a lap."""
+"""Value of the field from which on a node counts as part of a lap."""
 
 
 def mark_laps(ax: Axes, result: Result, step: int) -> str:
-    """Mark the nodes on laps, where they are now, and join neighbours; return the line that says so, or nothing."""
+    """Mark the nodes on laps, where they are now, and join neighbours; return the line that reports them, if any."""
     if LAP not in result.field_names:
         return ""
     marked = np.asarray(result.field(LAP, step)) > MARKED

@@ -113,7 +113,7 @@ _renderer = _Renderer()
 
 
 def is_installed() -> bool:
-    """Say whether pyvista is installed."""
+    """Return whether pyvista is installed."""
     return find_spec("pyvista") is not None
 
 

@@ -30,7 +30,7 @@ DPI = 150
 MARGIN = 0.1
 """White around what is drawn [inch]."""
 _LETTER = 0.088
-"""Width of a figure that a letter of its title needs, with what stands beside the axes [inch]."""
+"""Width of a figure for each letter of its title, with the space beside the axes [inch]."""
 WHITE = 0xFFFFFFFF
 """A white pixel, of four bytes."""
 
@@ -170,7 +170,7 @@ def is_released(result: Result, step: int) -> bool:
 
 
 def describe_step(result: Result, step: int) -> str:
-    """Return what tells a step from others: a roll's angle, stroke and reduction, or the time if no tool moves."""
+    """Return what distinguishes a step: a roll's angle, stroke and reduction, or the time if no tool moves."""
     if result.is_onestep:
         return "part" if step % len(result.times) else "blank"
     course = find_course(result)
@@ -195,7 +195,7 @@ def describe_step(result: Result, step: int) -> str:
 
 
 def title_step(ax: Axes, result: Result, step: int) -> str:
-    """Return what tells a step from others, in two lines where the figure is too narrow for one."""
+    """Return what distinguishes a step, in two lines where the figure is too narrow for one."""
     text = describe_step(result, step)
     return text.replace(", ", "\n", 1) if len(text) * _LETTER > ax.figure.bbox.width / ax.figure.dpi else text
 

@@ -19,7 +19,7 @@ class ToolCourse:
     at_work: BoolArray
     """Whether a tool belongs to the operation of a step (n_steps, n_tools)."""
     moved: FloatArray
-    """By how much a tool has moved since the step before (n_steps, n_tools) [mm]; what placing moves does not count."""
+    """Displacement of each tool since the step before (n_steps, n_tools) [mm]; its placing does not count."""
     strokes: FloatArray | None
     """Stroke since the tool was placed (n_steps, n_tools) [mm]; None of a run whose stages place no tools."""
 

@@ -216,7 +216,7 @@ def _describe_output(problem: model.Model) -> str:
 
 
 def _warn_of_steps(problem: model.Model) -> Iterator[str]:
-    """Say that fewer steps may be saved than were asked for."""
+    """Warn that fewer steps may be saved than the case requests."""
     output, largest = problem.output, problem.solver.max_increment
     if not output.every and output.is_closer_than(largest):
         yield (
@@ -227,6 +227,6 @@ def _warn_of_steps(problem: model.Model) -> Iterator[str]:
 
 
 def _describe_memory(problem: model.Model) -> str:
-    """Say how much memory the problem takes, beside what is free here."""
+    """Describe how much memory the problem takes, and how much is free here."""
     needed, there = estimate_memory(problem), available_memory()
     return f"memory: about {needed / 1e6:,.0f} MB (an estimate) of {there / 1e6:,.0f} MB that are free on this machine"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `presswork check` says of how far a round cup's blank is from what its wall can draw."""
+"""What `presswork check` reports about a round cup's drawing ratio, and the limit that its wall sets."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from presswork.law.wall import Cup, find_drawing_ratio, has_wall
 from presswork.model import Model, SweptProfile
 
 NEAR = 0.95
-"""Part of the limiting drawing ratio from which a hint says so."""
+"""Share of the limiting drawing ratio from which on a hint warns."""
 
 
 def describe_drawing_ratio(problem: Model) -> Iterator[str]:
-    """Say the drawing ratio of a round punch that a holder helps, beside the limit of its sheet."""
+    """Describe the drawing ratio of a round punch that a holder helps, with the limit of its sheet."""
     section, material = problem.sheet
     round_punches = [
         tool for tool in problem.tools

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `presswork check` says of a solid by the explicit procedure."""
+"""What `presswork check` reports about a solid by the explicit procedure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from presswork import model
 from presswork.mesh.faces import list_cell_faces
 
 SECONDS = 0.1e-6
-"""Of one core for a cell and a cycle, about."""
+"""Time of one core for a cell and a cycle, roughly [s]."""
 
 
 def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> Iterator[str]:
@@ -44,7 +44,7 @@ def describe_explicit(problem: model.Model, settings: model.ExplicitSolid) -> It
 
 
 def describe_ramp(stage: model.Stage) -> Iterator[str]:
-    """Say how what a stage of an explicit run moves starts and stops; of a press its drive says so."""
+    """Describe how motions and loads of an explicit stage start and stop; for a press its drive describes that."""
     moves = stage.prescribed or any(any(motion.move) for motion in stage.tool_motion.values())
     if moves and stage.drive is None:
         yield f"{stage.ramp:.3g} s to start and to stop" if stage.ramp else "at full velocity from the first cycle on"

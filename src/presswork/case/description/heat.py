@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `presswork check` says of heat: thermal properties, films, contacts, time steps."""
+"""What `presswork check` reports about heat: thermal properties, films, contacts, time steps."""
 
 from __future__ import annotations
 

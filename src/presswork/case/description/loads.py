@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `presswork check` says of the loads of a stage: from which value to which they go."""
+"""What `presswork check` reports about the loads of a stage: their values at its start and end."""
 
 from __future__ import annotations
 

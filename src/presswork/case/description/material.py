@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `presswork check` says of a material."""
+"""What `presswork check` reports about a material."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STRONG = 1.1
 
 
 def describe_material(material: model.Material, *, starts: bool = True) -> str:
-    """Return what is said of a material; starts: at its own temperature, too."""
+    """Describe a material; starts: also at its own temperature at the start."""
     if material.gtn:
         g = material.gtn
         elastic = f"E = {material.young:g} MPa, Poisson's ratio {material.poisson:g}"
@@ -62,7 +62,7 @@ def describe_material(material: model.Material, *, starts: bool = True) -> str:
 
 
 def _describe_yield(function: model.YieldFunction) -> str:
-    """Say what a yield function makes of tension in other directions, where that is not measured as a rule."""
+    """Describe what a yield function predicts for tension in other directions, where that is usually not measured."""
     diagonal, across, biaxial = (1.0 / value for value in make_yield_function(function).evaluate(_OTHERS)[0])
     compared = f"{diagonal:.3g}, {across:.3g} and {biaxial:.3g} of that at 0"
     if max(abs(value - 1.0) for value in (diagonal, across, biaxial)) < 1e-6:
@@ -74,7 +74,7 @@ def _describe_yield(function: model.YieldFunction) -> str:
 
 
 def describe_forming_limit(material: model.Material) -> str:
-    """Say what a part's strains will be judged by."""
+    """Describe the limit that a part's strains will be judged by."""
     judged = material.formability
     if judged.curve is None:
         return "none: the material has no forming_limit, so nothing will be said of cracks"

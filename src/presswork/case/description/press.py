@@ -9,7 +9,7 @@ from presswork.model import Blow, Crank, Drive
 
 
 def describe_drive(drive: Drive) -> str:
-    """Say how the ram moves in a stage."""
+    """Describe how the ram moves in a stage."""
     who = f"press {drive.press}" if drive.press else "ram"
     distance, motion = f"{drive.travel:g} mm", drive.motion
     if isinstance(motion, Blow):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `presswork check` says of a shell."""
+"""What `presswork check` reports about a shell."""
 
 from __future__ import annotations
 

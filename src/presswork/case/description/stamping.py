@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `presswork check` says of a stamping."""
+"""What `presswork check` reports about a stamping."""
 
 from __future__ import annotations
 
@@ -36,20 +36,21 @@ from presswork.model import (
 EDGE = 5.0
 """Elements along an edge of a tool from which on its radius counts."""
 SHARPEST = 0.1
-"""Of an element: a radius below is none."""
+"""Radius over the length of an element below which an edge counts as sharp."""
 SECONDS, OF_POINT, OF_POWER = 0.1e-6, 0.015e-6, 0.05e-6
-"""Of one core for a shell with contact and a cycle, and for each of its points: of quadratic yield, and of others."""
+"""Time of one core for a shell with contact and a cycle, and for each of its points: with quadratic yield, and with
+others [s]."""
 OF_ROW, OF_SHELL_AND_ROW = 2e-3, 6e-6
-"""Of one core for a row of the history, and for each shell in it."""
+"""Time of one core for a row of the history, and for each shell in it [s]."""
 TOUCHING = 0.01
 """Part of the thickness by which tools that have closed may be off the sheet."""
 ELEMENTS_ROUND_AN_EDGE = 3
-"""Of a quarter turn: the fewest that bend a sheet round it without large errors."""
+"""Fewest elements in a quarter turn that bend a sheet round it without large errors."""
 MANY_CYCLES = 5e6
 """A hundred times those of a usual draw."""
 _SOUGHT = "held by a force that a run first finds from its geometry, by pulling a strip through it"
 NARROW = 0.5
-"""Of the shortest side: a cell whose width is below that is nearly flat, as one with a corner of 180 degrees."""
+"""Width of a cell over its shortest side below which the cell is nearly flat, as one with a corner of 180 degrees."""
 WAVE = 0.85
 """Stable step over shortest side/wave speed, about."""
 
@@ -183,7 +184,7 @@ def _describe_operation(problem: Model, following: Operation | None) -> Iterator
 
 
 def _describe_dwell(dwell: Dwell) -> str:
-    """Say where the sheet rests."""
+    """Describe where the sheet rests."""
     if not dwell.in_tools:
         return "heat alone, in air,"
     pressure = (
@@ -193,7 +194,7 @@ def _describe_dwell(dwell: Dwell) -> str:
 
 
 def _describe_closing(problem: Model) -> Iterator[str]:
-    """Say after which stroke tools close on the sheet, and what is left at the end."""
+    """Describe after which stroke tools close on the sheet, and what is left at the end."""
     thickness, explicit = problem.sheet[0].thickness, problem.explicit
     irons = isinstance(explicit, ExplicitSheet) and explicit.ironing
     for punch, die in itertools.product(problem.tools, problem.tools):
@@ -210,7 +211,7 @@ def _describe_closing(problem: Model) -> Iterator[str]:
 
 
 def _describe_end(problem: Model, punch: Tool, die: Tool, closing: float) -> str:
-    """Say how far apart punch and die stay at the farthest; closing: the travel at which they close [mm]."""
+    """Describe the largest distance that punch and die keep; closing: the travel at which they close [mm]."""
     motions = [[stage.tool_motion.get(tool.name) for stage in problem.stages] for tool in (punch, die)]
     if any(motion is not None and motion.push is not None for each in motions for motion in each):
         return ""
@@ -230,7 +231,7 @@ def _finest(problem: Model) -> float:
 
 
 def _hint_at_coarse_mesh(problem: Model) -> Iterator[str]:
-    """Say where a sheet is bent round a radius by too few elements."""
+    """Describe where a sheet is bent round a radius by too few elements."""
     for tool in problem.tools:
         if tool.kind != "holder":
             size = _finest(problem) * float(np.median(_measure_sides(problem, _straight_axis(tool))))
@@ -310,7 +311,7 @@ def _find_narrowest(problem: Model) -> tuple[float, FloatArray]:
 
 
 def _describe_ironing(problem: Model) -> str:
-    """Say what becomes of a sheet that is thicker than the room between two tools."""
+    """Describe what becomes of a sheet that is thicker than the room between two tools."""
     explicit = problem.explicit
     if isinstance(explicit, ExplicitSheet) and explicit.ironing:
         return "two tools that leave the sheet less room than it is thick squeeze it thinner"
@@ -335,7 +336,7 @@ def _describe_tool(tool: Tool, following: Operation | None) -> str:
 
 
 def _describe_shape(shape: SweptProfile) -> str:
-    """Say how wide a drawn tool is in the plan, and what radii its profile has."""
+    """Describe how wide a drawn tool is in the plan, and what radii its profile has."""
     x, y = (2.0 * width for width in shape.half_widths)
     ends = shape.segments[:, [0, 2]]
     if math.isinf(x + y):
@@ -352,7 +353,8 @@ def _describe_shape(shape: SweptProfile) -> str:
 
 
 def _describe_stage(problem: Model, stage: Stage, closing: Mapping[str, Closing]) -> Iterator[str]:
-    """Say what moves and pushes in a stage; closing: of the tools that go on until they leave a given room, by name."""
+    """Describe what moves and pushes in a stage; closing: by name, the travel of tools that go on until they leave a
+    given room."""
     holders = {tool.name: tool for tool in problem.tools if tool.kind == "holder"}
     directions = {tool.name: tool.working_direction for tool in problem.tools}
     if stage.drive is not None:

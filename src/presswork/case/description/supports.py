@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `presswork check` says of supports."""
+"""What `presswork check` reports about supports."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about 
 
 
 def describe_support(support: model.Support, problem: model.Model) -> str:
-    """Return what is said of a support of a solid or a shell."""
+    """Describe a support of a solid or a shell."""
     fixed = " and ".join(name for name, fix in zip(NAMES, support.fix, strict=False) if fix)
     count = len(problem.mesh.node_sets[support.node_set])
     return f"support: {fixed} held on {support.node_set} ({count} nodes){name_stages(support, problem)}"

@@ -66,7 +66,7 @@ def _check_explicit(case: schema.Case) -> Iterator[Problem]:
 
 
 def _has_thermal(material: object) -> bool:
-    """Say whether the case itself, and not the library, gives thermal properties."""
+    """Return whether the case itself gives thermal properties; those of the library do not count."""
     return getattr(material, "thermal", None) is not None and getattr(material, "library", None) is None
 
 

@@ -13,7 +13,7 @@ from presswork.case.part import Part
 from presswork.case.units import Length, Number, fault
 
 PARAMETERS = 6
-"""Of a hardening law that the compiled law has room for (cpp/material/gtn.hpp)."""
+"""Number of parameters of a hardening law that the compiled law has room for (cpp/material/gtn.hpp)."""
 
 
 class Gtn(Part):

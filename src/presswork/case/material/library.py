@@ -25,7 +25,7 @@ from presswork.case.units import fault
 
 FOLDER = Path(__file__).parents[2] / "material" / "data"
 ENDING = ".toml"
-"""Of a material file; a name that ends so is a path."""
+"""Ending of a material file; a name that ends so is a path."""
 THICKEST = 100.0
 """Largest thickness of a sheet that was tested [mm]; more is a slip of units."""
 

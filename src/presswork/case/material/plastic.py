@@ -31,7 +31,7 @@ OF_FLOW = ("kinematic", "rate", "young_decrease", "damage", "yield_function")
 
 
 def _is_light(young: object) -> bool:
-    """Say whether a Young's modulus, as a case gives it, is that of aluminium or magnesium rather than of steel."""
+    """Return whether a Young's modulus, as a case gives it, is that of aluminium or magnesium rather than of steel."""
     try:
         return float(to_number(young, STRESS)) < LIGHT
     except (PydanticCustomError, TypeError, ValueError):

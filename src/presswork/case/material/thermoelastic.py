@@ -13,7 +13,7 @@ from presswork.case.part import Part
 from presswork.case.units import PURE_NUMBER, fault, to_number
 
 LARGEST_COEFFICIENT = 1e-3
-"""Of no metal [1/K]: twelve times that of zinc or lead."""
+"""Largest accepted coefficient of thermal expansion [1/K]: twelve times that of zinc or lead."""
 LARGEST_FACTOR = 3.0
 """Young's modulus over that of the material."""
 

@@ -24,7 +24,8 @@ STEELS = {
     "22MnB5": ({"C": 0.23, "Mn": 1.2, "Si": 0.25, "Cr": 0.2}, (12.0, 12.0, 6.5)),
 }
 LATENT_HEAT = (75.2e9, 81.5e9)
-"""Of ferrite, pearlite and bainite; of martensite [mm2/s2]: 590 and 640 MJ/m3 (Akerstrom 2006) at 7850 kg/m3."""
+"""Latent heat of ferrite, pearlite and bainite, and of martensite [mm2/s2]: 590 and 640 MJ/m3 (Akerstrom 2006) at 7850
+kg/m3."""
 MOST_CARBON = 1.0
 """Mass per cent of carbon above which no formula here holds."""
 HOTTEST_FURNACE = 1350.0

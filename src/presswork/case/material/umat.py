@@ -38,11 +38,11 @@ _FAULTS = {
 
 
 FAMILIES = {3: "plane stress, as shells need it", 4: "solids in the plane", 6: "solids in space"}
-"""By the number of components of their stress."""
+"""Families of elements by the number of components of their stress."""
 
 
 def kind_of_material(data: object) -> str:
-    """Tell a table with a UMAT from others, as a discriminator of unions."""
+    """Distinguish a table with a UMAT from others, as a discriminator of unions."""
     has_umat = "umat" in data if isinstance(data, dict) else isinstance(data, UmatMaterial)
     return "umat" if has_umat else "laws"
 

@@ -30,7 +30,7 @@ _RATIO = "yield stress {} over that along the rolling direction"
 
 
 OF_GRADE = ("r00", "r45", "r90", "stress_45", "stress_90", "stress_biaxial", "r_biaxial")
-"""What tests of a grade tell of its yield, beside alpha."""
+"""Keys that describe a grade's yield by tests; they exclude alpha."""
 WORST = 1e-3
 """Largest error of a stress or an r-value with which parameters give back a grade's."""
 

@@ -40,7 +40,7 @@ class YieldData:
     """What was measured of a sheet's yield; nan where it was not."""
 
     angle: FloatArray
-    """Of tension from the rolling direction (n,) [degrees]."""
+    """Angle of tension from the rolling direction (n,) [degrees]."""
     stress: FloatArray
     """Yield stress over one reference, that at 0 degrees as a rule (n,)."""
     r: FloatArray

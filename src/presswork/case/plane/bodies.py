@@ -23,8 +23,8 @@ logger = logging.getLogger(__name__)
 
 WORKPIECE = "workpiece"
 OVERLAP = 0.01
-"""Of the mean boundary edge: how deep a node may lie in another body at the start, as it does between arcs of chords.
-It is pushed out in the first increment."""
+"""Depth of a node in another body at the start over the mean boundary edge: as much lies between arcs of chords. The
+node is pushed out in the first increment."""
 
 
 def list_bodies(case: schema.Case) -> dict[str, tuple[str, Workpiece]]:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """From a case to the Model: names resolved, the workpiece meshed, tools directed, everything checked.
 
-A boundary entry is a symmetry plane when it says so, or when it fixes one component only on an outermost straight side
-of the workpiece normal to that component. In plane strain a tool that reaches one is twice what is modelled.
+A boundary entry is a symmetry plane when its key states it, or when it fixes one component only on an outermost
+straight side of the workpiece normal to that component. In plane strain a tool that reaches one is twice what is
+modelled.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ _AXES = ("x", "y")
 
 
 def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model.Model:
-    """Build the Model of a solid's case, as kinds.build_model says."""
+    """Build the Model of a solid's case; arguments and errors as in kinds.build_model."""
     _stop_at(check_references(case), case)
     mesh, bodies = build_bodies(case)
     problems = check_sets(case, mesh)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The part of a case that says how bodies touch each other; laws and names are those of tools."""
+"""The part of a case for the contact between bodies; laws and names are those of tools."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a solid's case says for the explicit procedure alone: its steps through time."""
+"""The keys of a solid's case for the explicit procedure alone: its steps through time."""
 
 from __future__ import annotations
 

@@ -20,11 +20,12 @@ BoolArray = NDArray[np.bool_]
 logger = logging.getLogger(__name__)
 
 TOLERANCE = 1e-6
-"""Of the size of the workpiece: how close a tool is that touches."""
+"""Distance up to which a tool counts as touching, over the size of the workpiece."""
 ROOM = 1e-3
-"""Of the size of the workpiece: what must be left between a tool and nodes that are held against it."""
+"""Room that must be left between a tool and held nodes, over the size of the workpiece."""
 ALONG = 0.05
-"""Part of a tool's normal, across what is held, up to which a node cannot slide out of its way."""
+"""Component of a tool's normal, across the direction that is held, up to which a node cannot slide out of the tool's
+path."""
 _SAMPLES = 16
 """Places along each stage's motion where the distance to the workpiece is taken."""
 _PLACES = 128
@@ -67,10 +68,10 @@ def check_reach(tools: Sequence[Tool], stages: Sequence[Stage], mesh: Mesh) -> l
 def check_room(
     tools: Sequence[Tool], stages: Sequence[Stage], supports: Sequence[Support], mesh: Mesh
 ) -> list[Problem]:
-    """Return a problem for each tool that is driven through nodes which are held against it: no metal fits between.
+    """Return a problem for each tool that is driven through nodes that supports hold: no metal fits between.
 
     A node gives way to the surface of the tool that meets it first, unless it is held across that surface. Only tools
-    whose way is known, by strokes and moves, are checked.
+    whose path is known, by strokes and moves, are checked.
     """
     held = np.zeros((len(mesh.points), 2), dtype=bool)
     for support in supports:
@@ -129,7 +130,7 @@ def _find_meetings(
 
 
 def _explain_room(tool: Tool, stage: int, node: FloatArray, part: float, move: FloatArray) -> Problem:
-    """Say where a tool meets a held node, and how far it can go until then."""
+    """Describe where a tool meets a held node, and its travel until then."""
     (x, y), stroke = node, float(np.linalg.norm(move))
     return Problem(
         f"stages.{stage}.tools.{tool.name}",
@@ -144,14 +145,14 @@ def _moves(motion: ToolMotion | None) -> bool:
 
 
 def _leaves(first: float, later: float, tolerance: float) -> bool:
-    """Say whether a tool never comes nearer than it starts, and touches nothing once it has moved."""
+    """Return whether a tool never comes nearer than it starts, and touches nothing once it has moved."""
     return later >= first - tolerance and later > tolerance
 
 
 def _approach(tool: Tool, stages: Sequence[Stage], nodes: FloatArray) -> tuple[float, float]:
-    """Return the least gap of a tool to the nodes at its start, and after it on its way [mm].
+    """Return the least gap of a tool to the nodes at its start, and later on its path [mm].
 
-    Of a tool that turns, that a force pushes or that a stage places anew, the way is not known: 0.
+    The path of a tool that turns, that a force pushes or that a stage places anew is not known: 0.
     """
     motions = [stage.tool_motion.get(tool.name, ToolMotion()) for stage in stages]
     place = np.zeros(nodes.shape[1])

@@ -122,7 +122,7 @@ def _check_forces(case: schema.Case, stage: schema.Stage, key: str) -> list[Prob
 
 
 def _moves(stage: schema.Stage) -> bool:
-    """Say whether a stage changes anything; a force or pressure of zero counts, as it may unload."""
+    """Return whether a stage changes anything; a force or pressure of zero counts, as it may unload."""
     tools = any(motion.build() != model.ToolMotion() for motion in stage.tools.values())
     return tools or any(entry.value != 0.0 for entry in stage.displacement) or _is_loaded(stage)
 

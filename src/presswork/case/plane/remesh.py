@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     pass
 
 OF_RADIUS = 0.5
-"""Of the least radius of a tool: the smallest size that is proposed for it."""
+"""Smallest proposed size over the least radius of a tool."""
 OF_SMALLEST = 0.5
-"""Of the smallest size: the radius that sharp corners of tools get where they point into the metal."""
+"""Radius that sharp corners of tools get where they point into the metal, over the smallest size."""
 
 
 class BodyRemesh(SizesOfCells):

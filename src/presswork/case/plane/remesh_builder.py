@@ -94,7 +94,7 @@ def _allow_for(mesh: model.Mesh) -> BodyRemesh:
 
 
 def _explain(case: Case, mesh: model.Mesh, bodies: Sequence[model.Body]) -> str:
-    """Say what prevents new meshes; empty if nothing does."""
+    """Explain what prevents new meshes; empty if nothing does."""
     keys = [f"{key} does not go together with new meshes" for key, is_so in _find_obstacles(case).items() if is_so]
     places = [f"{problem.key}: {problem.expected}" for problem in check_places(case, mesh, bodies)]
     return "; ".join(keys + places)

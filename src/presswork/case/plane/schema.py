@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The case: what the user says of a forming problem, from a TOML file or from Python with the same names.
+"""The case: a forming problem as the user describes it, in a TOML file or in Python with the same names.
 
 Lengths are mm, stresses MPa, forces N and times s where a plain number stands; a string with a unit is converted.
 A tool is in tool.py; solver and output settings are in settings.py, hardening laws in hardening.py.
@@ -264,11 +264,11 @@ class Stage(Part):
 
     @property
     def holds(self) -> bool:
-        """Whether it says how long it takes, so that time passes even where nothing moves."""
+        """Whether the stage has a duration, so that time passes even where nothing moves."""
         return "duration" in self.model_fields_set
 
     def find_timing(self, number: int) -> Timing:
-        """Return what this stage, with its number from 0, says of its time."""
+        """Return the timing of this stage, with its number from 0."""
         moves = [motion.build().move for motion in self.tools.values()]
         travel = max((math.hypot(*move) for move in moves), default=0.0)
         return Timing(f"stages.{number}", self.velocity, self.press, self.holds, travel)

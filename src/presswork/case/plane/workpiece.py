@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The part of a case that says what a body is: its mesh, its element and its material."""
+"""The part of a case that describes a body: its mesh, its element and its material."""
 
 from __future__ import annotations
 

@@ -19,29 +19,29 @@ KILO = 1e6
 
 @dataclass(frozen=True)
 class Timing:
-    """What a stage of a case says of its time."""
+    """Timing of a stage in a case."""
 
     key: str
-    """Of the stage, e.g. `stages.0`."""
+    """Key of the stage, e.g. `stages.0`."""
     velocity: Speeds | None
     press: StagePress | None
     has_duration: bool
     travel: float
-    """Of the tool that moves farthest [mm]; 0 where none moves."""
+    """Travel of the tool that moves farthest [mm]; 0 where none moves."""
 
 
 @dataclass(frozen=True)
 class Halves:
-    """What symmetry planes say of the whole press."""
+    """Factors of the whole press that follow from symmetry planes."""
 
     whole: float = 1.0
     """The whole workpiece over what is modelled."""
     across: float = 1.0
-    """Way of the ram over that of the tools: 2 where a symmetry plane lies across it."""
+    """Travel of the ram over that of the tools: 2 where a symmetry plane lies across it."""
 
 
 def find_halves(stage: model.Stage, mirrors: Sequence[model.FloatArray]) -> Halves:
-    """Return what the symmetry planes say of the press that drives a stage; mirrors: their positions by axis [mm]."""
+    """Return the factors that symmetry planes set for the press of a stage; mirrors: their positions by axis [mm]."""
     d = len(mirrors)
     moves = np.array([motion.move[:d] for motion in stage.tool_motion.values()]).reshape(-1, d)
     cut = [len(np.unique(of_axis)) == 1 for of_axis in mirrors]  # between two planes nothing is cut in half
@@ -108,7 +108,7 @@ def build_drive(timing: Timing, presses: Mapping[str, Press], halves: Halves) ->
 def _place_crank(
     timing: Timing, placed: StagePress, press: CrankPress, travel: float, whole: float
 ) -> model.Drive | Problem:
-    """Return the ram of a crank press, or say that it does not come so far."""
+    """Return the ram of a crank press, or the problem that its stroke is too short."""
     start, key = travel, "press"
     if placed.before_bottom is not None:
         start, key = placed.before_bottom, "press.before_bottom"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The presses of a case, and what a stage says of the one that drives it."""
+"""The presses of a case, and the keys of a stage for the press that drives it."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from presswork.case.units import Angle, Energy, Force, Length, Mass, Number, Pow
 GRAVITY = 9806.65
 """Standard acceleration of free fall [mm/s2]."""
 N_MM = 1e6
-"""In a kJ."""
+"""Energy in a kJ."""
 TONNE = 1e-3
-"""In a kg."""
+"""Mass in a kg."""
 MOST_BLOWS = 1000
 Speeds = Velocity | tuple[tuple[Length, Velocity], ...]
-"""A speed, or rows of way and speed."""
+"""A speed, or rows of travel and speed."""
 
 
 def check_speeds(speeds: Speeds | None, key: str) -> None:

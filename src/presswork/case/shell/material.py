@@ -22,7 +22,7 @@ from presswork.case.units import Density, fault
 logger = logging.getLogger(__name__)
 
 WAVE_SPEED = 5.1e6
-"""Of a bar of steel, aluminium, magnesium or titanium, within 4 % [mm/s]."""
+"""Wave speed of a bar of steel, aluminium, magnesium or titanium, within 4 % [mm/s]."""
 COMPUTED = ("swift_hill", "marciniak_kuczynski")
 """Forming limits that are computed from the other laws of the sheet, which must harden isotropically."""
 

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The case of a solid in space, and the way from it to the Model."""
+"""The case of a solid in space, and the builders that turn it into the Model."""

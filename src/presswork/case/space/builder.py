@@ -132,7 +132,7 @@ def _find_smallest_cells(remeshing: model.Remeshing | None, mesh: model.Mesh) ->
 
 
 def _depends_on_pushes(case: SpaceCase) -> bool:
-    """Say whether friction follows the pushes of nodes so that the symmetric part of the tangent does not settle.
+    """Return whether friction follows the pushes of nodes so that the symmetric part of the tangent does not converge.
 
     Constant shear friction does so at nodes that hardly push, of which flash and new meshes have many.
     """

@@ -2,8 +2,8 @@
 """Tools in space that slide along each other with a clearance far below the size of cells.
 
 As in the plane (case/tools/close_fits.py), the side of such a tool is moved past the wall, so that its face takes the
-nodes at the wall along. A swept profile moves as a whole where the wall surrounds it, and stays exact. Of facets each
-corner of the side goes so far that all the planes of the side's facets there are moved by the same length.
+nodes at the wall along. A swept profile moves as a whole where the wall surrounds it, and stays exact. In a surface of
+facets each corner of the side moves so far that all the planes of the side's facets there move by the same length.
 """
 
 from __future__ import annotations
@@ -34,13 +34,14 @@ from presswork.model import (
 )
 
 AHEAD = 0.5
-"""Least part of a facet's normal along the tool's way that makes it a part of the face, as up to 60 degrees aslant."""
+"""Least component of a facet's normal along the tool's motion that makes it a part of the face: up to 60 degrees
+aslant."""
 FACES = -0.7
 """Product of the normals of wall and side below which they face each other."""
 ROUND = 16
 """Places round each corner of a swept tool's plan."""
 CHORD = 1e-3
-"""Of the edge of cells: how far facets that stand for a swept profile may lie off it."""
+"""How far facets that stand for a swept profile may lie off it, over the edge of cells."""
 
 
 def close_fits_in_space(
@@ -77,7 +78,7 @@ class _Wall:
         self._direction, self._middle, self._reach = direction, middle, CLOSE * edge
 
     def look(self, places: FloatArray, outwards: FloatArray) -> tuple[BoolArray, FloatArray]:
-        """Say which places of a side (n, 3) go along the wall towards the workpiece, and return their gaps (n,) [mm].
+        """Return which places of a side (n, 3) go along the wall towards the workpiece, and their gaps (n,) [mm].
 
         outwards: normals of the side (n, 3).
         """
@@ -104,7 +105,7 @@ def _close(tool: Tool, wall: _Wall, direction: FloatArray, edge: float) -> tuple
 def _close_swept(
     shape: SweptProfile, wall: _Wall, pose: SpacePose, own_direction: float, edge: float
 ) -> tuple[SweptProfile, float] | None:
-    """Close a swept profile along whose side the wall goes all round; own_way: z of the tool's way in its frame."""
+    """Close a swept profile along whose side the wall goes all round; own_way: z of the tool's motion in its frame."""
     for corner, (s, z) in enumerate(shape.segments[:-1, X1]):
         places, outwards = _go_round(shape, s, z)
         for side in (1.0, -1.0):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a case says of the mesh of a solid in space. Units as in case/units.py."""
+"""The keys of a case for the mesh of a solid in space. Units as in case/units.py."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From what a case says of a mesh in space to the Mesh."""
+"""Builds the Mesh of a solid in space from the keys of its case."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def _mesh_turned(mesh: Cylinder | Ring | Turned, element: model.SpaceElement, ma
 
 
 def _divide_heights(heights: FloatArray, cells: int) -> FloatArray:
-    """Return z of so many cells + 1 lines; every height is one, and cells are shared out by the ways between them."""
+    """Return z of so many cells + 1 lines; every height is one, and cells are shared out by the distances between."""
     lengths = np.diff(heights)
     counts = np.ones(len(lengths), dtype=int)
     while counts.sum() < cells:

@@ -161,11 +161,11 @@ class SpaceStage(Part):
 
     @property
     def holds(self) -> bool:
-        """Whether it says how long it takes, so that time passes even where nothing moves."""
+        """Whether the stage has a duration, so that time passes even where nothing moves."""
         return "duration" in self.model_fields_set
 
     def find_timing(self, number: int) -> Timing:
-        """Return what this stage, with its number from 0, says of its time."""
+        """Return the timing of this stage, with its number from 0."""
         travel = max((math.hypot(*motion.build().move) for motion in self.tools.values()), default=0.0)
         return Timing(f"stages.{number}", self.velocity, self.press, self.holds, travel)
 

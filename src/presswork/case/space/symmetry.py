@@ -14,7 +14,7 @@ from presswork.case.space.schema import AXES, SpaceCase
 from presswork.model import FloatArray
 
 FLAT = 1e-6
-"""Of the size of the body: how far the nodes of a plane may lie off it."""
+"""How far the nodes of a plane may lie off it, over the size of the body."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ def is_whole_side(mesh: model.Mesh, bodies: tuple[model.Body, ...], name: str, a
 
 
 def check_symmetry(case: SpaceCase, mesh: model.Mesh, bodies: tuple[model.Body, ...]) -> list[Problem]:
-    """Return the problems of entries that are said to be symmetry planes, and are none."""
+    """Return the problems of entries that are declared as symmetry planes, but are none."""
     problems = []
     for name, entry in case.boundary.items():
         components = sorted(set(entry.fix))

@@ -56,13 +56,13 @@ if TYPE_CHECKING:
 logger = logging.getLogger(__name__)
 
 TOLERANCE = 1e-6
-"""Of the size of the workpiece: how deep a node may lie in a tool at the start."""
+"""How deep a node may lie in a tool at the start, over the size of the workpiece."""
 CHORD_OF_FACE = 0.05
-"""Of the mean edge of cells: how deep a tool may reach into a face whose nodes lie on it, as on a round of the tool."""
+"""Depth of a tool in a face whose nodes lie on it, as on a round of the tool, over the mean edge of cells."""
 CHORD = 1e-4
-"""Of the size of the workpiece: how far the facets of a straight tool may lie off its arcs."""
+"""How far the facets of a straight tool may lie off its arcs, over the size of the workpiece."""
 FACING = 0.01
-"""Of the area of an open surface: how much of it, on balance, must face against the tool's way to be turned over."""
+"""Share of an open surface's area, on balance, that must face against the tool's motion for it to be turned over."""
 BEYOND = 5.0
 """Times the size of the workpiece: half the length of a straight tool."""
 
@@ -70,7 +70,7 @@ BEYOND = 5.0
 def build_tool(
     name: str, tool: SpaceTool, mesh: Mesh, mirrors: tuple[FloatArray, ...], folder: Path, direction: FloatArray
 ) -> Tool | Problem:
-    """Build a tool, or say why it cannot be.
+    """Build a tool, or return the problem that prevents it.
 
     mirrors: positions of the symmetry planes normal to x, y and z [mm]. folder: what the path of a file is relative to.
     direction: direction of the tool's first motion (3,), zero where it has none.
@@ -115,7 +115,7 @@ def build_tool(
 
 
 def _place(name: str, tool: SpaceTool, shape: Surface) -> Tool:
-    """Return a tool that stands as its keys say, without what the workpiece tells."""
+    """Return a tool that stands as its keys place it, without what depends on the workpiece."""
     centre = tool.centre
     if centre is None and isinstance(tool, ProfileTool) and tool.shape == "straight":
         own = find_centre(draw_outline(tool.profile, False).segments)
@@ -147,7 +147,8 @@ def _look_at(tool: Tool) -> Nearest:
 
 
 def _come_from_afar(tool: Tool, places: FloatArray, direction: FloatArray) -> tuple[float, float, float] | None:
-    """Return the position of a tool that comes from afar along `way` until it touches a place (n, 3); None: never."""
+    """Return the position at which a tool from afar, along `way`, first touches a place (n, 3);
+    None: never."""
     if not direction.any():
         return None
     shape, pose = tool.surface, find_space_pose(tool, np.zeros(3))
@@ -162,7 +163,7 @@ def _come_from_afar(tool: Tool, places: FloatArray, direction: FloatArray) -> tu
 
 
 def _explain_no_touch(name: str, direction: FloatArray) -> Problem:
-    """Say why a tool cannot be put where it touches the workpiece."""
+    """Explain why a tool cannot be put where it touches the workpiece."""
     key = f"tools.{name}.position"
     if not direction.any():
         remedy = "give a stage in which the tool has a stroke, move or force, or position = [x, y, z]"
@@ -276,7 +277,7 @@ def _make_shape(name: str, tool: SpaceTool, mesh: Mesh, direction: FloatArray, f
 
 
 def _face(name: str, tool: ToolFile, shape: Triangulation, direction: FloatArray) -> Triangulation:
-    """Return a tool's surface, turned over where it is open and faces against the tool's way (3,)."""
+    """Return a tool's surface, turned over where it is open and faces against the tool's motion (3,)."""
     areas = find_space_pose(_place(name, tool, shape), np.zeros(3)).turn(double_areas(shape.points, shape.triangles))
     if shape.is_closed or areas.sum(axis=0) @ direction >= -FACING * float(np.linalg.norm(areas, axis=1).sum()):
         return shape
@@ -290,7 +291,7 @@ def _face(name: str, tool: ToolFile, shape: Triangulation, direction: FloatArray
 
 @functools.lru_cache(maxsize=1000)
 def _warn_once(path: Path, note: str) -> None:
-    """Tell a note on the file of a tool, however often its model is built."""
+    """Log a note on the file of a tool once, however often its model is built."""
     logger.warning("%s", note, extra={"path": path})
 
 
@@ -349,7 +350,7 @@ def _draw_out(segments: FloatArray, tolerance: float, half_length: float) -> Tri
 
 
 def _find_mirrors(tool: Tool, pose: SpacePose, mirrors: tuple[FloatArray, ...], size: float) -> tuple[bool, bool, bool]:
-    """Say whether a symmetry plane normal to x, y and z cuts a tool, which is then twice what is modelled.
+    """Return for x, y and z whether a symmetry plane normal to it cuts a tool, which is then twice what is modelled.
 
     Between two planes a slice is modelled, and nothing is cut in half.
     """

@@ -33,19 +33,19 @@ from presswork.model import (
 logger = logging.getLogger(__name__)
 
 HOLE = 2.0
-"""Of a cell's edge: a rim narrower than that is a hole where facets are missing, and no nodes pass through it."""
+"""Width of a rim over a cell's edge below which it is a hole where facets are missing; no nodes pass through it."""
 OPEN = 0.5
-"""Of the tool's own size: a wider rim is where the surface ends, however small the tool."""
+"""Width of a rim over the tool's own size above which the surface ends there, however small the tool."""
 UNLIKE = 1e-3
-"""Of the size of the workpiece: how far the two halves of a tool that a symmetry plane cuts may differ."""
+"""How far the two halves of a tool that a symmetry plane cuts may differ, over the size of the workpiece."""
 OVER = 0.1
-"""Of the same size: how far a tool that is no mirror image of itself may reach over the plane."""
+"""How far a tool that is no mirror image of itself may reach over the plane, over the size of the workpiece."""
 COARSE = 0.75
-"""Of a tool's radius: a longer edge of a cell turns by more than 43 degrees on it."""
+"""Edge of a cell over a tool's radius above which the edge is too long: it turns by more than 43 degrees."""
 EDGES = 5.0
 """Cells along a radius from which on it counts."""
 ENOUGH = 0.5
-"""Of the radius: the edge that would do, turning by 29 degrees."""
+"""Edge of a cell over a tool's radius that is short enough: it turns by 29 degrees."""
 LOOKS = (-0.6, 0.0, 0.6)
 """Where faces are looked at beside their corners, from -1 to 1."""
 
@@ -129,14 +129,14 @@ def _sample(shape: SweptProfile | Triangulation, tolerance: float) -> FloatArray
 
 
 def warn_of_radius(name: str, segments: FloatArray, edge: float) -> None:
-    """Say where cells with such edges [mm] are too coarse for the smallest radius of a tool's profile (n, 7)."""
+    """Warn where cells with such edges [mm] are too coarse for the smallest radius of a tool's profile (n, 7)."""
     arcs = segments[segments[:, TURN] != 0.0]
     radii = np.linalg.norm(arcs[:, X0] - arcs[:, CENTRE], axis=1)
     _warn_of_sharp_radius(name, float(radii.min(initial=np.inf)), edge, "the cells of the workpiece have edges")
 
 
 def warn_of_facets(name: str, tool: Tool, mesh: Mesh, edge: float, key: str) -> None:
-    """Say where cells with such edges [mm] are too coarse for radii of a tool of facets beside the workpiece.
+    """Warn where cells with such edges [mm] are too coarse for radii of a tool of facets beside the workpiece.
 
     Sharp edges have none, and a radius along less than EDGES such edges does not count. key: what they are.
     """
@@ -163,7 +163,7 @@ def _warn_of_sharp_radius(name: str, radius: float, edge: float, what: str) -> N
 
 
 def warn_of_widths(name: str, tool: Tool, mirrors: tuple[FloatArray, ...], mesh: Mesh, edge: float, key: str) -> None:
-    """Say where ridges or slots of a tool of facets are narrower than the smallest cells [mm]; key: what they are.
+    """Warn where ridges or slots of a tool of facets are narrower than the smallest cells [mm]; key: what they are.
 
     mirrors: positions of the symmetry planes normal to x, y and z [mm].
     """

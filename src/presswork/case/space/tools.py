@@ -32,7 +32,7 @@ def require_direction3(direction: tuple[float, float, float], key: str) -> None:
 
 
 class Rotation(Part):
-    """By which a tool is turned at the start, about the origin of its own frame."""
+    """Rotation of a tool at the start, about the origin of its own frame."""
 
     axis: Direction3 = Field(description="direction [x, y, z] about which it is turned, of any length")
     angle: Angle = Field(description="angle, counter-clockwise as seen from the tip of the axis [degrees]")
@@ -97,7 +97,7 @@ class _SpaceTool(Part):
 
     @property
     def turning_axis(self) -> tuple[float, float, float] | None:
-        """The direction about which it turns, of length 1; None: its shape tells of none."""
+        """The direction about which the tool turns, of length 1; None: its shape has no axis."""
         return None if self.axis is None else unit_vector3(self.axis)
 
 

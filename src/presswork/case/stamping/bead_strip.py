@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Drawbeads by their geometry: the strip that is pulled through one, and the file that keeps what it held back with.
+"""Drawbeads by their geometry: the strip that is pulled through one, and the file that keeps the restraining force.
 
 The strip is that of the example `drawbead`: in plane strain, closed in the bead and pulled through it by explicit
 shells of the blank's sheet, along its rolling direction. Lengths scale with the bead.
@@ -19,7 +19,7 @@ from presswork.case.stamping.stage import StampingBead
 
 CLOSE, PULL = "close", "pull"
 _WIDTH = 2.0
-"""Of the strip, of which half is modelled [mm]."""
+"""Width of the strip, of which half is modelled [mm]."""
 _ELEMENT = 0.15
 """Length of a shell, of the smallest radius."""
 

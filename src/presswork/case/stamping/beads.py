@@ -55,7 +55,7 @@ def closed_stages(bead: StampingBead, case: StampingCase) -> tuple[str, ...]:
 
 
 def _opens_or_closes(stage: StampingStage, case: StampingCase) -> bool:
-    """Say whether strokes move a holder to or from a die."""
+    """Return whether strokes move a holder to or from a die."""
     stroke = {
         kind: [
             action.travel if (action := stage.tools.get(name)) else 0.0
@@ -104,7 +104,7 @@ def _planes(case: StampingCase) -> str:
 
 
 def cut_line(line: FloatArray, spacing: float, symmetry: list[bool]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Cut a polyline (n, 2) into pieces of at most `spacing`, those at negative x or y left out where symmetry says so.
+    """Cut a polyline (n, 2) into pieces of at most `spacing`, without those beyond symmetry planes x = 0 and y = 0.
 
     No piece crosses an axis, so that a whole line has the pieces of its parts. Returns the pieces' middles (m, 2), unit
     normals (m, 2) and lengths (m,).
@@ -128,7 +128,7 @@ def cut_line(line: FloatArray, spacing: float, symmetry: list[bool]) -> tuple[Fl
 
 
 def find_over_mesh(mesh: Mesh, places: FloatArray) -> BoolArray:
-    """Say which places (n, 2) lie over a mesh of shells, seen from above (n,)."""
+    """Return which places (n, 2) lie over a mesh of shells, seen from above (n,)."""
     cells = mesh.blocks[0].connectivity
     sheet = _core.SheetUnder([np.ascontiguousarray(cells, dtype=np.int32)])
     nearest = scipy.spatial.cKDTree(mesh.points[cells].mean(axis=1)[:, :2]).query(places)[1]

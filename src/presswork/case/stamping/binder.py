@@ -108,7 +108,7 @@ def _is_pushed(stage: StampingStage, name: str) -> bool:
 
 
 def _check_slam(case: StampingCase, index: int, name: str, holder: Tool, die: Tool, before: float) -> Problem | None:
-    """Return a problem of a force that closes a binder over a long way, in explicit dynamics."""
+    """Return a problem of a force that closes a binder over a long distance, in explicit dynamics."""
     thickness = case.blank.thickness
     near = find_meeting(holder, die, IDLE * thickness, thickness)
     if case.procedure == "implicit" or near is None or near.travel <= before:

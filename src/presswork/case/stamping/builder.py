@@ -65,7 +65,7 @@ from presswork.mesh.topology import find_boundary_edges, find_parts
 logger = logging.getLogger(__name__)
 
 IMPLICIT_ELEMENTS: dict[str, model.ElementName] = {"tri3": "shell3_mitc_plus", "quad4": "shell4_mitc"}
-"""By number of nodes."""
+"""Elements by number of nodes."""
 SYMMETRY_SETS = ("symmetry_x", "symmetry_y")
 
 
@@ -250,7 +250,7 @@ def _mesh_outline(case: StampingCase, blank: OutlinedBlank, symmetry: list[bool]
 
 
 def _build_trim(case: StampingCase, mesh: model.Mesh | None) -> tuple[tuple[model.TrimLine, ...], list[Problem]]:
-    """Draw or read the trim lines, and hold them against the blank, beyond which no part reaches.
+    """Draw or read the trim lines, and compare them with the blank, beyond which no part reaches.
 
     mesh: of the blank; None of a part that is placed elsewhere.
     """

@@ -159,7 +159,7 @@ def check_tools(case: StampingCase) -> list[Problem]:
 
 
 def _stands_free(tool: CaseTool) -> bool:
-    """Tell whether a tool stands where it is drawn alone, with no image on the other side of the middle."""
+    """Return whether a tool stands where it is drawn alone, with no image on the other side of the middle."""
     return isinstance(tool, ToolFile) or (isinstance(tool, SectionTool) and tool.is_one_sided)
 
 
@@ -242,7 +242,7 @@ def _check_step_bound(case: StampingCase) -> list[Problem]:
 
 
 def _check_umat(key: str, material: UmatMaterial, case: StampingCase) -> list[Problem]:
-    """Return the problems of what a stamping must know of a law from a shared library."""
+    """Return the problems of data that a stamping needs from a law in a shared library."""
     problems = []
     if material.density is None:
         problems.append(Problem(f"{key}.density", "missing key", 'add it: steel has "7850 kg/m^3"'))

@@ -2,7 +2,8 @@
 """How the tools of a stamping come together along their motion: one rule for drawn tools and those from files.
 
 Between punch and die the sheet must have room: its thickness where faces come together, and where walls slide along
-each other at least what ironing leaves of it. Holders and punches may touch. By surfaces, whatever they are made from.
+each other at least what ironing leaves of it. Holders and punches may touch. The check compares surfaces, whatever they
+are made from.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ OPEN = 0.1
 
 
 def check_pairs(case: StampingCase, tools: Sequence[Tool]) -> list[Problem]:
-    """Return the problems of punches with dies and holders: too little room on the way, or too much at its end."""
+    """Return the problems of punches with dies and holders: too little room on the path, or too much at its end."""
     moved = {tool.name: list_strokes(case, tool.name) for tool in tools}
     problems = []
     for one, other in itertools.permutations(tools, 2):
@@ -78,7 +79,7 @@ def _check_dwells(
 
 
 def list_strokes(case: StampingCase, name: str) -> list[float]:
-    """Return how far a tool has moved along its way at the end of each stage [mm]; a pushed one not at all."""
+    """Return the travel of a tool at the end of each stage [mm]; zero for a pushed one."""
     each = [stage.tools[name].stroke or 0.0 if name in stage.tools else 0.0 for stage in case.stages]
     return list(itertools.accumulate(each))
 
@@ -88,7 +89,7 @@ def is_pushed(case: StampingCase, name: str) -> bool:
 
 
 def _share_line(case: StampingCase, one: Tool, other: Tool) -> bool:
-    """Tell whether two tools are what lies inside and outside of one line in the plan: they pass each other."""
+    """Return whether two tools are the inside and the outside of one line in the plan: they pass each other."""
     drawn = case.tools[one.name], case.tools[other.name]
     lines = [tool.cut for tool in drawn if isinstance(tool, ToolFile) and tool.direction is None and tool.cut]
     if len(lines) < 2 or lines[0].keep == lines[1].keep or tuple(one.position[:2]) != tuple(other.position[:2]):
@@ -129,7 +130,7 @@ def _check_pair(
 
 
 def find_closing_stroke(one: Tool, other: Tool, thickness: float, *, irons: bool) -> Closing | None:
-    """Return after how much of its way a tool closes on another, or on the sheet between it and a die.
+    """Return the travel after which a tool closes on another, or on the sheet between it and a die.
 
     irons: whether the sheet may be squeezed between walls that slide along each other. None where they never close,
     and for drawn tools with the same middle and an opening that goes right through, whose clearance in the plan is
@@ -154,13 +155,13 @@ def find_meeting(one: Tool, other: Tool, room: float | Room, thickness: float) -
 
 
 def find_approach(one: Tool, other: Tool, gone: Mapping[str, float]) -> float:
-    """Return by how much two tools have come together along the way of the first [mm]; gone: of each along its own."""
+    """Return the approach of two tools along the direction of the first [mm]; gone: of each along its own."""
     along = float(np.dot(np.array(other.working_direction), np.array(one.working_direction)))
     return gone[one.name] - along * gone[other.name]
 
 
 def _has_bottom(shape: Surface) -> bool:
-    """Tell whether a drawn tool's profile goes on to its middle."""
+    """Return whether a drawn tool's profile reaches its middle."""
     if not isinstance(shape, SweptProfile):
         return False
     return float(shape.segments[:, [0, 2]].min()) <= -min(shape.half_widths) * (1.0 - 1e-9)

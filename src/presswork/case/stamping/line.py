@@ -89,7 +89,7 @@ def _check_place(key: str, place: Place, case: StampingCase) -> list[Problem]:
 
 
 def _check_tip(key: str, operation: Operation) -> list[Problem]:
-    """Return the problem of a part that tips onto dies whose heights beside each other nobody says."""
+    """Return the problem of a part that tips onto dies whose relative heights are not given."""
     dies = {name: tool for name, tool in operation.tools.items() if tool.kind == "die"}
     if operation.place is None or not operation.place.tip:
         return []

@@ -32,7 +32,7 @@ BEYOND = 1.5
 LEVEL = 1e-2
 """Part of the thickness below which a tool's face counts as level with the blank."""
 CUT = 1e-4
-"""Of the extent of a line that cuts a tool: how far the chords of its arcs may be off."""
+"""How far the chords of its arcs may be off, over the extent of a line that cuts a tool."""
 
 
 def build_tools(

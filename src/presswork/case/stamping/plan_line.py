@@ -25,9 +25,9 @@ from presswork.model import FloatArray
 SMALLEST = 1e-3
 """Extent below which a line encloses nothing [mm]."""
 FINE = 1e-5
-"""Of a line's extent: how far the chords of its arcs may be off."""
+"""How far the chords of its arcs may be off, over a line's extent."""
 MEETING = 1e-5
-"""Of a line's extent: how far apart its ends may be."""
+"""How far apart its ends may be, over a line's extent."""
 
 
 class RectangularLine(Part):

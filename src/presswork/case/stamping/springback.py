@@ -16,7 +16,7 @@ from presswork.case.units import Angle, Length, Point, fault
 _DEFAULT = model.Springback()
 FEWEST_CLAMPS = 3
 _STRAIGHT = 1e-6
-"""Of the clamps' extent squared: an area below that is a line."""
+"""Area over the clamps' extent squared below which the clamps lie on a line."""
 
 
 class Section(Part):

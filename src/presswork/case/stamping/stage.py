@@ -20,13 +20,13 @@ from presswork.case.stamping.heat import Dwell
 from presswork.case.units import Force, Length, LineForce, Point, Time, Velocity, fault
 
 VELOCITY = 2000.0
-"""Of what moves farthest where a stage says nothing [mm/s]."""
+"""Velocity of the fastest tool where a stage sets none [mm/s]."""
 Whole = Annotated[int, Field(strict=True, ge=1)]
 ForceRow = tuple[Length, Force]
 
 
 ACTIONS = ("stroke", "force", "close")
-"""Of which a tool takes one in a stage."""
+"""Keys of which a tool takes one in a stage."""
 
 
 class ToolAction(Part):
@@ -110,7 +110,7 @@ class StampingStage(Part):
         return self
 
     def find_timing(self, number: int) -> Timing:
-        """Return what this stage, with its number from 0, says of its press."""
+        """Return this stage's data for its press, with its number from 0."""
         has_time = self.duration is not None or self.velocity is not None
         travel = max((abs(action.stroke) for action in self.tools.values() if action.stroke), default=0.0)
         return Timing(f"stages.{number}", None, self.press, has_time, travel)

@@ -27,7 +27,7 @@ def check_stages(case: StampingCase) -> list[Problem]:
 
 
 def _check_actions(case: StampingCase, key: str, stage: StampingStage) -> list[Problem]:
-    """Return the problems of tools that a stage names, but of which it does not say what they do."""
+    """Return the problems of tools that a stage names without an action."""
     problems = []
     for name, action in stage.tools.items():
         if name in case.tools and all(getattr(action, each) is None for each in ACTIONS):

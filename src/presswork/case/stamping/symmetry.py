@@ -17,13 +17,13 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.model import FloatArray, Mesh, Tool, Triangulation, TrimLine
 
 UNLIKE = 1e-3
-"""Of the blank's size: how far two halves may differ, as facets do."""
+"""How far two halves may differ, as facets do, over the blank's size."""
 UNLIKE_OF_THICKNESS = 0.15
 """The same of the thickness, where that is more."""
 OVER_OF_TOOL = 0.1
-"""Of a tool's reach from the plane: one that goes no farther beyond it is drawn for the half."""
+"""Length of a tool beyond the plane over its reach from the plane up to which it counts as drawn for the half."""
 OVER_OF_LINE = 0.5
-"""The same of beads and trim lines, which are drawn with a rougher hand."""
+"""The same for beads and trim lines, which are drawn less exactly."""
 PIECES = 200
 """Into which a line is cut to be compared."""
 

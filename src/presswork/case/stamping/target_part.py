@@ -26,7 +26,7 @@ _UNITS = ("mm", "cm", "m", "inch")
 def read_target_part(path: Path, unit: str, blank: float) -> Triangulation:
     """Return a face, or the middle, of a part in an STL, STEP or IGES file [mm].
 
-    unit: of the file's lengths; STEP and IGES say their own. blank: diagonal of the whole blank [mm]. Raises
+    unit: of the file's lengths; STEP and IGES state their own. blank: diagonal of the whole blank [mm]. Raises
     CaseError for a file that cannot be read, holds a closed body, or is no part of this blank by its size.
     """
     try:

@@ -181,7 +181,7 @@ class StripTool(_DrawnTool):
 
 
 def _hide_gap(schema: dict[str, Any]) -> None:
-    """Leave the gap of holders out of a schema: no holder has that shape, and `_check_kind` says so."""
+    """Leave the gap of holders out of a schema: no holder has that shape, and `_check_kind` reports it."""
     schema["properties"].pop("gap")
 
 

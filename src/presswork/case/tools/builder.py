@@ -32,10 +32,10 @@ from presswork.geometry.segments import (
 from presswork.model import FloatArray, Friction, Mesh, Profile, Spring, Tool
 
 UNLIKE, OVER = 1e-3, 0.1
-"""Of the size of the workpiece: how far two halves of a profile may differ, and how far one of a half may reach over
-the symmetry plane."""
+"""How far two halves of a profile may differ, and how far a half profile may reach over the symmetry plane, over the
+size of the workpiece."""
 TOLERANCE = 1e-6
-"""Of the size of the workpiece: how deep a node may lie in a tool at the start."""
+"""How deep a node may lie in a tool at the start, over the size of the workpiece."""
 
 
 def build_tool(
@@ -48,7 +48,7 @@ def build_tool(
     *,
     is_axisymmetric: bool = False,
 ) -> Tool | Problem:
-    """Build a tool, or say why it cannot be.
+    """Build a tool, or return the problem that prevents it.
 
     symmetry_planes: positions [mm] of the symmetry planes normal to x and to y; both empty in axisymmetry. folder: what
     the path of a profile file is relative to. first_direction: of the tool's first motion, zero where it has none.
@@ -210,7 +210,8 @@ def _check_crossing(name: str, tool: CaseTool, outline: Outline) -> Problem | No
 def is_backwards(
     name: str, free_side: Literal["auto", "left", "right"], nodes: FloatArray, segments: FloatArray
 ) -> bool | Problem:
-    """Say whether a profile is drawn with its tool's metal on the left; auto: with the workpiece's nodes on the right.
+    """Return whether a profile is drawn with its tool's metal on the left; auto: with the workpiece's nodes on the
+    right.
 
     nodes (n, 2) [mm] of the workpiece and segments (n, 7) of the profile are in one frame.
     """
@@ -280,7 +281,7 @@ def _check_mirrors(key: str, segments: FloatArray, nodes: FloatArray, planes: di
 
 
 def _runs_straight_on(segments: FloatArray, places: FloatArray, half: HalfSpace, tolerance: float) -> bool:
-    """Say whether all of a profile that lies beyond a plane continues the straight line that crosses it."""
+    """Return whether all of a profile that lies beyond a plane continues the straight line that crosses it."""
     start, end = half.depth(segments[:, X0]), half.depth(segments[:, X1])
     crossing = np.flatnonzero((start * end < 0.0) & (segments[:, TURN] == 0.0))
     beyond = half.depth(places) < 0.0
@@ -294,7 +295,7 @@ def _runs_straight_on(segments: FloatArray, places: FloatArray, half: HalfSpace,
 def _find_mirrors(
     segments: FloatArray, symmetry_planes: tuple[FloatArray, FloatArray], tolerance: float
 ) -> tuple[bool, bool]:
-    """Say for x and y whether the profile reaches a symmetry plane, so that the whole tool is twice as large."""
+    """Return for x and y whether the profile reaches a symmetry plane, so that the whole tool is twice as large."""
     samples = sample_points(segments)
     low, high = samples.min(axis=0) - tolerance, samples.max(axis=0) + tolerance
     reached = [

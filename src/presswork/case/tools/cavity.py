@@ -23,9 +23,9 @@ from presswork.mesh.faces import split_faces
 from presswork.model import BoolArray, FloatArray, Model, Profile, Stage, Tool, ToolMotion, Triangulation
 
 CELLS, CELLS_IN_SPACE = 160, 40
-"""Of the grid along its longest side, in the plane and in space."""
+"""Number of cells of the grid along its longest side, in the plane and in space."""
 MARGIN = 0.5
-"""Of the workpiece's size, by which the grid reaches beyond it: what flows farther has found a way out."""
+"""How far the grid reaches beyond the workpiece, over its size: metal that flows farther has found an outlet."""
 SHRUNK = 0.75
 """Part of a cell by which tools are taken smaller."""
 SAMPLES = 6
@@ -33,11 +33,11 @@ SAMPLES = 6
 SLACK, SLACK_IN_SPACE = 0.02, 0.08
 """Part of the volume that may be missing: the error of the grid, in the plane and in space."""
 HALVINGS = 12
-"""Of the way in which the stroke is looked for at which tools close."""
+"""Number of halvings of the travel in the search for the stroke at which tools close."""
 
 
 def check_cavity(model: Model) -> list[Problem]:
-    """Return a problem for the first stage in which tools whose way is known leave too little room, if any does."""
+    """Return a problem for the first stage in which tools whose path is known leave too little room, if any does."""
     if model.analysis in ("shell", "stamping") or (model.heat is not None and model.heat.alone):
         return []
     tools = [tool for tool in model.tools if _has_known_motion(tool, model.stages)]
@@ -90,7 +90,7 @@ def _motion(stage: Stage, tool: Tool) -> ToolMotion:
 
 
 def _has_known_motion(tool: Tool, stages: Sequence[Stage]) -> bool:
-    """Say whether neither forces nor springs place the tool, it does not turn, and no stage places it anew."""
+    """Return whether neither forces nor springs place the tool, it does not turn, and no stage places it anew."""
     motions = [_motion(stage, tool) for stage in stages]
     return tool.spring is None and all(
         motion.push is None and motion.turn == 0.0 and motion.start is None for motion in motions
@@ -180,7 +180,7 @@ def _find_inside(model: Model, places: FloatArray) -> BoolArray:
 
 
 def _flood(free: BoolArray, start: BoolArray) -> BoolArray:
-    """Return the free cells that a way over the sides of free cells joins to those of the start, in any dimension.
+    """Return the free cells that are joined to those of the start over sides of free cells, in any dimension.
 
     The flood runs along whole lines of free cells, one axis after the other, until none is added.
     """

@@ -20,7 +20,7 @@ from presswork.mesh.make.block_behind import grow_from, outline_block
 from presswork.mesh.topology import find_boundary_edges
 
 ON_PROFILE = 0.05
-"""Of its length: how far the ends of an edge of a file may lie from the profile and still be on it."""
+"""How far the ends of an edge in a file may lie from the profile and still count as on it, over the edge's length."""
 
 
 def build_dies(

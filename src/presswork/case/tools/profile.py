@@ -18,10 +18,9 @@ from presswork.geometry.smooth import BulgeError, fit_smooth
 from presswork.model import FloatArray
 
 MEETING = 1e-9
-"""Of the profile's extent: how close its ends are when they meet."""
+"""How close its ends are when they meet, over the profile's extent."""
 RELATIVE_TOLERANCE = 1e-5
-"""Of the profile's extent: how far arcs may lie off a smooth curve, and how far apart the ends of a drawing's
-pieces."""
+"""How far arcs may lie off a smooth curve, and ends of a drawing's pieces apart, over the profile's extent."""
 
 
 class ProfileError(Exception):
@@ -45,7 +44,7 @@ class Outline:
     m: FloatArray
     """Friction factor of each segment, shape (n_segments,); NaN where the tool's holds."""
     mu: FloatArray
-    """Coefficient of friction of each segment, in the same way."""
+    """Coefficient of friction of each segment, in the same order."""
 
 
 def draw_outline(

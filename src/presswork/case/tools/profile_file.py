@@ -19,15 +19,15 @@ from presswork.text_file import UnreadableError, read_text
 
 
 def is_drawing(path: str | Path) -> bool:
-    """Say whether a file is a DXF drawing; all others are text."""
+    """Return whether a file is a DXF drawing; all others are text."""
     return Path(path).suffix.lower() == ".dxf"
 
 
 def read_outline(path: Path, tool: Tool, *, is_half: bool = False) -> Outline:
     """Return the profile in a file, in mm; is_half: that of a section at x >= 0. Raises ProfileFileError.
 
-    A text's points are joined by a smooth curve unless the tool says otherwise. In a drawing lines and arcs stay what
-    they are; splines and ellipses become arcs.
+    A text's points are joined by a smooth curve unless the tool has another setting. In a drawing lines and arcs stay
+    what they are; splines and ellipses become arcs.
     """
     if not path.is_file():
         raise ProfileFileError("no such file", "check the path, which is relative to the case file")

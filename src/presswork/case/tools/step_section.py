@@ -20,7 +20,7 @@ from presswork.model import FloatArray
 Plane = Literal["xy", "xz", "yz"]
 
 _SAMPLES = 9
-"""Points on an edge that say whether it is straight."""
+"""Number of points on an edge that show whether it is straight."""
 _STRAIGHT = 1e-7
 """Distance of these from the chord, as a part of its length."""
 _AXES: Mapping[str, tuple[int, int]] = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}

@@ -27,7 +27,7 @@ from presswork.results.whole_file import write_whole
 
 
 def is_hot_compression(path: Path) -> bool:
-    """Say whether a CSV file holds hot compression tests: it has columns of rate and temperature. Raises CaseError."""
+    """Return whether a CSV file holds hot compression tests: columns of rate and temperature. Raises CaseError."""
     return find_hot_head(read_measured_file(path)) is not None
 
 
@@ -87,7 +87,7 @@ def _fit(tests: Sequence[CompressionTest], law: str) -> list[HotFit]:
 
 
 def _print_tests(measured: Sequence[CompressionTest], tests: Sequence[CompressionTest], capacity: float | None) -> None:
-    """Say what the corrections have done."""
+    """Print what the corrections have changed."""
     typer.echo(f"{len(tests)} tests")
     with_friction = [test for test in measured if test.m > 0.0]
     if with_friction:

@@ -33,7 +33,7 @@ from presswork.results.whole_file import write_whole
 
 @dataclass(frozen=True)
 class Surface:
-    """Which yield function is fitted, and what tensile tests do not say of it."""
+    """The yield function that is fitted, and its parameters that tensile tests do not give."""
 
     law: str
     exponent: int
@@ -48,7 +48,7 @@ def fit_tensile(
 ) -> None:
     """Read the tests, fit law and yield function, and write material file and picture. Raises CaseError.
 
-    elastic: Young's modulus [MPa] and Poisson's ratio; sizes: of the specimens, where the files do not say them.
+    elastic: Young's modulus [MPa] and Poisson's ratio; sizes: of the specimens, where the files do not hold them.
     """
     young, poisson = elastic
     read = read_tensile(files, sizes, young)
@@ -101,7 +101,7 @@ def _find_surface(asked: Surface, r: dict[float, float | None], stress: dict[flo
 
 
 def fit_surface(data: YieldData, exponent: int, r_weight: float) -> dict[str, Any]:
-    """Fit Yld2000-2d, tell it beside the data, and return the keys of a material."""
+    """Fit Yld2000-2d, print it beside the data, and return the keys of a material."""
     fitted = fit_yld2000(data, exponent, r_weight=r_weight)
     typer.echo(f"alpha = [{', '.join(f'{value:.5f}' for value in fitted.alpha)}]")
     typer.echo("angle     stress measured, fitted        r measured, fitted")

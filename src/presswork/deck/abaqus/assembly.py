@@ -14,7 +14,7 @@ from presswork.mesh.files.abaqus_places import GLOBAL, Frame, make_pose, read_no
 from presswork.model import FloatArray, IndexArray
 
 Name = tuple[str, str]
-"""Of an instance, empty for the assembly itself, and of a set or surface in it."""
+"""Name of an instance (empty for the assembly itself), and name of a set or surface in it."""
 _SHELLS = ("S4", "S4R", "S4RS", "S4RSW", "S3", "S3R", "S3RS", "R3D4", "R3D3")
 POINTS = ("MASS", "ROTARYI")
 _LOOSE = 1 << 40
@@ -120,7 +120,7 @@ class PartMesh:
         return np.concatenate([np.empty(0), *(table[:, 1:].ravel() for table in self.shells)])
 
     def find_double(self) -> str:
-        """Say which label two nodes at different places, or two shells have; empty where there is none."""
+        """Describe a label that two nodes at different places, or two shells, have; empty where there is none."""
         if self.shells:
             labels, count = np.unique(np.concatenate(self.shells)[:, 0], return_counts=True)
             if (count > 1).any():

@@ -56,7 +56,7 @@ _NUMERICS = (
 )
 """What controls numerics and output."""
 _CHORD = 1e-4
-"""Of the sheet's size: how far chords lie off the arcs of analytical surfaces."""
+"""How far chords lie off the arcs of analytical surfaces, over the sheet's size."""
 
 
 class AbaqusDeck:
@@ -73,7 +73,7 @@ class AbaqusDeck:
         self._title = ""
         self._sections: list[tuple[str, Block]] = []
         self._axes: dict[tuple[str, str], FloatArray | None] = {}
-        """By part and name: what shells project as their axis 1."""
+        """Axis 1 that shells project, by part and name."""
         self._rigid: list[tuple[str, Block]] = []
         self._contacts = Contacts(notes)
         self._node_place: Place | None = None
@@ -117,7 +117,7 @@ class AbaqusDeck:
             self.notes.refuse(block.place, f"*{block.name}", "carries physics that has no counterpart here")
 
     def _see_mesh(self, block: Block) -> None:
-        """Say what became of nodes, elements, sets and surfaces."""
+        """Note what became of nodes, elements, sets and surfaces."""
         text, kind, fate = "a set or surface, for keywords that name it", block.name_of("TYPE"), KEPT
         if block.name == "SYSTEM":
             text = "the system of the nodes below it"

@@ -109,7 +109,7 @@ class Steps:
             self.notes.leave(block.place, "*STEP", f"the text {'; '.join(rows)}")
 
     def _time(self, block: Block) -> None:
-        """Take how long a step takes; in statics loads rise over it, unless *STEP says STEP."""
+        """Read the duration of a step; in statics loads rise over it, unless *STEP has the parameter STEP."""
         words = block.first_row()
         duration = to_float(words[1]) if len(words) > 1 and words[1] else 1.0
         if duration <= 0.0:

@@ -133,6 +133,6 @@ class MeshReader:
 
 
 def _has_more(row: bytes, width: int) -> bool:
-    """Say whether the row of a shell has nodes after its fourth."""
+    """Return whether the row of a shell has nodes after its fourth."""
     rest = b"".join(row.split(b",")[6:]) if b"," in row else row[6 * width :]
     return bool(rest.strip(b" 0\r"))

@@ -346,7 +346,7 @@ _HANDLERS: dict[str, Callable[[DynaDeck, Block], None]] = {
     "INTERFACE_SPRINGBACK": DynaDeck._springback,
     "INITIAL": DynaDeck._initial,
 }
-"""By the beginning of a keyword, up to an underscore."""
+"""Handlers by the beginning of a keyword, up to an underscore."""
 _SEEN: dict[str, tuple[Fate, str]] = {
     "PART": ("dropped", "no part of shells"),
     "SECTION_SHELL": ("dropped", "of rigid tools, whose thickness does not count, or of no part"),

@@ -28,7 +28,7 @@ class Block:
     """A keyword and its rows."""
 
     words: tuple[str, ...]
-    """Of the keyword, in upper case, without the numbers at its end."""
+    """Words of the keyword, in upper case, without the numbers at its end."""
     numbers: tuple[int, ...]
     """At the end of the keyword: of most, its own and that of its units."""
     place: Place

@@ -30,7 +30,7 @@ _KINDS = {
 @dataclass(frozen=True)
 class _Group:
     kind: str
-    """Of its members: nodes, ranges of nodes, parts, segments, or another room of groups."""
+    """Kind of its members: nodes, ranges of nodes, parts, segments, or groups of another kind."""
     members: list[int]
     """Their numbers; negative ones are taken away."""
     block: Block
@@ -44,7 +44,7 @@ class Groups:
     _used: set[tuple[str, int]] = field(default_factory=set)
 
     def take(self, block: Block) -> bool:
-        """Take a group whose members can be told; return whether it was one. Raises FieldError."""
+        """Take a group whose members are known; return whether it was one. Raises FieldError."""
         room, *kinds = block.words
         if room not in _ROOMS or not kinds or kinds[0] not in _KINDS:
             return False

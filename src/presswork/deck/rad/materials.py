@@ -23,13 +23,13 @@ _WIDE = (20,) * 5
 _WITH_YOUNG = 120
 """The version from which laws 36, 43 and 57 have a row of Young's modulus that falls."""
 _WITH_DIRECTION = 140
-"""The version from which laws 32 and 43 tell which direction the yield stress belongs to."""
+"""The version from which laws 32 and 43 state the direction that the yield stress belongs to."""
 
 
 def read_material(block: Block, version: int, notes: Notes) -> MaterialCard | None:
     """Return the material of a sheet; None where it has no counterpart, which is noted. Raises FieldError, IndexError.
 
-    version: of the deck, which tells the rows of a law.
+    version: of the deck, which determines the rows of a law.
     """
     name = block.words[1] if len(block.words) > 1 else ""
     read = _LAWS.get(_NAMES.get(name, name))

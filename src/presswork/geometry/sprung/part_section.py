@@ -60,7 +60,7 @@ def cut_part(
 
 
 def _chain(pieces: IntArray, along: FloatArray) -> list[IntArray]:
-    """Return chains of the ends of pieces (n, 2); a chain runs from its end with the lesser way."""
+    """Return chains of the ends of pieces (n, 2); a chain runs from its end with the smaller distance."""
     beside: dict[int, list[int]] = {}
     for a, b in pieces.tolist():
         beside.setdefault(a, []).append(b)

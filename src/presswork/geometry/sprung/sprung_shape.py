@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How a sheet that was let go has changed: the turn of a section, the twist of a long part, a part in its gauge."""
+"""How a released sheet has changed: the turn of a section, the twist of a long part, a part in its gauge."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from presswork.geometry.sprung.part_section import Places
 from presswork.model import FloatArray, IntArray
 
 _ENDS = 0.1
-"""Of a part's length, each end over which its turn is measured."""
+"""Length of each end of a part over which its turn is measured, over the part's length."""
 _LONG = 1.2
 """Length over width from which on a part has a long direction."""
 _HELD = 1e-4

@@ -18,7 +18,7 @@ from presswork.model import FloatArray
 from presswork.state import State
 
 DIGITS = 1e-6
-"""Of a tool's column of the matrix: to which part of it the answer of the nodes is found."""
+"""Residual, over a tool's column of the matrix, to which the answer of the nodes is found."""
 
 
 class BorderedTangent:

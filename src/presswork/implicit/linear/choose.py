@@ -28,9 +28,10 @@ def make_solver(
 ) -> LinearSolver:
     """Return a solver for this pattern (upper triangle only if symmetric).
 
-    By factors, from the best library installed; freedoms: of a node, by iteration. points: of the nodes, all of which
-    have as many rows, of a mesh in the plane (n_points, 2), whose coordinates give the order of elimination.
-    may_refine: solutions may be so far off as linear.refined says; unsymmetric matrices get single factors then.
+    It uses factors, from the best library installed. freedoms: number of a node, if the solver iterates. points: of the
+    nodes, all of which have as many rows, of a mesh in the plane (n_points, 2), whose coordinates give the order of
+    elimination.
+    may_refine: solutions may have the error that linear.refined states; unsymmetric matrices get single factors then.
     prescribed: rows (n,) that have nothing beside the diagonal in all matrices; factors are found without them.
     """
     order = None if points is None else find_order(points, indptr, indices)

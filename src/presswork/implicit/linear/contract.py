@@ -39,11 +39,11 @@ class LinearSolver(Protocol):
 
     @property
     def negative_pivots(self) -> int:
-        """How many negative pivots the last factors have, as far as the solver tells: a positive number is sure."""
+        """Number of negative pivots of the last factors, as far as the solver reports it: a positive number is sure."""
 
     @property
     def iterations(self) -> Iterations | None:
-        """Of the last solution; None where it came from factors."""
+        """Return the iterations of the last solution; None where it came from factors."""
 
     def factorise(self, data: FloatArray, modes: Modes | None = None) -> None:
         """Take the matrix with these values."""

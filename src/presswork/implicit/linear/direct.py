@@ -25,7 +25,7 @@ from presswork.model import FloatArray, IntArray
 
 
 class SuperLU:
-    """SciPy's SuperLU: slower and not threaded, but everywhere. It tells whether the negative pivots are odd."""
+    """SciPy's SuperLU: slower and not threaded, but everywhere. It reports whether negative pivots are odd."""
 
     name = "SuperLU (SciPy); install pypardiso on x86-64 for speed"
     iterations = None
@@ -95,7 +95,7 @@ def _explain(error: int) -> SolverError | MemoryError:
 
 
 def _find_mkl() -> str | None:
-    """Return the path of MKL's library: PYPARDISO_MKL_RT says it, or it lies where pip and conda put it.
+    """Return the path of MKL's library: from PYPARDISO_MKL_RT, or where pip and conda put it.
 
     In an environment on top of another one the installed package `mkl` knows its place. Elsewhere pypardiso finds it,
     which walks all folders of the environment and loads SciPy's sparse matrices first.
@@ -197,7 +197,7 @@ class Pardiso:
 
     @property
     def negative_pivots(self) -> int:
-        """Their number in a symmetric matrix; an unsymmetric one does not tell."""
+        """Their number in a symmetric matrix; an unsymmetric one does not show it."""
         return int(self._iparm[22]) if self._type == -2 else 0
 
     def factorise(self, data: FloatArray, modes: Modes | None = None) -> None:

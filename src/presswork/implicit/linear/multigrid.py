@@ -76,7 +76,7 @@ class Multigrid:
         self._preconditioner = make_preconditioner(near, modes())
 
     def solve(self, rhs: FloatArray) -> FloatArray:
-        """Return the solution; raises SolverError where neither way finds one."""
+        """Return the solution; raises SolverError where neither method finds one."""
         remark = ""
         if not self._is_factorised:
             remark = "the matrix is not positive definite"

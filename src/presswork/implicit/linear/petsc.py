@@ -228,7 +228,7 @@ class PetscSolver:
         preconditioner.setFieldSplitIS(("u", self._displacements), ("p", pressures))
 
     def _set_modes(self, modes: FloatArray) -> None:
-        """Tell the rigid motions (n_points * 3, 6) of this rank's nodes."""
+        """Set the rigid motions (n_points * 3, 6) of this rank's nodes."""
         from petsc4py import PETSc
 
         communicator, own = self._matrix.getComm(), self._assembler.own_nodes

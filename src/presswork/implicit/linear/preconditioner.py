@@ -19,7 +19,7 @@ from presswork.model import FloatArray
 COARSEST = 500
 """Freedoms of the level on which sweeps alone solve."""
 SWEEPS = 5
-"""Of block Gauss-Seidel there, forward and backward."""
+"""Number of sweeps of block Gauss-Seidel there, forward and backward."""
 DISPLACEMENTS = 3
 """Freedoms of a node before its pressure."""
 WEAK = 0.1

@@ -39,11 +39,11 @@ class Balance:
 
     constraints: Constraints
     resistances: tuple[Resistance | None, ...]
-    """Of each interaction."""
+    """Resistances of each interaction."""
     drag: FloatArray
     """Sum of the resistances (n_points, freedoms) [N]."""
     borders: tuple[Border | None, ...]
-    """Of each interaction."""
+    """Borders of each interaction."""
     lacking: FloatArray
     """Out of balance (n_points, freedoms) [N], in the nodes' own frames."""
     changes: int
@@ -60,7 +60,8 @@ class Balance:
         return max(float(np.abs(self.lacking / self.length).max()), *own, 0.0)
 
     def bears(self, part: float, least: float) -> bool:
-        """Say whether interactions' own freedoms lack no more than a part of what they ask for, or `least` [N]."""
+        """Return whether the residual of interactions' own freedoms is within a part of what they require, or `least`
+        [N]."""
         return all((np.abs(b.missing) <= np.maximum(part * b.demand, least)).all() for b in self.borders if b)
 
 
@@ -70,7 +71,7 @@ class Lacking:
 
     constraints: Constraints
     resistances: tuple[Resistance | None, ...]
-    """Of each interaction."""
+    """Resistances of each interaction."""
     force: FloatArray
     """(n_points, freedoms) [N], in the nodes' own frames."""
 
@@ -93,7 +94,7 @@ class LinearSystem:
         self._threads = threads
         self._diagonal = 1.0
         self.negative_pivots = 0
-        """Of shells: the most of any matrix since this was set to zero."""
+        """Most negative pivots of any matrix of shells since this was set to zero."""
         self._analyse()
 
     def _analyse(self) -> None:

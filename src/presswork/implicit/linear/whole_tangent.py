@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Solutions with the whole tangent of an increment in equilibrium, by factors of nearly the same matrix.
 
-The factors of Newton's method are those of the symmetric part, one iteration old. The whole tangent K is assembled
-once and only multiplied. Several right-hand sides are solved together by generalised conjugate residuals: a round takes
-the ways M^-1 r of what each of them still lacks, M the factors, and combines the ways of its rounds so that the least
-is left (Saad 2003, Iterative Methods for Sparse Linear Systems, section 6.9).
-Sums run in one order, so that bits do not depend on threads.
+The factors of Newton's method are those of the symmetric part, one iteration old. The whole tangent K is assembled once
+and only multiplied. Several right-hand sides are solved together by generalised conjugate residuals: a round takes the
+directions M^-1 r of the residual r of each, M the factors, and combines the directions of its rounds so that the
+residual is least (Saad 2003, Iterative Methods for Sparse Linear Systems, section 6.9). Sums run in one order, so that
+bits do not depend on threads.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class WholeTangent:
         return turn_back(held, row)
 
     def _multiply(self, directions: FloatArray) -> FloatArray:
-        """Return the forces (k, n) of ways (k, n), without those where nodes are held."""
+        """Return the forces (k, n) of displacements (k, n), without those where nodes are held."""
         return np.where(self._free.ravel(), np.asarray(self._matrix @ directions.T).T, 0.0)
 
     def _precondition(self, rest: FloatArray) -> FloatArray:
@@ -79,7 +79,7 @@ class WholeTangent:
         return np.where(self._free, directions, 0.0).reshape(rest.shape)
 
     def _solve(self, rest: FloatArray, goal: FloatArray) -> FloatArray:
-        """Return the ways of free nodes (k, n) under forces (k, n)."""
+        """Return the displacements of free nodes (k, n) under forces (k, n)."""
         found = np.zeros_like(rest)
         rest = rest * self._weight
         left = np.abs(rest).max(axis=1)

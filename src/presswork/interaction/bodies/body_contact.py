@@ -7,8 +7,8 @@ slot's shape function, and from the multiplier that the converged increment befo
     p = max(0, multiplier - stiffness gap)
 
 so what an increment leaves of penetration is what its change of pressure takes. An increment that leaves more than
-PENETRATION of an edge takes over the multipliers and iterates on. Shear follows in the same way from the slip, by
-return mapping. The kernels are in cpp/contact; docs/theory/contact.md has the formulas.
+PENETRATION of an edge takes over the multipliers and iterates on. Shear follows from the slip alike, by return mapping.
+The kernels are in cpp/contact; docs/theory/contact.md has the formulas.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from presswork.outcome import PassedThrough, Step
 from presswork.state import Arrays, State
 
 PENETRATION = 1e-3
-"""Of the slave edge's length: more than that of gap or slip at nodes that push or stick takes another iteration."""
+"""Penetration over the slave edge's length above which nodes that push or stick take another iteration."""
 MAX_CHANGES = 4
 """Changes after which a slot keeps contact until the increment ends."""
 RELEASE = 1e-3
@@ -44,7 +44,7 @@ STICKS = 1
 
 @dataclass(frozen=True)
 class BodyForces(Forces):
-    """Of the bodies on each other: nodal force (n_points, d) [N], stiffness as node pairs (n, 2), blocks (n, d, d)."""
+    """Forces of bodies on each other: at nodes (n_points, d) [N], stiffness as node pairs (n, 2), blocks (n, d, d)."""
 
     pressure: FloatArray
     """(n_slots,) [MPa]."""
@@ -53,9 +53,9 @@ class BodyForces(Forces):
     slip: FloatArray
     status: MaskArray
     covered: FloatArray
-    """Of the surface that each slot stands for, the part in contact (n_slots,)."""
+    """Part in contact of the surface that each slot stands for (n_slots,)."""
     details: tuple[Any, ...]
-    """Of each interface: what its kernel returns."""
+    """Details of each interface: what its kernel returns."""
 
 
 class BodyContacts(Led, Interaction):

@@ -18,7 +18,7 @@ from presswork.model import BodyContact, FloatArray, IndexArray, IntArray, MaskA
 from presswork.state import ANEW, SURFACE, Arrays, OnNewMesh, State
 
 STIFFNESS = 100.0
-"""Of the contact: times Young's modulus of the softer body over the length of the slave edges."""
+"""Stiffness of the contact over Young's modulus of the softer body divided by the length of the slave edges."""
 STICKING_PART = 0.4
 """Stiffness against slip over that against penetration, for bodies that stick."""
 FRICTION_PART = 0.01
@@ -26,8 +26,8 @@ FRICTION_PART = 0.01
 STEEPEST = {"frictionless": 0.0, "shear": 1.0, "sticking": 10.0}
 """Most shear over pressure that a law without mu of its own allows: where bodies part, shear goes as pressure does."""
 COVERED = 0.01
-"""Of the surface that a slot stands for: means are taken over no less, or a sliver of contact beside an edge would have
-any pressure.
+"""Least part of the surface of a slot over which means are taken; a sliver of contact beside an edge would otherwise
+have any pressure.
 """
 MARGIN = 1.5
 """Edges nearer than this times the mean edge are candidates for contact."""
@@ -62,7 +62,7 @@ class InterfaceArrays(Arrays):
     slip: FloatArray
     """Elastic slip of nodes that stick, still to be undone, in the same form [mm]."""
     force: FloatArray
-    """Of the bodies on each other, at the nodes (n_points, 2 | 3) [N]."""
+    """Force of the bodies on each other, at the nodes (n_points, 2 | 3) [N]."""
     friction: FloatArray
     """The part of it that friction makes, in the same form."""
     search_displacement: FloatArray

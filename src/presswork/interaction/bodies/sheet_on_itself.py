@@ -28,7 +28,7 @@ from presswork.state import ANEW, RUN, Arrays, OnNewMesh, State
 MARGIN = 1.0
 """Thicknesses from touching within which the shells are listed that a node may touch."""
 FACES = 2
-"""Of a node, on each of which it may touch a shell."""
+"""Number of faces of a node, on each of which it may touch a shell."""
 
 
 @dataclass
@@ -43,7 +43,7 @@ class SelfContactArrays(Arrays):
     friction: FloatArray
     """On the node, by a shell that it touches (n_slots, 3) [N]."""
     force: FloatArray
-    """Of the sheet on itself, at the nodes (n_points, 3) [N]."""
+    """Force of the sheet on itself, at the nodes (n_points, 3) [N]."""
     search_displacement: FloatArray
     """At which shells that may touch were last looked for (n_points, 3) [mm]."""
     energy: float
@@ -54,10 +54,10 @@ class SelfContactArrays(Arrays):
 
 @dataclass(frozen=True)
 class SelfForces(Forces):
-    """Of the sheet on itself."""
+    """Forces of the sheet on itself."""
 
     touched: TouchedNodes
-    """By slots in place of nodes."""
+    """Touched nodes, by slots in place of nodes."""
     shear: FloatArray
     """Friction of the touched slots (n, 3) [N]."""
     slip: FloatArray
@@ -106,7 +106,7 @@ class SheetOnItself(Interaction):
             self._mechanics.couple(self._search(kept.search_displacement))
 
     def _has_left(self, searched_at: FloatArray, displacement: FloatArray) -> bool:
-        """Say whether nodes have moved so far since the last search that they might touch shells beyond it."""
+        """Return whether nodes have moved so far since the last search that they might touch shells beyond it."""
         return bool(np.linalg.norm(displacement - searched_at, axis=1).max() > 0.5 * self._margin)
 
     def _search(self, displacement: FloatArray) -> IntArray:

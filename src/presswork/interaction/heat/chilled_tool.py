@@ -21,7 +21,7 @@ from presswork.model import FloatArray, IntArray
 CELLS = 20
 GROWTH = 1.3
 FIRST = 1 / 3
-"""Of the way that heat goes in a step, sqrt(diffusivity dt): the first cell."""
+"""Thickness of the first cell over the distance that heat goes in a step, sqrt(diffusivity dt)."""
 
 
 class Column:

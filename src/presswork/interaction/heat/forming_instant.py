@@ -12,19 +12,19 @@ from presswork.geometry.pose import ToolPose, start_centre
 from presswork.model import BoolArray, FloatArray, Tool
 
 Poses = Sequence[ToolPose]
-"""Of Model.plane_tools; none in space."""
+"""Poses of Model.plane_tools; none in space."""
 
 
 @dataclass(frozen=True)
 class BetweenBodies:
-    """How deformable bodies press and rub on each other."""
+    """How deformable bodies press on each other and slide."""
 
     pressure: Mapping[str, FloatArray]
-    """Of each contact that passes heat, at the slave's nodes (n_points,) [MPa]."""
+    """Pressure of each contact that passes heat, at the slave's nodes (n_points,) [MPa]."""
     shear: Mapping[str, FloatArray]
     """The same of the shear, without a sign."""
     moved: FloatArray
-    """Of the nodes in the increment (n_points, 2) [mm]."""
+    """Displacement of the nodes in the increment (n_points, 2) [mm]."""
     lost: float
     """Work that friction has taken in the increment [N mm]."""
 
@@ -34,12 +34,12 @@ class FormingInstant:
     """Where bodies and tools are, and what an increment of an implicit run or a row of explicit cycles has made."""
 
     points: FloatArray
-    """Of the bodies (n_points, d) [mm]."""
+    """Points of the bodies (n_points, d) [mm]."""
     poses: Poses
     holds: BoolArray
     """Whether a tool touches a node (n_tools, n_points)."""
     push: FloatArray
-    """Of the tools on the nodes, along the normal (n_tools, n_points) [N]."""
+    """Push of the tools on the nodes, along the normal (n_tools, n_points) [N]."""
     gap: FloatArray
     """Distance of the nodes from the tools (n_tools, n_points) [mm]; infinite where it is not asked."""
     plastic: Sequence[FloatArray]

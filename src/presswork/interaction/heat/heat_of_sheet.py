@@ -40,16 +40,16 @@ class SheetHeatArrays(Arrays):
     temperature: FloatArray
     """Through the thickness from the bottom up (levels, n_points) [degrees C]."""
     fractions: FloatArray
-    """Of PHASES (4, levels, n_points)."""
+    """Fractions of PHASES (4, levels, n_points)."""
     cooling_rate: FloatArray
     """When 700 degrees C were passed; 0: not yet (levels, n_points) [K/s]."""
     heat: FloatArray
     """Since the start, by KINDS (6,) [N mm]."""
     columns: FloatArray
-    """Of the steel of every tool behind every node, from the surface on (n_tools, n_points, CELLS) [degrees C]; no
-    tools where none warms up."""
+    """Temperatures of the steel of every tool behind every node, from the surface on (n_tools, n_points, CELLS)
+    [degrees C]; no tools where none warms up."""
     pressure: FloatArray
-    """Of every tool on every node in the last increment that formed (n_tools, n_points) [MPa]."""
+    """Pressure of every tool on every node in the last increment that formed (n_tools, n_points) [MPa]."""
     step: float
     """Time step that is tried next [s]."""
 
@@ -61,7 +61,7 @@ class SheetInstant:
     points: FloatArray
     """(n_points, 3) [mm]."""
     thickness: FloatArray
-    """Of the cells (n_cells,) [mm]."""
+    """Thickness of the cells (n_cells,) [mm]."""
     tools: FloatArray
     """Positions of the tools' frames (n_tools, 3) [mm]."""
     force: FloatArray
@@ -90,7 +90,7 @@ class _Faces:
     free: list[FloatArray]
     """Areas free of tools at bottom and top (n_points,) [mm2]."""
     pressure: FloatArray
-    """Of the tools (n_tools, n_points) [MPa]."""
+    """Pressure of the tools (n_tools, n_points) [MPa]."""
     friction: FloatArray
     """Heat of friction in the sheet (levels, n_points) [N mm]."""
     friction_work: FloatArray

@@ -22,9 +22,9 @@ from presswork.mesh.facing import find_facing, measure_lengths, split_edges, sum
 from presswork.model import BodyContact, BoolArray, FloatArray, Heat, HeatContact, IntArray, Model, ToolHeat
 
 TOO_DEEP = 0.1
-"""Of an edge: a body that overlaps another by more counts as apart from it."""
+"""Overlap of a body over the edge above which it counts as apart from the other."""
 CHORDS = 0.25
-"""Of an edge: how far the mesh of a tool may lie from the edges that touch its profile, both being chords of it."""
+"""How far the mesh of a tool may lie from the edges that touch its profile, both being chords of it, over an edge."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Touch:
     nodes: IntArray
     """(n,)"""
     area: FloatArray
-    """That they stand for (n,) [mm2]."""
+    """Area of the surface that they stand for (n,) [mm2]."""
     conductance: FloatArray
     """(n,) [N/(mm s K)]."""
 
@@ -57,9 +57,9 @@ class SurfaceNow:
 
     touches: list[Touch]
     meetings: list[Meeting]
-    """Of bodies with each other."""
+    """Meetings of bodies with each other."""
     links: dict[int, tuple[PairFilm, FloatArray]]
-    """By tool with a mesh: what passes between its nodes and those of bodies, and the areas that they share
+    """Films by tool with a mesh: what passes between its nodes and those of bodies, and the areas that they share
     (n_pairs,) [mm2]."""
     around: list[Film]
     """The surroundings."""

@@ -24,7 +24,7 @@ class Die:
     start: float
     """Temperature at the start [degrees C]."""
     nodes: slice
-    """Of all nodes that conduct heat."""
+    """Its nodes among all nodes that conduct heat."""
     profile: IntArray
     """Edges on the profile (n, 2), by the numbers of all nodes."""
 

@@ -45,7 +45,7 @@ class Floating(Placed):
     demand: FloatArray
     """What each is to bear, without its sign (n,) [N]."""
     stiffness: FloatArray
-    """Of their springs (n,) [N/mm]."""
+    """Stiffness of their springs (n,) [N/mm]."""
     motions: list[Constraints]
     """What the held nodes do for each mm of travel."""
 
@@ -78,7 +78,7 @@ class FloatingTools:
         }
 
     def directions(self, stage: int) -> dict[int, FloatArray]:
-        """Return the ways (2,) of the tools that forces push in a stage or that rest on springs, by their numbers."""
+        """Return the directions (2,) of the tools that forces push in a stage, or that rest on springs, by number."""
         pushed, tools = self.pushed(stage), enumerate(self._model.plane_tools)
         springs = {t: np.asarray(tool.spring.direction) for t, tool in tools if tool.spring is not None}
         return dict(sorted((springs | {t: direction for t, (direction, _) in pushed.items()}).items()))
@@ -117,7 +117,8 @@ class FloatingTools:
         return floating, changes
 
     def _demand(self, placed: ToolArrays, t: int, stage: int, fraction: float) -> tuple[FloatArray, float, float]:
-        """Return the way of a tool, what it is to bear along it [N], and the slope of that over its travel [N/mm]."""
+        """Return a tool's direction, the force that it must bear along it [N], and the slope of that over its travel
+        [N/mm]."""
         pushed, spring, share = self.pushed(stage), self._model.plane_tools[t].spring, float(self._share[t])
         if t in pushed:
             direction, rows = pushed[t]

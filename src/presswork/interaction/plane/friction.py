@@ -13,7 +13,8 @@ the start of the increment:
 The converged answer is the same whatever the tangent; settings.friction_tangent chooses it:
 
     return_mapping   k_t where the node hangs, nothing where it slides, and Coulomb's dependence on N (unsymmetric);
-                     where it slides the other way than an iteration before, the chord between both: with nothing
+                     where it slides in the opposite direction to the iteration before, the chord between both: with
+                     nothing
                      Newton's method would throw it to and fro for ever
     bond             where it slides, a soft spring too (after the bond element of Cheng 1995, chapter 3): the full
                      friction stress over the slip of the increment before, softened
@@ -39,7 +40,7 @@ from presswork.state import State
 ELASTIC_SLIP = 2e-3
 """Slip at which the spring reaches k A, as a part of the shortest boundary edge."""
 BOND_SOFTENING = 0.1
-"""Of the bond's stiffness (thesis: 0.05 to 0.15)."""
+"""Stiffness of sliding over that of the bond (thesis: 0.05 to 0.15)."""
 
 
 _NO_BLOCKS = np.zeros((0, 2), dtype=np.int32), np.zeros((0, 2, 2))
@@ -52,7 +53,7 @@ class ByArea:
     edges: IntArray
     """(n_edges, 2 | 3)."""
     part: FloatArray
-    """Of each edge that counts (n_edges,)."""
+    """Part of each edge that counts (n_edges,)."""
     slope: FloatArray
     """Friction of each node along its tangent over its share, as a vector (n_points, 2) [MPa]."""
 
@@ -90,9 +91,9 @@ class FrictionForces:
     tangent: FloatArray
     """Unit vectors (n, 2)."""
     slip: FloatArray
-    """Of the node along its tool over the increment (n,) [mm]."""
+    """Slip of the node along its tool over the increment (n,) [mm]."""
     force: FloatArray
-    """Of the tool on the node, along the tangent (n,) [N]."""
+    """Force of the tool on the node, along the tangent (n,) [N]."""
     stiffness: FloatArray
     """What the tangent gets on the node's tangential diagonal (n,) [N/mm]."""
     normal_slope: FloatArray
@@ -100,7 +101,7 @@ class FrictionForces:
     points: FloatArray
     """Where all nodes are (n_points, 2) [mm]."""
     depth: float | None
-    """Of the section [mm]; None for rings."""
+    """Depth of the section [mm]; None for rings."""
     by_area: Sequence[ByArea]
     """What depends on the area of edges, which the tangent of Newton's method leaves out."""
 
@@ -162,7 +163,7 @@ class Friction:
         self._by_push = np.array([law in ("coulomb", "coulomb_capped") for law in laws], dtype=bool)
         self._has_friction = np.array([law not in ("frictionless", "sticking") for law in laws], dtype=bool)
         self.softness = 1.0
-        """How many times softer than they are the springs are taken, on the way to equilibrium."""
+        """How many times softer than they are the springs are taken, during the iteration to equilibrium."""
         self.lost = 0.0
         """What friction has taken in the last converged increment [N mm]."""
         self._shear_flow = np.zeros(len(contact.nodes))

@@ -17,7 +17,7 @@ import numpy as np
 from presswork.model import BoolArray, FloatArray
 
 SMALLEST_STEP, LARGEST_STEP = 0.01, 0.5
-"""Of the part, from one look to the next, as long as one end is not known."""
+"""Smallest and largest step of the part from one look to the next, as long as one end is not known."""
 BEYOND = 1.5
 """Such steps are as many times longer than they seem to need, to find the other end."""
 SOME = 1e-3
@@ -54,7 +54,7 @@ class Grazing:
         """Improve the parts of `nodes` (n_candidates,) in place; return how many are not right yet.
 
         push: on the nodes (n_candidates,) [N], negative pulls. tolerance: pull that counts as none [N]. credible: a
-        push or pull below it says nothing, since equilibrium is as far off [N]. largest: push on a node [N].
+        push or pull below it counts as zero, since the residual is as large [N]. largest: push on a node [N].
         """
         enough = max(SOME * largest, tolerance)
         wrong = nodes & ((push < -tolerance) | ((push > enough) & (part < 1.0)))

@@ -27,7 +27,7 @@ from presswork.outcome import GaveUpError, Step
 from presswork.state import Arrays, State
 
 TOO_DEEP = 1e-3
-"""Of the workpiece's size: how deep a stage may put a tool into it."""
+"""How deep a stage may put a tool into it, over the workpiece's size."""
 
 
 class PlaneTools(TravellingTools):
@@ -111,7 +111,7 @@ class PlaneTools(TravellingTools):
             )
 
     def _travel_to_touch(self, state: State, t: int, motion: ToolMotion) -> FloatArray:
-        """Return how far a tool goes along its way until it touches the workpiece (2,) [mm]."""
+        """Return how far a tool goes along its direction until it touches the workpiece (2,) [mm]."""
         if (state[ContactArrays].status[2 * t : 2 * t + 2] > 0).any():
             return np.zeros(2)
         placed = state[ToolArrays]
@@ -248,7 +248,7 @@ class PlaneTools(TravellingTools):
         }
 
     def stop(self, state: State, stage: int, fraction: float) -> None:
-        """Let the tools rest where they are at a fraction of a stage's way: later stages count from its end."""
+        """Let the tools rest where they are at a fraction of a stage's travel: later stages count from its end."""
         self._course.stop(state[ToolArrays], stage, fraction)
 
     def end_stage(self, state: State, next_stage: int) -> None:

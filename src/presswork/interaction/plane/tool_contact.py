@@ -10,8 +10,8 @@ No increment converges with a node that pulls by more than what may be out of ba
 chatter: a node is released only near equilibrium, and only if it pulls with more than that; where constant shear drags
 a node off that comes back without it, a part of the shear is found with which it neither pulls nor lifts (grazing.py);
 and a node that has changed its state MAX_CHANGES times in an increment stays held for the rest of it. If it still pulls
-when all else is in equilibrium, the increment has failed.
-Where tools that move apart pull at a body, those that leave it fastest let go first: it stays on the tool that stands.
+when all else is in equilibrium, the increment has failed. Where tools that move apart pull at a body, the fastest ones
+release it first: the body stays on the tool that stands still.
 
 Faces: tool t offers face 2t, the closest, and 2t + 1, the other face of an inner corner.
 """
@@ -33,7 +33,7 @@ from presswork.state import State
 MAX_CHANGES = 4
 """Changes after which a node keeps contact until the increment ends."""
 SLOWER = 0.5
-"""Of the speed of the tool that leaves fastest: a body stays on tools that leave more slowly."""
+"""Speed of a tool over that of the tool that leaves fastest below which a body stays on it."""
 ALONG = 0.5
 """Part of a normal along the free motion of a body, below which it lies across."""
 FLUSH = 1 - 1e-6
@@ -188,7 +188,7 @@ class Contact:
     ) -> int:
         """Hold nodes inside tools and, near equilibrium, release those that pull; return the changes.
 
-        tolerance: pull below which nothing can be said [N].
+        tolerance: pull below which a node stays held [N].
         """
         if not len(self.nodes):
             return 0

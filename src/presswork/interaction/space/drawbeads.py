@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Drawbeads on a shell in the implicit procedure: a restraining force per length across a line, with its tangent.
 
-A point of the line holds the material beneath it, T = T_n - k s shortened to f w, s being the way of the material
+A point of the line holds the material beneath it, T = T_n - k s shortened to f w, s being the slip of the material
 across the line in the increment, f the force per length and w the length that the point stands for; k = f w/s_0, so
 that the sheet slips by s_0, a hundredth of its thickness, before it is held with all of f. T acts along d, the normal
 of the line in the plan, laid into the sheet.
@@ -23,7 +23,7 @@ from presswork.model import BoolArray, Drawbead, FloatArray, IndexArray, IntArra
 from presswork.state import Arrays, State
 
 SLIP = 0.01
-"""Of the sheet's thickness: slip at which the whole force is reached."""
+"""Slip at which the whole force is reached, over the sheet's thickness."""
 
 
 @dataclass
@@ -39,7 +39,7 @@ class BeadArrays(Arrays):
 
 @dataclass(frozen=True)
 class BeadForces:
-    """Of all beads on the nodes."""
+    """Forces of all beads on the nodes."""
 
     force: FloatArray
     """(n_points, 3) [N]"""
@@ -110,7 +110,7 @@ class SheetBeads:
         return BeadForces(force, pairs.astype(np.int32), blocks, tension)
 
     def _slips(self, state_n: State, trial: State, moved: FloatArray) -> FloatArray:
-        """Return the way of the material across the lines in the increment (n_bead_points,) [mm]."""
+        """Return the slip of the material across the lines in the increment (n_bead_points,) [mm]."""
         slip = np.einsum("na,nai->ni", self._weight, moved[self._nodes]) - self._carried(state_n, trial)
         return np.asarray(np.einsum("ni,ni->n", self._direction, slip), dtype=np.float64)
 

@@ -47,7 +47,7 @@ class FloatingInSpace(Placed):
     demand: FloatArray
     """What each is to bear, without its sign (n,) [N]."""
     stiffness: FloatArray
-    """Of their springs (n,) [N/mm]."""
+    """Stiffness of their springs (n,) [N/mm]."""
     room: FloatArray
     """Way that is left to its stop (n,) [mm]."""
     stands: BoolArray
@@ -76,7 +76,7 @@ class FloatingSpaceTools:
         return {t: push for t, push in found.items() if push is not None}
 
     def directions(self, stage: int) -> dict[int, FloatArray]:
-        """Return the ways (3,) of the tools that forces push in a stage or that rest on springs, by their numbers."""
+        """Return the directions (3,) of the tools that forces push in a stage, or that rest on springs, by number."""
         pushes, tools = self.pushes(stage), enumerate(self._model.space_tools)
         return {t: np.asarray(by.direction) for t, tool in tools if (by := pushes.get(t, tool.spring)) is not None}
 

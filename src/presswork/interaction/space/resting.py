@@ -3,7 +3,7 @@
 
 While one tool leaves the body and none comes towards it, the nodes that lie on tools which stand, or leave less than
 half as fast as the fastest, hang on these tools by springs of a millionth of those of contact, unloaded where the
-increment begins. In the plane those nodes let go last (tool_contact.py).
+increment begins. In the plane those nodes are released last (tool_contact.py).
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import numpy as np
 from presswork.model import BoolArray, FloatArray, Model
 
 SOFT = 1e-6
-"""Of the spring of contact."""
+"""Stiffness of such a spring over that of contact."""
 NEAR = 0.02
 """Gap, over the root of a node's share of the surface, within which it lies on a tool."""
 SLOWER = 0.5
-"""Of the speed of the tool that leaves fastest."""
+"""Speed over that of the tool that leaves fastest below which a body stays on a tool."""
 AXES = {"plane_strain": "xy", "axisymmetric": "y", "solid": "xyz"}
 """Along which a body may move as a whole."""
 

@@ -9,7 +9,7 @@ root of the node's share of the surface:
 The multiplier is the force that the converged increment before has left, so what an increment leaves of penetration is
 what its change of force takes, and the next one gives it back. An increment that leaves more than PENETRATION of h
 takes the multipliers over and iterates on. Several tools may touch one node, as at the edge of a die's cavity, which
-constraints of a node would have to tell apart. Simo & Laursen 1992, Computers & Structures 42.
+constraints of a node would have to distinguish. Simo & Laursen 1992, Computers & Structures 42.
 
 Faces of six nodes touch at the middles of their sides. These are the points of the rule of degree 2 for a triangle, so
 nodal forces there are a quadrature of the contact pressure; the corners, which an even pressure does not load, follow
@@ -44,15 +44,15 @@ from presswork.state import State
 GUESSES = 8
 """Guesses of an increment after which the area that shears stays."""
 RENEWALS, STALE = 3, 0.05
-"""Times in an increment that equilibrium is found anew with the area as it lies there, and the part of a node's share
-of the surface by which it then differs."""
+"""Number of times in an increment that equilibrium is found anew with the present area, and the difference in area,
+over a node's share of the surface, that requires it."""
 PENETRATION = 1e-3
-"""Of the root of a node's share of the surface: more than that takes another iteration."""
+"""Penetration over the root of a node's share of the surface above which another iteration follows."""
 SUDDEN, COARSE = 0.2, 1e-4
 """Change of the nodes' forces in an increment, over all of them, beyond which so much of that length takes another
 iteration: where a blow begins, the force rises as steeply as the springs give."""
 OF_SMALLEST = 0.5
-"""Of the smallest cell: spacing of the lattice by which edges of tools are rounded where meshes change."""
+"""Spacing of the lattice by which edges of tools are rounded where meshes change, over the smallest cell."""
 FOLDED = 0.4
 """Resultant of the faces round a node over their area, below which they turn away from each other as at the root of a
 fold, and its springs hang on all of that area: three faces of a cube's corner have 0.58."""
@@ -62,7 +62,7 @@ ROUNDING = 1e-4
 """Gap, over the same length, below which a node begins to touch."""
 
 Touched = tuple[IndexArray, FloatArray, FloatArray]
-"""Of a tool the nodes that touch it (n,), its normals there (n, 3) and its push on them (n,) [N]."""
+"""Nodes that touch a tool (n,), its normals there (n, 3) and its push on them (n,) [N]."""
 
 
 class SolidContact(SpaceContact):
@@ -284,7 +284,7 @@ class SolidContact(SpaceContact):
             self._covered = other._covered
 
     def _renew_cover(self) -> bool:
-        """Take the area that shears as it lies in equilibrium, if it has stayed behind; say whether it has."""
+        """Take the area that shears in equilibrium, if the present one is out of date; return whether it was."""
         if self._n_guesses <= GUESSES or self._n_renewals == RENEWALS:
             return False
         places, touched = self._latest

@@ -32,7 +32,7 @@ LIES = 200.0
 
 @dataclass(frozen=True)
 class SpaceForces(Forces):
-    """Of all tools and beads on the nodes."""
+    """Forces of all tools and beads on the nodes."""
 
     by_tool: FloatArray
     """(n_tools, n_points, 3) [N]."""
@@ -45,7 +45,7 @@ class SpaceForces(Forces):
     law_gap: FloatArray
     """Where the tangent of the law was taken, infinite of nodes that do not touch (n_tools, n_points) [mm]."""
     beads: BeadForces | None = None
-    """Of a sheet."""
+    """Beads of a sheet."""
 
 
 class SpaceContact:
@@ -76,7 +76,7 @@ class SpaceContact:
         return PlacedSurface(self._surfaces[t], pose)
 
     def slips(self, state_n: State, trial: State, displacement: FloatArray) -> Iterator[FloatArray]:
-        """Yield the way of the nodes along each tool in an increment (n_points, 3) [mm].
+        """Yield the slip of the nodes along each tool in an increment (n_points, 3) [mm].
 
         displacement: of the nodes at a guess (n_points, freedoms); the tools stand where the trial state has them.
         """
@@ -249,7 +249,7 @@ class SpaceContact:
         return 0.5 * float((forces * moved).sum()) - float(torques.sum()), lost
 
     def _slips(self, state_n: State, trial: State) -> FloatArray:
-        """Return the way of the nodes along each tool in a converged increment (n_tools, n_points, 3) [mm]."""
+        """Return the slip of the nodes along each tool in a converged increment (n_tools, n_points, 3) [mm]."""
         now, before = trial[SpaceToolArrays], state_n[SpaceToolArrays]
         if (now.angle != before.angle).any():
             return np.array(list(self.slips(state_n, trial, trial.nodes.displacement)))

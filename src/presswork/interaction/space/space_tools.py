@@ -27,7 +27,7 @@ from presswork.outcome import GaveUpError, Step
 from presswork.state import Arrays, State
 
 TOO_DEEP = 1e-3
-"""Of the workpiece's size: how deep a stage may put a tool into it."""
+"""How deep a stage may put a tool into it, over the workpiece's size."""
 
 
 class SpaceTools(TravellingTools):
@@ -67,7 +67,7 @@ class SpaceTools(TravellingTools):
         return releases
 
     def _travel_to_touch(self, state: State, t: int, motion: ToolMotion) -> FloatArray:
-        """Return how far a tool goes along its way until it touches the workpiece (3,) [mm]."""
+        """Return how far a tool goes along its direction until it touches the workpiece (3,) [mm]."""
         placed, tool = state[SpaceToolArrays], self._model.space_tools[t]
         if placed.force[t].any():
             return np.zeros(3)
@@ -194,7 +194,7 @@ class SpaceTools(TravellingTools):
         placed.travel_increment = placed.travel - state_n[SpaceToolArrays].travel
 
     def stop(self, state: State, stage: int, fraction: float) -> None:
-        """Let the tools rest where they are at a fraction of a stage's way: later stages count from its end."""
+        """Let the tools rest where they are at a fraction of a stage's travel: later stages count from its end."""
         self._course.stop(state[SpaceToolArrays], stage, fraction)
 
     def end_stage(self, state: State, next_stage: int) -> None:

@@ -6,7 +6,7 @@ what its multiplier stands for. With g the gap less the reach, a spring k pushes
 small gap so that the derivative has no jump.
 
 Friction is a return mapping over the increment, as in friction.py: T = P (T_n - k_t d), P the tangent plane at the
-node's present place and d its way along the tool, shortened to what the law allows. The tangent holds all derivatives:
+node's present place and d its slip along the tool, shortened to what the law allows. The tangent holds all derivatives:
 of N, of the direction of sliding, and of the normal by the curvature of the tool; it is not symmetric.
 """
 
@@ -24,9 +24,9 @@ from presswork.geometry.rounded_surface import RoundedSurface
 from presswork.model import FloatArray, Friction, IndexArray
 
 TANGENTIAL = 0.1
-"""Of the spring that a sticking node hangs on, over the contact's."""
+"""Tangential stiffness that holds a sticking node over the stiffness of contact."""
 STEEPEST = 5.0
-"""Of a node's friction over its normal force, where the law asks for more: a node that hardly touches is not held."""
+"""Largest friction of a node over its normal force, where the law has more: a node that hardly touches is not held."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class TouchedNodes:
     gap: FloatArray
     """Beyond their reach (n,) [mm]."""
     normal: FloatArray
-    """Of the tool (n, 3)."""
+    """Normal of the tool (n, 3)."""
     spring: FloatArray
     """As in TouchingNodes (n,) [N/mm]."""
     rounding: FloatArray
@@ -100,7 +100,7 @@ class TouchedNodes:
 
     @property
     def push(self) -> FloatArray:
-        """Of the tool on the nodes (n,) [N], by the tangent of the law at law_gap."""
+        """Return the push of the tool on the nodes (n,) [N], by the tangent of the law at law_gap."""
         return push_at(self.law_gap, self.spring, self.rounding) + self.slope * (self.gap - self.law_gap)
 
     @property
@@ -134,8 +134,8 @@ def choose_touched(near: Near, touching: TouchingNodes, before: FloatArray | Non
     """Return the nodes that touch a tool. near: of all nodes, found within touching.farthest.
 
     before: law_gap of all nodes before a correction, infinite of those that did not touch (n_points,) [mm]. The law's
-    tangent is then taken where the push is what the correction has asked for, and nodes that it has asked to pull are
-    let go. At the nodes' own gap Newton's method would only halve what is left of a parabola, again and again.
+    tangent is then taken where the push is what the correction has asked for, and nodes at which it has led to a pull
+    are released. At the nodes' own gap Newton's method would only halve what is left of a parabola, again and again.
     """
     gap, normal = near
     nodes = np.flatnonzero(gap - touching.reach < touching.rounding)

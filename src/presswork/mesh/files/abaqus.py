@@ -23,7 +23,7 @@ from presswork.model import CELLS, Cell, FloatArray, IntArray
 
 Element = tuple[Cell, list[int]]
 _BITS = 40
-"""Of labels as in the file; those above tell the instance."""
+"""Number of bits of labels as in the file; the bits above are the instance."""
 
 
 @dataclass
@@ -74,7 +74,7 @@ class _Reader:
         self._now = self._whole
         self._instance: tuple[str, FloatArray, FloatArray] | None = None
         self._labels: dict[str, tuple[int, _Piece]] = {}
-        """By instance: what was added to its labels, and the piece."""
+        """Numbers that were added to labels, and the piece, by instance."""
 
     def take(self, block: Block) -> None:
         """Take one block. Raises DataError, MeshError."""

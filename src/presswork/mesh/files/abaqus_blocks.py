@@ -29,7 +29,7 @@ class Block:
     name: str
     """Upper case, with single blanks, without the asterisk."""
     parameters: dict[str, str]
-    """By their names in upper case; those without a value have an empty one."""
+    """Parameters by their names in upper case; those without a value have an empty one."""
     place: Place
     data: bytes
 

@@ -33,13 +33,13 @@ _REMEDY = "export it again as STEP AP214 or AP242"
 _SEWN = 1e-3
 """How far apart edges of neighbouring faces may lie in IGES, whose faces share none [mm]."""
 _LAST_RECORD = re.compile(rb"^S *[0-9]+G *[0-9]+D *[0-9]+P *[0-9]+ *T", re.MULTILINE)
-"""Of a file in IGES: how many records of each kind it has."""
+"""Last record of a file in IGES: how many records of each kind it has."""
 _ELSEWHERE = re.compile(rb"DOCUMENT_FILE|EXTERNALLY_DEFINED_|EXTERNAL_SOURCE", re.IGNORECASE)
 """Entities of a file whose parts lie in other files."""
 
 
 def is_cad(path: Path | str) -> bool:
-    """Say whether a file's name is that of a model in STEP or IGES."""
+    """Return whether a file's name is that of a model in STEP or IGES."""
     return Path(path).suffix.lower() in _ENDINGS
 
 
@@ -66,7 +66,7 @@ def call_cad(place: str, path: Path, *arguments: Any) -> Any:
 
 
 def _check_file(path: Path) -> None:
-    """Raise MeshError for what can be said of a file before it is opened as a model."""
+    """Raise MeshError for faults that show before a file is opened as a model."""
     if find_spec("netgen") is None:
         raise MeshError(
             "STEP and IGES files are read by netgen, which is not installed",

@@ -17,7 +17,7 @@ SETS = ("node_sets", "edge_sets", "face_sets")
 
 
 def dump_mesh(mesh: Mesh) -> dict[str, NDArray[Any]]:
-    """Return the arrays of a mesh, and what else it says as the bytes of a text."""
+    """Return the arrays of a mesh, and its other data as the bytes of a text."""
     text = {
         "blocks": [
             {"element": b.element, "material": b.material, "section": asdict(b.section) if b.section else None}

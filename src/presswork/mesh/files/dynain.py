@@ -20,7 +20,7 @@ from presswork.text_file import UnreadableError, read_bytes
 LARGEST = 4 << 30
 """Bytes of a file."""
 _START = 1 << 16
-"""Bytes at the begin of a file that tell whether it is text."""
+"""Number of bytes at the start of a file that show whether it is text."""
 _BARE_EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]+)$")
 _WHOLE = ("KEYWORD", "TITLE", "NODE", "ELEMENT_SHELL_THICKNESS", "INITIAL_STRESS_SHELL", "INITIAL_STRAIN_SHELL")
 """Keywords that are read, or carry nothing more."""
@@ -29,7 +29,7 @@ CENTRE = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]]) / 4.0
 
 
 def is_dynain(path: str | Path) -> bool:
-    """Say whether a file is one by its name: part.dynain, or dynain itself."""
+    """Return whether a file is a dynain file by its name: part.dynain, or dynain itself."""
     return Path(path).suffix.lower() == ".dynain" or Path(path).name.lower() == "dynain"
 
 

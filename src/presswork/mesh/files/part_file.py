@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The mid-surface of a finished part from a file, checked for the way back to its blank."""
+"""The mid-surface of a finished part from a file, checked for one step back to its blank."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ DEAD = 0.02
 MOST_TRIANGLES = 1_000_000
 """To which a part is refined at most."""
 _FEW_EDGES = 6
-"""Of a hole that is told, since a gap in the model has few; a pierced one has more."""
+"""Most edges of a hole that is reported, since a gap in the model has few; a pierced hole has more."""
 
 
 class UndercutError(MeshError):
@@ -53,7 +53,7 @@ class UndercutError(MeshError):
 
 @dataclass(frozen=True)
 class PartMesh:
-    """A part's mid-surface in the press's axes: z against the punch's way, so that the part hangs down."""
+    """A part's mid-surface in the press's axes: z against the punch's motion, so that the part hangs down."""
 
     points: FloatArray
     """(n_points, 3) [mm]."""
@@ -76,7 +76,7 @@ def read_part(
 ) -> tuple[PartMesh, tuple[str, ...]]:
     """Read a part; return it and notes on what was changed.
 
-    scale: factor of the file's coordinates to mm. draw_direction: the punch's way in the file's axes, as "-z".
+    scale: factor of the file's coordinates to mm. draw_direction: the punch's direction in the file's axes, as "-z".
     element_size: edges of triangles that are longer are cut in halves [mm], slivers collapsed; quadrilaterals stay.
     addendum: width of a level flange that is added round the part [mm], but for symmetry planes x = 0 | y = 0.
     Points that coincide are merged, cells without area dropped, cells wound against most of the part turned over.
@@ -209,7 +209,7 @@ def _turn(cells: IntArray, which: BoolArray) -> IntArray:
 
 
 def _turn_to_press(points: FloatArray, direction: str) -> FloatArray:
-    """Turn the file's axes so that the punch's way is -z, keeping their hand."""
+    """Turn the file's axes so that the punch moves along -z, keeping their hand."""
     sign = -1.0 if direction.startswith("-") else 1.0
     axis = "xyz".index(direction[-1])
     down = sign * np.eye(3)[axis]

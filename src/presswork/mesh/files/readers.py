@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Meshes from files: gmsh .msh, VTK .vtk/.vtu and STL through meshio, Abaqus/CalculiX .inp, I-DEAS .unv through pyuff.
 
-Whatever the format, what is read first is a RawMesh; the rest of the way to the Mesh is the same for all.
+Whatever the format, what is read first is a RawMesh; the steps from it to the Mesh are the same for all.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The face of a tool as binary STL, whose header tells that its open rims are meant."""
+"""The face of a tool as binary STL, whose header marks its open rims as intended."""
 
 from __future__ import annotations
 

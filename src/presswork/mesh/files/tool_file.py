@@ -42,12 +42,12 @@ def read_tool(
 
     scale: factor of the file's coordinates to mm. closed: whether the surface must be closed; without it a die's face
     alone will do. facing: direction out of the metal towards the sheet, for open surfaces: their mean normal must not
-    point the other way, and is turned over if it does. usual_size: about the diagonal that the tool should have, such
-    as that of the blank [mm]; where the file is in another unit, the unit that comes nearest is suggested first.
+    point against it, and is turned over if it does. usual_size: about the diagonal that the tool should have, such as
+    that of the blank [mm]; where the file is in another unit, the unit that comes nearest is suggested first.
     tolerance: of a model in STEP or IGES, the largest distance of its triangles from the surface [mm]
-    (mesh/files/cad.py).
-    Points that coincide are merged, triangles without area and doubled ones dropped, quadrilaterals split, facets wound
-    against most of their part turned over. Open rims that this program has written are not noted. Raises MeshError.
+    (mesh/files/cad.py). Points that coincide are merged, triangles without area and doubled ones dropped,
+    quadrilaterals split, facets wound against most of their part turned over. Open rims that this program has written
+    are not noted. Raises MeshError.
     """
     raw = read_cad(path, tolerance) if is_cad(path) else read_raw(path)
     points, cells = _take_facets(raw, scale)
@@ -165,7 +165,7 @@ def _turn_outwards(
     facing: tuple[float, float, float] | None,
     notes: list[str],
 ) -> IntArray:
-    """Turn over closed parts whose normals point inwards, and open ones that face the wrong way."""
+    """Turn over closed parts whose normals point inwards, and open ones that face the wrong side."""
     is_open = np.zeros(part.max() + 1, dtype=bool)
     if rims:
         is_open[np.unique(part[np.isin(triangles, np.concatenate(rims)).any(axis=1)])] = True

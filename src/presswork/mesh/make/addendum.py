@@ -50,7 +50,7 @@ def widen(points: FloatArray, rim: IntArray, width: float, symmetry: tuple[bool,
 
 
 def _directions(loop: FloatArray, is_cut: BoolArray, on_plane: BoolArray) -> tuple[FloatArray, FloatArray]:
-    """Return the way out at each corner (n, 2), longer where the outline turns, and the edges' lengths (n,)."""
+    """Return the outward direction at corners (n, 2), longer where the outline turns, and the edges' lengths (n,)."""
     edge = np.roll(loop, -1, axis=0) - loop
     length = np.linalg.norm(edge, axis=1)
     normal = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / length[:, None]

@@ -14,7 +14,7 @@ from presswork.mesh.checks import MeshError
 from presswork.model import FloatArray
 
 GRADATION = 0.2
-"""By how much cells grow for each mm from the profile."""
+"""Growth of cells for each mm from the profile."""
 COARSEST = 5
 """Cells through the depth of a block at least."""
 _ARC = 0.02
@@ -109,7 +109,7 @@ def _divide_side(a: FloatArray, b: FloatArray, profile: FloatArray, size: float,
 
 
 def _crosses(polygon: FloatArray) -> bool:
-    """Say whether sides of a closed polygon cross, or it runs clockwise."""
+    """Return whether sides of a closed polygon cross, or it runs clockwise."""
     a, b = polygon, np.roll(polygon, -1, axis=0)
     x, y = polygon.T
     if (x * np.roll(y, -1) - np.roll(x, -1) * y).sum() <= 0.0:

@@ -195,7 +195,7 @@ def corner_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
 def node_volumes(points: FloatArray, cells: IntArray) -> FloatArray:
     """Return the volume that each node of each cell stands for, int N dV (n_cells, 8 | 4) [mm3].
 
-    Of a tetrahedron of 10 nodes, whose corners would stand for less than nothing, in proportion to int N^2 dV
+    A tetrahedron of 10 nodes, whose corners would have negative volumes, is shared out in proportion to int N^2 dV
     (n_cells, 10): a corner for 1/36, a middle for 4/27 (Hinton, Rock & Zienkiewicz 1976).
     """
     cell = find_cell(3, cells)
@@ -225,7 +225,7 @@ def _jacobians_inside(x: FloatArray) -> FloatArray:
 
 
 def _wind_outwards(points: FloatArray, cells: IntArray) -> tuple[IntArray, bool]:
-    """Return the cells the right way out, and whether all of them were turned over. Raises MeshError."""
+    """Return the cells wound outwards, and whether all of them were turned over. Raises MeshError."""
     volumes = corner_volumes(points, cells)
     if (volumes > 0.0).all():
         return cells, False

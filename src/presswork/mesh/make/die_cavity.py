@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The wall of a die's cavity in space: the facets that its flash land encloses.
 
-As in the plane (geometry/cavity_wall.py), a flash land is the deepest part of a die along its way where it lies across
-the way.
-Without the land's facets the die falls into parts; the cavity is the part in front of the workpiece.
+As in the plane (geometry/cavity_wall.py), a flash land is the deepest part of a die along its travel where it lies
+across the direction of travel. Without the land's facets the die falls into parts; the cavity is the part in front of
+the workpiece.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class CavityFacets:
     places: FloatArray
     """Middles of the pieces (n, 3) [mm]."""
     area: FloatArray
-    """Of the pieces (n,) [mm2]."""
+    """Area of the pieces (n,) [mm2]."""
     land: FloatArray
     """Middles of the facets of the land (m, 3) [mm]."""
 
@@ -75,7 +75,7 @@ def find_cavity(
 def _is_open(
     points: FloatArray, triangles: IntArray, own: IndexArray, planes: Sequence[tuple[int, float, float]]
 ) -> bool:
-    """Say whether some facets (n,) of a die end at its rim, other than at or beyond symmetry planes."""
+    """Return whether some facets (n,) of a die end at its rim, other than at or beyond symmetry planes."""
     ends = np.sort(np.concatenate([triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), axis=1)
     edges, first, count = np.unique(ends, axis=0, return_index=True, return_counts=True)
     rim = edges[(count == 1) & np.isin(first % len(triangles), own)]

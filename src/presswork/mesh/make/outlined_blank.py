@@ -118,7 +118,7 @@ def _cut_at_plane(outline: FloatArray, axis: int) -> FloatArray:
 
 
 class _Line:
-    """An outline without its stretches in symmetry planes, by the way along it."""
+    """An outline without its stretches in symmetry planes, by the distance along it."""
 
     def __init__(self, polygon: FloatArray, symmetry: Sequence[bool]) -> None:
         after = np.roll(polygon, -1, axis=0)
@@ -156,7 +156,7 @@ class _Line:
         return np.asarray(turns, dtype=float)
 
     def nearest(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return how far points lie from the line, and the way along it to the nearest place (n,) [mm]."""
+        """Return how far points lie from the line, and the distance along it to the nearest place (n,) [mm]."""
         best, along = np.full(len(points), np.inf), np.zeros(len(points))
         for a, b, start in zip(self.points[:-1], self.points[1:], self.length_at[:-1], strict=True):
             side = b - a
@@ -167,7 +167,7 @@ class _Line:
         return best, along
 
     def at(self, along: FloatArray) -> FloatArray:
-        """Return the places at a way along the line (n, 2)."""
+        """Return the places at a distance along the line (n, 2)."""
         return np.stack([np.interp(along, self.length_at, self.points[:, axis]) for axis in (0, 1)], axis=1)
 
     def spread(self, points: FloatArray, near: float) -> FloatArray:

@@ -24,7 +24,7 @@ POOR = 0.2
 SURFACE, RIM = 5e-3, 1e-3
 """Distances from the surface and from its rims that are allowed, over the size of elements."""
 _DEAD = 0.05
-"""Quality below which a triangle's own normal says little."""
+"""Quality below which a triangle's own normal is unreliable."""
 _TURN, _TURN_OF_DEAD = 0.9, 0.5
 """Least cosine between a triangle's normal before and after."""
 _WORST = 0.1

@@ -27,7 +27,7 @@ def unit_normals(points: FloatArray, triangles: IntArray) -> FloatArray:
 
 
 def find_offsets(points: FloatArray, triangles: IntArray, distance: FloatArray) -> FloatArray:
-    """Return the way of each node (n_points, 3) [mm] by which its triangles move by its distance (n_points,).
+    """Return the displacement of each node (n_points, 3) [mm] by which its triangles move by its distance (n_points,).
 
     Least squares over the triangles round a node, weighted by their angles there; where they lie almost in a plane,
     along their mean normal alone.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tetrahedra inside a closed surface from STL or STEP, by netgen (extra `cad`).
 
-Of the meshers tried, netgen gives the same mesh in repeated runs and keeps flat faces and edges of the surface;
+Among the meshers tried, netgen gives the same mesh in repeated runs and keeps flat faces and edges of the surface;
 pytetwild (fTetWild) takes worse surfaces, moves them within an envelope, and gives another mesh in each run.
 """
 
@@ -22,9 +22,9 @@ from presswork.own_process import DiedError, call_apart
 OF_SIZE = 0.8
 """Size that netgen is asked for, over that of the cells it makes then: its edges come out longer."""
 GROWTH = 0.3
-"""Of netgen's sizes from cell to cell, as it calls its grading."""
+"""Growth of netgen's sizes from cell to cell; netgen calls it grading."""
 _FLAT = 1e-6
-"""Of the body's size: nodes nearer to an outermost plane than that lie in it."""
+"""Nodes nearer to an outermost plane than that lie in it, over the body's size."""
 _AT_ONCE = 2_000_000
 """Pairs of facets whose boxes are compared at a time."""
 
@@ -75,7 +75,7 @@ def refuse_crossing(surface: Triangulation) -> None:
 
 
 def _pierces(edges_of: FloatArray, triangle: FloatArray) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Say whether an edge of the first triangles (n, 3, 3) passes through the second ones (n, 3, 3)."""
+    """Return whether an edge of the first triangles (n, 3, 3) passes through the second ones (n, 3, 3)."""
     a, u, v = triangle[:, 0], triangle[:, 1] - triangle[:, 0], triangle[:, 2] - triangle[:, 0]
     normal = np.cross(u, v)
     found = np.zeros(len(triangle), dtype=bool)

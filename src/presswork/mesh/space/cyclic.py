@@ -12,7 +12,7 @@ from presswork.mesh.checks import MeshError
 from presswork.model import CyclicSector, FloatArray, IntArray, Mesh
 
 SAME = 1e-6
-"""Of the size of the body: how far a node may lie off the place of its partner."""
+"""How far a node may lie off the place of its partner, over the size of the body."""
 
 
 def turn_of(cyclic: CyclicSector) -> FloatArray:

@@ -15,11 +15,11 @@ import numpy as np
 from presswork.model import FloatArray, IntArray
 
 BULGE = 0.5
-"""Of the way from the kite's outer sides to a circle."""
+"""How far the kite's outer sides bulge, as a share of the distance to a circle."""
 _CORE = 0.9
 """Radius of the kite's corners over that of as many equal cells along the radius."""
 _WIDEST = 0.75
-"""Of the disc's radius: the farthest that the kite's outer corner lies."""
+"""The farthest that the kite's outer corner lies, over the disc's radius."""
 
 
 def count_kites(angle: float) -> int:
@@ -52,8 +52,8 @@ def mesh_disc(angle: float, n_radial: int, n_around: int) -> tuple[FloatArray, I
 def mesh_annulus(angle: float, n_radial: int, n_around: int) -> tuple[FloatArray, IntArray]:
     """Return the parameters (n, 2) of points of a sector of a ring, and quadrilaterals (m, 4).
 
-    The parameters are the part of the way from the inner to the outer circle, and the angle [degrees], which begins
-    with 0. A ring of 360 degrees is closed.
+    The parameters are the share of the distance from the inner to the outer circle, and the angle [degrees], which
+    begins with 0. A ring of 360 degrees is closed.
     """
     closed = angle > 360.0 * (1 - 1e-12)
     n_columns = n_around if closed else n_around + 1

@@ -13,7 +13,7 @@ from presswork.mesh.space.disc import point_at, reach_of_kite
 from presswork.model import BoolArray, FloatArray, IntArray, Mesh, SpaceElement
 
 ON_AXIS = 1e-9
-"""Of the size of the plane mesh: how far nodes on the axis may lie off it."""
+"""How far nodes on the axis may lie off it, over the size of the plane mesh."""
 _OF_BOX = {name for pair in SIDES for name in pair} | {"all", "boundary"}
 
 

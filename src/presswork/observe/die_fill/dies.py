@@ -23,7 +23,7 @@ class Die:
     places: FloatArray
     """Middles of the pieces of the cavity's wall (n, dimension) [mm]."""
     area: FloatArray
-    """Of each piece (n,) [mm^2]."""
+    """Area of each piece (n,) [mm^2]."""
     land: FloatArray
     """Places of the flash land (m, dimension) [mm]."""
     tolerance: float
@@ -81,7 +81,7 @@ class DieFill(Observer, ABC):
         return row
 
     def summarise(self, mesh: Mesh, position: FloatArray, displacement: Mapping[str, FloatArray]) -> dict[str, Any]:
-        """Return what the summary tells of each die on the metal: fill, largest gap with its place, open volume."""
+        """Return the summary of each die on the metal: fill, largest gap with its place, open volume."""
         row, found = self.measure(mesh, position, displacement), {}
         for die in self._dies:
             if row[f"{die.name}.fill"] == 0.0:  # set aside
@@ -205,7 +205,7 @@ def _turns(model: Model, tool: Tool) -> bool:
 
 
 def explain_full_dies(row: Mapping[str, Any]) -> list[str]:
-    """Say which dies are full where a run gives up; row: of the history.
+    """Name which dies are full where a run gives up; row: of the history.
 
     >>> explain_full_dies({"upper.fill": 0.995, "lower.fill": 0.7})
     ['upper is full (99.5 % of its wall): what is left of the stroke would squeeze out flash']

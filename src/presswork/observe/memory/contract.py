@@ -38,7 +38,7 @@ class Memory:
     def look(self, run: Observed | None, row: Mapping[str, Any]) -> str | None:
         """Look at a converged state; return why the recording must stop, if it must.
 
-        run: None where nothing is formed, as in a released part. row: of the history, which says when this is.
+        run: None where nothing is formed, as in a released part. row: of the history, which holds the time.
         """
         return None
 

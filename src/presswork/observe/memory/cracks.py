@@ -69,7 +69,7 @@ class Cracks(Memory):
 
 
 def _explain_crack(name: str, first: Mapping[str, Any]) -> str:
-    """Say when and where the mean of which damage has passed its critical value."""
+    """Describe which damage's mean has passed its critical value, when and where."""
     at = ", ".join(f"{x:.4g}" for x in first["at_mm"])
     mean = f"{first['value']:.4g} in the mean over {first['length_mm']:.3g} mm round ({at}) mm"
     return (

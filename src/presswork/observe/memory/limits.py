@@ -57,7 +57,7 @@ class LimitsPassed(Memory):
         return [] if self._limits.stop else list(self._passed.values())
 
     def summary(self, history: History) -> dict[str, Any]:
-        """Return how near limits came, and what press and tools bear where the case says so."""
+        """Return how near limits came, and what press and tools bear where the case gives their limits."""
         bears = {"force_n": self._limits.force, "contact_pressure_mpa": self._limits.contact_pressure}
         equipment = {name: limit for name, limit in bears.items() if limit is not None}
         return {"limits": self._nearest, **({"equipment": equipment} if equipment else {})}
@@ -85,7 +85,8 @@ def find_breach(limits: Limits, measures: Sequence[Measure]) -> Measure | None:
 
 
 def explain_breach(measure: Measure, limits: Limits, row: Mapping[str, Any]) -> str:
-    """Say what is beyond which limit, and the remedy. row: of the history; of pressures it tells fill and force."""
+    """Describe the limit that is exceeded, by what, and the remedy. row: of the history; for pressures it supplies fill
+    and force."""
     limit = getattr(limits, measure.limit)
     presses = describe_press(row) if measure.limit in ("hydrostatic_stress", "mean_pressure") else ""
     key = f"limits.{measure.limit}={2.0 * measure.value:.2g}" if measure.limit in NEVER_PASSED else "limits.stop=false"
@@ -96,7 +97,7 @@ def explain_breach(measure: Measure, limits: Limits, row: Mapping[str, Any]) -> 
 
 
 def describe_press(row: Mapping[str, Any]) -> str:
-    """Say how far dies are filled, and how hard the strongest of the tools that move presses, else of all.
+    """Describe how far dies are filled, and the largest force among the tools that move, else among all.
 
     >>> describe_press({"die.fill": 0.987, "die.force": -3e6, "punch.stroke": 3.0, "punch.force": 2.5e6})
     '; the wall of die is filled to 98.7 %; punch presses with 2.5e+06 N'

@@ -47,7 +47,7 @@ class Derivatives(Generic[Side]):
         self._of = _find_columns(model, columns)
         whole = replace(model, gradients=None, solver=replace(model.solver, symmetric=False))
         self.same = make(whole)
-        """Of the same model, whose matrix is not symmetric."""
+        """Neighbours of the same model, whose matrix is not symmetric."""
         self._beside: list[tuple[Side, Side]] = []
         for p in self._by:
             self._beside.append((make(p.less) if p.less else self.same, make(p.more)))
@@ -125,12 +125,12 @@ class Derivatives(Generic[Side]):
         return row
 
     def is_lost(self, number: int) -> bool:
-        """Say whether there is no derivative by a parameter from here on."""
+        """Return whether there is no derivative by a parameter from here on."""
         found = self._sensitivities
         return self._lost[number] or (found is not None and found.is_lost_now(number))
 
     def add_summary(self, summary: dict[str, Any], history: Mapping[str, Any]) -> dict[str, Any]:
-        """Return what summary.json tells, with the derivatives at the end."""
+        """Return the contents of summary.json, with the derivatives at the end."""
         last = {
             p.key: {"value": p.value}
             | {of: float(history[name][-1]) for of in self._of if len(history[name := name_derivative(of, p.key)])}
@@ -140,7 +140,7 @@ class Derivatives(Generic[Side]):
         return summary | {"gradients": last, "gradient_rounds": self.rounds, "warnings": warnings}
 
     def _warn(self, history: Mapping[str, Any]) -> list[str]:
-        """Say from which increment on a derivative has not been found."""
+        """Warn of derivatives that were not found, from which increment on."""
         warnings = []
         for parameter in self._by:
             lost = np.isnan(np.asarray(history[name_derivative(self._of[0], parameter.key)], dtype=float))

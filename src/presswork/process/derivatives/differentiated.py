@@ -86,7 +86,7 @@ class DifferentiatedRun:
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv."""
+        """Return the columns of history.csv."""
         return [*self.run.columns, *self.derivatives.names]
 
     @property
@@ -116,7 +116,7 @@ class DifferentiatedRun:
         return self.run.begin_log()
 
     def log_lines(self, report: Any) -> list[str]:
-        """Return what the log says of a report."""
+        """Return the log's lines on a report."""
         return self.run.log_lines(report)
 
     def progress_text(self, report: Any) -> str:
@@ -152,5 +152,5 @@ class DifferentiatedRun:
         self.run.load_meta(meta)
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what summary.json says; of the derivatives those at the end."""
+        """Return the contents of summary.json; derivatives are those at the end."""
         return self.derivatives.add_summary(self.run.summary(history), history)

@@ -60,7 +60,7 @@ class ContactsOfRun:
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv."""
+        """Return the columns of history.csv."""
         axes = "xyz"[: self._model.dimension]
         return [f"{contact.name}.force_{axis}" for contact in self._of if not contact.by_itself for axis in axes]
 
@@ -95,7 +95,7 @@ class ContactsOfRun:
         return BodyTraction(pressure, shear, force)
 
     def show_heat(self, moved: FloatArray, entries: Sequence[HeatContact]) -> BetweenBodies:
-        """Return how bodies press and rub on each other at the end of a row.
+        """Return how bodies press on each other and slide at the end of a row.
 
         moved: of the nodes in the row (n_nodes, d) [mm]; entries: contacts that pass heat.
         """

@@ -54,7 +54,7 @@ if TYPE_CHECKING:
 
 STEPS_OF_A_ROW = 10  # in each of which the ram of a blow keeps its speed
 EXTENTS = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
-"""Of the workpiece [mm]; the last two in space."""
+"""Extents of the workpiece [mm]; the last two in space."""
 
 
 class ExplicitForming(IntervalRun):
@@ -237,7 +237,7 @@ class ExplicitForming(IntervalRun):
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv."""
+        """Return the columns of history.csv."""
         first = ["time", "stage", "increment", "cycles", *tool_columns(self.model)]
         first += self.contacts.columns
         return [*first, *self.observers.columns(self), *self.extents, *LAST_COLUMNS]

@@ -31,7 +31,7 @@ from presswork.threads import available_threads
 from presswork.timing import Timing
 
 DWELL_SHARE = 0.05
-"""Of the time that forming takes to compute: what a dwell counts as in the progress display."""
+"""Share of a dwell in the progress display, over the time that forming takes to compute."""
 LAST_COLUMNS = ("time_step", "added_mass_percent", *(f"{e}_energy" for e in ENERGIES), "energy_error_percent")
 
 
@@ -42,7 +42,7 @@ class IntervalReport:
     number: int
     stage: str
     fraction: float
-    """Of the stage, at the end of the row."""
+    """Fraction of the stage, at the end of the row."""
     time: float
     cycles: int
     step: float
@@ -197,7 +197,7 @@ class IntervalRun(ObservedRun, ModelRun, ABC):
         """Return the mean forces on the tools in the last row (n_tools, 2 | 3) [N]."""
 
     def _add_ram_work(self, number: int, forces: FloatArray, travel: float) -> None:
-        """Count the work of the ram of a stage on a way [mm], by the mean forces on the tools (n_tools, 2 | 3) [N]."""
+        """Count the work of a stage's ram over a travel [mm], by the mean forces on the tools (n_tools, 2 | 3) [N]."""
         work = float(force_on_ram(self.model, number, forces) * travel)
         self._progress.ram_work += work
         self._progress.stage_work += work
@@ -271,7 +271,7 @@ class IntervalRun(ObservedRun, ModelRun, ABC):
         return self._progress.stage * self.model.output.rows + self._progress.row
 
     def log_lines(self, report: IntervalReport) -> list[str]:
-        """Say where the row ended."""
+        """Describe where the row ended."""
         e = report.energies
         return [
             *self.take_notes(),

@@ -54,7 +54,7 @@ class LooseRows:
         self._since = np.full(shape, -1)
         """The first stage in which a motion was stopped for longer than a row, -1: none (n_bodies, n_motions)."""
         self._distance = np.zeros(shape[0])
-        """The longest way that a body would have gone in a stage (n_bodies,) [mm]."""
+        """The longest displacement that a body would have in a stage (n_bodies,) [mm]."""
 
     def end_row(
         self, model: Model, stage: int, run: Dynamics, mass: FloatArray, tools: Sequence[Held] = (),

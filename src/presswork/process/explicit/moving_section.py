@@ -23,7 +23,7 @@ from presswork.remesh.section import OldSection, remesh_section
 from presswork.remesh.size_field import measure_power
 
 ELEMENT: ElementName = "quad4_1pt"
-"""Of new meshes of triangles."""
+"""Element of new meshes of triangles."""
 
 
 class MovingSection:

@@ -249,7 +249,7 @@ class IntervalMeshes(MeshChange):
         return True
 
     def _note_new_mesh(self, reason: str, made: MadeMesh, before: Any) -> None:
-        """Say in the log what has come of a new mesh; before: the run on the old one."""
+        """Log the outcome of a new mesh; before: the run on the old one."""
         run = self._run
         gained = _kinetic_energy(run.solids) / max(_kinetic_energy(before), 1e-300) - 1.0
         named = [body.name for body, is_new in zip(run.model.bodies, made.is_new, strict=False) if is_new]

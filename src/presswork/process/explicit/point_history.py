@@ -21,7 +21,7 @@ from presswork.evolution.of_material import make_other_laws
 from presswork.model import FloatArray, Material, SolverSettings
 
 PREFIX = "evolved."
-"""Of the names in a checkpoint."""
+"""Prefix of the names in a checkpoint."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class BlockPoints:
     temperature: FloatArray | None
     """(...) [degrees C]; None: not known."""
     back_stress: FloatArray | None = None
-    """Of a sheet with kinematic hardening (..., 3) [MPa]."""
+    """Back stress of a sheet with kinematic hardening (..., 3) [MPa]."""
 
 
 class PointHistory:
@@ -47,7 +47,7 @@ class PointHistory:
         self._laws = [make_other_laws(materials[number], is_solid=is_solid) for number in numbers]
         self.window = LawWindow.at_rest(materials)
         self.values: dict[str, list[FloatArray]] = {}
-        """By the quantity's name, an entry for each block, of the shape of its points; empty without the law."""
+        """Values by the quantity's name, an entry for each block, of the shape of its points; empty without the law."""
         self._before: list[BlockPoints] = []
         self.softens = any(law.softens for laws in self._laws for law in laws)
         """Whether what is recrystallised hardens no more."""

@@ -25,16 +25,16 @@ class IntervalProgress(Arrays):
         "stage_way": RUN,
     }
     rows: int
-    """Of each stage."""
+    """Rows of each stage."""
     stage: int = 0
     row: int = 0
-    """Of the stage, that comes next."""
+    """Row of the stage that comes next."""
     added_mass: float = 0.0
     """Per cent of the true mass."""
     ram_work: float = 0.0
-    """Of the ram since the start [N mm]."""
+    """Work of the ram since the start [N mm]."""
     stage_work: float = 0.0
-    """Of the ram in the present stage [N mm]."""
+    """Work of the ram in the present stage [N mm]."""
     stage_way: float = 0.0
     """Way of the ram in the present stage [mm]."""
 

@@ -14,7 +14,7 @@ from presswork.model import FloatArray, Friction, Mesh, Tool
 from presswork.process.explicit.contacts import find_nodal_shear_strength
 
 STEEPEST = 1.0
-"""Of a node's friction over its normal force: what a node brings along as it lands is stopped within the cycle."""
+"""Largest friction of a node over its normal force: it stops the speed at which a node lands within the cycle."""
 
 
 def find_coefficient(law: Friction) -> float:

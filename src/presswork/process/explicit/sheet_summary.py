@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the summary says of an explicit stamping."""
+"""What the summary reports about an explicit stamping."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the summary says of an explicit run of solids."""
+"""What the summary reports about an explicit run of solids."""
 
 from __future__ import annotations
 

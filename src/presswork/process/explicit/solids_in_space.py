@@ -57,7 +57,7 @@ class SolidsInSpace:
         self._placed = np.zeros((len(tools), 3))
         """Displacement at which a stage last placed each tool, from which its stroke counts [mm]."""
         self._force_start = np.zeros((len(tools), 3))
-        """Of the workpiece on each tool, as modelled, when the stage began [N]."""
+        """Force of the workpiece on each tool, as modelled, when the stage began [N]."""
         self._moment = np.zeros(len(tools))
         """About the axis of each tool in the last interval [N mm]."""
         self._impulse_n, self._time_n = np.zeros(len(tools)), 0.0

@@ -9,7 +9,7 @@ from presswork.explicit.motion import DrivenStroke, Motion, SmoothStroke
 from presswork.model import FloatArray, Stage
 
 SAMPLES = 401
-"""Of a force over a stage that a press drives."""
+"""Number of samples of a force over a stage that a press drives."""
 
 
 def find_motion(stage: Stage, begin: float) -> Motion | None:

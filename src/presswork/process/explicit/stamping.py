@@ -54,7 +54,7 @@ from presswork.ranks.world import World
 ELEMENT_CYCLES_A_CALL = {"cpu": 2_000_000, "host": 2_000_000, "cuda": 200_000_000}
 """Between two looks at the keyboard: about a second."""
 SAMPLES = 10
-"""Of the tools' forces in a row, at least: single cycles are noisy."""
+"""Least number of samples of the tools' forces in a row; single cycles are noisy."""
 LOOKS = 50
 """A stage, at shells that may have to be split, and at the step of the mesh: once in 2 % of it."""
 
@@ -169,7 +169,7 @@ class ExplicitStamping(IntervalRun):
         return 0, dt, self.shells.energies(damping=self.settings.damping, velocity_scale=0.0)
 
     def _add_time(self, started: float) -> None:
-        """Share out the time since `started`, by what the shells' clock said then and says now."""
+        """Share out the time since `started`, by the readings of the shells' clock then and now."""
         spent = {phase: now - self._seconds_n[phase] for phase, now in self.shells.seconds.items()}
         for phase, seconds in spent.items():
             self.timing.add_seconds(phase, seconds)
@@ -232,7 +232,7 @@ class ExplicitStamping(IntervalRun):
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv."""
+        """Return the columns of history.csv."""
         first = ["time", "stage", "increment", "cycles", *self.tools.row()]
         if self.heat is not None:
             first += ["process_time"]
@@ -248,7 +248,7 @@ class ExplicitStamping(IntervalRun):
         )
 
     def log_lines(self, report: IntervalReport) -> list[str]:
-        """Say where the row ended, and which energies are beyond their limits."""
+        """Describe where the row ended, and which energies are beyond their limits."""
         return [*super().log_lines(report), *(f"warning: {each}" for each in report.energies.warnings(self._formed))]
 
     def progress_text(self, report: IntervalReport) -> str:

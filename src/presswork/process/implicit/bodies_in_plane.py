@@ -35,7 +35,7 @@ from presswork.remesh.section import OldSection, check_budget, draw_outlines, re
 from presswork.remesh.size_field import measure_power
 
 PARTS = (1.0, 0.7, 0.85, 0.6, 0.77)
-"""Of the size that is asked for, in meshes tried one after the other."""
+"""Factors on the requested size, in meshes tried one after the other."""
 
 
 class BodiesInPlane:

@@ -44,7 +44,7 @@ from presswork.remesh.space.tools import PlacedTool
 from presswork.remesh.space.triggers import find_cut_edge, find_flat_cell
 
 PARTS = (1.0, 0.9, 0.8)
-"""Of the size that is asked for, in meshes tried one after the other: the last has twice as many cells."""
+"""Factors on the requested size, in meshes tried one after the other; the last mesh has twice as many cells."""
 
 
 class BodiesInSpace:

@@ -62,7 +62,7 @@ class ImplicitForming(IncrementRun):
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv."""
+        """Return the columns of history.csv."""
         tools = [t.name for t in self.model.tools]
         contacts = [c.name for c in self.model.contacts if not c.by_itself]
         first = history_columns(tools, self.turning, contacts, "xyz"[: self.model.dimension])
@@ -74,7 +74,7 @@ class ImplicitForming(IncrementRun):
         return f"linear solver: {self.procedure.equilibrium.solver.name}{changes}"
 
     def log_lines(self, report: IncrementReport) -> list[str]:
-        """Say how the increment was found."""
+        """Describe how the increment was found."""
         *cutbacks, found = super().log_lines(report)
         return [*cutbacks, f"{found}, contact changes {sum(report.log.contact_changes)}"]
 
@@ -181,7 +181,7 @@ class ImplicitForming(IncrementRun):
         }
 
     def _find_hints(self) -> list[str]:
-        """Name tools whose profiles end on the metal and dies that are full, and say where new meshes would help."""
+        """Report tools whose profiles end on the metal, dies that are full, and where new meshes would help."""
         kept = [NEW_MESHES] if self._keeps_its_mesh() else []
         return [*self._find_passed_ends(), *self.observers.hints(self), *kept, *super()._find_hints()]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What recordings of the implicit procedure say alike: each report is an increment."""
+"""What recordings of the implicit procedure share: each report is an increment."""
 
 from __future__ import annotations
 
@@ -173,7 +173,7 @@ class IncrementRun(ObservedRun, ModelRun):
         return self.procedure.remaining()
 
     def log_lines(self, report: IncrementReport) -> list[str]:
-        """Say how the increment was found."""
+        """Describe how the increment was found."""
         log = report.log
         return [
             *self.take_notes(),
@@ -222,7 +222,7 @@ class IncrementRun(ObservedRun, ModelRun):
         }
 
     def _count_work(self) -> dict[str, Any]:
-        """Return what the summary says of the work done."""
+        """Return the summary of the work done."""
         p = self.procedure.state[Progress]
         return {
             "increments": p.increments,

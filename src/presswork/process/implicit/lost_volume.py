@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The volume that cells lose on their way, which new meshes give back."""
+"""The volume that cells lose as they deform, which new meshes give back."""
 
 from __future__ import annotations
 

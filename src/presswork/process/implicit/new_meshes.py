@@ -46,7 +46,7 @@ class MeshedBodies(Protocol):
     """The bodies of a run, in the plane or in space, as new meshes are made of them."""
 
     parts: Sequence[float]
-    """Of the size that is asked for, in meshes tried one after the other."""
+    """Factors on the requested size, in meshes tried one after the other."""
     waits_first: bool
     """Whether a mesh that changes a force too much is rather put off than followed by another try."""
 
@@ -189,7 +189,7 @@ class NewMeshes(MeshChange):
         return bool(np.floor(before / every) > np.floor(last / every))
 
     def _may_wait(self) -> bool:
-        """Say whether the present mesh may go on for another increment."""
+        """Return whether the present mesh may go on for another increment."""
         return self._waited < MOST_WAITS and self._find_reason(WAIT) is None
 
     # --- how ---------------------------------------------------------------------------------------------------------

@@ -31,7 +31,7 @@ def add_self_contact(model: Model, numbers: Sequence[int]) -> Model:
 
 
 def touches_itself(model: Model, number: int) -> bool:
-    """Say whether a model has contact of a body, by its number, with itself."""
+    """Return whether a model has contact of a body, by its number, with itself."""
     return any(contact.between == (number, number) for contact in model.contacts)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stamping by the implicit procedure: the same case as by explicit dynamics, turned into a shell between tools.
 
-Strokes and prescribed displacements grow in proportion over a stage; forces, and time, follow the part of the way that
-has been gone, as they do in the explicit procedure. Time only matters to laws with a strain rate and to inertia.
+Strokes and prescribed displacements grow in proportion over a stage; forces, and time, follow the completed part of the
+travel, as they do in the explicit procedure. Time only matters to laws with a strain rate and to inertia.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ from presswork.process.stamping_tools import (
 from presswork.ranks.world import World
 
 CLOCK_TIMES = 1000
-"""Of each stage, at which the smooth motion is tabulated."""
+"""Number of times in each stage at which the smooth motion is tabulated."""
 WORTH_A_WARNING = 5.0
 """Per cent of the external work by which the energies may miss it, and of the internal that inertia may take."""
 THINNING = "max_thinning_percent"
@@ -99,13 +99,13 @@ def _drive_what_is_modelled(model: Model, stage: Stage) -> Drive | None:
 
 
 def _clock(stage: Stage) -> FloatArray:
-    """Return when, in the press, which part of the stage's way has been gone, as in the explicit procedure (n, 2)."""
+    """Return the time in the press at each completed part of a stage's travel, as in the explicit procedure (n, 2)."""
     times = np.linspace(0.0, stage.duration, CLOCK_TIMES + 1)
     return np.column_stack([stroke_of(stage).position(times), stage.slower * times])
 
 
 def _push_by_stage(model: Model, tool: Tool) -> list[Push]:
-    """Return the force of a pushed tool on what is modelled, over the part of each stage's way that has been gone."""
+    """Return the force of a pushed tool on what is modelled, over the completed part of each stage's travel."""
     times, forces = tabulate_force(model, tool.name)
     stop, clearance = find_stops(model).get(tool.name, ("", math.inf))
     if any(t.name == stop and is_pushed(model, t) for t in model.tools):
@@ -137,7 +137,7 @@ class ImplicitStamping(IncrementRun):
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv."""
+        """Return the columns of history.csv."""
         first = ["time", "stage", "increment", "iterations", *self._tool_columns(), *self._bead_columns()]
         return [*first, *self.observers.columns(self), THINNING, *ENERGIES, "energy_error_percent"]
 

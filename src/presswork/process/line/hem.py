@@ -40,7 +40,7 @@ class HemShape:
     """Angle between panel and flange (n,) [degree]: 90 as flanged, 0 pressed flat, below zero where the tip dips."""
 
     def to_summary(self) -> dict[str, Any]:
-        """Return what the summary says of it."""
+        """Return its part of the summary."""
         summary: dict[str, Any] = {"edge_mm": _spread(self.edge), "opening_degrees": _spread(self.opening)}
         if np.isfinite(self.thickest).any():
             summary["thickness_mm"] = [float(np.nanmin(self.thinnest)), float(np.nanmax(self.thickest))]
@@ -123,7 +123,7 @@ def _measure_strip(out: FloatArray, now: FloatArray, z: FloatArray, half: FloatA
 
 
 def summarise_hem(formed: HemShape, before: HemShape | None, released: HemShape | None) -> dict[str, Any]:
-    """Return what the summary says of a hem.
+    """Return the summary of a hem.
 
     before: as the part came into the operation, None: it was a blank. released: after springback.
     """

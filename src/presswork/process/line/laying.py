@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A part is laid into its next operation: it is turned over, turned and moved, and the tools are brought to it.
 
-A tool that the case gives no height comes along its way until it touches the part. A part that tips (tipping.py) rests
-on its dies by its weight; another one only along the press.
+A tool that the case gives no height moves along its direction until it touches the part. A part that tips (tipping.py)
+rests on its dies by its weight; another one only along the press.
 """
 
 from __future__ import annotations
@@ -197,7 +197,7 @@ def _mean_edge(state: SheetState) -> float:
 
 
 def _touch(operation: Operation, tool: Tool, points: FloatArray, half: FloatArray) -> Tool:
-    """Return a tool moved along its way, from beyond the part, until it touches it."""
+    """Return a tool moved along its direction, from beyond the part, until it touches it."""
     direction = np.asarray(tool.working_direction)
     ahead, own = points @ direction - half, sample_tool(tool.surface, 2.0 * float(half.max())) @ direction
     begin = np.asarray(tool.position) * (direction == 0.0) + float(ahead.min() - own.max() - half.max()) * direction

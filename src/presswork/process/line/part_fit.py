@@ -52,7 +52,7 @@ UPRIGHT = 0.5
 def check_reach(operation: Operation, tools: Sequence[Tool], stages: Sequence[Stage], state: SheetState) -> None:
     """Raise LayingError where no tool that moves meets the part as it lies, or one is pushed from afar.
 
-    Nothing is said of what boundaries or loads move, nor where a tool closes on a die, which tells how far it goes.
+    What boundaries or loads move is not checked, nor a tool that closes on a die, which determines how far it goes.
     """
     loads = (stage.prescribed or stage.shell_pressures or stage.forces or stage.edge_forces for stage in stages)
     if operation.closings or any(loads):
@@ -97,7 +97,7 @@ def _moves_before(stages: Sequence[Stage], number: int) -> bool:
 def _meets(
     surface: _core.ToolSurface, begin: FloatArray, half: FloatArray, motions: Sequence[ToolMotion], far: float
 ) -> bool:
-    """Say whether a tool meets a part at rest on its way, stage after stage."""
+    """Return whether a tool meets a part at rest on its path, stage after stage."""
     at = np.zeros(3)
     for motion in motions:
         step = np.asarray(motion.push.direction) * far if motion.push is not None else np.asarray(motion.move)
@@ -159,7 +159,7 @@ class _Misfit:
     """A shape that lies off closed tools."""
 
     share: float
-    """Of the area between the tools."""
+    """Share of the area between the tools."""
     off: float
     """Mean distance of that share from the tools [mm]."""
     is_sideways: bool

@@ -54,7 +54,7 @@ class LineReport:
     number: int
     is_save_point: bool
     report: Report | None
-    """Of the operation; None where a part has been laid into it."""
+    """Report of the operation; None where a part has been laid into it."""
 
 
 class FollowedLine(Protocol):
@@ -84,7 +84,7 @@ class PressLine(ModelRun):
         self._part: LaidPart | None = None
         self._files: dict[str, str] = {}
         self._reports: dict[str, dict[str, Any]] = {}
-        """By operation that is over: what the summary says of it, with its warnings."""
+        """Summaries of operations that are over, by name, with their warnings."""
         self._releases = any(each is not None for each in (model.springback, *(o.springback for o in model.following)))
         self.now = self._make(0, None, model.mesh)
         """The operation at work."""
@@ -177,7 +177,7 @@ class PressLine(ModelRun):
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv: those of the first operation, with the tools and beads of the others behind its own."""
+        """Return the columns of history.csv: those of the first operation, then tools and beads of the others."""
         return self._columns
 
     def _find_columns(self) -> list[str]:
@@ -200,7 +200,7 @@ class PressLine(ModelRun):
         return f"operations: {', '.join(self.model.operations)}; {self.now.begin_log()}"
 
     def log_lines(self, report: LineReport) -> list[str]:
-        """Say in which operation the row or increment ended, and where."""
+        """Describe in which operation the row or increment ended, and where."""
         if report.report is None:
             tools = ", ".join(f"{tool.name} at z = {tool.position[2]:.6g} mm" for tool in self.now.model.tools)
             warnings = self._reports[self.model.operations[self.operation - 1]][MISFIT]
@@ -293,7 +293,7 @@ class PressLine(ModelRun):
             self.timing = self.now.timing
 
     def meta(self) -> Meta:
-        """Return what is told of operations that are over, and how the present part was cut."""
+        """Return the summaries of operations that are over, and how the present part was cut."""
         return {REPORTS: json.dumps(self._reports), **self.now.meta()}
 
     def load_meta(self, meta: Mapping[str, Any]) -> None:
@@ -302,7 +302,7 @@ class PressLine(ModelRun):
         self.now.load_meta(meta)
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what the summary of the last operation says, and what became of the others."""
+        """Return the summary of the last operation, and what became of the others."""
         last = self.now.summary(history)
         warnings = []
         for name, report in self._reports.items():
@@ -325,7 +325,7 @@ def _under(prefix: str, arrays: Mapping[str, NDArray[Any]]) -> dict[str, NDArray
 
 
 def _summarise(over: ReleasedStamping) -> dict[str, Any]:
-    """Return what the summary says of an operation that is over, with its warnings."""
+    """Return the summary of an operation that is over, with its warnings."""
     report, warnings = over.summarise_release()
     observers = over.forming.observers
     verdict = observers.find(FormabilityObserver).judge(over.forming)

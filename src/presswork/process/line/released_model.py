@@ -23,7 +23,7 @@ from presswork.model import (
 
 NAME = "springback"
 ELEMENTS: dict[str, ShellElement] = {"tri3": "shell3_mitc_plus", "quad4": "shell4_mitc_plus"}
-"""By number of nodes."""
+"""Elements by number of nodes."""
 SYMMETRY = tuple(tuple(i in held for i in range(6)) for held in ((0, 4, 5), (1, 3, 5)))
 """What planes normal to x and y hold: a displacement and two rotations."""
 APART = 0.2

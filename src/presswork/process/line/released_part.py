@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A formed part without its tools: how it was cut, how far it has sprung, and what the summary says of both."""
+"""A formed part without its tools: how it was cut, how far it has sprung, and the summary of both."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ from presswork.process.line.springback_report import ReleasedShape, report_shape
 from presswork.process.mesh_change.trim import Cut, explain_beside
 
 TRIM = "trim"
-"""What the summary and a checkpoint say of the cut."""
+"""Name of the cut in the summary and in a checkpoint."""
 WORTH_A_WARNING = 0.2
-"""Of an element by which the trimmed outline misses its line."""
+"""Distance by which the trimmed outline misses its line, over the size of an element, from which on a warning reports
+it."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Released:
         return measure_deviation(formed + self.moved, formed, cells, symmetry)
 
     def summarise_cut(self, mesh: Mesh) -> tuple[dict[str, Any], list[str]]:
-        """Return what the summary says of trimming, and its warnings; nothing of a part that was not cut."""
+        """Return the summary of trimming, and its warnings; empty for a part that was not cut."""
         if self.cut is None:
             return {}, []
         miss = self.cut.off_line
@@ -64,7 +65,7 @@ class Released:
     def summarise_springback(
         self, mesh: Mesh, symmetry: tuple[bool, bool], asked: Springback
     ) -> tuple[dict[str, Any], list[str]]:
-        """Return what the summary says of springback, how far which point has moved and what is asked; warnings."""
+        """Return the summary of springback, the displacements of the points that the case names, and warnings."""
         distance = np.linalg.norm(self.moved, axis=1)
         at, deviation = int(np.argmax(distance)), self.find_deviation(mesh, symmetry)
         progress = self.implicit.state[Progress]

@@ -44,7 +44,7 @@ class SeriesForming(ModelRun):
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv."""
+        """Return the columns of history.csv."""
         return [*self._run.columns, "part"]
 
     @property
@@ -84,7 +84,7 @@ class SeriesForming(ModelRun):
         return f"{self._run.begin_log()}; {self._series.parts} parts"
 
     def log_lines(self, report: IncrementReport) -> list[str]:
-        """Say how the increment was found."""
+        """Describe how the increment was found."""
         return [f"part {self._part + 1}: {line}" for line in self._run.log_lines(report)]
 
     def progress_text(self, report: IncrementReport) -> str:
@@ -128,7 +128,7 @@ class SeriesForming(ModelRun):
         self._run.load_meta(meta)
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what the summary tells of the last part, and the peaks of each."""
+        """Return the summary of the last part, and the peaks of each."""
         parts = np.asarray(history["part"], dtype=int)
         peaks = {
             name: [float(history[name][parts == part].max()) for part in np.unique(parts)]

@@ -50,7 +50,7 @@ HEATED = "heated."
 STORED = ("internal_energy", "external_energy", "elastic_energy", "external_work")
 """Columns of the history that lose the elastic energy which springback sets free."""
 SHARE = 0.03
-"""Of the whole process that springback counts as in the progress display."""
+"""Share of springback in the progress display of the whole process."""
 
 
 @dataclass(frozen=True)
@@ -122,9 +122,9 @@ class ReleasedStamping(ModelRun):
         self.released: Released | None = None
         """What has become of the part without its tools."""
         self.hold: Callable[[Model], Model] | None = None
-        """Returns the Model of the released part, held in another way."""
+        """Returns the Model of the released part with other supports."""
         self.after_release: Callable[[ImplicitProcedure], None] | None = None
-        """Called with the procedure of the part that its tools have let go."""
+        """Called with the procedure of the part once its tools are removed."""
 
     def advance(self) -> Iterator[Report]:
         """Form the part row after row, cut it, then let it go. Raises GaveUpError."""
@@ -239,7 +239,7 @@ class ReleasedStamping(ModelRun):
 
     @property
     def columns(self) -> list[str]:
-        """Of history.csv."""
+        """Return the columns of history.csv."""
         return self.forming.columns
 
     def begin_log(self) -> str:
@@ -247,7 +247,7 @@ class ReleasedStamping(ModelRun):
         return self.forming.begin_log()
 
     def log_lines(self, report: Any) -> list[str]:
-        """Say where the row or increment ended."""
+        """Describe where the row or increment ended."""
         if isinstance(report, TrimReport):
             assert self.released is not None
             assert self.released.cut is not None
@@ -366,14 +366,14 @@ class ReleasedStamping(ModelRun):
             self.released = replace(self.released, cut=Cut.from_text(str(meta[TRIM])))
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return what a stamping's summary says, how it was cut, and how far which point has sprung."""
+        """Return the summary of a stamping, of its trimming, and of the displacements by springback."""
         summary = self.forming.summary(history)
         report, warnings = self.summarise_release()
         report |= self.summarise_hem()
         return summary | report | {"warnings": [*summary["warnings"], *warnings]}
 
     def summarise_release(self) -> tuple[dict[str, Any], list[str]]:
-        """Return what the summary says of trimming and springback, and its warnings."""
+        """Return the summary of trimming and springback, and its warnings."""
         if self.released is None:
             return {}, []
         report, warnings = self.released.summarise_cut(self.mesh)
@@ -385,7 +385,7 @@ class ReleasedStamping(ModelRun):
         return report, warnings
 
     def summarise_hem(self) -> dict[str, Any]:
-        """Return what the summary says of the hem, where there is one to be measured."""
+        """Return the summary of the hem, where there is one to be measured."""
         hem = self.model.hem
         if hem is None:
             return {}

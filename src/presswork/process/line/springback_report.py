@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the summary says of a released part's shape: twist, sections, points of its gauge, share within tolerance."""
+"""The summary of a released part's shape: twist, sections, points of its gauge, share within tolerance."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class ReleasedShape:
 
 
 def report_shape(part: ReleasedShape, asked: Springback) -> tuple[dict[str, Any], list[str]]:
-    """Return what the summary says of a part, and warnings of places that lie off it."""
+    """Return the summary of a part's shape, and warnings of places that lie off it."""
     areas = nodal_areas(part.formed, part.cells)
     weight = np.linalg.norm(areas, axis=1)
     normals = areas / np.maximum(weight, 1e-300)[:, None]
@@ -95,7 +95,7 @@ def _measure_in_gauge(
     fitted: FloatArray,
     tolerance: tuple[float, float] | None,
 ) -> tuple[dict[str, Any], FloatArray, list[str]]:
-    """Return what the summary says of the gauge, where the part lies in it, and warnings; fitted: by best fit."""
+    """Return the summary of the gauge, the place of the part in it, and warnings; fitted: by best fit."""
     triangles = np.concatenate([split_quads(part.formed, np.asarray(c, dtype=np.int32)) for c in part.cells])
     clamps = {f"clamp {i + 1}": find_below(part.formed, triangles, x, y) for i, (x, y) in enumerate(gauge.clamps)}
     points = {name: find_below(part.formed, triangles, x, y) for name, (x, y) in gauge.points}

@@ -31,7 +31,8 @@ from presswork.remesh.space.skins import draw_skin, find_outer, mean_edge
 from presswork.remesh.space.tools import PlacedTool
 
 TOUCHES = 0.1
-"""Of the mean edge of its own skin, within which a node that contact pushes lies on another body's."""
+"""Distance from another body's skin within which a node that contact pushes lies on it, over the mean edge of its own
+skin."""
 
 
 def add_neighbours(bodies: Sequence[OldBody], model: Model, is_pushed: Sequence[BoolArray]) -> list[OldBody]:

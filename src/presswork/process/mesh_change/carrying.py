@@ -43,7 +43,7 @@ class OnMesh:
     position: FloatArray
     """Where the nodes are (n_points, d) [mm]."""
     volumes: Sequence[FloatArray]
-    """Of the points of each block (n_cells, p) [mm3]."""
+    """Volumes of the points of each block (n_cells, p) [mm3]."""
     find_rows: FindRows = lambda _arrays, _name: None
 
     @classmethod
@@ -69,7 +69,7 @@ class OnMesh:
 
 
 def find_undeclared(state: State) -> list[str]:
-    """Return the arrays, as owner.name, of which nobody has said what becomes of them on a new mesh."""
+    """Return the arrays, as owner.name, for which no owner has declared what becomes of them on a new mesh."""
     return [
         name
         for arrays in state
@@ -269,7 +269,7 @@ def _find_rows(run: ImplicitProcedure, arrays: Arrays, _name: str) -> list[IntAr
 
 
 def is_other_body(before: Model, nodes_n: IntArray | IndexArray, after: Model, nodes: IntArray | IndexArray) -> bool:
-    """Say whether a group of nodes is of another body now: the slave of a contact has been chosen anew."""
+    """Return whether a group of nodes belongs to another body now: the slave of a contact has been chosen anew."""
     if len(before.bodies) < 2:
         return False
     places = [

@@ -21,10 +21,10 @@ from presswork.remesh.carrier import Carrier
 from presswork.state import Arrays, State
 
 DEEPEST = 0.05
-"""Of the mean edge: penetration with which a new mesh begins at most."""
+"""Largest penetration with which a new mesh begins, over the mean edge."""
 COVERED = 0.25
-"""Of the surface round a node, which must face the other body for its penetration to be chosen: two nodes at the edge
-of a contact whose rows cover the same sliver can be told different ones, which only a distorted skin has.
+"""Least share of the surface round a node that must face the other body for its penetration to be chosen. Two nodes at
+the edge of a contact whose rows cover the same sliver can have different ones, which only a distorted skin has.
 """
 
 
@@ -67,8 +67,8 @@ def find_depths(
 ) -> list[FloatArray]:
     """Return how deep the nodes of slaves lie in the other body where contacts press so, of each (n_points,) [mm].
 
-    NaN at nodes of whose surface too little faces the other body to say. after: the model where its nodes are; added:
-    contacts of a run on that mesh, which are to be stable with a step [s].
+    NaN at nodes of whose surface too little faces the other body. after: the model where its nodes are; added: contacts
+    of a run on that mesh, which are to be stable with a step [s].
     """
     found, areas = [], _measure_areas(after, after.mesh.points)
     for each, traction in zip(added, tractions, strict=True):

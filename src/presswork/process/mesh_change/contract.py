@@ -12,7 +12,7 @@ from presswork.observe.contract import Observer
 
 
 class MeshChange(Observer):
-    """Looks at one run, and puts it on another mesh. It is an observer of that run, too: it says what it has done."""
+    """Puts a run that it has looked at on another mesh. It is an observer of that run, too, and reports what it did."""
 
     def look(self, failure: str = "") -> bool:
         """Change the mesh where the present one should not go on; return whether there is another one.
@@ -25,7 +25,7 @@ class MeshChange(Observer):
         """Note what has moved in an interval of an explicit run, once it is over."""
 
     def begin_log(self) -> str:
-        """Return what the line that begins the log says of it."""
+        """Return its part of the line that begins the log."""
         return ""
 
     def find_hints(self) -> list[str]:

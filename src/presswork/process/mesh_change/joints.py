@@ -18,7 +18,7 @@ from presswork.interaction.bodies.space_interface import SpaceInterface
 from presswork.model import BoolArray, FloatArray, IndexArray, Model
 
 CLOSED = 1e-6
-"""Of the mean edge: gaps below that are closed."""
+"""Gap that counts as closed, over the mean edge."""
 _ROUNDS = 6
 _RIDGE = 1e-9
 

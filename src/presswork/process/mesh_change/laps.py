@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Laps as a run tells them: field, summary and warnings, out of marks on the surface and seams inside the metal."""
+"""Laps as a run reports them: field, summary and warnings, from marks on the surface and seams inside the metal."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from presswork.model import FloatArray, Mesh
 from presswork.process.mesh_change.seams import Seams
 
 MARKED = 0.5
-"""Of a mark, from which on a node counts as part of a lap; on a new mesh marks are interpolated."""
+"""Value of a mark from which on a node counts as part of a lap; on a new mesh marks are interpolated."""
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ CAUSES = {
     DUE: 1, FAILS: 2, "of quality": 3, "deep in": 4, "too long": 5, "cells across": 6, STEP: 7, "narrow for": 8,
     "a notch of": 10, "": 9,
 }  # fmt: skip
-"""What reasons say, with the number that `remesh_cause` has in the history; the last: others."""
+"""Words of reasons, with the number that `remesh_cause` has in the history; the last: others."""
 
 
 def find_cause(reason: str) -> int:
@@ -72,7 +72,7 @@ def find_reason_to_leave_first(old: OldSection) -> str | None:
 
 
 def will_land(old: OldSection, state: State, model: Model) -> bool:
-    """Say whether no tool bears a force yet, and one comes to a body with another increment like the last."""
+    """Return whether no tool bears a force yet, and one comes to a body with another increment like the last."""
     progress = state[Progress]
     if ToolArrays not in state or state[ToolArrays].force.any() or progress.last_size == 0.0:
         return False
@@ -86,7 +86,7 @@ def will_land(old: OldSection, state: State, model: Model) -> bool:
 
 
 def find_tool_moves(state: State, model: Model) -> FloatArray:
-    """Return the way of each tool in the plane in an increment like the last (n_tools, 2) [mm]."""
+    """Return the displacement of each tool in the plane in an increment like the last (n_tools, 2) [mm]."""
     if ToolArrays not in state:
         return np.zeros((0, 2))
     progress = state[Progress]
@@ -108,7 +108,7 @@ def find_shares(state: State, fixed: BoolArray) -> FloatArray:
 
 
 def _find_few_across(old: OldSection, size: SizeField, wait: float) -> str | None:
-    """Say where the metal has become too thin for its linear cells."""
+    """Describe where the metal has become too thin for its linear cells."""
     if find_cell(1, old.mesh.boundary_edges).is_quadratic:
         return None
     edges = np.concatenate([np.column_stack([chain, np.roll(chain, -1)]) for chain in old.chains])

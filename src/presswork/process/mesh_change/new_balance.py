@@ -2,14 +2,14 @@
 """Equilibrium of a state that has come to a new mesh.
 
 Metal that flows answers any disturbance by yielding, so a tool at rest loses force: 1 to 3 % until it moves on. Where
-the motion of tools alone drives the metal it therefore answers elastically. That disturbs the force by no more than
+the motion of tools alone drives the metal, it therefore responds elastically. That disturbs the force by no more than
 the transfer does (0.1 to 0.4 %), and leaves stresses beyond the flow stress by half a per cent, which the next
 increment returns to the law while the tools drive the flow. Metal that softens as it warms, or hardens with the rate,
 does so, too. Where a point would come beyond MOST_BEYOND times its flow stress (a pocket of a full die has closed), it
 flows.
 
-A force that stays would press such metal on beyond its limit load. So metal under loads or pushed tools answers by its
-law, and so it does when a stage has ended and the next one lets go.
+A force that stays would press such metal on beyond its limit load. So metal under loads or pushed tools responds by its
+law, and so it does when a stage has ended and the next one releases it.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def balance_new_mesh(
 
 
 def _is_driven_by_motion(model: Model) -> bool:
-    """Say whether no load, no weight and no force on a tool acts in any stage."""
+    """Return whether no load, no weight and no force on a tool acts in any stage."""
     return not model.gravity and not any(
         stage.forces or stage.pressures or stage.edge_forces or stage.face_forces or stage.face_pressures
         or stage.body_forces or stage.drive or any(motion.push for motion in stage.tool_motion.values())

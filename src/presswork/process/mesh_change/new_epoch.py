@@ -36,7 +36,7 @@ class NewEpoch:
     carried: State
     """Before equilibrium."""
     may_yield: bool
-    """Whether the metal has followed its law on the way to it."""
+    """Whether the metal has followed its law during the transfer."""
 
 
 def make_on_lead(world: World | None, remesh: Callable[..., Made], *given: object, part: float = 1.0) -> Made:

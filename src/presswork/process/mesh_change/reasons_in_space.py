@@ -31,11 +31,12 @@ from presswork.remesh.space.triggers import (
 )
 
 BEFORE_LIMIT, AT_LIMIT = 0.6, 0.8
-"""Of limits.penetration, beyond which a mesh gives way at once; where the last one has left as much, up to AT_LIMIT."""
+"""Penetration over limits.penetration above which a mesh is replaced at once: the first value, or more where the last
+mesh has left as much, up to AT_LIMIT."""
 LEFT = "left"
 """Name in a checkpoint."""
 CHORD = 0.05
-"""Of the smallest edge of cells, by which the triangles that stand for a tool may leave it."""
+"""How far the triangles that stand for a tool may lie off it, over the smallest edge of cells."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Left:
     face: float = 0.0
     """Depth of a tool in a face, over its longest side."""
     quality: float = 1.0
-    """Of the worst cell."""
+    """Quality of the worst cell."""
     edge: float = 0.0
     """Longest edge of the skin over the size wanted there, where another mesh was refused."""
     notch: float = 180.0
@@ -91,7 +92,7 @@ def find_reason(
 
 
 def find_breach(old: OldBody, limits: Limits, *, left: Left, start: FloatArray | None = None) -> str | None:
-    """Say where a tool comes so deep that limits.penetration would stop the run soon.
+    """Describe where a tool penetrates so deeply that limits.penetration would stop the run soon.
 
     start: where the nodes were when the mesh was made (n, 3) [mm]; None: where they are.
     """

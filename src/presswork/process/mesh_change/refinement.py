@@ -18,7 +18,7 @@ from presswork.mesh.topology import edge_keys
 from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Refinement
 
 Planes = Sequence[tuple[int, IntArray]]
-"""Of each symmetry plane the axis that it is normal to, and its nodes."""
+"""The axis that each symmetry plane is normal to, and its nodes."""
 LOOK_AHEAD = 1.0
 """How near a tool must be to be checked, over the side of the shell."""
 

@@ -3,8 +3,8 @@
 
 Positions, thickness, and stress and history of the law of every layer are carried over (SheetState); their components
 stay as they are, in the frame of the law, and the frame goes with them. A one-point shell gives what it has to all
-points of the implicit shell; the other way it takes the mean of the points. A fully integrated one has the same points;
-its thickness is one for all of them.
+points of the implicit shell; in the opposite direction it takes the mean of the points. A fully integrated one has the
+same points; its thickness is one for all of them.
 
 Explicit shells keep no directors, so the implicit ones begin with the sheet's normals, without transverse shear.
 Hourglass forces stay behind, being no stress. So the state carried over is nearly, not wholly, in balance: what it
@@ -73,7 +73,7 @@ class SheetState:
     """A deformed sheet, whatever computed it."""
 
     position: FloatArray
-    """Of the nodes (n_points, 3) [mm]."""
+    """Position of the nodes (n_points, 3) [mm]."""
     blocks: tuple[SheetBlock, ...]
     """Quadrilaterals, then triangles: those that there are."""
     heated: Mapping[str, FloatArray] = field(default_factory=dict)
@@ -281,7 +281,7 @@ def _shells_of(procedure: ImplicitProcedure) -> tuple[ShellMechanics, Section]:
 
 
 def _check_fit(sheet: SheetState, procedure: ImplicitProcedure) -> None:
-    """Refuse another mesh or law, and a procedure under way."""
+    """Refuse another mesh or law, and a procedure that has already begun."""
     state, mesh = procedure.state, procedure.model.mesh
     same = len(sheet.position) == len(mesh.points) and len(sheet.blocks) == len(mesh.blocks)
     if not same or not all(

@@ -3,7 +3,7 @@
 
 Nodes take means of positions; a new cell takes thickness, stress and history, at each of its points, from the nearest
 point of the cell that it lies in. So no state is made that the law would not admit, and what is at a point is wrong by
-its way to that point, at most half an element.
+its distance from that point, at most half an element.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Cut:
     element_size: float
     """Mean length of the new outline's edges [mm]."""
     beside: Mapping[str, Beside]
-    """By line, where one runs beside the sheet."""
+    """Distances by line, where one runs beside the sheet."""
 
     def to_text(self) -> str:
         """Return all of it as a text."""
@@ -98,7 +98,7 @@ def trim_sheet(
 
 
 def explain_beside(cut: Cut) -> list[str]:
-    """Say of each line that runs beside the sheet where, and by how much."""
+    """Describe for each line that runs beside the sheet where, and at what distance."""
     return [
         f"the line trim.{name} runs beside the formed sheet over {each.length:.4g} of its {each.whole:.4g} mm, by up "
         f"to {each.depth:.3g} mm at ({each.place[0]:.4g}, {each.place[1]:.4g}) mm: there the part keeps the edge of "

@@ -15,7 +15,7 @@ from presswork.remesh.space.tetrahedra import area_vectors, find_skin, list_edge
 from presswork.remesh.space.tools import PlacedTool
 
 FLAT = 1e-9
-"""Of the body's size: nodes that lie closer to a plane than that lie in it."""
+"""Nodes that lie closer to a plane than that lie in it, over the body's size."""
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ class OldBody:
 
 
 def _are_among(faces: IndexArray, own: IndexArray) -> BoolArray:
-    """Say which faces (k, 3) are among others (n, 3)."""
+    """Return which faces (k, 3) are among others (n, 3)."""
     both = np.sort(np.concatenate([own, faces]), axis=1)
     _, number = np.unique(both, axis=0, return_inverse=True)
     number = number.ravel()
@@ -167,10 +167,10 @@ class NewBody:
     skin: IndexArray
     """Nodes of its skin (s,)."""
     corners: IndexArray
-    """Of the face of the old skin on which each of them lay (s, 3)."""
+    """Corners of the face of the old skin on which each of them lay (s, 3)."""
     share: FloatArray
-    """Of those corners (s, 3)."""
+    """Share of those corners (s, 3)."""
     offset: float
-    """By which free nodes were moved outwards to give the volume back [mm]."""
+    """Offset by which free nodes were moved outwards to give the volume back [mm]."""
     seam: FloatArray
     """Corners of the faces of the old skin that lie inside now, three of a face after the other (3 k, 3) [mm]."""

@@ -10,15 +10,16 @@ from presswork.model import FloatArray, IntArray, find_cell
 from presswork.remesh.triggers import AHEAD, CLOSED, FACES
 
 SOUGHT = 1.5
-"""Of the mean side of a face: faces farther off close later than the next increments."""
+"""Distance, over the mean side of a face, within which closing faces are searched; faces farther off close later than
+the next increments."""
 
 
 def find_closing_faces(points: FloatArray, moves: FloatArray, faces: IntArray) -> FloatArray | None:
     """Return where a free surface is about to fold onto itself (3,) [mm]; None: nowhere.
 
     points: of the nodes (n_points, 3) [mm]; moves: of them in the last increment, in the same form; faces: of a body,
-    wound outwards (n, 3 | 4). A face counts where its way outwards to a face that faces it will be less than CLOSED of
-    its side after AHEAD increments like the last.
+    wound outwards (n, 3 | 4). A face counts where its distance outwards to a face that faces it will be less than
+    CLOSED of its side after AHEAD increments like the last.
     """
     x = points[faces]
     side = np.linalg.norm(np.roll(x, -1, axis=1) - x, axis=2).mean(axis=1)

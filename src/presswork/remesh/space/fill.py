@@ -43,7 +43,7 @@ class FilledBody:
     faces: IndexArray
     """(k, 3), counter-clockwise seen from outside."""
     number: IndexArray
-    """Of each face (k,)."""
+    """Number of each face (k,)."""
 
 
 def mesh_to_size(

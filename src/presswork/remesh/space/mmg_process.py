@@ -70,7 +70,7 @@ class MmgProcess:
 
 
 def _ran_out(process: subprocess.Popen[bytes]) -> bool:
-    """Say whether a process has ended at the limit of its processor time."""
+    """Return whether a process has ended at the limit of its processor time."""
     limit = getattr(signal, "SIGXCPU", None)
     return limit is not None and process.returncode == -limit
 

@@ -2,7 +2,7 @@
 """Program that makes meshes by MMG for the process that has started it (mmg_process.py), without the rest of presswork.
 
 It reads requests from its standard input and writes an answer to each, both pickled, until its input ends. A request
-names arguments of `make_mesh`, and the processor time that it may take; an answer also tells what it took.
+names arguments of `make_mesh`, and the processor time that it may take; an answer also holds the time taken.
 """
 
 from __future__ import annotations

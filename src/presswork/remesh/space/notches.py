@@ -27,7 +27,8 @@ SHARP, FILLED = 30.0, 60.0
 """Angle of the void below which it counts as a fold and a new mesh is asked for, and below which a new mesh fills it
 [degrees]."""
 IN_TOOL = 0.2
-"""Of a void's width, by which its middle may lie in a tool: more than chords of a round do, less than in a ridge."""
+"""How far the middle of a void may lie in a tool, over the void's width: more than chords of a round do, less than in a
+ridge."""
 THIN = 1e-6
 """Volume of a filling over the cube of its longest edge, below which it is too flat to be meshed."""
 _ROUNDS = 20
@@ -43,7 +44,7 @@ class Notches:
     faces: IndexArray
     """These faces (n, 2)."""
     angle: FloatArray
-    """Of the void between them (n,) [degrees]."""
+    """Angle of the void between them (n,) [degrees]."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +136,7 @@ class _Filler:
         return len(self._added) > before
 
     def may_fill(self, corners: IndexArray, pair: IndexArray) -> bool:
-        """Say whether the void between two faces can be filled, and no tool fills it."""
+        """Return whether the void between two faces can be filled, and no tool fills it."""
         first, second = pair.tolist()
         if self._faces[first] is None or self._faces[second] is None:
             return False
@@ -155,7 +156,7 @@ class _Filler:
         return not self._holds_nodes(corners)
 
     def _holds_nodes(self, corners: IndexArray) -> bool:
-        """Say whether another node of the skin lies in a tetrahedron."""
+        """Return whether another node of the skin lies in a tetrahedron."""
         x = self._points[corners]
         others = np.setdiff1d(self._skin, corners)
         inner = np.linalg.solve((x[1:] - x[0]).T, (self._points[others] - x[0]).T)

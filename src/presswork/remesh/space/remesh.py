@@ -19,18 +19,18 @@ from presswork.remesh.space.surface import locate_on_skin, place_skin, restore_v
 from presswork.remesh.space.tetrahedra import measure_quality, nodal_areas
 
 AWAY = 0.1
-"""Of the largest edge, by which the new skin may leave the old one, taken as smooth."""
+"""How far the new skin may leave the old one, taken as smooth, over the largest edge."""
 LEAST_QUALITY, WANTED = 0.05, 0.25
-"""Of the worst cell: a mesh with a flatter one is refused; inner nodes of cells below the wanted one look for a better
-place."""
+"""Quality of the worst cell below which a mesh is refused, and quality below which inner nodes of cells look for a
+better place."""
 _ATTEMPTS, _FINER = 3, 0.8
 """Where no mesh can be made cells are made smaller by a factor, and it is tried again."""
 _ROUNDS, _HALVINGS = 4, 8
-"""In which the skin comes to its place where cells would turn inside out on its way, and halvings of that way."""
+"""Rounds in which the skin comes to its place where cells would turn inside out, and halvings of its displacement."""
 _FILLINGS = 4
 """Times that a mesh is made because the one before had notches."""
 _PROGRESS = 0.05
-"""Of the quality of the worst cell: a round that brings less than the one before is the last."""
+"""Least gain in the quality of the worst cell: a round that gains less is the last."""
 _BETTER, _LEAST_AT_ALL = 1.3, 0.01
 """Times the quality of the old mesh, from which on a mesh with a flat cell is better than none; its least quality."""
 
@@ -133,7 +133,7 @@ def _keep_planes(body: OldBody, made: FilledBody, table: BoolArray) -> tuple[Flo
 
 
 def retreat(start: FloatArray, end: FloatArray, cells: IndexArray) -> FloatArray:
-    """Return nodes as far on their ways from start to end (n, 3) [mm] as leaves no cell flat or inside out.
+    """Return nodes as far on their paths from start to end (n, 3) [mm] as leaves no cell flat or inside out.
 
     A cell that is flat at the start may lose half of its quality.
     """

@@ -20,13 +20,13 @@ from presswork.remesh.space.tetrahedra import area_vectors
 OF_RADIUS = 0.4
 OF_GAP = 0.25
 OF_WIDTH = 0.5
-"""Of the width of a tool's ridge or slot: metal follows the one and enters the other with two edges across it."""
+"""Size over the width of a tool's ridge or slot: metal follows or enters it with two edges across."""
 REACH = 2.0
 """Cells of the largest size ahead of contact over which a tool's radius counts."""
 LEAST_ACROSS = 1.5
 """Cells across the metal below which a budget is too small."""
 OF_SKIN = 0.02
-"""Of the skin's area: as much may be thinner than that."""
+"""Share of the skin's area that may be thinner."""
 _OPPOSITE = 0.8
 """Least cosine between a face's normal and that of one opposite to it, reversed."""
 
@@ -84,7 +84,7 @@ def _find_thinnest(body: OldBody, reach: float) -> float:
 def measure_thickness(body: OldBody, reach: float) -> FloatArray:
     """Return how thick the metal is beneath each face (k,) [mm]; infinite beyond reach, and for faces in planes.
 
-    The thickness is the distance along the normal of the nearest face that looks the other way, or of its own image
+    The thickness is the distance along the normal of the nearest face with the opposite direction, or of its own image
     beyond a plane.
     """
     faces = np.flatnonzero(~body.in_plane)

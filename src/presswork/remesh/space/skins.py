@@ -15,7 +15,7 @@ from presswork.remesh.space.tetrahedra import list_edges
 from presswork.remesh.space.tools import Bends, PlacedTool
 
 DEEPEST = 0.5
-"""Of the mean edge of a skin, to which something may have come in."""
+"""How far something may have come into a skin, over its mean edge."""
 
 
 @dataclass(frozen=True)

@@ -21,14 +21,14 @@ from presswork.remesh.space.tetrahedra import area_vectors, enclosed_volume, lis
 from presswork.remesh.space.tools import PlacedTool, put_on_tools
 
 LARGEST_OFFSET = 0.25
-"""Of the mean edge of the skin, by which the volume is given back at most."""
+"""Largest offset that gives the volume back, over the mean edge of the skin."""
 STEEPEST, NEAR = 0.5, 0.02
-"""Of its distance from the end of a contact, and of its mean edge, by which a node may lie off a tool and come to lie
-on it."""
+"""How far a node may lie off a tool and still be put on it: over its distance from the end of a contact, and over its
+mean edge."""
 SNAP = 0.45
-"""Of its mean edge, within which a node comes to lie on a tool's sharp edge."""
+"""Distance over its mean edge within which a node is put on a tool's sharp edge."""
 APART = 0.3
-"""Of its mean edge, within which it then has no neighbour."""
+"""Distance over its mean edge within which such a node then has no neighbour."""
 TURNED = 0.5
 """Cosine between the normals of a face before and after, below which its nodes have gone too far."""
 _NEAREST, _OTHER_SIDE = 24, 1e6
@@ -42,7 +42,7 @@ class FacePlaces:
     face: IndexArray
     """(n,)."""
     share: FloatArray
-    """Of the face's corners, in it or on its rim (n, 3)."""
+    """Share of the face's corners, in it or on its rim (n, 3)."""
 
 
 def locate_on_skin(
@@ -51,7 +51,7 @@ def locate_on_skin(
     """Find the nearest place of faces (k, 3) over points to each wanted point (n, 3).
 
     normals: outwards at the wanted points, of any length (n, 3). Where the skin has folded onto itself the face on the
-    other side of the fold, which looks the other way, may be nearer.
+    other side of the fold, which has the opposite direction, may be nearer.
     """
     corners = points[faces]
     outwards = area_vectors(points, faces)
@@ -102,11 +102,11 @@ class NewSkin:
     """The skin in its place."""
 
     points: FloatArray
-    """Of all nodes; those inside have not moved (n, 3) [mm]."""
+    """Points of all nodes; those inside have not moved (n, 3) [mm]."""
     on_tool: BoolArray
     """(n_tools, n)."""
     offset: float
-    """By which free nodes were moved to give the volume back [mm]."""
+    """Offset by which free nodes were moved to give the volume back [mm]."""
 
 
 def place_skin(
@@ -280,7 +280,7 @@ def _free_directions(points: FloatArray, faces: IndexArray, on_tool: BoolArray, 
 
 
 def _find_offset(points: FloatArray, faces: IndexArray, direction: FloatArray, target: float) -> float:
-    """Return the offset along a way with which faces hold a volume [mm], by Newton's method."""
+    """Return the offset along a direction with which faces hold a volume [mm], by Newton's method."""
     offset = 0.0
     for _ in range(20):
         moved = points + offset * direction

@@ -36,9 +36,9 @@ class Bends:
     segments: FloatArray
     """Their ends (m, 2, 3) [mm]."""
     turn: FloatArray
-    """By which the facets turn, positive where the tool is convex (m,) [rad]."""
+    """Turn between the facets, positive where the tool is convex (m,) [rad]."""
     width: FloatArray
-    """Of the narrower facet (m,) [mm]."""
+    """Width of the narrower facet (m,) [mm]."""
 
     def carry(self, pose: SpacePose) -> Bends:
         """Return the edges where the tool stands."""

@@ -40,9 +40,9 @@ class FitInSpace:
     donor: IntArray
     """(n_new, DONORS), the nearest first, and again where there are fewer."""
     weight: FloatArray
-    """Of the quadratic fit's value (n_new, DONORS)."""
+    """Weight of the quadratic fit's value (n_new, DONORS)."""
     linear_weight: FloatArray
-    """Of the linear fit's (n_new, DONORS)."""
+    """Weight of the linear fit's value (n_new, DONORS)."""
 
     def apply(self, values: FloatArray) -> FloatArray:
         """Return values (n_old, m) at the new points (n_new, m); counted from the nearest, so that a constant stays."""
@@ -74,7 +74,7 @@ class PointsInSpace:
         return scipy.spatial.cKDTree(self.position)
 
     def _are_near(self, home: IndexArray, cells: IndexArray) -> BoolArray:
-        """Say which cells (n, k) share a node with home (n,), or with a cell that does."""
+        """Return which cells (n, k) share a node with home (n,), or with a cell that does."""
         return np.asarray(_core.find_near_cells(*(own.astype(np.int32) for own in (self.cells, home, cells))))
 
     def find_transfer(self, new: FloatArray, home: IndexArray) -> FitInSpace:

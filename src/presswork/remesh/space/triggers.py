@@ -24,7 +24,7 @@ WORSE = 1.3
 
 
 def find_flat_cell(body: OldBody, increment: FloatArray, least: float) -> str | None:
-    """Say which cell will be flat after another increment like the last (n, 3) [mm], or is now."""
+    """Describe the cell that will be flat after another increment like the last (n, 3) [mm], or is now."""
     now, then = (measure_quality(points, body.cells) for points in (body.points, body.points + increment))
     expected = np.minimum(now, then)
     worst = int(np.argmin(expected))
@@ -35,13 +35,13 @@ def find_flat_cell(body: OldBody, increment: FloatArray, least: float) -> str | 
 
 
 def find_notch(body: OldBody, sharpest: float = SHARP) -> str | None:
-    """Say where the skin is about to fold onto itself: a void that a new mesh fills is sharper than an angle."""
+    """Describe where the skin is about to fold onto itself: a void that a new mesh fills is sharper than an angle."""
     angle, middle = measure_notch(body)
     return f"a notch of {angle:.2g} degrees near {_name_place(middle)}" if angle < sharpest else None
 
 
 def find_long_edge(body: OldBody, sizes: EdgeSizes, *, longest: float = TOO_LONG) -> str | None:
-    """Say which edge of the skin is too long for the tools ahead of it or the metal beneath it."""
+    """Describe an edge of the skin that is too long for the tools ahead of it or the metal beneath it."""
     ratio, middle = _find_longest(body, sizes)
     return f"an edge {ratio:.2g} times too long near {_name_place(middle)}" if ratio > longest else None
 
@@ -66,7 +66,7 @@ def _find_longest(body: OldBody, sizes: EdgeSizes) -> tuple[float, FloatArray]:
 def find_cut_edge(
     body: OldBody, *, deepest: float = TOO_DEEP, smallest: float = 0.0, sharp_counts: bool = False
 ) -> str | None:
-    """Say which edge of the skin lies too deep in a tool between its nodes.
+    """Describe an edge of the skin that lies too deep in a tool between its nodes.
 
     Beside a sharp edge of a tool every edge does, on any mesh, and so it does on a radius that chords of the smallest
     length [mm] cut deeper than TOO_DEEP: unless sharp_counts, those do not count.
@@ -78,7 +78,7 @@ def find_cut_edge(
 
 
 def find_cut_face(body: OldBody, deepest: float) -> str | None:
-    """Say which face of the skin lies too deep in a tool, as limits.penetration counts it, sharp edges included.
+    """Describe a face of the skin that lies too deep in a tool, as limits.penetration counts it, sharp edges included.
 
     A ridge narrower than a face may come in between its edges.
     """
@@ -89,7 +89,8 @@ def find_cut_face(body: OldBody, deepest: float) -> str | None:
 
 
 def find_stretched_cut(body: OldBody, start: FloatArray, deepest: float) -> str | None:
-    """Say which edge of the skin lies too deep in a tool by its length when the mesh was made, as limits.penetration
+    """Describe an edge of the skin that lies too deep in a tool by its length when the mesh was made, as
+    limits.penetration
     counts it: the flow may have made it longer since.
 
     start: where the nodes were then (n, 3) [mm].

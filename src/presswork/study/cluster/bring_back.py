@@ -23,8 +23,8 @@ PART = 8 << 20
 def bring_back(client: Client, news: Mapping[str, Any], place: Path) -> Path:
     """Fetch the files of an attempt into a folder beside the member's place, and return it.
 
-    news: what the worker told at the end. Raises ConnectionError if the worker is gone, OSError if the files cannot be
-    written here, OutputError for names that lead elsewhere.
+    news: the worker's last report. Raises ConnectionError if the worker is gone, OSError if the files cannot be written
+    here, OutputError for names that lead elsewhere.
     """
     folder = place.with_name(f".{place.name}-{news['attempt']}")
     if any(Path(name).name != name for name in (folder.name, *(name for name, _ in news["files"]))):

@@ -32,7 +32,7 @@ _MUST_AGREE = ("python", "presswork", "distributed")
 
 
 class ClusterError(Exception):
-    """The cluster cannot be used; the message says why and what to do."""
+    """The cluster cannot be used; the message holds the reason and the remedy."""
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Cluster:
     """The cluster that computes the members of a study."""
 
     address: str
-    """Of its scheduler, `tcp://host:8786`; or `local`, for workers on this machine as long as the study lasts."""
+    """Address of its scheduler, `tcp://host:8786`; or `local`, for workers on this machine during the study."""
     bring_back: bool = False
     """Whether results are brought back from workers that do not see the folder."""
     on_dashboard: Callable[[str], None] | None = None

@@ -14,7 +14,7 @@ from distributed.security import Security
 
 
 def main() -> None:
-    """Start the cluster, say where it is, and close it when nobody needs it any more."""
+    """Start the cluster, print its address, and close it when nobody needs it any more."""
     security = Security.temporary()
     certificate = {name: getattr(security, name) for name in ("tls_ca_file", "tls_client_key", "tls_client_cert")}
     with LocalCluster(

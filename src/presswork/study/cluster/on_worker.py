@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What workers do: each thread of a worker starts a member's process and passes on what that says.
+"""What workers do: each thread of a worker starts a member's process and passes on its messages.
 
 A member is computed in a folder of its own, of a name that no other attempt has. Only the client puts what it accepts
 into the member's place, so a worker that was given up for lost and goes on writing harms nothing.
@@ -31,7 +31,7 @@ class Order:
     """One member to be computed by whichever worker takes it."""
 
     study: str
-    """Topic of the events that tell the client."""
+    """Topic of the events that inform the client."""
     member: int
     job: bytes
     """The pickled case, or its Model."""
@@ -46,7 +46,7 @@ class Order:
 
 
 def compute(order: Order) -> None:
-    """Compute a member. Events tell that it started, how far it is, and how it ended."""
+    """Compute a member. Events report that it started, how far it is, and how it ended."""
     worker = get_worker()
     attempt = uuid.uuid4().hex[:8]
 
@@ -104,7 +104,7 @@ def _share_worker(order: Order, worker: Worker, folder: str, mode: Mode) -> Work
 
 
 def _find_whether_wanted(worker: Worker) -> Any:
-    """Return a function that says whether the scheduler still waits for the present task on this worker."""
+    """Return a function that returns whether the scheduler still waits for the present task on this worker."""
     key = worker.get_current_task()
 
     def is_wanted() -> bool:
@@ -122,7 +122,7 @@ def kill_members(study: str) -> None:
 
 
 def holds_token(path: str, words: str) -> bool:
-    """Say whether this worker sees a file of these words, and may write beside it."""
+    """Return whether this worker sees a file of these words, and may write beside it."""
     try:
         return Path(path).read_text() == words and os.access(Path(path).parent, os.W_OK)
     except OSError:

@@ -37,7 +37,7 @@ class _Member:
 
     order: Order
     future: Any = None
-    """Of Dask."""
+    """Future of Dask."""
     tries: int = 0
     """Number of times that it was given to the scheduler."""
     workers: list[str] = field(default_factory=list)
@@ -127,7 +127,7 @@ class ClusterPool:
             yield from self._hear(news) if kind == "reported" else self._judge(*news)
 
     def _hear(self, news: Mapping[str, Any]) -> Iterator[Event]:
-        """Take up what a worker tells of a member."""
+        """Take up what a worker reports about a member."""
         i, member = news["member"], self._members[news["member"]]
         if member.ended:
             return
@@ -161,7 +161,7 @@ class ClusterPool:
         yield self._end(i, status, reason)
 
     def _judge(self, i: int, future: Any) -> Iterator[Event]:
-        """Take up that the scheduler is done with a member, of which its worker has told unless it is lost."""
+        """Take up that the scheduler is done with a member, which its worker has reported unless it is lost."""
         from distributed.scheduler import KilledWorker
 
         member = self._members[i]

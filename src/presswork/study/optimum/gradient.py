@@ -16,7 +16,7 @@ from presswork.model import FloatArray
 from presswork.study.optimum.search import Evaluate, Outcome
 
 MARGIN = 1e-3
-"""Of each limit's scale: SLSQP keeps this from the limits, so that its last run is on the right side of them."""
+"""Distance that SLSQP keeps from each limit, over its scale, so that its last run is within the limits."""
 _WORSE = 10.0
 """Scaled goal of a run without results."""
 

@@ -45,7 +45,7 @@ class Optimum:
     status: Literal["completed", "gave_up", "interrupted"]
     """"gave_up": no run keeps the limits."""
     reason: str
-    """Why it ended before it could tell that nothing better is near; empty if it could."""
+    """Reason why it ended before it was certain that nothing better is near; empty if it was."""
     folder: Path
     runs: tuple[Run, ...]
     best: Run | None
@@ -167,7 +167,7 @@ def search(
 
 
 def _explain_none(runs: Sequence[Run], reason: str) -> str:
-    """Say why no run is feasible, by the one that comes nearest."""
+    """Explain why no run is feasible, by the one that comes nearest."""
     known = [run for run in runs if run.outcome and run.outcome.is_known]
     if not known:
         return f"none of {len(runs)} runs has results; {runs[0].folder.name}: {runs[0].reason}"

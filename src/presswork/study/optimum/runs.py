@@ -42,7 +42,7 @@ class Run:
     number: int
     folder: Path
     values: dict[str, float]
-    """Of the variables by their keys, in the units of the study file."""
+    """Values of the variables by their keys, in the units of the study file."""
     x: FloatArray
     """The same as parts of the bounds' ranges (n_variables,)."""
     case_text: str = ""
@@ -274,7 +274,7 @@ def _read_model_id(folder: Path) -> str | None:
 
 
 def _choose_mode(folder: Path) -> Mode:
-    """Say how a run begins in its folder; one of another model never stands there."""
+    """Choose how a run begins in its folder, which never holds one of another model."""
     if not folder.is_dir():
         return "new"
     return "resume" if _read_model_id(folder) is not None and (folder / CHECKPOINT).is_file() else "overwrite"

@@ -17,18 +17,18 @@ class SpentError(Exception):
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one run says of the optimum."""
+    """Result of one run for the optimum."""
 
     x: FloatArray
     """The variables as parts of their ranges, 0 to 1 (n_variables,)."""
     goal: float
     """The sum of the goals, to be small; NaN of a run without results."""
     excess: FloatArray
-    """By how much each side of each limit is passed (n_sides,): at most 0 where it holds; NaN without results."""
+    """Excess over each side of each limit (n_sides,): at most 0 where it holds; NaN without results."""
     slope: FloatArray | None = None
-    """Of the goal over the variables' ranges (n_variables,), where the run has found it."""
+    """Slope of the goal over the variables' ranges (n_variables,), where the run has found it."""
     slopes: FloatArray | None = None
-    """Of the excess, in the same way (n_sides, n_variables)."""
+    """Slopes of the excess, in the same form (n_sides, n_variables)."""
 
     @property
     def is_known(self) -> bool:

@@ -49,11 +49,11 @@ class Slopes:
     """How the derivatives of a study's measures follow from those of a run's history."""
 
     sources: Mapping[str, _Source]
-    """By measure."""
+    """Sources by measure."""
     keys: tuple[tuple[str, ...], ...]
-    """Of the case, by variable."""
+    """Keys of the case, by variable."""
     ranges: FloatArray
-    """Of the variables, in the units of the history (n_variables,)."""
+    """Ranges of the variables, in the units of the history (n_variables,)."""
 
     @property
     def override(self) -> str:

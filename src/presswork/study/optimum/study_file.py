@@ -105,7 +105,7 @@ class Goal(Part):
 
     @property
     def factor(self) -> float:
-        """Of the measure in the sum that is made small."""
+        """Return the factor of the measure in the sum that is minimised."""
         return self.weight if self.minimise else -self.weight
 
 

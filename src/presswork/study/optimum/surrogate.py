@@ -30,15 +30,15 @@ from presswork.model import BoolArray, FloatArray
 from presswork.study.optimum.search import Evaluate, Outcome, find_best, spread
 
 DISTANCES = (0.5, 0.05, 0.2)
-"""Of runs that look elsewhere, as parts of the largest distance that a point can have from all runs."""
+"""Distances of runs that explore, over the largest distance that a point can have from all runs."""
 MARGIN = 0.25
-"""Of the tolerance times the spread of a limit's measure: the model must keep this from the limit, being no run."""
+"""Margin that the model must keep from a limit, over the tolerance times the spread of the limit's measure."""
 _CANDIDATES = 12
 """Power of two of the points that the model is tried at."""
 _KERNELS = tuple(itertools.product(("thin_plate_spline", "cubic"), (0.0, 1e-4, 1e-2)))
 _POLISHED = 3
 _SLACK = 1e-6
-"""Of limits, which SLSQP keeps to so much."""
+"""Excess of limits that SLSQP accepts."""
 
 Model = Callable[[FloatArray], FloatArray]
 
@@ -158,7 +158,7 @@ def _spread_candidates(n: int, centres: FloatArray) -> FloatArray:
 
 
 def _are_near_results(points: FloatArray, outcomes: Sequence[Outcome]) -> BoolArray:
-    """Say of each point whether the run nearest to it has results."""
+    """Return for each point whether the run nearest to it has results."""
     known = np.array([outcome.is_known for outcome in outcomes])
     nearest = cdist(points, np.array([outcome.x for outcome in outcomes])).argmin(axis=1)
     return np.asarray(known[nearest])

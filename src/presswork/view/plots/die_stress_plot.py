@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 STEEPEST = 70.0
 """Highest elevation of the view [degree]: from straight above depths are not seen."""
 ASIDE = 30.0
-"""By which the view is turned from the tool's face [degree]."""
+"""Turn of the view from the tool's face [degree]."""
 _BARE = (0.86, 0.86, 0.86, 1.0)
 
 

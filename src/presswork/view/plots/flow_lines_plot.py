@@ -45,7 +45,7 @@ def flow_panel_size(result: Result, step: int, mirror: Mirror) -> tuple[float, f
 
 
 def plot_flow_lines(result: Result, step: int = -1, ax: Axes | None = None, *, mirror: Mirror = "") -> Axes:
-    """Draw the grain flow of a section, is_section says of which."""
+    """Draw the grain flow of a section (see is_section)."""
     if ax is None:
         ax = new_figure(*flow_panel_size(result, step, mirror)).subplots()
     prepare_section(ax, result, step, mirror)
@@ -105,10 +105,10 @@ def _refine(net: Triangulation, values: FloatArray) -> tuple[Triangulation, Floa
 
 
 def is_section(result: Result) -> bool:
-    """Say whether the body is a section in the plane or in axisymmetry."""
+    """Return whether the body is a section in the plane or in axisymmetry."""
     return bool(result.mesh.points.shape[1] == 2)
 
 
 def has_remeshed(result: Result) -> bool:
-    """Say whether the body got a new mesh in the run."""
+    """Return whether the body got a new mesh in the run."""
     return bool(np.asarray(result.history.get("remeshes", 0)).any())

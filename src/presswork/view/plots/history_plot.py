@@ -211,7 +211,7 @@ def _is_large(column: str) -> bool:
 
 
 def is_of_part(history: Mapping[str, NDArray[Any]], column: str) -> bool:
-    """Say whether a column counts what is computed alone, not the whole: energies, work, heat, reactions of sets."""
+    """Return whether a column counts what is computed alone, not the whole: energies, work, heat, reactions of sets."""
     name, _, quantity = column.rpartition(".")
     if quantity.startswith(("force_", "moment_")):
         return bool(name) and f"{name}.force" not in history  # tools have their force, of the whole

@@ -92,7 +92,7 @@ def _spread(count: int) -> list[int]:
 
 
 def _label(result: Result, step: int, progress: Progress | None, *, pressed: bool) -> str:
-    """Return a curve's label; pressed: the working tool makes the body shorter along its way, as extrusion does not."""
+    """Return a curve's label; pressed: the working tool shortens the body along its motion, as extrusion does not."""
     if (roll := find_turning_tool(result)) is not None:
         return f"{np.degrees(turned_by(result, roll, step)):.1f} degrees"
     if progress is None:

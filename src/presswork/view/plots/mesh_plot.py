@@ -198,7 +198,7 @@ def _draw_cells(
 
 
 def _label_extremes(ax: Axes, result: Result, field: str, values: FloatArray, places: FloatArray, step: int) -> None:
-    """Mark the extremes of the values (n,) at their places (n, 2) [mm] and the first crack, say both in the title."""
+    """Mark the extremes of the values (n,) at their places (n, 2) [mm] and the first crack, name both in the title."""
     mark_extremes(ax, values, places)
     crack = mark_first_crack(ax, result, field, step)
     faults = ", ".join(words for words in (crack, mark_laps(ax, result, step)) if words)

@@ -27,7 +27,7 @@ class Operation:
     """The rows of the history from one placing of tools to the next."""
 
     name: str
-    """Of the operation in a line of them, else of its first stage in which a tool is loaded."""
+    """Name of the operation in a line of them, else of its first stage in which a tool is loaded."""
     rows: IntArray
     """To the last one in which a tool is loaded (n,)."""
     tools: tuple[str, ...]

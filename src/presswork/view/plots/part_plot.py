@@ -22,8 +22,8 @@ _COLOURS = np.array([[0.72, 0.74, 0.76], [0.78, 0.06, 0.18]])
 def draw_undercut(points: FloatArray, triangles: IntArray, over: BoolArray, path: Path) -> None:
     """Draw a part from above and from below, its undercut triangles in red, as a PNG.
 
-    points (n_points, 3) [mm], the punch's way -z; triangles (n, 3); over: which are undercut (n,). Raises OutputError,
-    and ImportError without matplotlib.
+    points (n_points, 3) [mm], the punch's direction -z; triangles (n, 3); over: which are undercut (n,). Raises
+    OutputError, and ImportError without matplotlib.
     """
     require_matplotlib()
     from matplotlib.figure import Figure

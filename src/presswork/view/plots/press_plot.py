@@ -21,7 +21,7 @@ FORCE, SPEED = "tab:blue", "tab:orange"
 
 
 def has_ram(history: dict[str, NDArray[Any]]) -> bool:
-    """Say whether a ram has moved in a run."""
+    """Return whether a ram has moved in a run."""
     return "ram_speed" in history and bool(np.any(history["ram_speed"] > 0.0))
 
 
@@ -75,5 +75,5 @@ def _find_strokes(
 
 
 def _works(history: dict[str, NDArray[Any]], stage: str) -> bool:
-    """Say whether a ram drives a stage."""
+    """Return whether a ram drives a stage."""
     return bool(np.any(history["ram_speed"][history["stage"] == stage] > 0.0))

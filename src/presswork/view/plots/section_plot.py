@@ -95,7 +95,7 @@ def is_drawn_in(result: Result) -> bool:
 def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
     """Draw how far the blank's edge has come in along x, y and the diagonal against the stroke.
 
-    Steps after trimming or springback are left out. Of a press line it shows the operation that draws in most.
+    Steps after trimming or springback are left out. For a press line it shows the operation that draws in most.
     """
     require_matplotlib()
     figure = new_figure(6.4, 4.2) if figure is None else figure

@@ -21,7 +21,7 @@ MEAN, LOW, HIGH = "temperature_mean", "temperature_min", "temperature_max"
 
 
 def has_temperatures(history: dict[str, NDArray[Any]]) -> bool:
-    """Say whether a run has computed temperatures, and has come as far as its first row."""
+    """Return whether a run has computed temperatures, and has come as far as its first row."""
     return MEAN in history and len(history["time"]) > 0
 
 

@@ -121,7 +121,7 @@ def build_formability(material: SheetLaws, key: str, thickness: float) -> Formab
 
 
 def _note_of_thickness(limit: object, key: str, thickness: float) -> str:
-    """Say it where the limit is that of a sheet of another thickness."""
+    """Note that the limit is that of a sheet of another thickness; empty where it is not."""
     remedy = ""
     if isinstance(limit, KeelerLimit):
         remedy = f"leave {key}.forming_limit.thickness out for the blank's own"

@@ -29,7 +29,7 @@ from presswork.model import BoolArray, FloatArray
 _LARGEST_STEP = 2e-3
 _LARGEST_STRAIN = 5.0
 _STANDSTILL = 1e-3
-"""The sheet is said to strain no more when it does by this part of the groove."""
+"""Strain increment of the sheet over that of the groove below which the sheet counts as no longer straining."""
 _SMALLEST_FACTOR = 1e-3
 """Or when no solution is found with this part of a step."""
 
@@ -217,7 +217,7 @@ class _Equations:
         return force + middle[:, None] * along, value, normal[:, 0] + normal[:, 1]
 
     def advance(self, grooves: _Grooves, step: FloatArray) -> tuple[_Grooves, BoolArray]:
-        """Advance the grooves by steps of their equivalent plastic strain; say which found a solution."""
+        """Advance the grooves by steps of their equivalent plastic strain; return which found a solution."""
         # y = base + weight y', the two-step backward difference formula of uneven steps
         w = np.where(grooves.step > 0, step / np.maximum(grooves.step, 1e-300), 0.0)
         weight = step * (1 + w) / (1 + 2 * w)

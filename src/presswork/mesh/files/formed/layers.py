@@ -16,7 +16,7 @@ from presswork.model import FloatArray, FormedSheet, Section
 Rule = Literal["gauss", "lobatto", "simpson"]
 RULES: tuple[Rule, ...] = ("gauss", "simpson", "lobatto")
 _ALIKE = 1e-3
-"""Of half the thickness, by which a layer lies off its place in a rule."""
+"""How far a layer may lie off its place in a rule, over half the thickness."""
 MATRIX = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 """Where a tensor has xx, yy, zz, xy, yz, zx."""
 

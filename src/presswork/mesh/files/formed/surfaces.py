@@ -19,7 +19,7 @@ from presswork.own_process import DiedError, call_apart
 
 Side = Literal["middle", "bottom", "top", "skin"]
 MOST_FACES = 20_000
-"""Of a STEP file: each triangle is a plane face of some 2 kB."""
+"""Most faces of a STEP file: each triangle is a plane face of some 2 kB."""
 _SECONDS = 600
 
 
