@@ -11,9 +11,10 @@ import ezdxf
 import numpy as np
 import pytest
 
-from presswork.case import Case, CaseError, build_model
+from presswork.case import Case, CaseError, build_model, read_case
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
+from presswork.examples import copy_example
 from presswork.geometry.swept_tool import draw_block, triangulate
 from presswork.mesh.files.stl_file import pack_stl
 from presswork.model import Triangulation
@@ -162,6 +163,49 @@ def test_round_temperatures_in_kelvin_are_told_by_themselves(caplog: pytest.LogC
     assert "elvin" not in build(hot(1150, 328, 20), caplog)
     assert "tools.punch.heat.temperature = 323 (49.85 degrees C)" in build(hot(1150, 323, 20), caplog)
     assert "heat.initial_temperature = 1173 (899.9 degrees C)" in build(hot(1173, 200, 20), caplog)
+
+
+def test_coefficients_of_heat_transfer_in_watts_per_square_metre_are_told(caplog: pytest.LogCaptureFixture) -> None:
+    """1 N/(mm s K) is 1000 W/(m^2 K): air takes 0.005 to 0.25, dies 1 to 100 of it."""
+
+    def ask(air: float | str, die: float | str) -> str:
+        around = {"heat": {"surroundings": {"coefficient": air}}, "tools": {"punch": {"heat": {"conductance": die}}}}
+        return build(merge(hot(1150, 200, 20), around), caplog)
+
+    air = "heat.surroundings.coefficient: 10 N/(mm s K) is 10 kW/(m^2 K), more than air transfers"
+    assert air in ask(10, 5)
+    assert '"10 W/(m^2*K)"' in caplog.text
+    assert "tools.punch.heat.conductance: 8000 N/(mm s K)" in ask(0.01, 8000)
+    assert "tools.punch.heat.conductance" in ask(0.01, [[0, 900], [100, 8000]])
+    assert "kW/(m^2 K)" not in ask("10 W/(m^2*K)", "8000 W/(m^2*K)")
+    assert "kW/(m^2 K)" not in ask(0.25, 100)
+    assert "kW/(m^2 K)" not in ask(0.0, 400)
+
+
+def merge(case: Case, changes: dict[str, Any]) -> Case:
+    """Return a case with other values of some keys."""
+
+    def put(into: dict[str, Any], what: dict[str, Any]) -> dict[str, Any]:
+        for key, value in what.items():
+            into[key] = put(into[key], value) if isinstance(value, dict) else value
+        return into
+
+    return Case.model_validate(put(case.model_dump(exclude_unset=True), changes))
+
+
+def test_a_quench_in_watts_per_square_metre_is_told(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = copy_example("billet_cooling", tmp_path)
+
+    def ask(coefficient: str) -> str:
+        caplog.clear()
+        with caplog.at_level(logging.WARNING, logger="presswork"):
+            build_model(read_case(path, [f"stages.2.convection.0.coefficient={coefficient}"]))
+        return caplog.text
+
+    assert "stages.2.convection.0.coefficient: 9000 N/(mm s K) is 9000 kW/(m^2 K), more than water that boils" in ask(
+        "[[20, 3000], [300, 9000]]"
+    )
+    assert "boiling" not in ask("[[20, 3], [300, 12]]")
 
 
 def test_a_stroke_through_the_anvil_is_refused_in_space(caplog: pytest.LogCaptureFixture) -> None:
