@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from presswork.case import Case, build_model, read_case
+from presswork.case import Case, CaseError, build_model, read_case
 from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.examples import copy_example
@@ -117,9 +117,84 @@ def roll_strip(folder: Path, mu: float, **more: str) -> list[str]:
 
 def test_rolls_that_do_not_bite_are_named_and_rolls_that_do_are_not(tmp_path: Path) -> None:
     """A bite of acos(1 - 0.4 / 100) = 5.1 degrees draws the strip in from a coefficient of tan 5.1 = 0.09 on."""
-    slips = roll_strip(tmp_path / "slips", 0.0)
-    assert any("the tool roll turned by 18 degrees in the stage 'roll', and the workpiece" in text for text in slips)
+    for mu in (0.0, 0.06):
+        slips = roll_strip(tmp_path / f"slips_{mu}", mu)
+        assert any("the tool roll turned by 18 degrees in the stage 'roll', and the work" in text for text in slips)
     assert not [text for text in roll_strip(tmp_path / "bites", 0.3) if "stood still" in text]
+
+
+SLAB = """
+title = "rolling of a slab in space, 2 mm wide"
+analysis = "solid"
+[workpiece]
+material = "steel"
+mesh = {size = [30, 2, 2], cells = [30, 1, 3], origin = [-39, 0, 0]}
+[materials.steel]
+young = 200e3
+poisson = 0.3
+density = 7.85e-9
+hardening = {law = "swift", K = 600, e0 = 0.02, n = 0.15}
+[tools.roll]
+shape = "straight"
+contact = "coulomb"
+mu = 0.3
+profile = [
+    [0, 1.6],
+    {to = [0, 201.6], centre = [0, 101.6], turn = "left"},
+    {to = [0, 1.6], centre = [0, 101.6], turn = "left"},
+]
+[tools.pusher]
+shape = "plane"
+normal = [1, 0, 0]
+position = [-39, 0, 0]
+contact = "frictionless"
+[boundary]
+middle = {set = "back", fix = ["z"]}
+plane_strain = {set = "all", fix = ["y"]}
+[[stages]]
+name = "bite"
+tools.roll = {turn = -1.5}
+tools.pusher = {move = [2.7, 0, 0]}
+[[stages]]
+name = "roll"
+tools.roll = {turn = -6}
+[output]
+steps = 1
+"""
+STOOD = "the tool roll turned by 6 degrees in the stage 'roll', and the workpiece stood still"
+
+
+def roll_slab(folder: Path, mu: float, *changes: str, way: int = -1) -> list[str]:
+    """Return the warnings of a slab that a roll draws in along x; way: -1, or 1, by which it pushes it back."""
+    path = folder / "slab.toml"
+    folder.mkdir()
+    path.write_text(SLAB, "utf-8")
+    keys = [f"tools.roll.mu={mu}", f"stages.0.tools.roll.turn={1.5 * way}", f"stages.1.tools.roll.turn={6 * way}"]
+    run_model(build_model(read_case(path, [*keys, *changes])), folder / "out", threads=1)
+    found: list[str] = json.loads((folder / "out" / "summary.json").read_text("utf-8"))["warnings"]
+    return [text for text in found if text.startswith(STOOD)]
+
+
+def test_rolls_that_do_not_bite_or_turn_the_wrong_way_are_named_in_space(tmp_path: Path) -> None:
+    """A rolled slab moves by 6 degrees of a radius of 100 mm, 10 mm; the back of one that does not is on the pusher."""
+    keys = ["solver.max_increment=0.1"]
+    assert roll_slab(tmp_path / "slips", 0.0, *keys)
+    assert roll_slab(tmp_path / "wrong way", 0.3, *keys, way=1)
+    assert not roll_slab(tmp_path / "bites", 0.3, *keys)
+
+
+def test_rolls_that_do_not_bite_are_named_in_explicit_space(tmp_path: Path) -> None:
+    keys = ["procedure=explicit", "workpiece.mesh.cells=[15, 1, 2]"]
+    keys += ["stages.0.duration=0.5 ms", "stages.1.duration=2 ms"]
+    assert roll_slab(tmp_path / "slips", 0.0, *keys)
+    assert not roll_slab(tmp_path / "bites", 0.3, *keys)
+
+
+def test_explicit_rolls_in_the_plane_are_refused(tmp_path: Path) -> None:
+    """So none can slip there."""
+    keys = ["procedure=explicit", "stages.0.duration=1 ms", "stages.1.duration=1 ms"]
+    with pytest.raises(CaseError, match=r"stages\.1\.tools\.roll\.turn.*a tool can be moved only"):
+        build_model(read_case(copy_example("strip_rolling", tmp_path), keys))
 
 
 def test_an_impact_that_stays_elastic_says_so_first(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 
 import numpy as np
@@ -17,9 +17,9 @@ from presswork.case.description.press import describe_drive
 from presswork.case.description.shell import describe_sheet
 from presswork.case.description.supports import describe_support
 from presswork.geometry.crossing import bound_segments
-from presswork.geometry.pose import start_profile
+from presswork.geometry.pose import start_profile, turn_about
 from presswork.memory import available_memory, estimate_memory
-from presswork.model import OneStepModel
+from presswork.model import FloatArray, OneStepModel
 
 
 def describe(problem: model.Model | OneStepModel) -> str:
@@ -50,7 +50,7 @@ def describe(problem: model.Model | OneStepModel) -> str:
     for number, stage in enumerate(problem.stages, 1):
         lines += [
             f'stage {number} "{stage.name}", {stage.duration:g} s:',
-            *(f"  {line}" for line in _describe_stage(stage, problem.dimension)),
+            *(f"  {line}" for line in _describe_stage(stage, problem)),
             *(f"  {line}" for line in describe_loads(problem, number - 1)),
             *(f"  {line}" for line in (describe_ramp(stage) if problem.explicit is not None else ())),
         ]
@@ -178,27 +178,39 @@ def _describe_contact(problem: model.Model, contact: model.BodyContact) -> str:
     return f"{first} with {second}, {law}; pressure on the nodes of {problem.bodies[contact.slave].name}"
 
 
-def _describe_stage(stage: model.Stage, dimension: int) -> Iterator[str]:
+def _describe_stage(stage: model.Stage, problem: model.Model) -> Iterator[str]:
+    dimension = problem.dimension
     if stage.drive is not None:
         yield describe_drive(stage.drive)
     for name, motion in stage.tool_motion.items():
         if motion.start in ("touch", "touch_again"):
             yield f"tool {name} starts where it touches the workpiece"
-        elif motion.start is not None:
-            yield f"tool {name} starts at ({motion.start[0]:g}, {motion.start[1]:g}) mm"
+        elif isinstance(motion.start, tuple):
+            yield f"tool {name} starts at {_list(motion.start, dimension)} mm"
         if motion.push is not None:
-            x, y, *_ = motion.push.direction
-            yield f"tool {name} pushes along ({x:g}, {y:g}), with {motion.push.force[-1, 1]:g} N at the end"
+            along = _list(motion.push.direction, dimension)
+            yield f"tool {name} pushes along {along}, with {motion.push.force[-1, 1]:g} N at the end"
         if any(motion.move):
-            components = ", ".join(f"{part:g}" for part in motion.move[:dimension])
-            yield f"tool {name} moves by ({components}) mm"
+            yield f"tool {name} moves by {_list(motion.move, dimension)} mm"
         if motion.turn:
-            yield f"tool {name} turns by {np.degrees(motion.turn):g} degrees counter-clockwise"
+            seen = _describe_axis(next(tool for tool in problem.tools if tool.name == name)) if dimension == 3 else ""
+            yield f"tool {name} turns by {np.degrees(motion.turn):g} degrees counter-clockwise{seen}"
     for entry in stage.prescribed:
         if entry.component < 3:
             yield f"{entry.node_set} moves by {entry.value:g} mm along {'xyz'[entry.component]}"
         else:
             yield f"{entry.node_set} turns by {np.degrees(entry.value):g} degrees about {'xyz'[entry.component - 3]}"
+
+
+def _describe_axis(tool: model.Tool) -> str:
+    """Return whence a turn of a tool in space is seen."""
+    axis = turn_about(np.array(tool.rotation)) @ tool.axis
+    return f", as seen from the tip of its axis along {_list(axis.round(6) + 0.0, 3)}"
+
+
+def _list(vector: Sequence[float] | FloatArray, dimension: int) -> str:
+    """Return the components of a vector in words."""
+    return "(" + ", ".join(f"{part:g}" for part in vector[:dimension]) + ")"
 
 
 def _describe_settings(settings: object, default: object) -> str:
