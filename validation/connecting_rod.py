@@ -16,8 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from presswork.model import FloatArray
-from validation.closed_dies_in_space import SPACING, join_points, round_off, write_stl
+from presswork.mesh.files.stl_file import pack_stl
+from presswork.model import FloatArray, Triangulation
+from validation.closed_dies_in_space import SPACING, join_points, round_off
 
 ROD, BIG, SMALL, SHANK = 40.0, 11.0, 7.5, 5.0
 """Eye to eye; radii of the ends; half the width of the shank [mm]."""
@@ -79,7 +80,8 @@ def draw_files(folder: Path) -> list[list[float]]:
     height, half = draw_die(*places), across >= 0.0
     x, y = np.abs(along - 18.0) <= 34.5, half & (across <= 16.5)
     kept = height[x][::EVERY][:, y][:, ::EVERY]
-    write_stl(folder / "connecting_rod_die.stl", *join_points(along[x][::EVERY], across[y][::EVERY], kept))
+    face = Triangulation(*join_points(along[x][::EVERY], across[y][::EVERY], kept), is_closed=False)
+    (folder / "connecting_rod_die.stl").write_bytes(pack_stl("die", face))
     inside = measure_outline(*places) < 0.0
     return draw_preform(along, across[half], height[:, half], inside[:, half])
 
