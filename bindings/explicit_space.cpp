@@ -10,6 +10,7 @@
 #include "explicit/space/solids.hpp"
 #include "neighbours.hpp"
 #include "sheet_layers.hpp"
+#include "sheet_pressure.hpp"
 #include "shell_contact.hpp"
 #include "space_walls.hpp"
 #include "tabulated_mises.hpp"
@@ -107,6 +108,13 @@ void inherit(SpaceLoop<Real>& self, const SpaceLoop<Real>& from, Doubles positio
   internal_force_of(self.nodes).set(Doubles(force), "force");
   require(bool(self.beads) == bool(from.beads), "the beads must be those of the other loop");
   if (self.beads) self.beads->inherit(*from.beads, dt, self.nodes, self.nodes.internal_force.data());
+  require((self.pressures ? self.pressures->count() : 0) == (from.pressures ? from.pressures->count() : 0),
+          "the pressures must be those of the other loop");
+  if (self.pressures) {
+    self.pressures->inherit(*from.pressures, self.nodes);
+    for (int piece = 0; piece < self.pressures->n_node_chunks(); ++piece)
+      self.pressures->gather(piece, self.nodes.internal_force.data());
+  }
   std::vector<double> of_tools(3 * n, 0.0);
   if (self.contact) self.contact->add_forces(of_tools.data());
   for (std::size_t i = 0; i < n; ++i)
@@ -197,6 +205,7 @@ auto bind_space(nb::module_& m, const char* name, const char* text) {
   bind_tools(loop);
   bind_beads(loop);
   bind_shell_contact(loop);
+  bind_pressures(loop);
   bind_parts(loop);
   loop.def("__init__", &make_loop<Real>, nb::arg("points"))
       .def("add_shells", &add_shells<Real>, nb::arg("connectivity"), nb::arg("thickness"), nb::arg("axis"),

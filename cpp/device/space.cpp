@@ -18,6 +18,7 @@ namespace presswork::device {
 template <class Real>
 std::string find_lack(const SpaceLoop<Real>& loop) {
   if (loop.shell_contact) return "shells that touch each other";
+  if (loop.pressures) return "pressure on a sheet";
   if (!loop.hanging.all().empty()) return "refined sheets";
   if (!loop.contacts.empty()) return "contact of bodies";
   int sheets = 0;

@@ -1261,6 +1261,19 @@ class SpaceLoop:
         Overlap of the node that is deepest in a shell [mm], it, and the shell; 0, -1, -1 where none is.
         """
 
+    def add_pressure(self, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, side: float, stiffness: float = 0.0, room: float = 0.0) -> int:
+        """
+        Let a pressure act on shells (n, 4), a triangle with its last node twice; returns its number. side: 1 along their normals, -1 against. stiffness [MPa], room [mm3]: of a fluid in a closed space; 0: there is none.
+        """
+
+    def drive_pressure(self, pressure: int, course: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Pressures (n) [MPa] at the end of the next n cycles; of a fluid its volume without pressure [mm3].
+        """
+
+    def pressure_state(self, pressure: int) -> list[float]:
+        """Pressure [MPa], and volume that the sheet has swept under it [mm3]."""
+
     def join(self, messages: object, sent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], ghosts: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], into: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], shared: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], leads: bool) -> None:
         """
         Let the loop be one of those on the parts of a mesh, before it has tools. sent: own nodes whose motion goes out, ghosts: nodes of others whose motion comes in, those of each neighbour together. messages: has send, propose, receive and agree, called once a cycle each, and find_largest; out (sent, k), into (ghosts, k): what is sent and has come, k = 8 where there is a sheet, 3 of solids in space, 2 in the plane; shared (1 + 3 for each tool of a sheet + 4 for each of solids in space, 2 in the plane): the first becomes the largest, the others the sums of all parts'.
@@ -1699,6 +1712,19 @@ class SpaceLoopSingle:
         """
         Overlap of the node that is deepest in a shell [mm], it, and the shell; 0, -1, -1 where none is.
         """
+
+    def add_pressure(self, cells: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, side: float, stiffness: float = 0.0, room: float = 0.0) -> int:
+        """
+        Let a pressure act on shells (n, 4), a triangle with its last node twice; returns its number. side: 1 along their normals, -1 against. stiffness [MPa], room [mm3]: of a fluid in a closed space; 0: there is none.
+        """
+
+    def drive_pressure(self, pressure: int, course: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)]) -> None:
+        """
+        Pressures (n) [MPa] at the end of the next n cycles; of a fluid its volume without pressure [mm3].
+        """
+
+    def pressure_state(self, pressure: int) -> list[float]:
+        """Pressure [MPa], and volume that the sheet has swept under it [mm3]."""
 
     def join(self, messages: object, sent: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], ghosts: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], *, out: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], into: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], shared: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu')], leads: bool) -> None:
         """

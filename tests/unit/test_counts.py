@@ -135,6 +135,7 @@ ADDITIONS = {
     "DrawIn": 2,
     "MarkedPoints": 2,
     "SheetDepth": 2,
+    "PressedSheet": 2,
     "LimitsPassed": 2,
     "straightened_strain": 1,
     "recrystallised_fraction": 2,

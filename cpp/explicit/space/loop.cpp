@@ -15,9 +15,10 @@ template <class Real>
 SpaceLoop<Real>::SpaceLoop(int n_nodes, const double* points)
     : Base(SpaceNodes<Real>(n_nodes, points)),
       sheet_beads_(std::make_unique<SheetBeads>(*this)),
+      sheet_fluids_(std::make_unique<SheetFluids>(*this)),
       sheet_tools_(std::make_unique<SheetTools>(*this)),
       sheet_shells_(std::make_unique<SheetShells>(*this)) {
-  this->interactions = {sheet_beads_.get(), sheet_tools_.get(), sheet_shells_.get(), &hanging};
+  this->interactions = {sheet_beads_.get(), sheet_fluids_.get(), sheet_tools_.get(), sheet_shells_.get(), &hanging};
 }
 
 template <class Real>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The explicit loop in space: blocks of shells and of solids, and what acts on a sheet: drawbeads, rigid tools, shells
-// that touch shells, hanging nodes, which know the shells alone; and the rigid walls that hold solids off.
+// The explicit loop in space: blocks of shells and of solids, and what acts on a sheet: drawbeads, pressure, rigid
+// tools, shells that touch shells, hanging nodes, which know the shells alone; and the rigid walls that hold solids
+// off.
 #pragma once
 
 #include <array>
@@ -12,6 +13,7 @@
 #include "explicit/contact/body_contact.hpp"
 #include "explicit/contact/drawbeads.hpp"
 #include "explicit/contact/sheet_of_parts.hpp"
+#include "explicit/contact/sheet_pressure.hpp"
 #include "explicit/contact/shell_contact.hpp"
 #include "explicit/contact/tool_contact.hpp"
 #include "explicit/loop.hpp"
@@ -64,6 +66,8 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   std::unique_ptr<Drawbeads> beads;  // none without beads
   contact::SheetUnder find_cells() const;
 
+  std::unique_ptr<SheetPressures> pressures;  // none without fluids
+
   bool ironing = true;  // tools squeeze the sheet; to be set before there are any
   // Least thickness, widest shell, mean edge [mm]; those of a part are given to it.
   std::optional<std::array<double, 3>> sheet_sizes;
@@ -98,6 +102,7 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
 
  private:
   class SheetBeads;
+  class SheetFluids;
   class SheetTools;
   class SheetShells;
   double value(int element, const int StateRows::* row) const {
@@ -123,6 +128,7 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   std::unique_ptr<CyclicTies> ties_;
   std::vector<SheetBlock<Real>*> sheets_;  // of blocks; null: solids
   std::unique_ptr<SheetBeads> sheet_beads_;
+  std::unique_ptr<SheetFluids> sheet_fluids_;
   std::unique_ptr<SheetTools> sheet_tools_;
   std::unique_ptr<SheetShells> sheet_shells_;
 };

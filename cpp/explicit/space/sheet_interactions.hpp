@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What acts on a sheet, as interactions of its loop (interaction.hpp): drawbeads, tools, and shells that touch shells.
+// What acts on a sheet, as interactions of its loop (interaction.hpp): drawbeads, pressure, tools, and shells that
+// touch shells.
 #pragma once
 
 #include <stdexcept>
@@ -40,6 +41,35 @@ class SpaceLoop<Real>::SheetBeads final : public Interaction<SpaceNodes<Real>> {
   }
   void list_state(std::vector<StateField>& fields) override {
     if (loop_.beads) loop_.beads->list_state(fields);
+  }
+
+ private:
+  SpaceLoop& loop_;
+};
+
+// Pressure as an interaction: shells, then the pressures, then nodes.
+template <class Real>
+class SpaceLoop<Real>::SheetFluids final : public Interaction<SpaceNodes<Real>> {
+ public:
+  explicit SheetFluids(SpaceLoop& loop) : loop_(loop) {}
+  void begin(SpaceNodes<Real>&, int n_cycles) override {
+    if (loop_.pressures && !loop_.pressures->lasts(n_cycles))
+      throw std::invalid_argument("a pressure is not given for as many cycles");
+  }
+  int n_rounds() const override { return loop_.pressures ? 3 : 0; }
+  int n_pieces(int round) const override {
+    return round == 0 ? loop_.pressures->n_cell_chunks() : round == 1 ? 1 : loop_.pressures->n_node_chunks();
+  }
+  void act(SpaceNodes<Real>& nodes, const Step& step, int cycle, int round, int piece) override {
+    if (round == 0)
+      loop_.pressures->visit_cells(piece, nodes, step.dt);
+    else if (round == 1)
+      loop_.work.external += loop_.pressures->find_pressures(cycle);
+    else
+      loop_.pressures->gather(piece, nodes.internal_force.data());
+  }
+  void list_state(std::vector<StateField>& fields) override {
+    if (loop_.pressures) loop_.pressures->list_state(fields);
   }
 
  private:

@@ -262,6 +262,17 @@ class BeadPointArrays(Arrays):
 
 
 @dataclass
+class SheetPressureArrays(Arrays):
+    """Pressures on a sheet, an entry for each."""
+
+    owner = "sheet_pressures"
+    pressure: list[Array]
+    """(1,) [MPa]."""
+    swept: list[Array]
+    """Volume that the sheet has swept under it (1,) [mm3]."""
+
+
+@dataclass
 class SheetOnItselfArrays(Arrays):
     """Contact of a sheet with itself."""
 
@@ -307,6 +318,7 @@ OWNERS: dict[str, tuple[type[Arrays], ...]] = {
     "tool": (SheetToolArrays,),
     "contact": (ToolContactArrays,),
     "beads": (BeadPointArrays,),
+    "pressure": (SheetPressureArrays,),
     "shell_contact": (SheetOnItselfArrays,),
     "run": (RunArrays,),
 }

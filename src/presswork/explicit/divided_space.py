@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from presswork import _core
 from presswork.explicit.divided import Array, DividedLoop
+from presswork.explicit.input_checks import ExplicitError
 from presswork.ranks.parts import Part
 from presswork.ranks.world import World
 
@@ -178,6 +179,10 @@ class DividedSpaceLoop(DividedLoop):
         self._beads += 1
         self._own_is_old = True
         return int(self._whole.add_bead(place, across, length, force=force, tool=tool))
+
+    def add_pressure(self, *given: Any, **named: Any) -> int:
+        """Refuse a pressure on the sheet, whose volume no rank knows."""
+        raise ExplicitError("ranks do not share pressure on a sheet: compute the case without mpiexec")
 
     def drive_bead(self, bead: int, share: Array) -> None:
         """Set the share of its force that a drawbead has in the next cycles."""

@@ -27,6 +27,7 @@ from presswork.explicit.dynamics import Dynamics
 from presswork.explicit.input_checks import ExplicitError, check_points
 from presswork.explicit.layers import LayersOfRun
 from presswork.explicit.resident import ResidentLoop, Traffic
+from presswork.explicit.sheet_pressure import PressuresOfRun
 from presswork.explicit.shell_contact import ShellContactOfRun
 from presswork.explicit.tools import ToolsOfRun
 from presswork.law.history import RISE, STRESS
@@ -68,7 +69,7 @@ class SolidState:
     """(n, q)."""
 
 
-class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dynamics):
+class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, PressuresOfRun, ShellContactOfRun, Dynamics):
     """Blocks of shells and of solids in explicit dynamics.
 
     points (n_nodes, 3) [mm]; blocks: at most one of Shells, which the properties of layers, thickness and tools mean,
@@ -127,6 +128,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
             loop.set_hanging(place[follow])
         self._start_tools()
         self._start_beads()
+        self._start_pressures()
         self._start_shell_contact()
         check_device(device, loop)
         self._resident = None if device == "cpu" else ResidentLoop(loop, device)
@@ -198,6 +200,7 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, ShellContactOfRun, Dyna
     def _prepare(self, velocity_scale: Array) -> None:
         self._prepare_tools(velocity_scale)
         self._prepare_beads(len(velocity_scale))
+        self._prepare_pressures(len(velocity_scale))
 
     # What a device measures it measures in every run, so that a run that goes on from a dump has the same bits; before
     # the first cycle the loop does, which a run begins with.

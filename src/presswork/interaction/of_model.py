@@ -17,6 +17,7 @@ from presswork.interaction.inertia import Inertia
 from presswork.interaction.loads import Loads
 from presswork.interaction.loose_bodies import LooseBodies
 from presswork.interaction.plane.plane_tools import PlaneTools
+from presswork.interaction.sheet_pressure import SheetPressures
 from presswork.interaction.shell_loads import ShellLoads
 from presswork.interaction.space.space_tools import SpaceTools
 from presswork.interaction.supports import Supports
@@ -56,6 +57,7 @@ class Interactions:
             self.supports,
             self.loads,
             *((Gravity(model),) if model.gravity else ()),
+            *((SheetPressures(model),) if model.sheet_pressures else ()),
             *((self.loose,) if self.loose else ()),
             *((self.bodies,) if model.contacts else ()),
             *((LapMarks(model, self.bodies),) if model.remeshing is not None else ()),

@@ -11,22 +11,15 @@ import numpy as np
 from presswork import _core
 from presswork.body.shell_arrays import ShellArrays
 from presswork.body.shells import measure_shells
+from presswork.interaction.cell_pressure import make_skew, press_cells
 from presswork.interaction.contract import Forces, Guess, Interaction
 from presswork.interaction.loads import LoadArrays, end_stage
 from presswork.interaction.supports import Supports
 from presswork.mesh.directors import Directors
 from presswork.mesh.edges import GAUSS_3, edge_shape_functions
-from presswork.model import FloatArray, IndexArray, IntArray, Model, ShellPressure
+from presswork.model import FloatArray, IndexArray, Model, ShellPressure
 from presswork.outcome import Step
 from presswork.state import Arrays, State
-
-
-def _skew(v: FloatArray) -> FloatArray:
-    """Return the matrices (..., 3, 3) that take w to v x w."""
-    matrix = np.zeros((*v.shape, 3))
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        matrix[..., i, j], matrix[..., j, i] = -v[..., k], v[..., k]
-    return matrix
 
 
 class ShellLoads(Interaction):
@@ -112,7 +105,7 @@ class ShellLoads(Interaction):
             inside[self._model.mesh.node_sets[pressure.node_set]] = True
             for block, shape in zip(self._model.mesh.blocks, self._shapes, strict=True):
                 cells = block.connectivity[inside[block.connectivity].all(axis=1)]
-                more, stiffness = _press(points, cells, shape, share * pressure.value, force)
+                more, stiffness = press_cells(points, cells, shape, share * pressure.value, force)
                 if not is_small and self._model.solver.pressure_stiffness:
                     pairs.append(more)
                     blocks.append(stiffness)
@@ -134,7 +127,7 @@ class ShellLoads(Interaction):
         safe = np.where(small, 1.0, square)
         b = 0.5 * np.sinc(0.5 * angle / np.pi) ** 2
         c = np.where(small, 1 / 6 - square / 120, (1.0 - np.sinc(angle / np.pi)) / safe)
-        skew = _skew(theta)
+        skew = make_skew(theta)
         tangent = np.eye(3) + b * skew + c * skew @ skew
         rotation = np.eye(3) + np.sinc(angle / np.pi) * skew + b * skew @ skew
         which = np.full(len(self._directors.smooth), -1)
@@ -143,21 +136,3 @@ class ShellLoads(Interaction):
         along = (director * moment).sum(axis=1, keepdims=True) * self._directors.smooth[nodes, None]
         result: FloatArray = np.einsum("nji,nj->ni", tangent, moment - along * director)
         return result
-
-
-def _press(
-    points: FloatArray, cells: IntArray, shape: tuple[FloatArray, ...], pressure: float, force: FloatArray
-) -> tuple[IntArray, FloatArray]:
-    """Add p n over cells to force; return d(-force)/d(position) as node pairs and blocks (n, 6, 6)."""
-    N, slopes, weights, _ = shape
-    n = cells.shape[1]
-    base = np.einsum("qaj,cai->cqji", slopes, points[cells])
-    normal = np.cross(base[:, :, 0], base[:, :, 1])
-    np.add.at(force[:, :3], cells, pressure * np.einsum("q,qa,cqi->cai", weights, N, normal))
-    first, second = _skew(base[:, :, 0]), _skew(base[:, :, 1])
-    turning = np.einsum("qb,cqij->cqbij", slopes[:, :, 1], first) - np.einsum("qb,cqij->cqbij", slopes[:, :, 0], second)
-    stiffness = np.zeros((len(cells), n, n, 6, 6))
-    stiffness[..., :3, :3] = -pressure * np.einsum("q,qa,cqbij->cabij", weights, N, turning)
-    rows, columns = np.repeat(cells, n, axis=1), np.tile(cells, (1, n))
-    pairs = np.stack([rows, columns], axis=-1).reshape(-1, 2).astype(np.int32)
-    return np.ascontiguousarray(pairs), stiffness.reshape(-1, 6, 6)

@@ -80,7 +80,18 @@ from presswork.model.settings import (
     StrainMeasure,
     TangentTerms,
 )
-from presswork.model.sheet import Gauge, Hem, PartSection, Refinement, SheetSelfContact, Springback, TrimLine
+from presswork.model.sheet import (
+    EnclosedFluid,
+    Gauge,
+    Hem,
+    PartSection,
+    PressedRegion,
+    Refinement,
+    SheetPressure,
+    SheetSelfContact,
+    Springback,
+    TrimLine,
+)
 from presswork.model.stage import (
     BodyForce,
     CyclicSector,
@@ -91,6 +102,7 @@ from presswork.model.stage import (
     PointForce,
     PrescribedDisplacement,
     Pressure,
+    PressureCourse,
     Push,
     ShellPressure,
     Stage,
@@ -148,6 +160,7 @@ __all__ = [
     "DynamicRecrystallisation",
     "EdgeForce",
     "ElementName",
+    "EnclosedFluid",
     "ExplicitElement",
     "ExplicitSheet",
     "ExplicitSolid",
@@ -195,7 +208,9 @@ __all__ = [
     "PowerLaw",
     "PrescribedDisplacement",
     "PrescribedTemperature",
+    "PressedRegion",
     "Pressure",
+    "PressureCourse",
     "Profile",
     "Push",
     "Radiation",
@@ -205,6 +220,7 @@ __all__ = [
     "Remeshing",
     "Section",
     "Series",
+    "SheetPressure",
     "SheetSelfContact",
     "ShellElement",
     "ShellPressure",

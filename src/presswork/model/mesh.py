@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from presswork.model.arrays import FloatArray, IntArray
+from presswork.model.cells import find_cell
 from presswork.model.elements import ElementName
 
 ThicknessRule = Literal["gauss", "lobatto", "simpson"]
@@ -63,3 +64,10 @@ class Mesh:
     counter-clockwise seen from outside."""
     boundary_faces: IntArray = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int32))
     """Every boundary face of the mesh, in the same form."""
+
+    @property
+    def corners(self) -> IntArray:
+        """Corners of a sheet's cells (n, 4), block after block, a triangle with its last node twice."""
+        return np.concatenate(
+            [b.connectivity[:, [0, 1, 2, find_cell(2, b.connectivity).corners - 1]] for b in self.blocks]
+        )

@@ -6,10 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
-import numpy as np
-
 from presswork.model.arrays import IntArray
-from presswork.model.cells import find_cell
 from presswork.model.contact import Body, BodyContact
 from presswork.model.draw_in import DrawInDirection
 from presswork.model.elements import ELEMENTS
@@ -23,7 +20,7 @@ from presswork.model.mesh import Mesh, Section
 from presswork.model.operation import Operation
 from presswork.model.remeshing import Remeshing
 from presswork.model.settings import LARGE, ExplicitSheet, ExplicitSolid, OutputSettings, SolverSettings
-from presswork.model.sheet import Hem, Refinement, SheetSelfContact, Springback, TrimLine
+from presswork.model.sheet import Hem, Refinement, SheetPressure, SheetSelfContact, Springback, TrimLine
 from presswork.model.stage import CyclicSector, Stage, Support
 from presswork.model.tool import Drawbead, Profile, Tool
 
@@ -57,6 +54,8 @@ class Model:
     bodies: tuple[Body, ...] = ()
     """The workpiece first; empty for a single body."""
     beads: tuple[Drawbead, ...] = ()
+    sheet_pressures: tuple[SheetPressure, ...] = ()
+    """Stampings: pressures of fluids on the sheet; stages say how they go."""
     contacts: tuple[BodyContact, ...] = ()
     rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
     """Shells: unit vector whose projection into the sheet is x of its laws."""
@@ -159,9 +158,7 @@ class Model:
     @property
     def cells(self) -> IntArray:
         """Connectivity of a sheet's corners (n, 4), block after block, a triangle with its last node twice."""
-        return np.concatenate(
-            [b.connectivity[:, [0, 1, 2, find_cell(2, b.connectivity).corners - 1]] for b in self.mesh.blocks]
-        )
+        return self.mesh.corners
 
     @property
     def sheet(self) -> tuple[Section, Material]:

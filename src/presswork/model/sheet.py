@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What happens to a stamped sheet beside forming: refinement, trimming, springback."""
+"""What happens to a stamped sheet beside its tools: pressure, refinement, trimming, springback."""
 
 from __future__ import annotations
 
@@ -25,6 +25,38 @@ class SheetSelfContact:
 
     mu: float = 0.0
     """Coulomb's coefficient."""
+
+
+@dataclass(frozen=True)
+class PressedRegion:
+    """The part of a sheet on one side of a line, drawn on the undeformed sheet and seen along z."""
+
+    polygon: FloatArray
+    """Its corners in order (m, 2) [mm]; the last is joined to the first."""
+    keep: Literal["inside", "outside"]
+
+
+@dataclass(frozen=True)
+class EnclosedFluid:
+    """A fluid in a closed space that the sheet bounds: p = K ln(V_fluid/V_space), never below zero."""
+
+    stiffness: float
+    """K [MPa]."""
+    room: float
+    """Volume of the space before the sheet has moved, of the whole part [mm3]."""
+
+
+@dataclass(frozen=True)
+class SheetPressure:
+    """A pressure that pushes one face of a sheet along its normals as they are now."""
+
+    name: str
+    face: Literal["top", "bottom"]
+    """Which face of the undeformed sheet: the upper one is pushed down, the lower one up."""
+    region: PressedRegion | None = None
+    """None: the whole sheet."""
+    fluid: EnclosedFluid | None = None
+    """None: the stages give the pressure."""
 
 
 @dataclass(frozen=True)

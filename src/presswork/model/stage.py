@@ -165,6 +165,17 @@ def find_direction(motion: ToolMotion, dimension: int = 3) -> FloatArray:
 
 
 @dataclass(frozen=True)
+class PressureCourse:
+    """How a pressure on a sheet, or what has flowed into its fluid, goes over a stage."""
+
+    rows: FloatArray
+    """Part of the stage (0 to 1) and pressure [MPa], or volume since the start, of the whole part [mm3] (n, 2); linear
+    between them."""
+    over: Literal["way", "time"] = "way"
+    """Whether the part is that of the way of all that moves in the stage, or that of its time."""
+
+
+@dataclass(frozen=True)
 class Dwell:
     """A stage of a stamping in which nothing moves, and heat alone flows."""
 
@@ -194,6 +205,8 @@ class Stage:
     bead_share: Mapping[str, FloatArray] = field(default_factory=dict)
     """Share of its force by name of drawbead: rows of part of the stage (0 to 1) and share (n, 2), linear between them;
     a bead that is not named holds with its whole force."""
+    pressure_course: Mapping[str, PressureCourse] = field(default_factory=dict)
+    """Of stampings: course of each pressure on the sheet by its name."""
     prescribed: tuple[PrescribedDisplacement, ...] = ()
     forces: tuple[PointForce, ...] = ()
     pressures: tuple[Pressure, ...] = ()

@@ -144,6 +144,9 @@ class Observed(Protocol):
     def overlap(self) -> float:
         """Return by how much a sheet overlaps itself [mm]."""
 
+    def sheet_pressures(self) -> Mapping[str, float]:
+        """Return the pressures on a sheet by their names [MPa]; none of solids."""
+
     def body_heat(self) -> tuple[HeatOfForming, HeatArrays] | None:
         """Return the heat of solids, if they have any."""
 

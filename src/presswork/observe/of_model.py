@@ -19,6 +19,7 @@ from presswork.observe.pressure import Pressure
 from presswork.observe.ram import RamObserver
 from presswork.observe.reactions import Reactions
 from presswork.observe.sheet_depth import SheetDepth
+from presswork.observe.sheet_pressure import PressedSheet
 from presswork.observe.slipping_rolls import SlippingRolls
 
 
@@ -37,6 +38,7 @@ def list_observers(model: Model) -> Observers:
             make_die_fill(model),
             MarkedPoints(model),
             DrawIn(model),
+            PressedSheet(model),
             ToolCuts(),
             Pressure(),
             FormabilityObserver(model),

@@ -60,6 +60,10 @@ class ObservedRun:
         """Return nothing, unless a sheet overlaps itself [mm]."""
         return 0.0
 
+    def sheet_pressures(self) -> Mapping[str, float]:
+        """Return nothing, unless fluids press a sheet."""
+        return {}
+
     def metal(self) -> list[Metal]:
         """Return nothing, unless solids are formed."""
         return []

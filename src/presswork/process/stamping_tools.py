@@ -22,6 +22,7 @@ from presswork.model import (
     ExplicitSheet,
     FloatArray,
     Model,
+    PressureCourse,
     Stage,
     Tool,
     ToolMotion,
@@ -266,6 +267,32 @@ def tabulate_force(model: Model, name: str) -> tuple[FloatArray, FloatArray]:
 def tabulate_share(model: Model, bead: Drawbead) -> tuple[FloatArray, FloatArray]:
     """Return times [s] and shares of a bead's force over the whole process; it goes over within a stage's ramp."""
     return _tabulate(model, lambda stage, at: np.interp(stroke_of(stage).position(at), *stage.bead_share[bead.name].T))
+
+
+def sample_over_travel(course: PressureCourse, stage: Stage) -> PressureCourse:
+    """Return the course of a pressure over the way of its stage, that of its time sampled so."""
+    if course.over == "way":
+        return course
+    parts = np.union1d(np.linspace(0.0, 1.0, FORCE_TIMES + 1), course.rows[:, 0])
+    values = np.interp(parts, *course.rows.T)
+    return PressureCourse(np.column_stack([stroke_of(stage).position(parts * stage.duration), values]))
+
+
+def tabulate_pressure(model: Model, name: str) -> tuple[FloatArray, FloatArray]:
+    """Return times [s] and values of a pressure on the sheet over the whole process, as its courses have them."""
+    times, values, begin = [], [], 0.0
+    for stage in model.stages:
+        course = stage.pressure_course[name]
+        parts = np.linspace(0.0, 1.0, FORCE_TIMES + 1)
+        if course.over == "time":
+            parts = gone = np.union1d(parts, course.rows[:, 0])
+        else:
+            gone = stroke_of(stage).position(parts * stage.duration)
+        times.append(begin + parts * stage.duration)
+        values.append(np.interp(gone, *course.rows.T))
+        begin += stage.duration
+    all_times, first = np.unique(np.concatenate(times), return_index=True)
+    return all_times, np.concatenate(values)[first]
 
 
 def _tabulate(

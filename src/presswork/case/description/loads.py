@@ -9,6 +9,7 @@ import numpy as np
 
 from presswork import model
 from presswork.mesh.node_weights import find_weights
+from presswork.mesh.pressed_cells import find_area_vectors, find_pressed_cells
 from presswork.model import FloatArray
 
 NAMES = ("x", "y", "z", "rotation about x", "rotation about y", "rotation about z")
@@ -31,6 +32,29 @@ def describe_loads(problem: model.Model, number: int) -> Iterator[str]:
     for entry in before.prescribed:
         if (entry.node_set, entry.component) not in held:
             yield f"{entry.node_set} is no longer held, {NAMES[entry.component]}: its force goes to zero {force}"
+
+
+def describe_loads_of_sheet(problem: model.Model) -> Iterator[str]:
+    """Describe the weight of a sheet and the pressures on it: face, and shells and area of the whole part."""
+    yield from describe_gravity(problem)
+    points, cells = problem.mesh.points, problem.mesh.corners
+    for pressure in problem.sheet_pressures:
+        pressed = cells[find_pressed_cells(points, cells, pressure)]
+        area = problem.whole * float(np.linalg.norm(find_area_vectors(points[pressed]), axis=2).sum())
+        shells = "all shells" if len(pressed) == len(cells) else f"{len(pressed)} of {len(cells)} shells"
+        yield f"pressure {pressure.name}: on the {pressure.face} face, {shells}, {area:.4g} mm2 of the whole part"
+
+
+def describe_courses(stage: model.Stage) -> Iterator[str]:
+    """Describe how the pressures on a sheet go over a stage."""
+    for name, course in stage.pressure_course.items():
+        start, end, most = course.rows[0, 1], course.rows[-1, 1], course.rows[:, 1].max()
+        over = f", at most {most:g} MPa" if most > max(start, end) else ""
+        yield (
+            f"pressure {name}: {start:g} to {end:g} MPa{over}"
+            if start != end or over
+            else f"pressure {name}: stays {end:g} MPa"
+        )
 
 
 def describe_gravity(problem: model.Model) -> Iterator[str]:

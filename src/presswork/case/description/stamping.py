@@ -11,7 +11,7 @@ import numpy as np
 
 from presswork.case.description.drawing_ratio import describe_drawing_ratio
 from presswork.case.description.heat import describe_heat_of_forming
-from presswork.case.description.loads import describe_gravity
+from presswork.case.description.loads import describe_courses, describe_loads_of_sheet
 from presswork.case.description.material import describe_forming_limit, describe_material
 from presswork.case.description.press import describe_drive
 from presswork.case.description.supports import name_stages
@@ -78,7 +78,7 @@ def describe_stamping(problem: Model) -> Iterator[str]:
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
     yield from (f"material {m.name}: density {m.density:.3g} t/mm3, {describe_material(m)}" for m in problem.materials)
     yield from (f"forming limit: {describe_forming_limit(material)}", *describe_drawing_ratio(problem))
-    yield from describe_gravity(problem)
+    yield from describe_loads_of_sheet(problem)
     if problem.heat is not None:
         yield from describe_heat_of_forming(problem, problem.heat)
         yield f"heat of the sheet: {problem.heat.levels} temperatures through the thickness of every node"
@@ -374,7 +374,9 @@ def _describe_stage(problem: Model, stage: Stage, closing: Mapping[str, Closing]
                 area = find_held_area(problem.mesh, holders[name]) * problem.whole
                 pressure = f", at most {forces.max() / area:.3g} MPa on the flange as it starts" if area > 0 else ""
             yield f"{name} pushes with {span}{pressure}"
-    if not stage.tool_motion and not stage.prescribed:
+    pressures = list(describe_courses(stage))
+    yield from pressures
+    if not stage.tool_motion and not stage.prescribed and not pressures:
         yield "nothing moves: the tools stand where they touch the part"
     for p in stage.prescribed:
         yield f"{p.node_set} moves by {p.value:g} mm along {'xyz'[p.component]}"

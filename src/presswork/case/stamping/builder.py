@@ -46,6 +46,7 @@ from presswork.case.stamping.line import (
 )
 from presswork.case.stamping.place import build_tools
 from presswork.case.stamping.plan_line import LineFile, draw_line
+from presswork.case.stamping.pressure_builder import build_courses, build_pressures, check_pressures
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.stage_builder import build_stages
 from presswork.case.stamping.symmetry import check_line_symmetry, check_tool_symmetry
@@ -102,7 +103,7 @@ def _sum_strokes(case: StampingCase) -> float:
 
 def _check_first(case: StampingCase) -> tuple[model.Stage, ...]:
     """Raise CaseError for what shows without geometry; return the stages."""
-    _stop_at(check_names(case) + check_bead_stages(case), case)
+    _stop_at(check_names(case) + check_bead_stages(case) + check_pressures(case), case)
     _stop_at(check_sheet_heat(case), case)
     _stop_at(check_tools(case) + check_travel(case) + check_closings(case), case)
     stages, problems = build_stages(case)
@@ -134,6 +135,10 @@ def _build_parts(
     if before is None and is_flat:  # how a formed part lies in its tools shows when it begins
         _stop_at(check_fit(case, mesh, tools), case)
         _stop_at(check_clashes(case, mesh, tools), case)
+    stages, problems = build_courses(case, stages)
+    _stop_at(problems, case)
+    pressures, problems = build_pressures(case, mesh, tools, is_flat=before is None and is_flat)
+    _stop_at(problems, case)
     beads, problems = build_beads(case, mesh, tools)
     _stop_at(problems, case)
     _stop_at(check_closing(case, beads, 2 ** len(set(case.blank.symmetry))), case)
@@ -153,6 +158,7 @@ def _build_parts(
         "supports": (*supports, *(entry.build(name) for name, entry in case.boundary.items())),
         "stages": stages,
         "beads": beads,
+        "sheet_pressures": pressures,
         "trim": trim,
         "springback": case.springback.build() if case.springback else None,
         "hem": case.hem.build() if case.hem else None,

@@ -28,6 +28,7 @@ from presswork.case.stamping.blank import Blank
 from presswork.case.stamping.heat import StampingHeat
 from presswork.case.stamping.operation import Operation
 from presswork.case.stamping.plan_line import Trim
+from presswork.case.stamping.pressure import SheetPressure
 from presswork.case.stamping.springback import Springback
 from presswork.case.stamping.stage import Hem, StampingBead, StampingStage, Whole
 from presswork.case.stamping.tools import Tool
@@ -202,6 +203,9 @@ class StampingCase(CaseFile):
     tools: dict[Name, Tool] = Field(default={}, description="rigid tools by name")
     presses: dict[Name, Press] = Field(default={}, description="presses that stages refer to, by name")
     beads: tuple[StampingBead, ...] = Field(default=(), description="drawbeads")
+    pressure: dict[Name, SheetPressure] = Field(
+        default={}, description="pressures of fluids on the sheet, by name; stages say how large they are"
+    )
     boundary: dict[Name, ShellBoundary] = Field(
         default={}, description="what holds the blank beside the tools, by name"
     )
@@ -262,6 +266,9 @@ class StampingCase(CaseFile):
             if not self.stages:
                 raise fault("expected at least one stage", "add [[stages]], or [[operations]] of a line", key="stages")
             return
+        if self.pressure:
+            fault_text = "pressure is not carried from one operation to the next"
+            raise fault(fault_text, "compute the operation under pressure as a case of its own", key="pressure")
         twice = [key for key in OWN if key in self.model_fields_set]
         if twice:
             raise fault("every operation has its own", f"move it into one of [[operations]]: {OWN_TEXT}", key=twice[0])

@@ -17,6 +17,7 @@ from presswork.case.shell.schema import ShellDisplacement
 from presswork.case.stamping.bead import Bead
 from presswork.case.stamping.bead_geometry import BeadGeometry
 from presswork.case.stamping.heat import Dwell
+from presswork.case.stamping.pressure import StagePressure
 from presswork.case.units import Force, Length, LineForce, Point, Time, Velocity, fault
 
 VELOCITY = 2000.0
@@ -77,6 +78,9 @@ class StampingStage(Part):
 
     name: Name = Field(description="name of the stage")
     tools: dict[str, ToolAction] = Field(default={}, description="what each tool does; one not named stands still")
+    pressure: dict[str, StagePressure] = Field(
+        default={}, description="how each pressure on the sheet goes; one not named stays as it is"
+    )
     displacement: tuple[ShellDisplacement, ...] = Field(default=(), description="prescribed displacements of the blank")
     velocity: Velocity | None = Field(
         default=None,

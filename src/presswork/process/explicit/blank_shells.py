@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -14,9 +15,11 @@ from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.space import choose_precision
 from presswork.law.elastic_plastic import heats
 from presswork.law.umat import open_sheet_law
+from presswork.mesh.pressed_cells import find_pressed_cells, find_side
 from presswork.model import ExplicitSheet, IntArray, Model
 from presswork.process.explicit.intervals import weigh_nodes
 from presswork.process.mesh_change.transfer import ShellStart
+from presswork.process.stamping_tools import tabulate_pressure
 from presswork.ranks.world import World
 
 
@@ -24,6 +27,19 @@ def find_precision(model: Model) -> Literal["double", "single"]:
     """Return the precision of the shells: that of the case, or the one that suits their law."""
     assert isinstance(model.explicit, ExplicitSheet)
     return model.explicit.precision or choose_precision(open_sheet_law(model.sheet[1]))
+
+
+def add_pressures(model: Model, shells: ExplicitShells) -> None:
+    """Let the pressures of a model act on its shells, a fluid in the part of its space that is modelled."""
+    points, cells = model.mesh.points, model.cells
+    for pressure in model.sheet_pressures:
+        times, values = tabulate_pressure(model, pressure.name)
+        fluid = pressure.fluid
+        if fluid is not None:
+            fluid = replace(fluid, room=fluid.room / model.whole)
+            values = fluid.room + values / model.whole
+        pressed = cells[find_pressed_cells(points, cells, pressure)]
+        shells.add_pressure(pressure.name, pressed, find_side(points, cells, pressure.face), (times, values), fluid)
 
 
 def make_shells(
@@ -62,6 +78,7 @@ def make_shells(
         hanging=hanging,
         world=world,
     )
+    add_pressures(model, shells)
     if model.gravity:
         shells.force = weigh_nodes(shells.mass[:, 0], model.gravity, shells.force.shape[1])
     return shells

@@ -31,12 +31,7 @@ from presswork.model import ExplicitSheet, FloatArray, IntArray, Model, Stage
 from presswork.observe.contract import Evolved, Row
 from presswork.process.explicit.blank_shells import find_precision, make_shells
 from presswork.process.explicit.heat.of_sheet import HeatOfShells
-from presswork.process.explicit.intervals import (
-    LAST_COLUMNS,
-    IntervalReport,
-    IntervalRun,
-    process_time,
-)
+from presswork.process.explicit.intervals import LAST_COLUMNS, IntervalReport, IntervalRun, process_time
 from presswork.process.explicit.loose_rows import LooseRows
 from presswork.process.explicit.progress import SheetProgress
 from presswork.process.explicit.refined_sheet import RefinedSheet
@@ -267,6 +262,10 @@ class ExplicitStamping(IntervalRun):
             **self.observers.row(self),
             **self._end_row(report),
         }
+
+    def sheet_pressures(self) -> dict[str, float]:
+        """Return the pressures on the sheet by their names [MPa]."""
+        return {name: self.shells.find_pressure(name) for name in self.shells.pressures}
 
     def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
         """Return the heat of the sheet, if it has any."""

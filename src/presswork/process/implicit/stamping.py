@@ -23,6 +23,7 @@ from presswork.implicit.held import check_held
 from presswork.implicit.progress import IncrementReport, Progress
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.heat.heat_of_sheet import HeatOfSheet, SheetHeatArrays
+from presswork.interaction.sheet_pressure import PressureArrays
 from presswork.interaction.space.sheet_contact import SheetContact
 from presswork.interaction.tool_arrays import SpaceToolArrays
 from presswork.model import Drive, FloatArray, Model, OutputSettings, Push, Stage, Tool, ToolMotion
@@ -39,6 +40,7 @@ from presswork.process.stamping_tools import (
     find_stops,
     is_pushed,
     make_whole,
+    sample_over_travel,
     stroke_of,
     tabulate_force,
     tabulate_share,
@@ -70,6 +72,7 @@ def make_shell_model(model: Model) -> Model:
             tool_motion={name: motion for name, motion in stage.tool_motion.items() if name not in pushes}
             | {name: ToolMotion(push=of_stages[number]) for name, of_stages in pushes.items()},
             bead_share={name: of_stages[number] for name, of_stages in shares.items()},
+            pressure_course={name: sample_over_travel(course, stage) for name, course in stage.pressure_course.items()},
             prescribed=stage.prescribed,
             released=stage.released,
             dwell=stage.dwell,
@@ -87,6 +90,7 @@ def make_shell_model(model: Model) -> Model:
         output=OutputSettings(steps=model.output.steps, checkpoint_every=model.output.checkpoint_every),
         tools=model.tools,
         beads=model.beads,
+        sheet_pressures=model.sheet_pressures,
         rolling_direction=model.rolling_direction,
         self_contact=model.self_contact,
         heat=model.heat,
@@ -201,6 +205,14 @@ class ImplicitStamping(IncrementRun):
         """Return by how much the sheet overlaps itself [mm]."""
         contact = self.procedure.interactions.self_contact
         return contact.find_overlap(self.procedure.state) if contact else 0.0
+
+    def sheet_pressures(self) -> dict[str, float]:
+        """Return the pressures on the sheet by their names [MPa]."""
+        state = self.procedure.state
+        if PressureArrays not in state:
+            return {}
+        each = zip(self.model.sheet_pressures, state[PressureArrays].value, strict=True)
+        return {pressure.name: float(value) for pressure, value in each}
 
     def sheet_heat(self) -> tuple[HeatOfSheet, SheetHeatArrays] | None:
         """Return the heat of the sheet, if it has any."""

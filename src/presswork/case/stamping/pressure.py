@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pressure of fluids on a face of the sheet of a stamping, and how it goes over a stage. Units as in schema.py."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from presswork.case.part import Part
+from presswork.case.stamping.plan_line import PlanLine
+from presswork.case.units import Length, Stress, Time, fault
+
+Line = Annotated[PlanLine, Field(discriminator="shape")]
+COURSES = ("p", "p_over_stroke", "p_over_time")
+"""Keys of a stage's pressure, of which it takes one."""
+
+
+class SheetPressure(Part):
+    """A pressure that pushes a face of the sheet along its normals as they are now, where its line bounds it."""
+
+    face: Literal["top", "bottom"] = Field(
+        description="face of the sheet that it pushes: top down, as punch and holder do, bottom up, as the die does; "
+        "no tool may lie on that face there"
+    )
+    inside: Line | None = Field(
+        default=None,
+        description="line on the undeformed blank inside which it acts; the shells whose middle lies there keep it as "
+        "they move. Without it and without outside: on the whole sheet",
+    )
+    outside: Line | None = Field(default=None, description="instead: line outside which it acts")
+
+    @model_validator(mode="after")
+    def _check_one_line(self) -> Self:
+        if self.inside is not None and self.outside is not None:
+            raise fault("inside and outside are both given", "give one of them", key="outside")
+        return self
+
+
+class StagePressure(Part):
+    """How a pressure on the sheet goes over a stage; where a stage does not name it, it stays as it is."""
+
+    p: Stress | None = Field(
+        default=None,
+        ge=0,
+        description="pressure at the end of the stage [MPa], to which it goes in proportion to the way of the stage",
+    )
+    p_over_stroke: tuple[tuple[Length, Stress], ...] | None = Field(
+        default=None,
+        description="instead: rows [stroke of what moves farthest in this stage, pressure], linear between them [mm, "
+        "MPa]",
+    )
+    p_over_time: tuple[tuple[Time, Stress], ...] | None = Field(
+        default=None, description="instead: rows [time since the stage began, pressure], linear between them [s, MPa]"
+    )
+
+    @model_validator(mode="after")
+    def _check_one_course(self) -> Self:
+        present = [key for key in COURSES if getattr(self, key) is not None]
+        if not present:
+            raise fault("no pressure is given", 'for instance p = "8 MPa", or leave the table out', key="p")
+        if len(present) > 1:
+            raise fault(f"{present[0]} and {present[1]} are both given", f"leave {present[1]} out", key=present[1])
+        if present[0] != "p":
+            _check_rows(getattr(self, present[0]), present[0])
+        return self
+
+
+def _check_rows(rows: Sequence[tuple[float, float]], key: str) -> None:
+    """Raise where rows are no table of pressures."""
+    what = "strokes" if key.endswith("stroke") else "times"
+    if not rows:
+        raise fault("the table is empty", "give two rows at least", key=key)
+    if rows[0][0] < 0 or any(later[0] <= row[0] for row, later in itertools.pairwise(rows)):
+        raise fault(f"the {what} of the table do not increase from 0 on", "sort its rows", key=key)
+    if min(value for _, value in rows) < 0:
+        raise fault("expected pressures >= 0", "a fluid pushes; take the other face of the sheet", key=key)

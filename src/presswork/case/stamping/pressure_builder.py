@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: Apache-2.0
+"""From the pressures of a stamping's case to the Model's, with what is refused of them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from presswork import model
+from presswork.case.errors import Problem, suggest
+from presswork.case.stamping.plan_line import draw_line
+from presswork.case.stamping.pressure import SheetPressure, StagePressure
+from presswork.case.stamping.schema import StampingCase
+from presswork.geometry.tool_surface import make_surface
+from presswork.mesh.pressed_cells import find_middles, find_pressed_cells
+
+UNTOUCHED = 0.5
+"""Of the thickness: a tool that is nearer to a face lies on it."""
+SAME = 1e-6
+"""Part of a pressure by which a table may begin beside the end of the stage before."""
+
+
+def check_pressures(case: StampingCase) -> list[Problem]:
+    """Return the problems of pressures that show without geometry."""
+    problems: list[Problem] = []
+    for index, stage in enumerate(case.stages):
+        for name in stage.pressure:
+            key = f"stages.{index}.pressure.{name}"
+            if name not in case.pressure:
+                problems.append(Problem(key, "no such pressure", suggest(name, case.pressure, "pressures")))
+            elif stage.dwell is not None:
+                problems.append(Problem(key, "nothing moves in a dwell", "change the pressure in another stage"))
+    named = {name for stage in case.stages for name in stage.pressure}
+    for name in case.pressure:
+        if name not in named:
+            remedy = f'name it in a stage, [stages.pressure.{name}] with p = "8 MPa", or leave it out'
+            problems.append(Problem(f"pressure.{name}", "no stage says how large it is", remedy))
+    if case.pressure and case.gradients is not None:
+        problems.append(Problem("gradients", "runs with pressure have no derivatives", "leave gradients out"))
+    if case.pressure and case.procedure == "explicit" and case.explicit.device != "cpu":
+        fault = "pressure on the sheet is computed by the CPU alone"
+        problems.append(Problem("explicit.device", fault, 'take "cpu"', case.explicit.device))
+    return problems
+
+
+def build_courses(case: StampingCase, stages: Sequence[model.Stage]) -> tuple[tuple[model.Stage, ...], list[Problem]]:
+    """Return the Model's stages with the courses of all pressures, and the problems of their tables."""
+    found, problems = [], []
+    before = dict.fromkeys(case.pressure, 0.0)
+    for index, (of_case, stage) in enumerate(zip(case.stages, stages, strict=True)):
+        courses = {}
+        for name in case.pressure:
+            key = f"stages.{index}.pressure.{name}"
+            course = _build_course(key, of_case.pressure.get(name), of_case.tools, stage, before[name])
+            if isinstance(course, Problem):
+                problems.append(course)
+                continue
+            courses[name] = course
+            before[name] = float(np.interp(1.0, *course.rows.T))
+        found.append(replace(stage, pressure_course=courses))
+    return tuple(found), problems
+
+
+def _build_course(
+    key: str, given: StagePressure | None, tools: Mapping[str, object], stage: model.Stage, before: float
+) -> model.PressureCourse | Problem:
+    """Return the course of a pressure over a stage, which begins with that before [MPa]; or what is wrong with it."""
+    if given is None:
+        return model.PressureCourse(np.array([[0.0, before], [1.0, before]]))
+    if given.p is not None:
+        return model.PressureCourse(np.array([[0.0, before], [1.0, given.p]]))
+    over, rows = ("time", given.p_over_time) if given.p_over_time is not None else ("stroke", given.p_over_stroke)
+    assert rows is not None
+    whole = stage.duration * stage.slower if over == "time" else _find_stroke(stage)
+    key = f"{key}.p_over_{over}"
+    if whole == 0.0:
+        return Problem(key, "nothing moves by a stroke in this stage", "give p_over_time, or p")
+    table, unit = np.array(rows, dtype=float), "s" if over == "time" else "mm"
+    if table[-1, 0] > whole * (1 + 1e-9):
+        fault = f"goes on to {table[-1, 0]:g} {unit}, beyond the end of the stage at {whole:.6g} {unit}"
+        return Problem(key, fault, "shorten the table, or lengthen the stage", [list(row) for row in rows])
+    if table[0, 0] == 0.0 and abs(table[0, 1] - before) > SAME * max(before, table[0, 1]):
+        fault = f"begins with {table[0, 1]:g} MPa, but the stage does with {before:g} MPa: a fluid does not jump"
+        return Problem(key, fault, f"begin it with [0, {before:g}]", [list(row) for row in rows])
+    if table[0, 0] > 0.0:
+        table = np.vstack([(0.0, before), table])
+    return model.PressureCourse(
+        np.column_stack([table[:, 0] / whole, table[:, 1]]), "time" if over == "time" else "way"
+    )
+
+
+def _find_stroke(stage: model.Stage) -> float:
+    """Return how far goes in a stage what is moved farthest [mm]."""
+    moved = [float(np.linalg.norm(motion.move)) for motion in stage.tool_motion.values() if motion.push is None]
+    return max([*moved, *(abs(each.value) for each in stage.prescribed if each.component < 3)], default=0.0)
+
+
+def build_pressures(
+    case: StampingCase, mesh: model.Mesh, tools: Sequence[model.Tool], *, is_flat: bool
+) -> tuple[tuple[model.SheetPressure, ...], list[Problem]]:
+    """Return the Model's pressures, and their problems on the meshed blank beside the placed tools.
+
+    is_flat: the sheet lies as it is meshed, so that tools that lie on it are known.
+    """
+    folder = case.source.parent if case.source is not None else Path()
+    pressures, problems = [], []
+    for name, given in case.pressure.items():
+        built = _build_pressure(name, given, folder)
+        if isinstance(built, Problem):
+            problems.append(built)
+        else:
+            pressures.append(built)
+    if problems or not pressures:
+        return tuple(pressures), problems
+    cells = mesh.corners
+    pressed = {each.name: find_pressed_cells(mesh.points, cells, each) for each in pressures}
+    problems = [
+        Problem(_key_of_line(each), "the middle of no shell lies there", "draw the line on the blank, in mm")
+        for each in pressures
+        if not len(pressed[each.name])
+    ]
+    problems += _check_apart(pressures, pressed)
+    middles = find_middles(mesh.points, cells)
+    for each in pressures if is_flat else ():
+        problems += _check_tools(each, middles[pressed[each.name]], tools, case.blank.thickness)
+    return tuple(pressures), problems
+
+
+def _build_pressure(name: str, given: SheetPressure, folder: Path) -> model.SheetPressure | Problem:
+    keep: Literal["inside", "outside"] = "inside" if given.inside is not None else "outside"
+    line = given.inside or given.outside
+    if line is None:
+        return model.SheetPressure(name, given.face)
+    polygon = draw_line(line, f"pressure.{name}.{keep}", folder)
+    if isinstance(polygon, Problem):
+        return polygon
+    return model.SheetPressure(name, given.face, model.PressedRegion(polygon, keep))
+
+
+def _key_of_line(pressure: model.SheetPressure) -> str:
+    return f"pressure.{pressure.name}" + (f".{pressure.region.keep}" if pressure.region else "")
+
+
+def _check_apart(
+    pressures: Sequence[model.SheetPressure], pressed: Mapping[str, model.IndexArray]
+) -> Iterator[Problem]:
+    """Yield the problems of two fluids on one face."""
+    for one, other in itertools.combinations(pressures, 2):
+        shared = np.intersect1d(pressed[one.name], pressed[other.name])
+        if one.face == other.face and len(shared):
+            fault = f"pushes {len(shared)} shells on the {one.face} face that {one.name} pushes, too"
+            remedy = "bound both by lines that do not overlap, or take the other face"
+            yield Problem(f"pressure.{other.name}", fault, remedy)
+
+
+def _check_tools(
+    pressure: model.SheetPressure, middles: model.FloatArray, tools: Sequence[model.Tool], thickness: float
+) -> Iterator[Problem]:
+    """Yield the problems of tools that lie on the face that a fluid pushes."""
+    inwards = 1.0 if pressure.face == "bottom" else -1.0  # along z, as tools on that side work
+    for tool in tools:
+        assert tool.working_direction is not None
+        if tool.working_direction[2] * inwards <= 0.0:
+            continue
+        gap = make_surface(tool.surface).nearest(middles - np.asarray(tool.position))[0] - 0.5 * thickness
+        n = int((gap < UNTOUCHED * thickness).sum())
+        if n:
+            key = f"pressure.{pressure.name}" + (f".{pressure.region.keep}" if pressure.region else ".face")
+            other = "bottom" if pressure.face == "top" else "top"
+            fault = f"the {tool.kind} {tool.name} lies on {n} of its shells: no fluid is between a tool and the sheet"
+            remedy = f'bound it by a line inside the opening of the {tool.kind}, or take face = "{other}"'
+            yield Problem(key, fault, remedy)

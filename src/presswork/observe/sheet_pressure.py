@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pressures on a sheet in the history: the pressure, the volume that the sheet has swept, and the pole of the bulge.
+
+The pole is the node under the pressure that has moved farthest along its push. The radius of curvature there is that of
+the sphere with the least squares of distance to the nodes round it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.fields.instant import Instant
+from presswork.mesh.pressed_cells import find_area_vectors, find_pressed_cells, find_side, find_swept_volume
+from presswork.model import FloatArray, IntArray, Model, SheetPressure
+from presswork.observe.contract import History, Observed, Observer, Row
+
+QUANTITIES = ("p", "volume", "height", "radius", "thickness")
+FITTED = 0.25
+"""Of the radius of a circle as large as the pressed part: how far round the pole the sphere is fitted."""
+FITTED_EDGES = 2.5
+"""Mean edges of cells that it reaches at least."""
+FLAT = 1e-6
+"""Height over the fitted distance below which a sheet has no radius."""
+TOUCHED = 0.01
+"""Of the force of a pressure: what a tool may push in the same direction before it is reported."""
+
+
+class PressedSheet(Observer):
+    """The pressures on the sheet of one model."""
+
+    def __init__(self, model: Model) -> None:
+        self._pressed = [PressedPart(model, pressure) for pressure in model.sheet_pressures]
+
+    def columns(self, run: Observed) -> list[str]:
+        """Return five for each pressure: MPa, mm3 of the whole part, and at the pole mm."""
+        return [part.name(quantity) for part in self._pressed for quantity in QUANTITIES]
+
+    def row(self, run: Observed, *, is_released: bool = False) -> Row:
+        """Return the pressures, which are gone once the part is released, and the shapes of the bulges."""
+        if not self._pressed:
+            return {}
+        value, row = {} if is_released else run.sheet_pressures(), Row()
+        now, strain = run.positions(), run.sheet_fields(with_surface=False)["thickness_strain"]
+        for part in self._pressed:
+            found = (value.get(part.pressure.name, 0.0), *part.measure(now, strain))
+            row |= {part.name(quantity): each for quantity, each in zip(QUANTITIES, found, strict=True)}
+        return row
+
+    def warnings(self, run: Observed, history: History) -> list[str]:
+        """Return a warning where a tool lies on a face that a fluid presses."""
+        if not self._pressed:
+            return []
+        now, positions, value = run.show(), run.positions(), run.sheet_pressures()
+        return [text for part in self._pressed if (text := part.warn(now, positions, value[part.pressure.name]))]
+
+
+class PressedPart:
+    """The part of a sheet under one pressure."""
+
+    def __init__(self, model: Model, pressure: SheetPressure) -> None:
+        self.pressure = pressure
+        self._points, self._symmetry, self._whole = model.mesh.points, model.symmetry, model.whole
+        self._thickness = model.sheet[0].thickness
+        self._numbers = find_pressed_cells(model.mesh.points, model.cells, pressure)
+        self._cells: IntArray = model.cells[self._numbers]
+        self._side = find_side(model.mesh.points, model.cells, pressure.face)
+        self._up = 1.0 if pressure.face == "bottom" else -1.0
+        self._nodes = np.unique(self._cells)
+        area = np.abs(find_area_vectors(self._points[self._cells])[..., 2]).sum()
+        edge = np.sqrt(area / len(self._cells))
+        self._reach = max(FITTED * float(np.sqrt(area * self._whole / np.pi)), FITTED_EDGES * float(edge))
+
+    def name(self, quantity: str) -> str:
+        """Return the name of a column."""
+        return f"pressure.{self.pressure.name}.{quantity}"
+
+    def measure(self, now: FloatArray, strain: FloatArray) -> tuple[float, float, float, float]:
+        """Return volume [mm3], and height, radius of curvature and thickness at the pole [mm]; radius 0 where flat.
+
+        now: positions of the nodes (n_points, 3) [mm]; strain: through the thickness, of cells (n_cells,).
+        """
+        volume = self._side * find_swept_volume(self._points, now, self._cells) * self._whole
+        rise = self._up * (now[self._nodes, 2] - self._points[self._nodes, 2])
+        pole = int(self._nodes[np.argmax(rise)])
+        around = self._numbers[(self._cells == pole).any(axis=1)]
+        thickness = self._thickness * float(np.exp(strain[around].mean()))
+        height = float(rise.max())
+        radius = self._fit_radius(pole, now) if height > FLAT * self._reach else 0.0
+        return volume + 0.0, height + 0.0, radius, thickness
+
+    def _fit_radius(self, pole: int, now: FloatArray) -> float:
+        """Return the radius of the sphere through the nodes round the pole, their mirror images among them [mm]."""
+        near = np.linalg.norm(self._points[self._nodes] - self._points[pole], axis=1) <= self._reach
+        x = now[self._nodes[near]]
+        for axis, is_cut in enumerate(self._symmetry):
+            if is_cut:
+                x = np.concatenate([x, x * np.where(np.arange(3) == axis, -1.0, 1.0)])
+        x = (x - now[pole]) / self._reach
+        centre = np.linalg.lstsq(np.column_stack([2.0 * x, np.ones(len(x))]), (x**2).sum(axis=1), rcond=None)[0]
+        return self._reach * float(np.sqrt(max(centre[3] + centre[:3] @ centre[:3], 0.0)))
+
+    def warn(self, now: Instant, positions: FloatArray, value: float) -> str:
+        """Return a warning where tools push on the face that the fluid pushes; value: of the pressure [MPa]."""
+        if now.tool_force is None or value <= 0.0:
+            return ""
+        vectors = np.zeros_like(positions)
+        np.add.at(vectors, self._cells, self._side * find_area_vectors(positions[self._cells]))
+        size = np.linalg.norm(vectors, axis=1)
+        along = (now.tool_force * vectors).sum(axis=1) / np.maximum(size, 1e-300)
+        force, whole = float(along.clip(0.0).sum()), value * float(size.sum())
+        if force <= TOUCHED * whole:
+            return ""
+        return (
+            f"tools push the {self.pressure.face} face with {force * self._whole:.3g} N where the pressure "
+            f"{self.pressure.name} acts, which no fluid does beneath a tool: keep the tools off it, or bound it by "
+            f"pressure.{self.pressure.name}.inside"
+        )

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs of sheets under pressure: bits, restarts, split and triangular shells, regions, stages, release."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from presswork.case import StampingCase, build_model
+from tests.problems.bulges import RADIUS, vary_bulge
+from tests.regression.whole_runs import compare_with_restart, run_stamping
+
+SMALL = (("blank.element_size", 8), ("output.rows", 20), ("stages.0.pressure.oil.p", 0.6))
+EXPLICIT = (*SMALL, ("procedure", "explicit"), ("stages.0.duration", 0.005), ("explicit", {"damping": 2000}))
+
+
+@pytest.mark.parametrize("changes", [SMALL, EXPLICIT], ids=["implicit", "explicit"])
+def test_a_restart_on_other_threads_gives_the_same_bits(changes: tuple[tuple[str, object], ...]) -> None:
+    model = build_model(StampingCase.model_validate(vary_bulge(*changes)))
+    arrays = compare_with_restart(model, 10, threads=2)
+    assert any("pressure" in name for name in arrays)
+
+
+@pytest.mark.parametrize("change", [("blank.cells", "triangles"), ("blank.refine", {"levels": 1, "angle": 5})])
+def test_triangles_and_split_shells_are_pressed_like_others(tmp_path: Path, change: tuple[str, object]) -> None:
+    """Height and volume within 3 % of coarse quadrilaterals; the energies close within 0.2 %."""
+    plain = run_stamping(vary_bulge(*EXPLICIT), tmp_path / "plain").history
+    other = run_stamping(vary_bulge(*EXPLICIT, change), tmp_path / "other").history
+    for quantity in ("height", "volume", "p"):
+        name = f"pressure.oil.{quantity}"
+        assert other[name][-1] == pytest.approx(plain[name][-1], rel=0.03), name
+    assert np.abs(other["energy_error_percent"]).max() < 0.2
+    if change[0] == "blank.refine":
+        assert other["shells"][-1] > other["shells"][0]
+
+
+def test_a_pressure_follows_its_table_and_stays_where_a_stage_does_not_name_it(tmp_path: Path) -> None:
+    """Over time in both procedures alike; the sheet springs back where it falls."""
+    stages = [
+        {"name": "up", "duration": 0.004, "pressure": {"oil": {"p_over_time": [[0.001, 0.0], [0.004, 0.6]]}}},
+        {"name": "hold", "duration": 0.001},
+        {"name": "down", "duration": 0.003, "pressure": {"oil": {"p": 0.0}}},
+    ]
+    for changes in (SMALL, EXPLICIT):
+        own = [change for change in changes if not change[0].startswith("stages")]
+        history = run_stamping(vary_bulge(*own, ("stages", stages)), tmp_path / own[-1][0]).history
+        p, height, time, stage = (history[name] for name in ("pressure.oil.p", "pressure.oil.height", "time", "stage"))
+        table = np.interp(time[stage == "up"], [0.001, 0.004], [0.0, 0.6])
+        np.testing.assert_allclose(p[stage == "up"], table, atol=2e-3)
+        np.testing.assert_allclose(p[stage == "hold"], 0.6, atol=1e-12)
+        assert p[-1] == pytest.approx(0.0, abs=1e-12)
+        assert 0.9 * height.max() < height[-1] < height.max()
+
+
+@pytest.mark.parametrize("changes", [SMALL, EXPLICIT], ids=["implicit", "explicit"])
+def test_a_line_bounds_a_pressure_and_its_face_says_where_it_pushes(
+    tmp_path: Path, changes: tuple[tuple[str, object], ...]
+) -> None:
+    line = {"shape": "circle", "diameter": 50}
+    tables = {"inside": {"oil": {"face": "top", "inside": line}}, "outside": {"oil": {"face": "top", "outside": line}}}
+    middle, heights = [], []
+    for name, pressure in tables.items():
+        run = run_stamping(vary_bulge(*changes, ("pressure", pressure)), tmp_path / name)
+        moved, points = run.field("displacement")[:, 2], run.mesh.points
+        assert moved.min() < -1.0
+        assert moved.max() < 0.1
+        middle.append(moved[np.argmin(np.hypot(*points[:, :2].T))])
+        heights.append(run.history["pressure.oil.height"][-1])
+        assert heights[-1] == pytest.approx(-moved.min(), rel=1e-6)
+    assert middle[0] == pytest.approx(-heights[0], rel=1e-6)
+    assert RADIUS > heights[0] > 0.0
+
+
+def test_a_bulge_springs_back_once_the_pressure_is_gone(tmp_path: Path) -> None:
+    """Released parts have no pressure: the last rows say 0, and the part keeps its shape but for springback."""
+    case = vary_bulge(*SMALL, ("springback", {}))
+    run = run_stamping(case, tmp_path / "out")
+    assert run.history["pressure.oil.p"][-1] == 0.0
+    assert run.history["pressure.oil.p"].max() == pytest.approx(0.6)
+    assert 0.0 < run.summary["springback"]["largest_mm"] < 3.0

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pressure on the sheet of a stamping: what a case builds, and what it refuses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from presswork.case import CaseError, StampingCase, build_model, describe
+from presswork.model import Model
+from tests.problems.bulges import vary_bulge
+from tests.unit.case.round_cup import CUP, changed
+
+OIL = {"oil": {"face": "top", "inside": {"shape": "circle", "diameter": 40}}}
+DRAWN = changed(
+    CUP,
+    ("tools", {name: tool for name, tool in CUP["tools"].items() if name != "punch"}),
+    ("pressure", OIL),
+    ("stages", [{"name": "bulge", "duration": 0.01, "pressure": {"oil": {"p": 2.0}}}]),
+)
+"""A blank that is pressed from above through the openings of holder and die."""
+
+
+def build(data: dict[str, Any]) -> Model:
+    return build_model(StampingCase.model_validate(data))
+
+
+def refuse(data: dict[str, Any]) -> str:
+    with pytest.raises((CaseError, ValidationError)) as caught:
+        build(data)
+    return str(caught.value)
+
+
+def test_a_pressure_goes_from_stage_to_stage() -> None:
+    stages = [
+        {"name": "fill", "duration": 0.01, "pressure": {"oil": {"p": "20 bar"}}},
+        {"name": "hold", "duration": 0.01},
+        {"name": "more", "duration": 0.02, "pressure": {"oil": {"p_over_time": [[0, 2], [0.01, 5], [0.02, 4]]}}},
+    ]
+    model = build(changed(DRAWN, ("stages", stages)))
+    courses = [stage.pressure_course["oil"] for stage in model.stages]
+    np.testing.assert_allclose(courses[0].rows, [[0, 0], [1, 2]])
+    np.testing.assert_allclose(courses[1].rows, [[0, 2], [1, 2]])
+    np.testing.assert_allclose(courses[2].rows, [[0, 2], [0.5, 5], [1, 4]])
+    assert [course.over for course in courses] == ["way", "way", "time"]
+    words = describe(model)
+    for part in ("on the top face", "0 to 2 MPa", "stays 2 MPa", "2 to 4 MPa, at most 5 MPa"):
+        assert part in words
+
+
+def test_a_table_over_the_stroke_counts_what_moves_farthest() -> None:
+    stage = {
+        "name": "draw",
+        "tools": {"die": {"stroke": 20}, "holder": {"force": 8000}},
+        "pressure": {"oil": {"p_over_stroke": [[5, 0], [20, 3]]}},
+    }
+    course = build(changed(DRAWN, ("stages", [stage]))).stages[0].pressure_course["oil"]
+    np.testing.assert_allclose(course.rows, [[0, 0], [0.25, 0], [1, 3]])
+    assert course.over == "way"
+
+
+PLACE, STAGE = "pressure.oil", "stages.0.pressure.oil"
+REFUSED = {
+    "pressure.oil.outside": (
+        [(f"{PLACE}.outside", {"shape": "circle", "diameter": 60})],
+        ("inside and outside are both given", "give one of them"),
+    ),
+    "pressure.oil.face": ([(f"{PLACE}.face", "upper")], ("upper", "top")),
+    "stages.0.pressure.oil.p_over_time": (
+        [(f"{STAGE}.p_over_time", [[0, 0], [0.01, 2]])],
+        ("p and p_over_time are both given", "leave p_over_time out"),
+    ),
+    "stages.0.pressure.oil.p": ([(STAGE, {})], ("no pressure is given", "8 MPa")),
+    "stages.0.pressure.oil.p: ": ([(f"{STAGE}.p", -1)], ("-1",)),
+    "stages.0.pressure.oil.p_over_time: ": (
+        [(STAGE, {"p_over_time": [[0.01, 2], [0.0, 0]]})],
+        ("times of the table do not increase", "sort its rows"),
+    ),
+    "p_over_time = [[0.0, 0.0], [0.02, 2.0]]": (
+        [(STAGE, {"p_over_time": [[0, 0], [0.02, 2]]})],
+        ("beyond the end of the stage at 0.01 s", "lengthen the stage"),
+    ),
+    "p_over_time = [[0.0, 1.0], [0.01, 2.0]]": (
+        [(STAGE, {"p_over_time": [[0, 1], [0.01, 2]]})],
+        ("begins with 1 MPa, but the stage does with 0 MPa", "begin it with [0, 0]"),
+    ),
+    "p_over_time: expected": (
+        [(STAGE, {"p_over_time": [[0, 0], [0.01, -2]]})],
+        ("expected pressures >= 0", "the other face"),
+    ),
+    "p_over_time: the table": ([(STAGE, {"p_over_time": []})], ("is empty",)),
+    "stages.0.pressure.oil.p_over_stroke": (
+        [(STAGE, {"p_over_stroke": [[0, 0], [5, 2]]})],
+        ("nothing moves by a stroke", "give p_over_time, or p"),
+    ),
+    "stages.0.pressure.gas": (
+        [("stages.0.pressure", {"oil": {"p": 1}, "gas": {"p": 1}})],
+        ("no such pressure", "oil"),
+    ),
+    "pressure.gas": (
+        [("pressure", {**OIL, "gas": {"face": "top"}})],
+        ("no stage says how large it is", "stages.pressure.gas"),
+    ),
+    "pressure.gas: ": (
+        [
+            ("pressure", {**OIL, "gas": {"face": "top", "inside": {"shape": "circle", "diameter": 20}}}),
+            ("stages.0.pressure", {"oil": {"p": 1}, "gas": {"p": 1}}),
+        ],
+        ("shells on the top face that oil pushes, too", "lines that do not overlap"),
+    ),
+    "pressure.oil.inside: the holder": (
+        [(f"{PLACE}.inside.diameter", 70)],
+        ("the holder holder lies on", "a line inside the opening of the holder", 'face = "bottom"'),
+    ),
+    "pressure.oil.face: ": (
+        [("pressure", {"oil": {"face": "bottom"}})],
+        ("the die die lies on", 'face = "top"'),
+    ),
+    "pressure.oil.inside: the middle": (
+        [(f"{PLACE}.inside", {"shape": "circle", "diameter": 0.5})],
+        ("the middle of no shell lies there", "in mm"),
+    ),
+    "pressure.oil.inside: the line": (
+        [(f"{PLACE}.inside", {"shape": "polygon", "points": [[0, 0], [1, 1], [1, 0], [0, 1]]})],
+        ("crosses", "without"),
+    ),
+    "explicit.device": ([("explicit", {"device": "host"})], ("by the CPU alone", 'take "cpu"')),
+}
+
+
+@pytest.mark.parametrize("key", REFUSED)
+def test_a_wrong_pressure_is_refused_with_its_key_and_a_remedy(key: str) -> None:
+    changes, parts = REFUSED[key]
+    text = refuse(changed(DRAWN, *changes))
+    for part in (key.split(":")[0].split(" = ")[0], *parts):
+        assert part in text, text
+
+
+def test_a_stage_without_motion_needs_a_duration() -> None:
+    text = refuse(changed(DRAWN, ("stages", [{"name": "bulge", "pressure": {"oil": {"p": 2.0}}}])))
+    assert "or the stage a duration" in text
+
+
+def test_pressure_is_refused_beside_what_does_not_know_it() -> None:
+    gradients = {"by": ["materials.sheet.hardening.K"], "of": ["clamp.force_z"]}
+    assert "runs with pressure have no derivatives" in refuse(vary_bulge(("gradients", gradients)))
+    operation = {"name": "one", "stages": [{"name": "draw", "duration": 0.01}]}
+    text = refuse({**{k: v for k, v in DRAWN.items() if k not in ("stages", "tools")}, "operations": [operation]})
+    assert "pressure is not carried from one operation to the next" in text
+
+
+def test_a_dwell_keeps_its_pressure() -> None:
+    stages = [
+        *DRAWN["stages"],
+        {"name": "quench", "dwell": {"duration": 1.0, "place": "air"}, "pressure": {"oil": {"p": 1}}},
+    ]
+    assert "nothing moves in a dwell" in refuse(changed(DRAWN, ("stages", stages)))
