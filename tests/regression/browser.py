@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import shutil
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,14 @@ from typing import Any
 
 import pytest
 
+from presswork import Case, run
+from presswork.examples import copy_example
+from presswork.report import write_report
+from presswork.results import Result
+from presswork.server.http import Server
+from presswork.server.site import Site
+
+ATTACK = "</script><script>document.title = 'taken'</script>"
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
@@ -28,6 +37,35 @@ def chromium() -> Iterator[Any]:
             yield browser
         finally:
             browser.close()
+
+
+# Fixtures; a module of tests takes them up by names of its own: browser = share_browser.
+
+
+@pytest.fixture(scope="module")
+def share_browser() -> Iterator[Any]:
+    """Return a browser for the tests of a module."""
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture
+def serve_folder(tmp_path: Path) -> Iterator[Server]:
+    """Return a server on a test's own folder."""
+    site = Site(tmp_path)
+    with Server(site.answer) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield server
+        server.shutdown()
+    site.close()
+
+
+@pytest.fixture(scope="module")
+def share_upset(tmp_path_factory: pytest.TempPathFactory) -> Result:
+    """Return a cylinder upset by 60 %, with a title that would be a script."""
+    folder = tmp_path_factory.mktemp("upset")
+    case = Case.from_toml(copy_example("upsetting_q4", folder), overrides=["workpiece.mesh.cells=[8,8]"])
+    return run(case.model_copy(update={"title": f"Upsetting {ATTACK}"}), folder / "out").result
 
 
 class Tab:
@@ -73,8 +111,58 @@ class Tab:
         self.settle()
 
 
+class Person:
+    """Someone who works with mouse and keyboard; counts clicks and keys, of a file's dialog two clicks."""
+
+    def __init__(self, page: Tab) -> None:
+        self.page = page
+        self.clicks = 0
+        self.typed = 0
+
+    def press(self, name: str) -> None:
+        """Press a button."""
+        self.page.tab.get_by_role("button", name=name).first.click()
+        self.clicks += 1
+
+    def type(self, key: str, text: str) -> None:
+        """Click into a field of the editor and type."""
+        field = self.page.tab.locator(f'[data-key="{key}"]')
+        field.click()
+        field.fill(text)
+        self.clicks += 1
+        self.typed += len(text)
+
+    def key(self, *keys: str) -> None:
+        """Press keys, or type words into what has the focus."""
+        for key in keys:
+            is_one = key in ("Tab", "Enter", "Escape", "Space") or "+" in key
+            self.page.tab.keyboard.press(key) if is_one else self.page.tab.keyboard.type(key)
+            self.typed += 1 if is_one else len(key)
+
+    def choose_file(self, name: str, path: Path) -> None:
+        """Press a button that asks for a file, and choose one."""
+        with self.page.tab.expect_file_chooser() as asked:
+            self.press(name)
+        asked.value.set_files(path)
+        self.clicks += 1
+
+    def wait(self) -> None:
+        """Wait until the case is checked."""
+        self.page.tab.wait_for_timeout(100)
+        self.page.tab.wait_for_selector('html[data-checking="false"]', timeout=60_000)
+
+
 class Page(Tab):
     """A page that is opened from a file."""
 
     def __init__(self, browser: Any, path: Path, width: int = 1280, height: int = 800) -> None:
         super().__init__(browser, path.as_uri(), width, height)
+
+
+@pytest.fixture
+def open_report(browser: Any, upset: Result) -> Iterator[Page]:
+    """Return the page of the module's run; it must ask for nothing but itself, and show no error."""
+    opened = Page(browser, write_report(upset))
+    yield opened
+    assert not [address for address in opened.addresses if not address.startswith(("file:", "blob:", "data:"))]
+    opened.close()

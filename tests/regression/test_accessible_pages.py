@@ -16,7 +16,9 @@ from presswork.report import write_report
 from presswork.server.http import Server
 from presswork.server.site import Site
 from presswork.study.sweep import run_sweep
-from tests.regression.browser import Tab, chromium
+from tests.regression.browser import Tab, share_browser
+
+browser = share_browser
 
 PAGES = ["", "new", "edit?case=upsetting_q4.toml", "edit?case=cup.toml", "run?run=out", "sweep?sweep=sweep", "report"]
 SERIOUS = ("serious", "critical")
@@ -43,10 +45,21 @@ def site(folder: Path) -> Iterator[Server]:
     site.close()
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as found:
-        yield found
+def list_findings(axe: Any, tab: Tab) -> list[str]:
+    """Return the serious findings of axe-core on an open page."""
+    found = axe.Axe().run(tab.tab).response["violations"]
+    return [f"{one['id']}: {one['help']}: {one['nodes'][0]['html'][:200]}" for one in found if one["impact"] in SERIOUS]
+
+
+@pytest.mark.parametrize("process", ["Closed die, hot", "Panel from CAD", "Blank of a part"])
+def test_questions_of_a_process_have_no_serious_finding(browser: Any, site: Server, process: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason='pip install "presswork[test]"')
+    tab = Tab(browser, f"{site.address}new")
+    tab.tab.get_by_role("button", name=process).click()
+    assert not list_findings(axe, tab)
+    tab.tab.set_viewport_size({"width": 390, "height": 844})
+    assert tab.ask("() => document.querySelector('dialog').scrollWidth <= 390")
+    tab.close()
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -61,11 +74,7 @@ def test_page_has_no_serious_finding(browser: Any, site: Server, folder: Path, p
             tab.tab.wait_for_timeout(200)
         for folded in tab.tab.locator("details").all():
             folded.evaluate("(element) => { element.open = true; }")
-        found = axe.Axe().run(tab.tab).response["violations"]
-        words = [
-            f"{one['id']}: {one['help']}: {one['nodes'][0]['html'][:200]}" for one in found if one["impact"] in SERIOUS
-        ]
-        assert not words
+        assert not list_findings(axe, tab)
     tab.tab.set_viewport_size({"width": 390, "height": 844})
     tab.tab.wait_for_function("() => document.documentElement.scrollWidth <= 390", timeout=5_000)
     tab.close()

@@ -3,11 +3,9 @@
 
 from __future__ import annotations
 
-import threading
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import pytest
@@ -15,82 +13,10 @@ import pytest
 from presswork.case import json_schema
 from presswork.case.kinds import KINDS
 from presswork.examples import copy_example, list_examples
-from presswork.results import Result
 from presswork.server.http import Server
-from presswork.server.site import Site
-from tests.regression.browser import Tab, chromium
+from tests.regression.browser import Person, Tab, serve_folder, share_browser
 
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as found:
-        yield found
-
-
-@pytest.fixture
-def site(tmp_path: Path) -> Iterator[Server]:
-    site = Site(tmp_path)
-    with Server(site.answer) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield server
-        server.shutdown()
-    site.close()
-
-
-class Person:
-    """Someone who works with mouse and keyboard; counts what they do."""
-
-    def __init__(self, page: Tab) -> None:
-        self.page = page
-        self.clicks = 0
-        self.typed = 0
-
-    def press(self, name: str) -> None:
-        self.page.tab.get_by_role("button", name=name).first.click()
-        self.clicks += 1
-
-    def type(self, key: str, text: str) -> None:
-        """Click into a field and type."""
-        field = self.page.tab.locator(f'[data-key="{key}"]')
-        field.click()
-        field.fill(text)
-        self.clicks += 1
-        self.typed += len(text)
-
-    def wait(self) -> None:
-        """Wait until the case is checked."""
-        self.page.tab.wait_for_timeout(100)
-        self.page.tab.wait_for_selector('html[data-checking="false"]', timeout=60_000)
-
-
-def test_newcomer_draws_a_cup_of_own_dimensions(browser: Any, site: Server, tmp_path: Path) -> None:
-    page, started = Tab(browser, f"{site.address}new"), perf_counter()
-    person = Person(page)
-    person.press("Cylindrical cup")
-    page.tab.wait_for_url("**/edit?*")
-    page.wait_until_drawn()
-    sizes = {"blank.diameter": "80", "blank.thickness": "0.8", "tools.punch.diameter": "40", "tools.die.diameter": "42"}
-    sizes |= {"tools.holder.diameter": "42", "stages.0.tools.punch.stroke": "6", "blank.element_size": "4"}
-    for key, text in sizes.items():
-        person.type(key, text)
-    person.wait()
-    assert page.tab.locator("#problems li").count() == 0
-    assert "0.8 mm of dc04" in page.tab.locator("#description").inner_text()
-    drawing = page.tab.frame_locator("#drawing")
-    drawing.locator("html[data-ready]").wait_for(timeout=60_000)
-    assert page.tab.get_by_role("img", name="Flow stress of dc04").is_visible()
-    assert page.tab.get_by_role("img", name="Forming limit of dc04, 0.8 mm thick").is_visible()
-    person.press("Save and run")
-    page.tab.wait_for_url("**/run?*", timeout=120_000)
-    page.wait_until_drawn()
-    page.tab.wait_for_function("() => presswork.runs[0].summary.status === 'completed'", timeout=180_000)
-    page.close()
-    text = (tmp_path / "cylindrical_cup.toml").read_text(encoding="utf-8")
-    assert "diameter = 80             # mm" in text, "comments stay"
-    assert Result(tmp_path / "cylindrical_cup").history["punch.stroke"][-1] == pytest.approx(6.0)
-    assert person.clicks == 2 + len(sizes)
-    assert person.typed == 13
-    assert perf_counter() - started < 300.0, "five minutes"
+browser, site = share_browser, serve_folder
 
 
 def test_problems_stand_at_their_fields(browser: Any, site: Server, tmp_path: Path) -> None:
@@ -140,9 +66,23 @@ def list_keys(data: Any, before: str = "") -> Iterator[str]:
         yield before
 
 
-def test_all_examples_are_offered(browser: Any, site: Server) -> None:
+def test_all_examples_are_offered_behind_a_fold_and_found_by_a_word(browser: Any, site: Server) -> None:
     page = Tab(browser, f"{site.address}new")
-    assert page.tab.locator("#examples button").count() == len(list_examples())
+    shown = page.tab.locator("#examples button")
+    assert shown.count() == len(list_examples())
+    assert not shown.first.is_visible()
+    page.tab.get_by_text("All examples").click()
+    page.tab.get_by_label("Search").fill("hammer")
+    assert page.tab.locator("#examples li:visible").all_inner_texts() == [
+        "Hammer forging of AA6082 in four blows\nhammer_forging"
+    ]
+    page.close()
+
+
+def test_a_mesh_without_kind_is_shown_as_what_it_is(browser: Any, site: Server, tmp_path: Path) -> None:
+    copy_example("hot_upsetting", tmp_path)
+    page = Tab(browser, f"{site.address}edit?case=hot_upsetting.toml")
+    assert page.tab.locator('[data-key="workpiece.mesh.kind"]').input_value() == "rectangle"
     page.close()
 
 

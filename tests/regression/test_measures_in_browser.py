@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,32 +11,12 @@ import pytest
 from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 from presswork import Case, run
-from presswork.examples import copy_example
 from presswork.report import write_report
 from presswork.results import Result
 from presswork.view.cells import triangulate
-from tests.regression.browser import Page, chromium
+from tests.regression.browser import Page, open_report, share_browser, share_upset
 
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as found:
-        yield found
-
-
-@pytest.fixture(scope="module")
-def upset(tmp_path_factory: pytest.TempPathFactory) -> Result:
-    """A cylinder upset by 60 %."""
-    folder = tmp_path_factory.mktemp("upset")
-    case = Case.from_toml(copy_example("upsetting_q4", folder), overrides=["workpiece.mesh.cells=[8,8]"])
-    return run(case, folder / "out").result
-
-
-@pytest.fixture
-def page(browser: Any, upset: Result) -> Iterator[Page]:
-    opened = Page(browser, write_report(upset))
-    yield opened
-    opened.close()
+browser, upset, page = share_browser, share_upset, open_report
 
 
 def test_click_on_a_line_of_the_verdict_shows_its_field_and_place(page: Page, upset: Result) -> None:

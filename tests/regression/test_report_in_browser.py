@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import io
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,39 +13,13 @@ import pytest
 from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 from presswork import Case, run
-from presswork.examples import copy_example
 from presswork.model import CellBlock, Mesh
 from presswork.report import write_report
 from presswork.results import Result, append_step, truncate_steps
 from presswork.view.cells import triangulate
-from tests.regression.browser import Page, chromium
+from tests.regression.browser import ATTACK, Page, open_report, share_browser, share_upset
 
-ATTACK = "</script><script>document.title = 'taken'</script>"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as found:
-        yield found
-
-
-@pytest.fixture(scope="module")
-def upset(tmp_path_factory: pytest.TempPathFactory) -> Result:
-    """A cylinder upset by 60 %, with a title that would be a script."""
-    folder = tmp_path_factory.mktemp("upset")
-    changes = ["workpiece.mesh.cells=[8,8]", "stages.0.steps=10"]
-    case = Case.from_toml(copy_example("upsetting_q4", folder), overrides=changes[:1])
-    case = case.model_copy(update={"title": f"Upsetting {ATTACK}"})
-    return run(case, folder / "out").result
-
-
-@pytest.fixture
-def page(browser: Any, upset: Result) -> Iterator[Page]:
-    opened = Page(browser, write_report(upset))
-    yield opened
-    assert not opened.errors
-    assert not [address for address in opened.addresses if not address.startswith(("file:", "blob:", "data:"))]
-    opened.tab.close()
+browser, upset, page = share_browser, share_upset, open_report
 
 
 def test_values_in_the_page_are_those_of_the_results(page: Page, upset: Result) -> None:

@@ -24,15 +24,11 @@ from presswork.results import Result
 from presswork.server.http import Server
 from presswork.server.site import Site
 from presswork.study.sweep import run_sweep
-from tests.regression.browser import Tab, chromium
+from tests.regression.browser import Tab, share_browser
+
+browser = share_browser
 
 ATTACK = "</script><img src=x onerror=\"document.title='taken'\"><script>document.title = 'taken'</script>"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as found:
-        yield found
 
 
 @pytest.fixture(scope="module")

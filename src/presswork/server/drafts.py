@@ -27,6 +27,7 @@ from presswork.report.run_data import pack_run
 from presswork.results import Result
 from presswork.results.whole_file import write_whole
 from presswork.server.opened_folder import OpenedFolder, RefusedError
+from presswork.server.processes import PROCESSES
 from presswork.server.toml_text import rewrite
 
 _STARTERS = files("presswork.server") / "starters"
@@ -51,28 +52,37 @@ class Drafts:
 
     # --- begin and save ----------------------------------------------------------------------------------------------
 
-    def list_starters(self) -> list[dict[str, str]]:
-        """Return name, title and kind of every case to begin with: those made to be filled in first."""
-        made = [path for path in sorted(_STARTERS.iterdir(), key=lambda p: p.name) if path.name.endswith(".toml")]
-        found = []
-        for path in made:
-            data = tomllib.loads(path.read_text(encoding="utf-8"))
-            found.append(
-                {"name": path.name[:-5], "title": data["title"], "analysis": data["analysis"], "kind": "starter"}
-            )
-        return found + [
-            {"name": name, "title": title, "analysis": "", "kind": "example"} for name, title in list_examples().items()
+    def list_starters(self) -> list[dict[str, Any]]:
+        """Return what a new case may begin with: the processes, with what each asks first, and the examples."""
+        examples = list_examples().items()
+        return [
+            *(process.to_data() for process in PROCESSES.values()),
+            *({"name": name, "title": title, "kind": "example"} for name, title in examples),
         ]
 
+    def set_up(self, starter: str, name: str, given: dict[str, Any]) -> str:
+        """Write a process's case, filled in with what was answered, into the folder; return the case's name.
+
+        Raises RefusedError that names what an answer lacks.
+        """
+        process = PROCESSES.get(starter)
+        if process is None:
+            raise RefusedError(f"there is no process {starter}", 404)
+        path = self._find_free(name)
+        text = (_STARTERS / f"{starter}.toml").read_text(encoding="utf-8")
+        data = tomllib.loads(text)
+        process.fill(data, process.read(given))
+        if name != starter:
+            data["title"] = name
+        content = rewrite(text, data).encode()
+        write_whole(path, content)
+        return self._opened.name(path)
+
     def create(self, starter: str, name: str) -> str:
-        """Copy a starter or an example, with its files, into the folder under a name; return the case's name."""
-        path = self._new_file(f"{name}.toml")
-        if os.path.lexists(path):
-            raise RefusedError(f"{path.name} is there already; choose another name", 409)
-        own = [entry.name for entry in _STARTERS.iterdir()]
-        if f"{starter}.toml" in own:
-            write_whole(path, _retitle((_STARTERS / f"{starter}.toml").read_bytes(), starter, name))
-            return self._opened.name(path)
+        """Copy an example with its files, or set up a process, into the folder under a name; return the case's name."""
+        if starter in PROCESSES:
+            return self.set_up(starter, name, {})
+        path = self._find_free(name)
         try:
             with tempfile.TemporaryDirectory(dir=self.folder) as place:
                 copied = copy_example(starter, place)
@@ -84,6 +94,13 @@ class Drafts:
         except CaseError as error:
             raise RefusedError(str(error), 404) from error
         return self._opened.name(path)
+
+    def _find_free(self, name: str) -> Path:
+        """Return where a new case of a name goes. Raises RefusedError if there is one."""
+        path = self._new_file(f"{name}.toml")
+        if os.path.lexists(path):
+            raise RefusedError(f"{path.name} is there already; choose another name", 409)
+        return path
 
     def _new_file(self, name: str, folder: str = "") -> Path:
         """Return where a file of that name goes. Raises RefusedError for a name that is none of a plain file."""

@@ -24,7 +24,7 @@ from presswork.server.run_list import RunList
 from presswork.server.scratch import Scratch
 
 _PAGE = files("presswork.server") / "page"
-_KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css"}
+_KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
 _MODULES = ("colours.js", "elements.js", "chart.js")
 """Modules of the report's page that the pages of lists share with it."""
 
@@ -62,6 +62,7 @@ class Site:
             "stop": lambda r: self._act(r, self.jobs.stop),
             "resume": self._resume,
             "create": lambda r: answer_json({"name": self.drafts.create(r.get("starter"), r.get("name"))}),
+            "setup": self._set_up,
             "upload": lambda r: answer_json({"name": self.drafts.upload(r.get("case"), r.get("name"), r.body)}),
             "material": lambda r: answer_json(describe_material(r.get_json())),
             "check": self._check,
@@ -155,6 +156,16 @@ class Site:
         return answer_json({})
 
     # --- cases -------------------------------------------------------------------------------------------------------
+
+    def _set_up(self, request: Request) -> Response:
+        """Write the case of a process; an answer that will not do is a fault for the page to show."""
+        starter, name, given = request.get("starter"), request.get("name"), request.get_json()
+        try:
+            return answer_json({"name": self.drafts.set_up(starter, name, given)})
+        except RefusedError as error:
+            if error.status != 400:
+                raise
+            return answer_json({"fault": str(error)})
 
     def _check(self, request: Request) -> Response:
         asked = request.get_json()

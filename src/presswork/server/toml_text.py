@@ -29,20 +29,28 @@ def rewrite(text: str, data: Mapping[str, Any]) -> str:
         raise RefusedError(f"not valid TOML: {error}") from error
 
 
-def _write_table(table: Any, data: Mapping[str, Any]) -> None:
+def _write_table(table: Any, data: Mapping[str, Any], *, is_dotted: bool = False) -> None:
+    """Write values into a table; is_dotted: it stands in a dotted key, tools.die = {...}, so new tables are inline."""
     for key in [key for key in table if data.get(key) is None]:
         table.remove(key)
     for key, value in data.items():
         if value is None:
             continue
-        if key not in table or not _write_into(table[key], value):
-            table[key] = _make(value, is_inline=isinstance(table, InlineTable))
+        if key not in table or not _write_into(table[key], value, is_dotted=is_dotted or _is_dotted(table, key)):
+            table[key] = _make(value, is_inline=is_dotted or isinstance(table, InlineTable))
 
 
-def _write_into(item: Any, value: Any) -> bool:
+def _is_dotted(table: Any, key: str) -> bool:
+    """Say whether a key of a table is the first part of a dotted one."""
+    container = table if isinstance(table, Container) else getattr(table, "value", None)
+    body = container.body if isinstance(container, Container) else []
+    return any(each is not None and each.key == key and each.is_dotted() for each, _ in body)
+
+
+def _write_into(item: Any, value: Any, *, is_dotted: bool = False) -> bool:
     """Write a value into what stands there; return whether that could be done, or nothing was to be done."""
     if isinstance(item, _TABLES) and isinstance(value, dict):
-        _write_table(item, value)
+        _write_table(item, value, is_dotted=is_dotted)
         return True
     if isinstance(item, AoT) and isinstance(value, list) and value and all(isinstance(each, dict) for each in value):
         for i, each in enumerate(value):

@@ -67,8 +67,22 @@ def test_a_tool_that_never_moves_cannot_be_brought() -> None:
     case = {**SOLID, "materials": {"steel": STEEL}, "tools": {"punch": {"profile": FLAT, "contact": "sticking",
             "position": "touch"}}, "stages": [{"name": "pull", "displacement": [
                 {"set": "top", "component": "y", "value": 1}]}]}  # fmt: skip
-    with pytest.raises(CaseError, match=r"tools\.punch\.position.*never moves"):
+    with pytest.raises(CaseError, match=r"tools\.punch\.position.*no tool moves"):
         build_model(Case(**case))
+
+
+def test_a_tool_that_stands_comes_against_the_motion_of_the_others() -> None:
+    """A die drawn 9 mm below the billet is raised to its bottom at y = 0, as the punch comes down to its top."""
+    case: dict[str, Any] = {**SOLID, "materials": {"steel": STEEL}}
+    touching = {"contact": "frictionless", "position": "touch"}
+    case["tools"] = {
+        "punch": {"profile": [[-5, 20], [30, 20]], **touching},
+        "die": {"profile": [[-5, -9], [30, -9]], **touching},
+    }
+    case["stages"] = [{"name": "upset", "tools": {"punch": {"stroke": 1, "direction": [0, -1]}}}]
+    punch, die = (start_profile(tool)[0, [1, 3]] for tool in build_model(Case(**case)).tools)
+    np.testing.assert_allclose(punch, 15, atol=1e-7)
+    np.testing.assert_allclose(die, 0, atol=1e-7)
 
 
 def test_no_increment_is_spent_in_the_air(tmp_path: Path) -> None:

@@ -47,6 +47,13 @@ def test_tables_and_entries_come_and_go() -> None:
     assert tomllib.loads(rewrite(rewrite(text, changed), data)) == data
 
 
+@pytest.mark.parametrize("text", ["[[stages]]\ntools.die = { stroke = 1 }\n", "tools.die.heat = { gap = 1 }\n"])
+def test_what_comes_beside_a_dotted_key_stands_in_its_table(text: str) -> None:
+    data = tomllib.loads(text)
+    (data["stages"][0] if "stages" in data else data)["tools"]["punch"] = {"stroke": 2, "heat": {"gap": 1}}
+    assert tomllib.loads(rewrite(text, data)) == data
+
+
 @pytest.mark.parametrize("path", CASES, ids=lambda path: path.stem)
 def test_every_value_of_an_example_can_be_changed(path: Path) -> None:
     """Each number in turn, wherever it stands: in dotted keys, lists, tables in lines."""

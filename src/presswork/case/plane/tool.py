@@ -158,7 +158,8 @@ class Tool(Part):
     position: Place | None = Field(
         default=None,
         description="where the origin of the profile, as drawn, starts [x, y] [mm], centre included; touch: it is "
-        "moved from there along its first motion until it touches the workpiece",
+        "moved from there along its first motion until it touches the workpiece; one that stands comes against the "
+        "first motion of the others",
     )
     spring: Spring | None = Field(default=None, description="a spring on which the tool rests, as a cushion does")
     heat: ToolHeat | None = Field(default=None, description="temperature of the tool; without it: no heat passes")

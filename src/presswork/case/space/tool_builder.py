@@ -167,7 +167,7 @@ def _explain_no_touch(name: str, direction: FloatArray) -> Problem:
     key = f"tools.{name}.position"
     if not direction.any():
         remedy = "give a stage in which the tool has a stroke, move or force, or position = [x, y, z]"
-        return Problem(key, "the tool never moves, so it is not known from where it comes", remedy, "touch")
+        return Problem(key, "no tool moves, so it is not known from where this one comes", remedy, "touch")
     x, y, z = direction
     fault = f"along its first motion, ({x:g}, {y:g}, {z:g}), the tool passes beside the workpiece"
     return Problem(key, fault, "draw it in line with the workpiece, or give position = [x, y, z]", "touch")
@@ -202,11 +202,23 @@ def _check_clear(name: str, mesh: Mesh, size: float, nearest: Nearest) -> Proble
 
 
 def find_first_direction(case: SpaceCase, name: str) -> FloatArray:
-    """Return the direction of a tool's first motion (3,), of length 1; zero where it has none."""
+    """Return the direction of a tool's first motion (3,), of length 1; zero where it has none.
+
+    A tool that stands and is to touch the workpiece comes against the first motion of any other tool.
+    """
+    own = _find_first_motion(case, [name])
+    if own.any() or case.tools[name].position != "touch":
+        return own
+    return np.asarray(0.0 - _find_first_motion(case, list(case.tools)))
+
+
+def _find_first_motion(case: SpaceCase, names: Sequence[str]) -> FloatArray:
+    """Return the direction of the first motion of any of the tools (3,), of length 1; zero where they have none."""
     for stage in case.stages:
-        motion = stage.tools[name].build() if name in stage.tools else None
-        if motion is not None and (motion.push is not None or any(motion.move)):
-            return find_direction(motion)
+        for name in names:
+            motion = stage.tools[name].build() if name in stage.tools else None
+            if motion is not None and (motion.push is not None or any(motion.move)):
+                return find_direction(motion)
     return np.zeros(3)
 
 

@@ -72,7 +72,8 @@ class _SpaceTool(Part):
     position: Place3 = Field(
         default=(0.0, 0.0, 0.0),
         description="where the origin of the tool, as drawn, starts [x, y, z] [mm]; touch: the tool comes "
-        "from afar, past [0, 0, 0] along its first motion, until it touches the workpiece",
+        "from afar, past [0, 0, 0] along its first motion, until it touches the workpiece; one that stands comes "
+        "against the first motion of the others",
     )
     rotation: Rotation | None = Field(default=None, description="turns the tool, as drawn, about its origin")
     axis: Direction3 | None = Field(

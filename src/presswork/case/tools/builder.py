@@ -108,7 +108,7 @@ def _find_place(
     key = f"tools.{name}.position"
     if not direction.any():
         remedy = "give a stage in which the tool has a stroke, move or force, or position = [x, y]"
-        return Problem(key, "the tool never moves, so it is not known from where it comes", remedy, "touch")
+        return Problem(key, "no tool moves, so it is not known from where this one comes", remedy, "touch")
     drawn = measure_distance(nodes, segments)
     sides = drawn.distance[drawn.beside]
     size = float(np.linalg.norm(np.ptp(nodes, axis=0)))
@@ -125,12 +125,25 @@ def _find_place(
 
 
 def find_first_direction(case: schema.Case, name: str) -> tuple[float, float]:
-    """Return the direction of a tool's first motion, of length 1; zero where it has none."""
+    """Return the direction of a tool's first motion, of length 1; zero where it has none.
+
+    A tool that stands and is to touch the workpiece comes against the first motion of any other tool.
+    """
+    x, y = _find_first_motion(case, [name])
+    if x or y or case.tools[name].position != "touch":
+        return x, y
+    x, y = _find_first_motion(case, list(case.tools))
+    return -x, -y
+
+
+def _find_first_motion(case: schema.Case, names: Sequence[str]) -> tuple[float, float]:
+    """Return the direction of the first motion of any of the tools, of length 1; zero where they have none."""
     for stage in case.stages:
-        motion = stage.tools[name].build() if name in stage.tools else None
-        x, y = (motion.push.direction if motion.push else motion.move[:2]) if motion else (0.0, 0.0)
-        if x or y:
-            return unit_vector((x, y))
+        for name in names:
+            motion = stage.tools[name].build() if name in stage.tools else None
+            x, y = (motion.push.direction if motion.push else motion.move[:2]) if motion else (0.0, 0.0)
+            if x or y:
+                return unit_vector((x, y))
     return 0.0, 0.0
 
 

@@ -10,5 +10,10 @@ export async function ask(address, options) {
 
 export const send = (address, data) => ask(address, { method: "POST", body: JSON.stringify(data) });
 
+/** Copy a file beside a case; return its name there. */
+export async function upload(name, file) {
+  return (await ask(`upload?case=${encodeURIComponent(name)}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file })).name;
+}
+
 /** Return the address of the page of runs. */
 export const addressOf = (names) => `run?${names.map((name) => `run=${encodeURIComponent(name)}`).join("&")}`;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Edits a case: form or text on the left; problems, drawing and description on the right, anew at every change.
-import { ask, addressOf, send } from "./ask.js";
+import { ask, addressOf, send, upload } from "./ask.js";
 import { make } from "./elements.js";
 import { findKeys } from "./find_keys.js";
 import { Form } from "./form.js";
@@ -15,13 +15,7 @@ let past = [], at = -1; // texts that were checked, and which of them stands her
 
 const materials = await ask("materials").catch(() => []);
 const curves = new MaterialCurves(find("material"));
-const form = new Form(find("form"), { materials: materials.map(({ key }) => key), onFile: upload, onChange: (changed) => { data = changed; later(); } });
-
-async function upload(file) {
-  const response = await fetch(`upload?${query}&name=${encodeURIComponent(file.name)}`, { method: "POST", body: file }), answer = await response.json();
-  if (!response.ok) throw new Error(answer.error);
-  return answer.name;
-}
+const form = new Form(find("form"), { materials: materials.map(({ key }) => key), onFile: (file) => upload(name, file), onChange: (changed) => { data = changed; later(); } });
 
 function later() {
   clearTimeout(timer);

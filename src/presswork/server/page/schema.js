@@ -82,8 +82,10 @@ function readKinds({ discriminator }, root) {
 
 /** Return the kind of a table that stands there. */
 export function chooseKind({ tag, kinds }, value) {
-  if (tag) return value?.[tag] in kinds ? value[tag] : value?.[tag] === undefined ? Object.keys(kinds)[0] : value[tag];
-  return value && "umat" in value && kinds.umat ? "umat" : Object.keys(kinds)[0];
+  if (tag && value?.[tag] !== undefined) return value[tag];
+  if (!tag) return value && "umat" in value && kinds.umat ? "umat" : Object.keys(kinds)[0];
+  const keys = Object.keys(value ?? {}), hasAll = (word) => keys.every((key) => key in kinds[word].properties);
+  return Object.keys(kinds).find((word) => keys.length && hasAll(word)) ?? Object.keys(kinds)[0];
 }
 
 function describeRange(node) {
