@@ -19,6 +19,7 @@ from presswork.explicit.energy import EnergyBalance, MassScaling, compute_balanc
 from presswork.explicit.input_checks import ExplicitError
 from presswork.explicit.motion import Motion
 from presswork.explicit.nodal_motion import Array, NodalMotion, Numbers
+from presswork.explicit.resident import ResidentLoop
 from presswork.law.umat import STATUS_MESSAGES
 from presswork.state import State
 
@@ -59,7 +60,7 @@ class Dynamics(NodalMotion):
 
     safety: float = SAFETY
     """Time step of `run_to` over the bound of the stable one."""
-    _resident: Any = None
+    _resident: ResidentLoop | None = None
     """The loop on a device, where there is one."""
 
     def __init__(

@@ -76,11 +76,12 @@ class ExplicitSolids(TouchingBodies, Dynamics):
             "depth": depth,
             "hourglass_fraction": hourglass_fraction,
         }
-        loop: Any = _core.PlaneLoop(np.ascontiguousarray(mesh.points, dtype=float), rim, **section)
+        whole = _core.PlaneLoop(np.ascontiguousarray(mesh.points, dtype=float), rim, **section)
         for block in mesh.blocks:
-            _add_block(loop, block, materials, block.connectivity)
+            _add_block(whole, block, materials, block.connectivity)
+        loop: _core.PlaneLoop | DividedLoop = whole
         if world:
-            loop = _divide(loop, mesh, materials, rim, section, list_known(touching), world)
+            loop = _divide(whole, mesh, materials, rim, section, list_known(touching), world)
         self._laws = [
             make_damage(materials[b.material].damage, materials[b.material].umat, is_solid=True) for b in mesh.blocks
         ]
@@ -238,7 +239,9 @@ def _list_kept(material: SolidMaterial) -> History:
     return list_history(material.make_law(), 4).without(EQPS, RISE)
 
 
-def _add_block(loop: Any, block: CellBlock, materials: Sequence[SolidMaterial], cells: npt.NDArray[np.int32]) -> None:
+def _add_block(
+    loop: _core.PlaneLoop, block: CellBlock, materials: Sequence[SolidMaterial], cells: npt.NDArray[np.int32]
+) -> None:
     """Add cells (n, nodes), numbered as the loop numbers nodes, of a block of the mesh."""
     material = materials[block.material]
     porosity = material.gtn.initial if material.gtn else 0.0

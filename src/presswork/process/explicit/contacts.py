@@ -4,11 +4,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
-from presswork.explicit.body_contacts import BodyContactOfRun, TouchingSurfaces
+from presswork.explicit.body_contacts import BodyContactOfRun, TouchingBodies, TouchingSurfaces
 from presswork.fields.contact_stress import BodyTraction
 from presswork.interaction.bodies.body_interface import Interface
 from presswork.interaction.bodies.body_surfaces import MARGIN, REACH, STEEPEST, CellsOfSides
@@ -21,7 +20,7 @@ from presswork.observe.contract import Row
 class ContactsOfRun:
     """The contacts of a model's bodies beside the explicit loop."""
 
-    def __init__(self, model: Model, surfaces: Sequence[TouchingSurfaces], solids: Any) -> None:
+    def __init__(self, model: Model, surfaces: Sequence[TouchingSurfaces], solids: TouchingBodies) -> None:
         """surfaces: as find_touching has them; solids: of the explicit loop, to which the contacts are added."""
         self._model, self._of = model, model.contacts
         self.added: list[BodyContactOfRun] = []

@@ -219,8 +219,8 @@ class ExplicitForming(IntervalRun):
             return
         stage = self.model.stages[number]
         self._prescribe(self.solids, stage.duration)
-        for wall in self.walls:
-            self.domain.move(wall, stage.tool_motion.get(wall.name, ToolMotion()), stage)
+        for t, wall in enumerate(self.walls):
+            self.domain.move(t, stage.tool_motion.get(wall.name, ToolMotion()), stage)
 
     def _prescribe(self, run: Dynamics, over: float = 1.0) -> None:
         super()._prescribe(run, over)
@@ -265,8 +265,8 @@ class ExplicitForming(IntervalRun):
     def row(self, report: IntervalReport) -> Row:
         """Return the row of the history; forces are means over it."""
         row: Row = {"time": report.time, "stage": report.stage, "increment": report.number, "cycles": self.solids.cycle}
-        for tool, wall, mean in zip(self.model.tools, self.walls, self._force, strict=True):
-            row |= self.domain.measure(self, tool, wall, mean)
+        for t, mean in enumerate(self._force):
+            row |= self.domain.measure(self, t, mean)
         row |= self.contacts.row()
         row |= self.observers.row(self)
         low, high = self.solids.position.min(axis=0), self.solids.position.max(axis=0)

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from presswork.observe.marked_points import find_marked
 from presswork.outcome import StartError
 from presswork.process.explicit.forming import ExplicitForming
 from presswork.process.explicit.present_bodies import find_held, list_nodes
+from presswork.process.explicit.solid_domain import Solids
 from presswork.process.mesh_change.carrying import OnMesh, carry_peaks, carry_state, carry_surface
 from presswork.process.mesh_change.contacts_on_new_mesh import find_rows, turn_impulses
 from presswork.process.mesh_change.contract import MeshChange
@@ -36,6 +37,8 @@ from presswork.process.mesh_change.new_epoch import keep_held
 from presswork.process.mesh_change.seams import Seams
 from presswork.remesh.carrier import Carrier, Part
 
+Old = TypeVar("Old")
+"""A body as it is when it gets a new mesh."""
 COLLAPSED = 0.3
 """Stable step over that with which the mesh began, below which it is made anew."""
 ON_FIRST = "on_first"
@@ -66,16 +69,16 @@ class MadeMesh:
         return [part.surface is not None for part in self.parts]
 
 
-class MovingBodies(Protocol):
+class MovingBodies(Protocol[Old]):
     """The bodies of an explicit run, in the plane or in space, as new meshes are made of them."""
 
     def find_obstacle(self) -> str:
         """Return what prevents any new mesh; empty if nothing does."""
 
-    def find(self, increment: FloatArray) -> Sequence[Any]:
+    def find(self, increment: FloatArray) -> Sequence[Old]:
         """Return the bodies where they are now; increment: what the last row has moved the nodes by (n_points, d)."""
 
-    def find_reason(self, number: int, old: Any, increment: FloatArray, *, is_first: bool) -> str | None:
+    def find_reason(self, number: int, old: Old, increment: FloatArray, *, is_first: bool) -> str | None:
         """Return why a body needs a new mesh; is_first: it has its first mesh."""
 
     def make(self, bodies: set[int], increment: FloatArray, density: FloatArray) -> MadeMesh:
@@ -97,10 +100,10 @@ class MovingBodies(Protocol):
         """Take up what `arrays` gave."""
 
 
-class IntervalMeshes(MeshChange):
+class IntervalMeshes(MeshChange, Generic[Old]):
     """Makes a new mesh of each body where its mesh would fail."""
 
-    def __init__(self, run: ExplicitForming, bodies: MovingBodies) -> None:
+    def __init__(self, run: ExplicitForming, bodies: MovingBodies[Old]) -> None:
         """Raises StartError where no mesh can be made."""
         assert run.model.remeshing is not None
         self._run, self.bodies = run, bodies
@@ -248,7 +251,7 @@ class IntervalMeshes(MeshChange):
         self.bodies.note_meshes(made.is_new)
         return True
 
-    def _note_new_mesh(self, reason: str, made: MadeMesh, before: Any) -> None:
+    def _note_new_mesh(self, reason: str, made: MadeMesh, before: Solids) -> None:
         """Log the outcome of a new mesh; before: the run on the old one."""
         run = self._run
         gained = _kinetic_energy(run.solids) / max(_kinetic_energy(before), 1e-300) - 1.0
@@ -296,6 +299,6 @@ class IntervalMeshes(MeshChange):
         return np.array([own.sum() for own in self._run.split(self._run.solids.true_mass)])
 
 
-def _kinetic_energy(solids: Any) -> float:
+def _kinetic_energy(solids: Solids) -> float:
     """Return the kinetic energy of the nodes, half a step back [N mm]."""
     return 0.5 * float(solids.mass @ (solids.velocity**2).sum(axis=1))

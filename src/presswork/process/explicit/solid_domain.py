@@ -57,8 +57,8 @@ class SolidDomain(Protocol):
     def fix_axis(self) -> None:
         """Hold the axis of a sector."""
 
-    def move(self, wall: Any, motion: ToolMotion, stage: Stage) -> None:
-        """Let a tool move as a stage has it."""
+    def move(self, number: int, motion: ToolMotion, stage: Stage) -> None:
+        """Let a tool, by its number, move as a stage has it."""
 
     def begin_row(self, run: ExplicitForming, number: int, row: int) -> None:
         """Place tools before an interval of a stage."""
@@ -69,8 +69,8 @@ class SolidDomain(Protocol):
     def end_row(self, run: ExplicitForming, row: int) -> None:
         """Measure the tools after an interval of a stage."""
 
-    def measure(self, run: ExplicitForming, tool: Tool, wall: Any, mean: FloatArray) -> Row:
-        """Return what the history has of a tool. mean: force on what is modelled of it (d,) [N]."""
+    def measure(self, run: ExplicitForming, number: int, mean: FloatArray) -> Row:
+        """Return what the history has of a tool, by its number. mean: force on what is modelled of it (d,) [N]."""
 
     def tool_gaps(self, model: Model) -> ToolGaps:
         """Return where the tools are."""

@@ -15,10 +15,11 @@ from presswork.explicit.body_contacts import TouchingSurfaces
 from presswork.explicit.solid_material import SolidMaterial
 from presswork.explicit.solids import ExplicitSolids
 from presswork.geometry.pose import ToolPose, place_segments, start_centre, start_profile
-from presswork.model import ELEMENTS, ExplicitSolid, FloatArray, Model, Stage, Tool, ToolMotion
+from presswork.model import ELEMENTS, ExplicitSolid, FloatArray, Model, Stage, ToolMotion
 from presswork.observe.contract import Row, ToolGaps
 from presswork.process.explicit.contacts import ContactsOfRun
 from presswork.process.explicit.heat.of_solids import HeatOfSolids, heat_by_itself
+from presswork.process.explicit.heat.of_solids_in_plane import HeatOfSolidsInPlane
 from presswork.process.explicit.shear_friction import find_coefficient
 from presswork.process.explicit.solid_domain import measure_tool
 from presswork.process.model_run import NamedArrays
@@ -62,7 +63,7 @@ class SolidsInPlane:
 
     def make_heat(self, model: Model, contacts: ContactsOfRun, threads: int) -> HeatOfSolids:
         """Return what conducts heat in the solids and to the walls."""
-        return HeatOfSolids(model, self.solids, self.walls, contacts, threads)
+        return HeatOfSolidsInPlane(model, self.solids, self.walls, contacts, threads)
 
     def check_device(self) -> None:
         """Check nothing: sections are computed on the processor."""
@@ -70,9 +71,9 @@ class SolidsInPlane:
     def fix_axis(self) -> None:
         """Hold nothing: supports hold the axis."""
 
-    def move(self, wall: Any, motion: ToolMotion, stage: Stage) -> None:
-        """Let a tool move as a stage has it."""
-        wall.velocity = tuple(travel / stage.duration for travel in motion.move[:2])
+    def move(self, number: int, motion: ToolMotion, stage: Stage) -> None:
+        """Let a tool, by its number, move as a stage has it."""
+        self.walls[number].velocity = motion.move[0] / stage.duration, motion.move[1] / stage.duration
 
     def begin_row(self, run: ExplicitForming, number: int, row: int) -> None:
         """Place nothing: tools in the plane only move."""
@@ -83,9 +84,9 @@ class SolidsInPlane:
     def end_row(self, run: ExplicitForming, row: int) -> None:
         """Measure nothing: tools in the plane do not turn."""
 
-    def measure(self, run: ExplicitForming, tool: Tool, wall: Any, mean: FloatArray) -> Row:
-        """Return what the history has of a tool. mean: force on what is modelled of it (2,) [N]."""
-        return measure_tool(run.model, tool, wall, mean)
+    def measure(self, run: ExplicitForming, number: int, mean: FloatArray) -> Row:
+        """Return what the history has of a tool, by its number. mean: force on what is modelled of it (2,) [N]."""
+        return measure_tool(run.model, run.model.tools[number], self.walls[number], mean)
 
     def tool_gaps(self, model: Model) -> ToolGaps:
         """Return where the tools are."""

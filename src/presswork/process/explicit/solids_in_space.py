@@ -14,7 +14,7 @@ from presswork.evolution.damage import make_damage
 from presswork.explicit.body_contacts import TouchingSurfaces
 from presswork.explicit.space_material import SpaceMaterial
 from presswork.explicit.space_solids import ExplicitSpaceSolids, TiedFaces
-from presswork.explicit.space_walls import SpaceWall, WallStart
+from presswork.explicit.space_walls import WallStart
 from presswork.fields.solid_fields import effective_stress
 from presswork.geometry.pose import find_axis, find_space_pose, start_centre_in_space, turn_about
 from presswork.geometry.tool_surface import make_surface
@@ -124,8 +124,9 @@ class SolidsInSpace:
         if len(self._axis):
             self.solids.fix(self._axis, "uv")
 
-    def move(self, wall: SpaceWall, motion: ToolMotion, stage: Stage) -> None:
-        """Let a tool move and turn as a stage has it."""
+    def move(self, number: int, motion: ToolMotion, stage: Stage) -> None:
+        """Let a tool, by its number, move and turn as a stage has it."""
+        wall = self.walls[number]
         wall.velocity = tuple(travel / stage.duration for travel in motion.move)
         wall.spin = motion.turn / stage.duration
 
@@ -198,19 +199,21 @@ class SolidsInSpace:
 
     # --- what is measured --------------------------------------------------------------------------------------------
 
-    def measure(self, run: ExplicitForming, tool: Tool, wall: SpaceWall, mean: FloatArray) -> Row:
-        """Return what the history has of a tool. mean: force on what is modelled of it (3,) [N]."""
-        row, t, model = measure_tool(run.model, tool, wall, mean), self.walls.index(wall), run.model
+    def measure(self, run: ExplicitForming, number: int, mean: FloatArray) -> Row:
+        """Return what the history has of a tool, by its number. mean: force on what is modelled of it (3,) [N]."""
+        model, wall = run.model, self.walls[number]
+        tool = model.tools[number]
+        row = measure_tool(model, tool, wall, mean)
         if tool.spring is not None:
             row[f"{tool.name}.stroke"] = wall.travel
             row[f"{tool.name}.force"] = float(force_on_whole(tool, mean) @ np.asarray(tool.spring.direction))
         elif (direction := find_working_direction(model, tool)) is not None:
-            row[f"{tool.name}.stroke"] = float((wall.displacement - self._placed[t]) @ direction)
+            row[f"{tool.name}.stroke"] = float((wall.displacement - self._placed[number]) @ direction)
         if tool.name in find_turning([tool], model.stages):
             motion = model.stages[run.current_stage()].tool_motion.get(tool.name, ToolMotion())
             row[f"{tool.name}.angle"] = float(np.degrees(wall.angle))
             against = 1.0 if motion.turn < 0 else -1.0
-            row[f"{tool.name}.torque"] = against * float(self._moment[t]) / float(self._share[t])
+            row[f"{tool.name}.torque"] = against * float(self._moment[number]) / float(self._share[number])
         return row
 
     def tool_gaps(self, model: Model) -> ToolGaps:

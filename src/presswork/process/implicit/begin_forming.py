@@ -10,7 +10,7 @@ from presswork.process.implicit.forming import ImplicitForming
 from presswork.ranks.world import World
 
 if TYPE_CHECKING:
-    from presswork.process.implicit.new_meshes import MeshedBodies
+    from presswork.process.mesh_change.contract import MeshChange
 
 
 def begin_forming(model: Model, *, threads: int = 0, world: World | None = None) -> ImplicitForming:
@@ -22,18 +22,18 @@ def begin_forming(model: Model, *, threads: int = 0, world: World | None = None)
 
         run.add_mesh_change(Folding(run))
     if model.remeshing is not None:
-        from presswork.process.implicit.new_meshes import NewMeshes
-
-        run.add_mesh_change(NewMeshes(run, _find_bodies(run, model.remeshing)))
+        run.add_mesh_change(_make_new_meshes(run, model.remeshing))
     return run
 
 
-def _find_bodies(run: ImplicitForming, settings: Remeshing) -> MeshedBodies:
-    """Return the bodies of a run as new meshes are made of them."""
+def _make_new_meshes(run: ImplicitForming, settings: Remeshing) -> MeshChange:
+    """Return what makes new meshes of the bodies of a run."""
+    from presswork.process.implicit.new_meshes import NewMeshes
+
     if run.model.analysis == "solid":
         from presswork.process.implicit.bodies_in_space import BodiesInSpace
 
-        return BodiesInSpace(run, settings)
+        return NewMeshes(run, BodiesInSpace(run, settings))
     from presswork.process.implicit.bodies_in_plane import BodiesInPlane
 
-    return BodiesInPlane(run, settings)
+    return NewMeshes(run, BodiesInPlane(run, settings))

@@ -9,7 +9,7 @@ of the whole run.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,8 @@ from presswork.process.mesh_change.new_epoch import NewEpoch, keep_held
 from presswork.process.mesh_change.seams import Seams
 from presswork.remesh.carrier import Carrier
 
+Old = TypeVar("Old")
+"""A body as it is when it gets a new mesh."""
 MOST_JUMP = 0.02
 """Change of a tool's force, of the largest, beyond which another mesh is tried, and none taken that can wait."""
 WAIT = 1.5
@@ -42,7 +44,7 @@ WAITED, ON_FIRST = "waited", "on_first"
 """Names in a checkpoint."""
 
 
-class MeshedBodies(Protocol):
+class MeshedBodies(Protocol[Old]):
     """The bodies of a run, in the plane or in space, as new meshes are made of them."""
 
     parts: Sequence[float]
@@ -53,13 +55,13 @@ class MeshedBodies(Protocol):
     def find_obstacle(self) -> str:
         """Return what prevents any new mesh; empty if nothing does."""
 
-    def find(self) -> Sequence[Any]:
+    def find(self) -> Sequence[Old]:
         """Return the bodies where they are now."""
 
-    def find_reason(self, number: int, old: Any, wait: float, *, is_first: bool) -> str | None:
+    def find_reason(self, number: int, old: Old, wait: float, *, is_first: bool) -> str | None:
         """Return why a body needs a new mesh. wait: factor on the triggers; is_first: it has its first mesh."""
 
-    def make(self, old: Sequence[Any], own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
+    def make(self, old: Sequence[Old], own: set[int], part: float) -> tuple[ImplicitProcedure, Carrier]:
         """Return the procedure on new meshes of bodies, of a part of the size, with the state carried to them."""
 
     def note_meshes(self, bodies: set[int] | None, *, is_new: bool, is_refused: bool) -> None:
@@ -72,10 +74,10 @@ class MeshedBodies(Protocol):
         """Take up what `arrays` gave."""
 
 
-class NewMeshes(MeshChange):
+class NewMeshes(MeshChange, Generic[Old]):
     """Makes a new mesh of each body where its mesh would fail."""
 
-    def __init__(self, run: IncrementRun, bodies: MeshedBodies) -> None:
+    def __init__(self, run: IncrementRun, bodies: MeshedBodies[Old]) -> None:
         """Raises StartError where no mesh can be made."""
         assert run.model.remeshing is not None
         self._run, self.bodies = run, bodies
@@ -257,7 +259,7 @@ class NewMeshes(MeshChange):
             run.neighbours.take_mesh(new)
         self.seams.go_on(run.model.mesh, seams, new.seams, run.procedure.state[Progress].time)
 
-    def _try_mesh(self, old: Sequence[Any], own: set[int], part: float, *, may_yield: bool) -> NewEpoch:
+    def _try_mesh(self, old: Sequence[Old], own: set[int], part: float, *, may_yield: bool) -> NewEpoch:
         """Return equilibrium on new meshes of bodies, of a part of the size. Raises MeshError or GaveUpError."""
         before = self._run.procedure
         after, carrier = self.bodies.make(old, own, part)

@@ -10,14 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswork import _core
 from presswork.explicit.input_checks import ExplicitError
-from presswork.geometry.pose import ToolPose, start_centre, start_profile
 from presswork.implicit.heat_of_forming import HeatOfForming
 from presswork.interaction.heat.forming_instant import FormingInstant, Poses
 from presswork.model import FloatArray, Heating, Material, Model
@@ -44,10 +42,39 @@ def heat_by_itself(model: Model, material: Material) -> Material:
     return replace(material, heating=made)
 
 
-class HeatOfSolids:
-    """Heat of a model's bodies, beside the explicit loop."""
+class HeatedSolids(Protocol):
+    """Solids of an explicit loop, as heat sees them in the plane and in space."""
 
-    def __init__(self, model: Model, solids: Any, walls: Sequence[Any], contacts: ContactsOfRun, threads: int) -> None:
+    @property
+    def time(self) -> float:
+        """[s]"""
+
+    @property
+    def position(self) -> FloatArray:
+        """Of the nodes (n_nodes, d) [mm]."""
+
+
+class HeatedWall(Protocol):
+    """A tool of an explicit loop, as heat sees it in the plane and in space."""
+
+    @property
+    def pressed(self) -> FloatArray:
+        """Impulse of its pressure on the nodes since begin_sums (n_nodes,) [N s]."""
+
+    @property
+    def friction_work(self) -> FloatArray:
+        """Work that friction on it has taken at the nodes since begin_sums (n_nodes,) [N mm]."""
+
+    def begin_sums(self) -> None:
+        """Sum up anew."""
+
+
+class HeatOfSolids:
+    """Heat of a model's bodies, beside the explicit loop; who inherits knows the dimension."""
+
+    def __init__(
+        self, model: Model, solids: HeatedSolids, walls: Sequence[HeatedWall], contacts: ContactsOfRun, threads: int
+    ) -> None:
         """solids, walls, contacts: those of the explicit loop of the model's dimension."""
         assert model.heat is not None
         self._contacts, self._points = contacts, model.mesh.points
@@ -58,7 +85,6 @@ class HeatOfSolids:
         )
         self.arrays = self.forming.at_rest()
         self._rim = np.unique(model.mesh.boundary_faces if model.dimension == 3 else model.mesh.boundary_edges)
-        self._ends = np.cumsum([len(block.connectivity) for block in model.mesh.blocks])[:-1]
         self._capacity = self._measure_capacity()
         self._prescribe_temperature()
 
@@ -74,7 +100,7 @@ class HeatOfSolids:
 
     def _find_rise(self) -> list[FloatArray]:
         """Return the rise of temperature by plastic work at the points of each block (n_cells, p) [K]."""
-        return np.split(self._solids.rise[:, None], self._ends)
+        raise NotImplementedError
 
     def _prescribe_temperature(self) -> None:
         temperature = self.arrays.temperature
@@ -83,18 +109,15 @@ class HeatOfSolids:
 
     def _set_given(self, given: list[FloatArray]) -> None:
         """Give the points of each block temperatures from outside (n_cells, p) [degrees C]."""
-        self._solids.prescribed_temperature = np.concatenate(given)[:, 0]
+        raise NotImplementedError
 
     def _find_poses(self) -> Poses:
-        return [
-            ToolPose(start_centre(tool), wall.displacement, 0.0)
-            for tool, wall in zip(self._model.plane_tools, self._walls, strict=True)
-        ]
+        """Return where tools in the plane stand; in space none."""
+        raise NotImplementedError
 
     def _find_gap(self, t: int, places: FloatArray, reach: float) -> FloatArray:
         """Return the distance of places (n, d) from a tool (n,) [mm]; reach: beyond which it does not matter."""
-        local = np.ascontiguousarray(places - self._walls[t].displacement)
-        return np.asarray(_core.touch_profile(start_profile(self._model.plane_tools[t]), local)[0])
+        raise NotImplementedError
 
     def begin_stage(self) -> None:
         """Forget the rate of temperatures: what heats and cools jumps where a stage begins."""
@@ -130,10 +153,8 @@ class HeatOfSolids:
         """Return what heat asks of a row of dt [s]."""
         n, points = len(self._model.mesh.points), self._solids.position
         shape = (len(self._walls), n)
-        pressed, friction_work = (
-            np.array([getattr(wall, name) for wall in self._walls]).reshape(shape)
-            for name in ("pressed", "friction_work")
-        )
+        pressed = np.array([wall.pressed for wall in self._walls]).reshape(shape)
+        friction_work = np.array([wall.friction_work for wall in self._walls]).reshape(shape)
         gap = np.full(shape, np.inf)
         for t, tool in enumerate(self._model.tools):
             own = self._heat.tools.get(tool.name)

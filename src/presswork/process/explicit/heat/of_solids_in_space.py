@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
+from presswork.explicit.space_solids import ExplicitSpaceSolids
+from presswork.explicit.space_walls import SpaceWall
 from presswork.interaction.heat.forming_instant import Poses
 from presswork.interaction.space.space_touch import PlacedSurface
 from presswork.model import FloatArray, Model
@@ -21,22 +22,22 @@ class HeatOfSolidsInSpace(HeatOfSolids):
     def __init__(
         self,
         model: Model,
-        solids: Any,
-        walls: Sequence[Any],
+        solids: ExplicitSpaceSolids,
+        walls: Sequence[SpaceWall],
         contacts: ContactsOfRun,
         threads: int,
         *,
         place_tool: Callable[[int], PlacedSurface],
     ) -> None:
         """place_tool: returns a tool's surface as it stands, by its number."""
-        self._place_tool = place_tool
+        self._place_tool, self._space_solids = place_tool, solids
         super().__init__(model, solids, walls, contacts, threads)
 
     def _find_rise(self) -> list[FloatArray]:
-        return list(self._solids.rise_at_points)
+        return list(self._space_solids.rise_at_points)
 
     def _set_given(self, given: list[FloatArray]) -> None:
-        self._solids.degrees = given
+        self._space_solids.degrees = given
 
     def _find_poses(self) -> Poses:
         return []
