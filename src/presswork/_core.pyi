@@ -2215,6 +2215,12 @@ class DamageCriterion(enum.Enum):
 
     johnson_cook = 4
 
+    modified_mohr_coulomb = 5
+
+    hosford_coulomb = 6
+
+    bai_wierzbicki = 7
+
 class Damage:
     """Damage that grows with plastic strain and does not act back."""
 

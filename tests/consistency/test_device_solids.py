@@ -295,6 +295,9 @@ CRITERIA: dict[str, dict[str, float]] = {
         "reference": 20.0,
         "melting": 660.0,
     },
+    "modified_mohr_coulomb": {"A": 740.0, "n": 0.15, "c1": 0.0345, "c2": 338.6, "c3": 1.1},
+    "hosford_coulomb": {"a": 1.7, "b": 0.7, "c": 0.05, "n": 0.1},
+    "bai_wierzbicki": {"d1": 0.6, "d2": 1.7, "d3": 0.3, "d4": 0.2, "d5": 0.8, "d6": 1.1},
 }
 
 

@@ -30,7 +30,18 @@ STEEL = Material("steel", 200e3, 0.49, Hardening("linear", np.array([300.0, 100.
 ROOT3 = np.sqrt(3.0)
 JOHNSON_COOK = {"d1": 0.05, "d2": 3.44, "d3": -2.12, "d4": 0.0, "d5": 0.0}
 """Of 4340 steel (Johnson & Cook 1985), at the reference rate and temperature."""
+MOHR_COULOMB = {"A": 1275.9, "n": 0.2655, "c1": 0.12, "c2": 720.0, "c3": 1.095}
+"""Of the steel TRIP690 (Bai & Wierzbicki 2010)."""
 BESIDE = {"reference_rate": 1.0, "reference": 20.0, "melting": 1520.0}
+
+
+def mohr_coulomb(triaxiality: float) -> float:
+    """Return the strain at which that steel breaks in tension, plane strain, shear and compression."""
+    angle = {1 / 3: 1.0, -1 / 3: -1.0}.get(triaxiality, 0.0) * np.pi / 6
+    A, n, c1, c2, c3 = MOHR_COULOMB.values()
+    shape = c3 + ROOT3 / (2 - ROOT3) * (1 - c3) * (1 / np.cos(angle) - 1)
+    strength = np.sqrt((1 + c1**2) / 3) * np.cos(angle) + c1 * (triaxiality + np.sin(angle) / 3)
+    return float((A / c2 * shape * strength) ** (-1 / n))
 
 
 def rates(triaxiality: float, principal: float) -> dict[tuple[str, tuple[tuple[str, float], ...]], float]:
@@ -40,6 +51,7 @@ def rates(triaxiality: float, principal: float) -> dict[tuple[str, tuple[tuple[s
         ("rice_tracey", (("exponent", 1.5), ("factor", 0.283))): 0.283 * np.exp(1.5 * triaxiality),
         ("oyane", (("A", 0.4),)): max(1.0 + triaxiality / 0.4, 0.0),
         ("johnson_cook", tuple((JOHNSON_COOK | BESIDE).items())): 1.0 / (0.05 + 3.44 * np.exp(-2.12 * triaxiality)),
+        ("modified_mohr_coulomb", tuple(MOHR_COULOMB.items())): 1.0 / mohr_coulomb(triaxiality),
     }
 
 

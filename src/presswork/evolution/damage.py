@@ -24,6 +24,9 @@ LABELS = {
     "oyane": "Oyane damage",
     "freudenthal": "Freudenthal damage",
     "johnson_cook": "Johnson-Cook damage",
+    "modified_mohr_coulomb": "modified Mohr-Coulomb damage",
+    "hosford_coulomb": "Hosford-Coulomb damage",
+    "bai_wierzbicki": "Bai-Wierzbicki damage",
 }
 QUANTITIES = {
     name: Quantity(f"damage_{name}", UNITS.get(name, "1"), lowest=0.0, label=label, peak_counts=True)

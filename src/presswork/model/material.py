@@ -126,10 +126,20 @@ class Heating:
 class Damage:
     """Criterion of ductile fracture; see docs/theory/damage.md for the formulas."""
 
-    criterion: Literal["cockcroft_latham", "rice_tracey", "oyane", "freudenthal", "johnson_cook"]
+    criterion: Literal[
+        "cockcroft_latham",
+        "rice_tracey",
+        "oyane",
+        "freudenthal",
+        "johnson_cook",
+        "modified_mohr_coulomb",
+        "hosford_coulomb",
+        "bai_wierzbicki",
+    ]
     parameters: Mapping[str, float] = field(default_factory=dict)
     """rice_tracey: factor, exponent; oyane: A; johnson_cook: d1 to d5, reference_rate [1/s], reference and melting
-    [degrees C]; the others have none."""
+    [degrees C]; modified_mohr_coulomb: A, c2 [MPa], n, c1, c3; hosford_coulomb: a, b, c, n; bai_wierzbicki: d1 to d6;
+    the others have none."""
     critical: float | None = None
     """Damage at which a crack begins; None: it is not known."""
     length: float | None = None

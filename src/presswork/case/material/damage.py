@@ -62,11 +62,16 @@ class Freudenthal(_Damage):
     critical: Stress | None = Field(default=None, gt=0, description=f"{CRITICAL} [MPa]")
 
 
-class JohnsonCookFracture(_Damage):
+class _FractureStrain(_Damage):
+    """Integral of 1/ef, ef the equivalent plastic strain at fracture; a crack begins at 1."""
+
+    critical: Number | None = Field(default=1.0, gt=0, description="value at which a crack begins; 1 by the law")
+
+
+class JohnsonCookFracture(_FractureStrain):
     """Integral of 1/ef, ef the fracture strain by triaxiality, strain rate and temperature; a crack begins at 1."""
 
     criterion: Literal["johnson_cook"] = Field(default="johnson_cook", description="criterion of fracture")
-    critical: Number | None = Field(default=1.0, gt=0, description="value at which a crack begins; 1 by the law")
     d1: Number = Field(description="part of the fracture strain that does not depend on triaxiality")
     d2: Number = Field(ge=0, description="part of the fracture strain that depends on triaxiality")
     d3: Number = Field(le=0, description="how fast that part falls with the triaxiality x, as exp(d3 x); below zero")
@@ -96,6 +101,43 @@ class JohnsonCookFracture(_Damage):
         return self
 
 
+class ModifiedMohrCoulomb(_FractureStrain):
+    """Integral of 1/ef, ef the fracture strain of Bai and Wierzbicki (2010) by triaxiality and Lode angle."""
+
+    criterion: Literal["modified_mohr_coulomb"] = Field(
+        default="modified_mohr_coulomb", description="criterion of fracture"
+    )
+    A: Stress = Field(gt=0, description="strength of the flow curve A p^n by which strains come from stresses [MPa]")
+    n: Number = Field(gt=0, description="exponent of the flow curve A p^n")
+    c1: Number = Field(ge=0, description="friction of the Mohr-Coulomb plane: how much pressure holds it together")
+    c2: Stress = Field(gt=0, description="shear strength of the plane [MPa]")
+    c3: Number = Field(
+        default=1.0, gt=0, description="how much the Lode angle counts: from shear to tension; 1: by the plane alone"
+    )
+
+
+class HosfordCoulomb(_FractureStrain):
+    """Integral of 1/ef, ef the fracture strain of Mohr and Marcadet (2015) by triaxiality and Lode angle."""
+
+    criterion: Literal["hosford_coulomb"] = Field(default="hosford_coulomb", description="criterion of fracture")
+    a: Number = Field(ge=1.0, le=8.0, description="exponent of Hosford's norm; 1: Tresca's, 2: von Mises's")
+    b: Number = Field(gt=0, description="fracture strain in tension and in equibiaxial tension")
+    c: Number = Field(ge=0, description="how much the largest and least principal stress count: friction")
+    n: Number = Field(default=0.1, gt=0, description="exponent from stresses to strains; 0.1 by Mohr and Marcadet")
+
+
+class BaiWierzbicki(_FractureStrain):
+    """Integral of 1/ef, ef the fracture strain of Bai and Wierzbicki (2008): a parabola over the Lode angle."""
+
+    criterion: Literal["bai_wierzbicki"] = Field(default="bai_wierzbicki", description="criterion of fracture")
+    d1: Number = Field(gt=0, description="fracture strain in axisymmetric tension at no mean stress")
+    d2: Number = Field(ge=0, description="how fast it falls with the triaxiality x, as exp(-d2 x)")
+    d3: Number = Field(gt=0, description="fracture strain in shear and plane strain at no mean stress")
+    d4: Number = Field(ge=0, description="how fast it falls with the triaxiality x, as exp(-d4 x)")
+    d5: Number = Field(gt=0, description="fracture strain in axisymmetric compression at no mean stress")
+    d6: Number = Field(ge=0, description="how fast it falls with the triaxiality x, as exp(-d6 x)")
+
+
 def assume_cockcroft_latham(table: Any) -> Any:
     """Take a table without a criterion for that of Cockcroft and Latham."""
     return {"criterion": "cockcroft_latham", **table} if isinstance(table, dict) else table
@@ -103,7 +145,15 @@ def assume_cockcroft_latham(table: Any) -> Any:
 
 Damage = Annotated[
     Annotated[
-        CockcroftLatham | RiceTracey | Oyane | Freudenthal | JohnsonCookFracture, Field(discriminator="criterion")
+        CockcroftLatham
+        | RiceTracey
+        | Oyane
+        | Freudenthal
+        | JohnsonCookFracture
+        | ModifiedMohrCoulomb
+        | HosfordCoulomb
+        | BaiWierzbicki,
+        Field(discriminator="criterion"),
     ],
     BeforeValidator(assume_cockcroft_latham),
 ]
