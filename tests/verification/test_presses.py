@@ -13,6 +13,7 @@ from scipy.integrate import quad
 from presswork.case import build_model
 from presswork.case.plane.schema import Case
 from presswork.case.stamping.schema import StampingCase
+from presswork.post.verdict import judge_result
 from presswork.recorder import Outcome, run_model
 from tests.regression.whole_runs import assert_same_bits, stop_after
 
@@ -285,3 +286,65 @@ def test_an_interrupted_forging_resumes_to_the_same_bits(tmp_path: Path) -> None
     assert part.status == "interrupted"
     assert run_model(model, tmp_path / "part", resume=True, threads=1).status == "completed"
     assert_same_bits(tmp_path / "part", tmp_path / "whole")
+
+
+def crank_arm(angle: float) -> float:
+    """Return dh/da of a crank of 200 mm, radius over rod 0.2, at an angle before bottom dead centre [mm/rad]."""
+    return 100.0 * math.sin(angle) * (1.0 + 0.2 * math.cos(angle) / math.sqrt(1.0 - (0.2 * math.sin(angle)) ** 2))
+
+
+def crank_height(angle: float) -> float:
+    """Return its height above bottom dead centre [mm]."""
+    return 100.0 * (1.0 - math.cos(angle)) + 500.0 - math.sqrt(500.0**2 - (100.0 * math.sin(angle)) ** 2)
+
+
+@pytest.mark.parametrize("rated", [240.0, 180.0])
+def test_a_crank_press_bears_the_force_that_its_torque_allows(tmp_path: Path, rated: float) -> None:
+    """Force sigma V/h; torque F_rated dh/da at 20 degrees before bottom dead centre, the rated force from there on."""
+    data = deepcopy(CASE)
+    data["presses"]["maxi"] |= {"force": f"{rated} kN", "rated_angle": 20, "energy": 2.0}
+    done = run(tmp_path, data, press="maxi")
+    entry = done.result.summary["press"][0]
+    near = entry["nearest_to_rating"]
+
+    def ratio(angle: float) -> float:
+        force = 1e-3 * YIELD * VOLUME / (HEIGHT - (24.0 - crank_height(angle)))
+        return force / (rated * min(crank_arm(math.radians(20.0)) / crank_arm(angle), 1.0))
+
+    angles = np.linspace(math.radians(0.1), math.radians(37.0), 2000)
+    angles = angles[[crank_height(angle) <= 24.0 for angle in angles]]
+    worst = angles[int(np.argmax([ratio(angle) for angle in angles]))]
+    assert near["force_kN"] / near["rated_there_kN"] == pytest.approx(ratio(worst), rel=0.02)
+    assert near["above_bottom_mm"] == pytest.approx(crank_height(worst), abs=1.0)
+    texts = [text for text in done.result.summary["warnings"] if "the press maxi bears" in text]
+    assert len(texts) == (rated < 200.0)
+    lines = {line.name: line.state for line in judge_result(done.result).lines}
+    assert lines["force of press maxi"] == ("fail" if texts else "ok")
+    # sigma V ln(h0/h) is 3.85 kJ: more than the flywheel gives
+    assert entry["energy_spent_kJ"] == pytest.approx(1e-6 * YIELD * VOLUME * math.log(60 / 36), rel=0.01)
+    assert any("gives 2 kJ in one stroke, and forming takes 3.8" in text for text in done.result.summary["warnings"])
+    assert lines["energy of press maxi"] == "fail"
+
+
+def test_the_force_that_a_press_bears_is_a_column_of_explicit_runs_too(tmp_path: Path) -> None:
+    data = deepcopy(CASE) | {"procedure": "explicit", "output": {"rows": 20, "steps": 2}}
+    data["materials"]["metal"] |= {"young": "200 GPa", "density": "7850 kg/m^3"}
+    data["workpiece"]["element"] = "quad4_1pt"
+    data["presses"]["maxi"] |= {"rpm": 6000, "force": "150 kN", "rated_height": 6}
+    history = run(tmp_path, data, press="maxi").result.history
+    angles = np.linspace(1e-4, 0.7, 20001)
+    heights = [crank_height(angle) for angle in angles]
+    rated = crank_arm(float(np.interp(6.0, heights, angles)))
+    for way, borne in zip(2.0 * history["die.stroke"], history["ram_force_borne"], strict=True):
+        arm = crank_arm(float(np.interp(24.0 - way, heights, angles)))
+        assert borne == pytest.approx(150e3 * min(rated / arm, 1.0), rel=1e-4)
+
+
+def test_a_screw_press_whose_frame_bears_less_than_the_blow_warns(tmp_path: Path) -> None:
+    data = deepcopy(CASE)
+    data["presses"]["screw"] = {"kind": "screw", "energy": 2.0, "velocity": "0.5 m/s", "efficiency": 0.8, "force": 1e5}
+    done = run(tmp_path, data, press="screw")
+    found = [text for text in done.result.summary["warnings"] if "the press screw bears 100 kN" in text]
+    force = 1e-3 * YIELD * math.pi * RADIUS**2 * math.exp(STRAIN)
+    assert done.result.summary["press"][0]["nearest_to_rating"]["force_kN"] == pytest.approx(force, rel=0.01)
+    assert len(found) == 1

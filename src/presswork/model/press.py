@@ -71,6 +71,9 @@ class Crank:
     """Speed of the crank [rad/s]."""
     start: float
     """Distance from bottom dead centre where the stage begins [mm], at most the stroke."""
+    rated_height: float = 0.0
+    """Distance from bottom dead centre below which the press bears its rated force [mm]; above, the torque of that
+    force at that height limits it."""
 
     def angle_at(self, travel: float) -> float:
         """Return the angle before bottom dead centre [rad], 0 to pi, by the law of cosines."""
@@ -90,6 +93,19 @@ class Crank:
         sine, ratio = math.sin(angle), self.rod_ratio
         bent = ratio * math.cos(angle) / math.sqrt(1.0 - (ratio * sine) ** 2)
         return self.speed * self.radius * sine * (1.0 + bent)
+
+    def share_borne(self, speed: float) -> float:
+        """Return the force that torque allows at a speed of the ram [mm/s], over the rated force, up to 1.
+
+        Torque times the crank's speed is force times the ram's. A quarter turn before bottom dead centre a crank rated
+        at 30 degrees bears half of its rated force.
+
+        >>> crank = Crank(100.0, 0.0, 1.0, 100.0, rated_height=100.0 * (1.0 - math.cos(math.pi / 6)))
+        >>> round(crank.share_borne(crank.speed_at(0.0)), 12), crank.share_borne(crank.speed_at(95.0))
+        (0.5, 1.0)
+        """
+        rated = self.speed_at(self.start - self.rated_height)
+        return min(rated / speed, 1.0) if speed > 0.0 else 1.0
 
     def time_at(self, travel: float) -> float:
         """Return the time until it has gone so far [s]."""
@@ -131,6 +147,10 @@ class Drive:
     """At which the ram stops, and the stage ends [N]."""
     power: float = math.inf
     """Largest power [N mm/s]: the ram is slowed down so that its force times its speed does not exceed it."""
+    rated_force: float = math.inf
+    """That the press bears [N]: beyond it the run goes on and warns."""
+    rated_energy: float = math.inf
+    """That it gives in one stroke [N mm]: beyond it the run goes on and warns."""
 
     @property
     def duration(self) -> float:
@@ -158,6 +178,10 @@ class Drive:
         """Return the speed [mm/s] at a fraction of the travel, where it follows from the travel alone."""
         assert not isinstance(self.motion, Blow), "the speed of a blow follows from its course"
         return self.motion.speed_at(part * self.travel)
+
+    def force_borne(self, speed: float) -> float:
+        """Return the force that the press bears where its ram has a speed [mm/s] in the stage [N]."""
+        return self.rated_force * (self.motion.share_borne(speed) if isinstance(self.motion, Crank) else 1.0)
 
     def part_at(self, time: float) -> float:
         """Return the fraction of the travel that is complete after a time [s], where it follows from the time alone."""

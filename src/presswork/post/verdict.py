@@ -96,6 +96,7 @@ def judge_summary(summary: Summary, safety_margin: float = 0.1, dimension: int =
     judges = (
         _judge_end,
         _judge_forces,
+        _judge_presses,
         _judge_die_fill,
         _judge_laps,
         _judge_contact_pressure,
@@ -169,6 +170,22 @@ def _judge_forces(summary: Summary) -> Iterator[Line]:
     if "punch_force_kN" in summary:
         force = 1e3 * summary["punch_force_kN"]
         yield Line("force of the punch", _against(force, limit), f"{_number(1e-3 * force)} kN")
+
+
+def _judge_presses(summary: Summary) -> Iterator[Line]:
+    """Judge force and energy of the ram in each stage by what its press is rated at."""
+    for entry in summary.get("press", []):
+        near, where = entry.get("nearest_to_rating", {}), f"in {entry['stage']}"
+        if "rated_there_kN" in near:
+            force, borne = near["force_kN"], near["rated_there_kN"]
+            above = f"{_number(near['above_bottom_mm'])} mm above bottom" if "above_bottom_mm" in near else ""
+            note = ", ".join(part for part in (where, above) if part)
+            name, figure, limit = f"force of press {entry['press']}", f"{_number(force)} kN", f"{_number(borne)} kN"
+            yield Line(name, _against(force, borne), figure, limit, note, time_s=near["time_s"])
+        if "rated_energy_kJ" in near:
+            spent, given = entry["energy_spent_kJ"], near["rated_energy_kJ"]
+            name, figure, limit = f"energy of press {entry['press']}", f"{_number(spent)} kJ", f"{_number(given)} kJ"
+            yield Line(name, _against(spent, given), figure, limit, where)
 
 
 def _judge_die_fill(summary: Summary) -> Iterator[Line]:

@@ -12,6 +12,7 @@ from presswork.case.plane.schema import Case
 from presswork.model import Blow, Crank, Model
 from tests.unit.case.test_heat_case import change
 
+MAXI = {"kind": "crank", "stroke": 200, "rpm": 60, "rod_ratio": 0.2}
 CASE: dict[str, Any] = {
     "title": "presses",
     "analysis": "axisymmetric",
@@ -24,7 +25,7 @@ CASE: dict[str, Any] = {
     "presses": {
         "hammer": {"kind": "hammer", "energy": 2, "velocity": "5 m/s", "efficiency": 0.8},
         "screw": {"kind": "screw", "energy": "40 kJ", "velocity": 700, "efficiency": 0.7},
-        "maxi": {"kind": "crank", "stroke": 200, "rpm": 60, "rod_ratio": 0.2},
+        "maxi": MAXI,
         "slow": {"kind": "hydraulic", "velocity": [[0, 50], [5, 20]], "force": "5 MN", "power": 90},
     },
     "stages": [{"name": "forge", "press": "hammer", "tools": {"die": {"stroke": 12, "direction": [0, -1]}}}],
@@ -90,6 +91,18 @@ BAD = [
     ("presses.screw.mass", 400, "presses.screw.mass = 400: a screw press stores its energy in the flywheel"),
     ("presses.maxi.rpm", 0, "presses.maxi.rpm = 0.0: expected a value > 0"),
     ("presses.maxi.rod_ratio", 1, "presses.maxi.rod_ratio = 1.0: expected a value < 1"),
+    ("presses.maxi.rated_angle", 20, "presses.maxi.rated_angle = 20: it says where the rated force begins, and there"),
+    (
+        "presses.maxi",
+        {**MAXI, "force": 9e5, "rated_height": 100},
+        "rated_height = 100: expected less",
+    ),
+    (
+        "presses.maxi",
+        {**MAXI, "force": 9e5, "rated_height": 6, "rated_angle": 30},
+        "rated_angle and rated_height are both given",
+    ),
+    ("presses.hammer.force", 9e5, "presses.hammer.force = 900000.0: a hammer has no frame that bears its force"),
     ("presses.maxi.kind", "cam", "presses.maxi.kind"),
     ("presses.slow.velocity", 0, "presses.slow.velocity = 0: expected speeds > 0"),
     ("presses.slow.velocity", [[0, 50], [0, 20]], "expected ways that increase from 0"),

@@ -15,6 +15,8 @@ from presswork.case.press.schema import CrankPress, EnergyPress, HydraulicPress,
 
 KILO = 1e6
 """N mm/s in a kW."""
+KILO_JOULE = 1e6
+"""Energy in a kJ [N mm]."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ def build_drive(timing: Timing, presses: Mapping[str, Press], halves: Halves) ->
         force, power = press.force or math.inf, (press.power or math.inf) * KILO
         return model.Drive(tabulate(press.velocity), travel, whole, name, force, power)
     if isinstance(press, EnergyPress):
-        return model.Drive(press.strike(1), travel, whole, name)
+        return model.Drive(press.strike(1), travel, whole, name, rated_force=press.force or math.inf)
     return _place_crank(timing, timing.press, press, travel, whole)
 
 
@@ -124,7 +126,9 @@ def _place_crank(
         text = f"the ram turns round at bottom dead centre after {start:.6g} mm, and its way is {travel:.6g} mm{twice}"
         remedy = "begin farther from bottom dead centre, or shorten the tools' way"
         return Problem(f"{timing.key}.{key}", text, remedy)
-    return model.Drive(press.place(min(start, press.stroke)), travel, whole, placed.name)
+    force, energy = press.force or math.inf, (press.energy or math.inf) * KILO_JOULE
+    crank = press.place(min(start, press.stroke))
+    return model.Drive(crank, travel, whole, placed.name, rated_force=force, rated_energy=energy)
 
 
 def list_blows(stage: model.Stage, press: StagePress | None, first: int) -> list[model.Stage]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, GetJsonSchemaHandler, model_validator
@@ -22,6 +23,8 @@ N_MM = 1e6
 """Energy in a kJ."""
 TONNE = 1e-3
 """Mass in a kg."""
+RATED_ANGLE = 30.0
+"""Crank angle before bottom dead centre at which presses are rated [degree]."""
 MOST_BLOWS = 1000
 Speeds = Velocity | tuple[tuple[Length, Velocity], ...]
 """A speed, or rows of travel and speed."""
@@ -55,9 +58,44 @@ class CrankPress(Part):
         ge=0, lt=1, description="radius of the crank over the length of the connecting rod; 0: a rod of infinite length"
     )
 
+    force: Force | None = Field(
+        default=None,
+        gt=0,
+        description="rated force, which the press bears near bottom dead centre [N]; higher up the torque of its drive "
+        "allows less; the run warns where the ram needs more",
+    )
+    rated_angle: Angle | None = Field(
+        default=None,
+        gt=0,
+        lt=90,
+        description="crank angle before bottom dead centre from which on the press bears its rated force [degree]; 30 "
+        "without it",
+    )
+    rated_height: Length | None = Field(
+        default=None, gt=0, description="instead of an angle: height of the ram above bottom dead centre there [mm]"
+    )
+    energy: Energy | None = Field(
+        default=None, gt=0, description="that the flywheel gives in one stroke [kJ]; the run warns where it needs more"
+    )
+
+    @model_validator(mode="after")
+    def _check_rating(self) -> Self:
+        if self.rated_angle is not None and self.rated_height is not None:
+            raise fault("rated_angle and rated_height are both given", "give one of them", key="rated_height")
+        key = "rated_angle" if self.rated_angle is not None else "rated_height"
+        if self.force is None and getattr(self, key) is not None:
+            raise fault("it says where the rated force begins, and there is none", "give force, too", key=key)
+        if self.rated_height is not None and self.rated_height >= 0.5 * self.stroke:
+            most = f"a press of this stroke has its rated force within the last {0.5 * self.stroke:g} mm"
+            raise fault(f"expected less than half the stroke: {most}", "for instance 6 mm", key="rated_height")
+        return self
+
     def place(self, start: float) -> model.Crank:
         """Return the drive from a distance before bottom dead centre on [mm]."""
-        return model.Crank(0.5 * self.stroke, self.rod_ratio, 2.0 * math.pi * self.rpm / 60.0, start)
+        crank = model.Crank(0.5 * self.stroke, self.rod_ratio, 2.0 * math.pi * self.rpm / 60.0, start)
+        angle = RATED_ANGLE if self.rated_angle is None else self.rated_angle
+        height = crank.height_at(math.radians(angle)) if self.rated_height is None else self.rated_height
+        return replace(crank, rated_height=height)
 
 
 class HydraulicPress(Part):
@@ -94,11 +132,16 @@ class EnergyPress(Part):
         le=1,
         description="part of the kinetic energy that the workpiece takes; anvil and frame take the rest",
     )
+    force: Force | None = Field(
+        default=None, gt=0, description="screw: force that the frame bears [N]; the run warns where the blow needs more"
+    )
 
     @model_validator(mode="after")
     def _check_two_of_three(self) -> Self:
         if self.velocity is not None and self.height is not None:
             raise fault("velocity and height are both given", "the height of its fall gives the velocity", key="height")
+        if self.kind == "hammer" and self.force is not None:
+            raise fault("a hammer has no frame that bears its force", "leave it out", key="force")
         if self.kind == "screw" and (self.height is not None or self.mass is not None):
             key = "height" if self.height is not None else "mass"
             raise fault("a screw press stores its energy in the flywheel", "give energy and velocity", key=key)

@@ -30,7 +30,8 @@ def plot_ram(result: Result, figure: Figure | None = None) -> Figure:
 
     Over the stroke of the tool that it moves [mm], and over the time that it works [ms].
 
-    Time in which no ram works, such as that between blows, is left out; dashed lines part the stages.
+    Time in which no ram works, such as that between blows, is left out; dashed lines part the stages. A dotted line is
+    the force that the press bears.
     """
     require_matplotlib()
     figure = new_figure(9.6, 4.2) if figure is None else figure
@@ -47,6 +48,8 @@ def plot_ram(result: Result, figure: Figure | None = None) -> Figure:
         for name in dict.fromkeys(stages[works].tolist()):
             rows = stages == name
             ax.plot(abscissa[rows], 1e-3 * history["ram_force"][rows], color=FORCE, linewidth=1.8)
+            if "ram_force_borne" in history:
+                ax.plot(abscissa[rows], 1e-3 * history["ram_force_borne"][rows], color=FORCE, linestyle=":")
             other.plot(abscissa[rows], history["ram_speed"][rows], color=SPEED, linewidth=1.4)
             if np.flatnonzero(rows)[-1] < np.flatnonzero(works)[-1]:
                 ax.axvline(abscissa[rows][-1], color="0.7", linewidth=0.8, linestyle="--")
