@@ -21,7 +21,7 @@ _FACTOR_BYTES_PER_FREEDOM = {1: 2500.0, 2: 2500.0, 3: 12000.0, 4: 12000.0, 6: 35
 """Bytes of a sparse factorisation for each freedom at 100,000 freedoms, by freedoms of a node; they grow with the
 logarithm of that number."""
 _ENTRIES_OF_ROW = 81
-"""In the matrix of hexahedra."""
+"""Number of entries of a row in the matrix of hexahedra."""
 _MULTIGRID_BYTES_PER_ENTRY = 45.0
 """Bytes of an entry in the whole matrix: its values twice, their places of origin, and the levels above."""
 _EXPLICIT_BYTES_PER_CELL = 2000.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Identifiers speak the field's language: the words of this house that have a plain one are in none of them."""
+"""Identifiers and docstrings speak the field's language: no word of this house that has a plain one is in them."""
 
 import ast
 import re
@@ -32,6 +32,13 @@ ALLOWED = {
     "tell": "method of Python's files",
     "_give_up": "plain English",
 }
+HOUSE_WORDS = re.compile(
+    r"\b(told|[Tt]ells?|[Ss]ays?|said|foretell|foretold|settle[sd]?|rubs?|rubbed|dress(es|ed)?|lets? go"
+    r"|hands off|rides? along|(its|their|tool's|punch's|ram's) ways?|stands? (beside|twice|without)"
+    r"|as it lies|hang together|knows no)\b"
+    r"|(^|[.:] )(Of|By) "
+)
+"""Words and phrases of STYLE.md's table in a docstring, and beginnings of sentences that avoid a subject."""
 
 
 def find_identifiers(source: str) -> Iterator[str]:
@@ -76,3 +83,27 @@ def test_house_words_are_found_in_every_kind_of_name() -> None:
     words = {word for name in find_identifiers(source) for word in find_house_words(name)}
     assert words == {"settle", "tell", "way", "give", "rub", "told"}
     assert find_house_words("always_gateway") == set()
+
+
+def find_docstrings(source: str) -> Iterator[str]:
+    """Yield the docstrings of a source, those below attributes and constants included, each on one line."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            yield " ".join(node.value.value.split())
+
+
+def test_docstrings_hold_no_house_words() -> None:
+    found = {
+        f"{path.relative_to(PACKAGE)}: {text} ({match[0].strip()})"
+        for path in sorted(PACKAGE.rglob("*.py"))
+        for text in find_docstrings(path.read_text("utf-8"))
+        if (match := HOUSE_WORDS.search(text))
+    }
+    assert not found, "\n".join(sorted(found))
+
+
+def test_house_words_are_found_in_every_docstring() -> None:
+    source = (
+        '"""A tool is told."""\nX = 1\n"""Of the size."""\ndef f():\n    """A. By size."""\ndef g(): "Plain words"\n'
+    )
+    assert [bool(HOUSE_WORDS.search(text)) for text in find_docstrings(source)] == [True, True, True, False]

@@ -47,7 +47,7 @@ class FaceFilm(Protocol):
     """What heats and cools one face of the sheet over a step."""
 
     kind: str
-    """Under which its heat is counted."""
+    """Kind under which its heat is counted."""
     level: int
     """0 at the bottom, -1 at the top."""
 

@@ -13,7 +13,7 @@ _LIMITS = model.Limits()
 
 
 class Limits(Part):
-    """Beyond which a state is no longer physics; a run stops there, with all that it has computed."""
+    """Limits beyond which a state is no longer physics; a run stops there, with all that it has computed."""
 
     stop: bool = Field(
         default=_LIMITS.stop, description="false: the run goes on beyond its limits but mean_pressure, and warns"

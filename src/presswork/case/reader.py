@@ -36,7 +36,7 @@ class Tables:
     path: Path
     data: dict[str, Any]
     text: str
-    """As it stands in the file; empty if overrides have changed the data."""
+    """Text of the file; empty if overrides have changed the data."""
 
 
 def read_tables(path: Path, overrides: Sequence[str] = ()) -> Tables:

@@ -104,7 +104,7 @@ def damage(
     output: Annotated[Path | None, typer.Option(help="Folder of the run; default: the case's name, _damage.")] = None,
     run_user_code: RunUserCode = False,
 ) -> None:
-    """Tell the critical damage of a material from a test's stroke of first crack."""
+    """Estimate the critical damage of a material from the stroke of first crack in a test."""
     with exit_on(CaseError, OutputError, ResultError):
         try:
             place = [float(part) for part in at.split(",") if part.strip()]

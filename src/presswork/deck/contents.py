@@ -24,9 +24,9 @@ class Shells:
     thickness: FloatArray
     """Thickness of each shell itself, NaN where the section sets it (n,)."""
     labels: IndexArray | None = None
-    """Their own (n,), where the sheet may have a past."""
+    """Labels of the shells (n,), where the sheet may have a past."""
     angle: FloatArray | None = None
-    """From their first side to x of the material (n,) [degree]; None: 0."""
+    """Angle from the first side of each shell to x of the material (n,) [degree]; None: 0."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class MaterialCard:
     is_rigid: bool = False
     hardening: Hardening | None = None
     yield_function: dict[str, object] | None = None
-    """As in a case, its numbers without unit."""
+    """Yield function as in a case, its numbers without unit."""
     cowper_symonds: tuple[float, float] | None = None
     """C and P."""
     johnson_cook: tuple[float, float] | None = None

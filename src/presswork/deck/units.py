@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 _YOUNG = (40e3, 250e3)
 """Young's modulus of sheet metals, from magnesium to steel [MPa]."""
 _DENSITY = (1.5e-9, 9.5e-9)
-"""From magnesium to copper [t/mm^3]."""
+"""Density of sheet metals, from magnesium to copper [t/mm^3]."""
 _PREFIXES = {
     "": 1.0,
     "G": 1e9,
@@ -42,17 +42,17 @@ class Units:
 
     @property
     def force(self) -> float:
-        """To N."""
+        """Return the factor to N."""
         return self.mass * self.length / self.time**2
 
     @property
     def stress(self) -> float:
-        """To MPa."""
+        """Return the factor to MPa."""
         return self.mass / (self.length * self.time**2)
 
     @property
     def density(self) -> float:
-        """To t/mm^3."""
+        """Return the factor to t/mm^3."""
         return self.mass / self.length**3
 
     def is_as(self, other: Units) -> bool:

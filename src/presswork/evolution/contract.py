@@ -48,20 +48,19 @@ class PointChange:
     """Cauchy stress at its start: xx, yy, zz, xy (n, 4), in space also yz, zx (n, 6), in a sheet xx, yy, xy (n, 3)
     [MPa]."""
     stress: FloatArray
-    """At its end."""
+    """Stress at its end."""
     eqps_n: FloatArray
     """Equivalent plastic strain at its start (n,)."""
     eqps: FloatArray
-    """At its end."""
+    """Equivalent plastic strain at its end."""
     dt: float
     """Time that it takes [s]."""
     temperature_n: FloatArray | None = None
     """Temperature at its start (n,) [degrees C]; None: the model does not know temperatures."""
     temperature: FloatArray | None = None
-    """At its end."""
+    """Temperature at its end."""
     back_stress: FloatArray | None = None
-    """Back stress at the end in a sheet with kinematic hardening, components as the stress [MPa]; None: there is none.
-    """
+    """Back stress at the end in a sheet with kinematic hardening, components as the stress [MPa]; None without."""
     layers: int = 1
     """Points through the thickness of a sheet, one after the other."""
     parts: int = 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Which evolution laws a material has, and every quantity that there is."""
+"""The evolution laws of a material, and every quantity that there is."""
 
 from __future__ import annotations
 

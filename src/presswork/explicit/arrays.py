@@ -73,7 +73,7 @@ class SolidArrays(Arrays):
     pressure: list[Array]
     """Nodal mean of the pressure, of tet4_nodal (n_cells, 1) [MPa]."""
     force: list[Array]
-    """On the nodes in the last cycle (n_cells, 3 nodes) [N]."""
+    """Force on the nodes in the last cycle (n_cells, 3 nodes) [N]."""
     damage: dict[str, list[Array]]
     """Damage by the quantity's name (n_cells, p); without rows where the block has no such law."""
     kept: list[History] = field(default_factory=list, metadata={"is_array": False})
@@ -89,7 +89,7 @@ class LayerArrays(Arrays):
 
     owner = "shells"
     mass: list[Array]
-    """With what was added (n_cells,) [t]."""
+    """Mass with what was added (n_cells,) [t]."""
     shell: list[Array]
     """What the element keeps beside its layers, thickness and work among it (n_cells, n), as the element has it."""
     layers: list[Array]
@@ -109,9 +109,9 @@ class ProfileArrays(Arrays):
     offset: list[Array]
     """Displacement since the start (2,) [mm]."""
     impulse: list[Array]
-    """Given to the nodes since the start (2,) [N s]."""
+    """Impulse given to the nodes since the start (2,) [N s]."""
     force: list[Array]
-    """On the nodes in the last cycle (n_nodes, 2) [N]."""
+    """Force on the nodes in the last cycle (n_nodes, 2) [N]."""
 
 
 @dataclass
@@ -135,9 +135,9 @@ class WallArrays(Arrays):
     floating: list[Array]
     """Travel [mm] and speed [mm/s] along the direction of a force or spring (2,)."""
     impulse: list[Array]
-    """Given to the nodes since the start (3,) [N s], and its moment about the axis [N mm s] (4,)."""
+    """Impulse given to the nodes since the start (3,) [N s], and its moment about the axis [N mm s] (4,)."""
     force: list[Array]
-    """On the nodes in the last cycle (n_nodes, 3) [N]."""
+    """Force on the nodes in the last cycle (n_nodes, 3) [N]."""
     travel: list[Array]
     """Largest possible approach of nodes and tool since the start, and its last value (2,) [mm]."""
     wake: list[Array]
@@ -162,13 +162,13 @@ class BodyContactArrays(Arrays):
         "cut_position": ANEW,
     }
     work: list[Array]
-    """That pressure and friction have taken since the start (2,) [N mm]."""
+    """Work that pressure and friction have taken since the start (2,) [N mm]."""
     impulse: list[Array]
-    """That the slave has given to the master since the start (3,) [N s]."""
+    """Impulse that the slave has given to the master since the start (3,) [N s]."""
     pressure: list[Array]
     """(n_slots,) [MPa]."""
     shear: list[Array]
-    """On the slave (n_slots, 3) [MPa]."""
+    """Shear on the slave (n_slots, 3) [MPa]."""
     push: list[Array]
     """Forces of the pressure in the last cycle on the nodes of both surfaces (n, 3) [N]."""
     rub: list[Array]
@@ -235,7 +235,7 @@ class ToolContactArrays(Arrays):
     drag: Array
     """Work of the drag of pushed tools (1,) [N mm]."""
     step: Array
-    """For which springs are stable (1,) [s]."""
+    """Longest step for which springs are stable (1,) [s]."""
     started: Array
     """Whether contact has begun (1,)."""
     cycle: Array
@@ -282,7 +282,7 @@ class SheetOnItselfArrays(Arrays):
     work: Array
     """Elastic, of friction and of damping (3,) [N mm]."""
     step: Array
-    """For which springs are stable (1,) [s]."""
+    """Longest step for which springs are stable (1,) [s]."""
 
 
 @dataclass
@@ -300,13 +300,13 @@ class RunArrays(Arrays):
     clock: Array
     """Cycle, time, step and last step (4,) [1, s, s, s]."""
     energy: Array
-    """At the start, and the largest since then (2,) [N mm]; not a number: none is counted yet."""
+    """Energy at the start, and the largest since then (2,) [N mm]; not a number: none is counted yet."""
     scales: Array
     """Damping [1/s], scale of forces and of velocities in the last cycle (3,)."""
     temperature: Array
-    """Given from outside [degrees C]; no rows: that of the laws' start."""
+    """Temperature given from outside [degrees C]; no rows: that of the laws' start."""
     contact_step: Array
-    """For which contact with tools of a sheet is stable (1,) [s]; no rows where there is none."""
+    """Longest step for which contact of a sheet with tools is stable (1,) [s]; no rows where there is none."""
 
 
 OWNERS: dict[str, tuple[type[Arrays], ...]] = {

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from presswork import _core
 
 WORTH_A_WARNING = 5.0
-"""Per cent of the internal energy."""
+"""Energy in per cent of the internal energy above which a warning reports it."""
 FORMED = 0.1
 """Part of the last internal energy from which on kinetic energy is compared with it: a blank at rest has none."""
 YIELD_OFFSET = 0.002

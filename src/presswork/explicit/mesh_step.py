@@ -23,7 +23,7 @@ from presswork.model import FloatArray
 FIRST, BEYOND, FAR = 1.5, 1.06, 1.1
 """The step tried: over the shells' own bound at first, over the last answer then; again where it is so far too long."""
 CYCLES, MOST = 5, 80
-"""Between two looks at the growth, and in all."""
+"""Number of cycles between two looks at the growth, and in all."""
 CLEAR, ENOUGH = 1e2, 1e9
 """Growth that is no beat of stable modes, and that at which the highest modes are alone."""
 SMALL = 1e-20

@@ -21,7 +21,7 @@ class SpaceMaterial:
     rolling: tuple[float, float, float] = (1.0, 0.0, 0.0)
     """Unit vector along the law's x."""
     porosity: float | None = None
-    """At the start, of a metal with pores."""
+    """Porosity of a metal with pores at the start."""
     damage: tuple[DamageLaw, ...] = ()
     """Criteria whose damage grows."""
     start: float = 20.0

@@ -22,7 +22,7 @@ class WallStart:
     """How a tool stands at the start, and about what it turns later."""
 
     rotation: Sequence[Sequence[float]] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    """From its own frame to space (3, 3)."""
+    """Rotation from its own frame to space (3, 3)."""
     centre: Sequence[float] = (0.0, 0.0, 0.0)
     """A point of the axis about which it turns, in space (3,) [mm]."""
     axis: Sequence[float] = (0.0, 0.0, 1.0)

@@ -47,9 +47,10 @@ class ContactForces:
     in_corner: BoolArray
     """Whether two faces hold the node (n,)."""
     push: FloatArray
-    """Along the normal into the workpiece (n,) [N]; in an inner corner of a tool the sum over both faces."""
+    """Force of contact along the normal into the workpiece (n,) [N]; in an inner corner of a tool the sum over both
+    faces."""
     drag: FloatArray
-    """Along the tangent, a quarter turn on from the normal (n,) [N]; none in an inner corner."""
+    """Friction along the tangent, a quarter turn on from the normal (n,) [N]; none in an inner corner."""
     force: FloatArray
     """The whole force (n, 2) [N]."""
     status: NDArray[np.int8]
@@ -65,7 +66,7 @@ class BodyTraction:
     pressure: FloatArray
     """(n_points,) [MPa]."""
     shear: FloatArray
-    """Along the boundary, body on the right (n_points,) [MPa]."""
+    """Shear along the boundary, body on the right (n_points,) [MPa]."""
     force: FloatArray
     """(n_points, 2) [N]."""
 

@@ -66,7 +66,7 @@ class ShellLayers:
     history: FloatArray
     """What the law keeps (n_cells, q, k, n_history)."""
     temperature: FloatArray
-    """Given from outside (n_cells, q k) [degrees C]; no rows where the material does not know of it."""
+    """Temperature given from outside (n_cells, q k) [degrees C]; no rows where the material does not know of it."""
     kept: History
     """The parts of the history by name."""
 

@@ -31,7 +31,7 @@ FOLDED = 0.3
 REACH = 20.0
 """Length of a line of compression, to either side, over the thickness."""
 PLACES = 20
-"""On that length."""
+"""Number of places on that length."""
 LEAST_HEIGHT = 0.05
 """Height of a wave over the thickness, from its middle line to its crest, below which it is no fold. Coarse shells on a
 round tool ripple by less."""

@@ -16,7 +16,7 @@ class HalfSpace:
     """The side of a symmetry plane that is modelled."""
 
     axis: int
-    """That the plane is normal to."""
+    """Axis that the plane is normal to."""
     level: float
     """Where the plane cuts this axis [mm]."""
     inward: float = 1.0
@@ -40,7 +40,7 @@ class Asymmetry:
     deviation: float
     """Distance of the mirror image of a place from the shape [mm]."""
     place: FloatArray
-    """That place, on the side that is modelled (dimension,) [mm]."""
+    """Place of that difference, on the side that is modelled (dimension,) [mm]."""
 
     def describe(self) -> str:
         """Describe by how much they differ, and where."""

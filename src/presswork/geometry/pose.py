@@ -76,7 +76,7 @@ class SpacePose:
     """Where a tool in space stands: it has turned about its centre, and moved with it."""
 
     centre: FloatArray
-    """In its own frame (3,) [mm]."""
+    """Centre in its own frame (3,) [mm]."""
     start: FloatArray
     """Where that was at the start (3,) [mm]."""
     displacement: FloatArray

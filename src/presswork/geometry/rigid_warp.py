@@ -19,7 +19,7 @@ from presswork.model import FloatArray
 _NEAR = 20
 """Nodes that take part at each place."""
 _ARM = 2.0
-"""Times the distance of the farthest of these nodes from their middle: so far their own rotation goes on."""
+"""Distance to which the nodes' rotation continues, over that of the farthest of them from their middle."""
 _CHUNK = 50_000
 
 

@@ -19,7 +19,7 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.model import BoolArray, FloatArray, Triangulation
 
 MOST_PLACES = 20_000
-"""At which widths are measured; on larger tools these lie farther apart than asked."""
+"""Largest number of places at which widths are measured; on larger tools these lie farther apart than requested."""
 OPPOSITE = 0.75
 """Least cosine between the normals of opposite walls, one of them reversed: drafts of up to 20 degrees."""
 _STEPS = (0.7548776662466927, 0.5698402909980532)
@@ -31,7 +31,7 @@ class Widths:
     """Widths of a tool where they are small."""
 
     place: FloatArray
-    """On both walls (n, 3) [mm]."""
+    """Places on both walls (n, 3) [mm]."""
     width: FloatArray
     """(n,) [mm]."""
     is_ridge: BoolArray

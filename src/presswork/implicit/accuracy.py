@@ -25,7 +25,7 @@ from presswork.state import RUN, Arrays, OnNewMesh, State
 AIM = 0.9
 """Part of the tolerance that the next increment is to meet."""
 REFUSED = 1.5
-"""Times the tolerance: an error for which an increment is taken again."""
+"""Error over the tolerance above which an increment is repeated."""
 SHRINK = 0.02
 """Least part of an increment that is tried next."""
 SHORTEST = 1e-9

@@ -46,11 +46,11 @@ class NextMesh:
     origin: FloatArray | None = None
     """Where the material of its nodes was when the run began (n_points, 2 | 3) [mm]; None: where its points are."""
     reason: str = ""
-    """For the log."""
+    """Reason, for the log."""
 
 
 AskForMesh = Callable[[Epoch], NextMesh | None]
-"""Asked after every converged increment but the last, and once where an increment fails; its answer may depend on the
+"""Called after every converged increment but the last, and once where an increment fails; its result may depend on the
 epoch alone, so that a resumed run gives the same bits."""
 
 

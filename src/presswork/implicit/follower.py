@@ -11,7 +11,7 @@ from presswork.state import State
 
 
 class Follower(Protocol):
-    """Who goes along with a run, increment after increment."""
+    """Follows a run, increment after increment."""
 
     def note(self, trial: State) -> None:
         """Take note of a trial state in equilibrium, before it is completed."""

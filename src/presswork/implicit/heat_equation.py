@@ -27,7 +27,7 @@ class HeatProblem:
     points: FloatArray
     """Where the nodes are at its end (n_points, d) [mm]."""
     temperature_n: FloatArray
-    """At its start (n_points,) [degrees C]."""
+    """Temperature at its start (n_points,) [degrees C]."""
     dt: float
     """[s]"""
     films: Sequence[Film]

@@ -19,7 +19,7 @@ class MadeHeat:
 
     plastic: FloatArray
     friction: FloatArray
-    """That goes into the bodies."""
+    """Heat of friction that goes into the bodies."""
     into_tools: FloatArray
     """Heat of friction at these nodes that goes into each tool (n_tools, n_points)."""
 

@@ -66,7 +66,7 @@ class HeatArrays(Arrays):
     temperature: FloatArray
     """(n_points,) [degrees C]."""
     rate: FloatArray
-    """Over the last time step of heat (n_points,) [K/s]."""
+    """Rate of the temperature over the last time step of heat (n_points,) [K/s]."""
     heat: FloatArray
     """Since the start, by KINDS (6,) [N mm]."""
     columns: FloatArray
@@ -75,7 +75,7 @@ class HeatArrays(Arrays):
     dies: FloatArray
     """Temperatures of the nodes of tools with meshes, tool after tool (n_die_points,) [degrees C]."""
     die_rate: FloatArray
-    """Over the last time step of heat (n_die_points,) [K/s]."""
+    """Rate of the tools' temperature over the last time step of heat (n_die_points,) [K/s]."""
     die_heat: FloatArray
     """Heat come into all of them since the start, by DIE_KINDS (5,) [N mm]."""
     phases: FloatArray
@@ -85,7 +85,7 @@ class HeatArrays(Arrays):
     last_step: float = 0.0
     """Last time step of heat [s]; 0 where a stage begins."""
     next_step: float = 0.0
-    """That which the error asks for [s]; 0: not known."""
+    """Next step by the error [s]; 0: not known."""
 
 
 @dataclass(frozen=True)

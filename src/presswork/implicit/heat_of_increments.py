@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Heat in implicit increments of forming, staggered with equilibrium.
 
-An increment begins with the temperatures that the last rate foretells. Once it is in equilibrium, the heat equation
+An increment begins with the temperatures that the last rate predicts. Once it is in equilibrium, the heat equation
 takes them to its end (heat_of_forming.py). Where a law was given temperatures that are off by more than the tolerance,
 equilibrium is found again with the new ones.
 """
@@ -25,7 +25,7 @@ from presswork.state import State
 from presswork.timing import Timing
 
 MOST_PASSES = 5
-"""Times that equilibrium and heat are found in an increment."""
+"""Most times that equilibrium and heat are found in an increment."""
 
 
 class HeatOfIncrements:

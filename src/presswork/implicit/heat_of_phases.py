@@ -17,7 +17,7 @@ from presswork.interaction.heat.heat_films import Film
 from presswork.model import FloatArray, Model
 
 KIND = "latent"
-"""Under which the heat is counted."""
+"""Kind under which the heat is counted."""
 
 
 class LatentFilm:

@@ -26,7 +26,7 @@ OVERSHOOT = 0.8
 ENOUGH = 0.5
 """The same, below which it has been shortened enough."""
 MOST_PARTS = 5
-"""Times that a correction is shortened."""
+"""Most times that a correction is shortened."""
 _ENDS = 0.1
 """Part of a bracket at either end within which no point is taken."""
 

@@ -22,11 +22,10 @@ WINDOW = 0.05
 """Part of a stage over which changes are averaged, so that ripples of contact cancel."""
 
 EARLY = 10.0
-"""Times the rate by which the load falls: faster localisation counts as no more, so that a load that is steady costs
-nothing."""
+"""Largest rate of localisation over the rate by which the load falls: a steady load costs nothing."""
 
 FASTER = 2.0
-"""Times the rate by which flow becomes faster: in a neck that is about the rate by which its room shrinks."""
+"""Rate of localisation over the rate by which flow becomes faster: in a neck its room shrinks about as fast."""
 
 FLOWS = 0.05
 """Plastic strain per stage below which a body does not flow: what relaxes or springs back has no neck."""

@@ -213,7 +213,7 @@ class Neighbours:
 
     @property
     def own(self) -> list[Neighbour]:
-        """Those that belong to this parameter alone."""
+        """Return the neighbours that belong to this parameter alone."""
         return [side for side in (self.more, self.less) if side.change]
 
     @property

@@ -38,7 +38,7 @@ SOFT, STIFFENING = 300.0, 4.0
 PUSHED = 1e-4
 """Part of the force that pushes a tool, or of the largest nodal force if that is more, which the tool may lack."""
 STAGNANT = 0.1
-"""With a residual this many times below its tolerance, the last correction's size does not matter."""
+"""Residual over its tolerance below which the last correction's size does not matter."""
 CLOSE = 1e-6
 """Distance of constrained nodes from their places that is then close enough, over the model's size."""
 ROUND_OFF = 2.0**-52
@@ -48,7 +48,7 @@ FAINT = 1e-6
 LOST = 0.6
 """Correction over the increment above which an attempt that began from a good guess is given up."""
 MOST_AUGMENTATIONS = 10
-"""Times that an increment takes multipliers over."""
+"""Most times that an increment takes over multipliers."""
 
 
 @dataclass(frozen=True)

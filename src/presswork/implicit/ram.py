@@ -49,7 +49,7 @@ class RamArrays(Arrays):
     work: float = 0.0
     """Since the start [N mm]."""
     stage_work: float = 0.0
-    """In the present stage [N mm]."""
+    """Work in the present stage [N mm]."""
     stage_time: float = 0.0
     """Since the present stage began [s]."""
     plastic_n: float = 0.0

@@ -49,7 +49,7 @@ residual falls no more."""
 LATER = 1e-5
 """Difference in the end of a stage by which neighbours differ that differ by its end alone, over the stage."""
 ALL_ALIKE = -1
-"""In place of a parameter's number: of neighbours that begin with the run's state."""
+"""Number in place of a parameter's, for neighbours that begin with the run's state."""
 INNER = 0.3
 """Part of what is enough to which K is solved."""
 MOST_ROUNDS = 30

@@ -11,7 +11,7 @@ from presswork.outcome import IterationLog
 
 GROWTH = 1.5
 SMALLEST = 10.0
-"""Times min_increment: increments that converge slowly are made no smaller, or the run would not end."""
+"""Smallest size of increments that converge slowly, over min_increment, or the run would not end."""
 
 
 def list_ends(model: Model, stage: int) -> FloatArray:

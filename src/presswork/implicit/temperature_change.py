@@ -14,9 +14,9 @@ from presswork.outcome import Converged, Failed, IterationLog, Step
 from presswork.state import State
 
 REFUSED = 1.5
-"""Times the largest change of temperature: an increment that is taken again."""
+"""Change of temperature over the largest allowed one above which an increment is repeated."""
 LEAST_INCREMENTS = 20.0
-"""Times solver.min_increment: an increment that is taken whatever its change of temperature."""
+"""Size of an increment over solver.min_increment below which it is accepted whatever its change of temperature."""
 
 
 def find_change(model: Model, before: Sequence[FloatArray], after: Sequence[FloatArray], stage: int) -> float:

@@ -20,7 +20,7 @@ from presswork.state import RUN, SURFACE_FORCE, Arrays, OnNewMesh, State
 
 @dataclass
 class LoadArrays(Arrays):
-    """From where the loads of a stage go on."""
+    """Values from which the loads of a stage go on."""
 
     owner = "loads"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {"released": SURFACE_FORCE, "shares": RUN, "fraction": RUN}

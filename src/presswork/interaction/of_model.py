@@ -68,4 +68,4 @@ class Interactions:
             *((self.inertia,) if self.inertia else ()),
             *others,
         )
-        """In the order in which they are asked: what holds comes after what pushes."""
+        """All of them in the order of the calls: what holds comes after what pushes."""

@@ -25,7 +25,7 @@ from presswork.interaction.tool_arrays import SpaceToolArrays, ToolArrays
 from presswork.model import FloatArray, Tool
 
 MAX_CHANGES = 4
-"""Times that a spring-backed tool may leave or reach its stop in an increment."""
+"""Most times that a spring-backed tool may leave or reach its stop in an increment."""
 
 
 class LostWorkpieceError(Exception):

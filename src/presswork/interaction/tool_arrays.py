@@ -75,7 +75,7 @@ class ContactArrays(Arrays):
         "shear_part": ANEW,
     }
     status: StatusArray
-    """Per face of each tool and candidate: 0 apart, 1 SLIDING, 2 STUCK; (2 n_tools, n_candidates)."""
+    """Status per face of each tool and candidate: 0 apart, 1 SLIDING, 2 STUCK; (2 n_tools, n_candidates)."""
     anchor: FloatArray
     """Where a STUCK node sits, in its tool's frame (n_candidates, 2) [mm]."""
     drag: FloatArray

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a Model's material to the compiled elastic-plastic law: of a sheet, or of a solid."""
+"""Turns a Model's material into the compiled elastic-plastic law of a sheet or of a solid."""
 
 from __future__ import annotations
 

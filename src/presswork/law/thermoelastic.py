@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a Model's thermal expansion and elastic constants by temperature to the compiled law's curves."""
+"""Turns a Model's thermal expansion and elastic constants by temperature into the compiled law's curves."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from presswork.view.style import clean_axes, new_figure, save_picture
 
 MOST_IN_A_ROW = 3
 LARGEST_STRAIN = 1.0
-"""To which a law is drawn whose window has no such end."""
+"""Strain to which a law is drawn whose window has no such end."""
 
 
 def draw_hot_fit(tests: Sequence[CompressionTest], fits: Sequence[HotFit], title: str, path: Path) -> Path:

@@ -17,7 +17,7 @@ from presswork.case.errors import CaseError, Problem
 from presswork.text_file import UnreadableError, read_bytes
 
 SEPARATORS = (";", "\t", ",", " ")
-"""In the order in which they are taken where several read as many numbers."""
+"""Separators in the order in which they are preferred where several read as many numbers."""
 GROUPS = {".": "[,'\u00a0\u202f]", ",": "[.'\u00a0\u202f]"}
 """Characters that may stand between groups of thousands, by decimal mark."""
 FEWEST = 3

@@ -66,11 +66,11 @@ class Quantity:
     """What a column holds."""
 
     title: str
-    """As the file writes it."""
+    """Title as the file writes it."""
     kind: str
     """One of COLUMNS; empty for what a fit does not need."""
     unit: str
-    """As in UNITS; empty where the file has none."""
+    """Unit as in UNITS; empty where the file has none."""
     true: bool | None
     """Whether the name means true or engineering values; None: it is open."""
 

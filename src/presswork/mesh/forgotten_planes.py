@@ -29,7 +29,7 @@ OVER, BEYOND = 0.25, 0.5
 ENDLESS = 4.0
 """Sizes of the workpiece beyond which, to both sides, a tool is drawn without end."""
 MORE = 4.0
-"""Times its reach over the plane that a tool must reach beyond the other side."""
+"""Distance that a tool must reach beyond the other side, over its reach over the plane."""
 
 
 @dataclass(frozen=True)

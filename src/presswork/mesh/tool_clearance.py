@@ -107,9 +107,9 @@ class Room:
     """The room that two tools must leave each other [mm]."""
 
     ahead: float
-    """Between faces that come together as a tool goes on."""
+    """Room between faces that come together as a tool goes on."""
     beside: float
-    """Between walls that slide along each other."""
+    """Room between walls that slide along each other."""
 
     @property
     def most(self) -> float:

@@ -12,4 +12,4 @@ class DrawInDirection:
 
     name: str
     angle: float
-    """From x [rad]."""
+    """Angle from x [rad]."""

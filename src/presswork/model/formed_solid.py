@@ -18,7 +18,7 @@ class FormedSolid:
     blocks: tuple[IntArray, ...]
     """Connectivities, node order as in CellBlock, one block after the other."""
     frame: Literal["axisymmetric", "plane_strain", "solid"]
-    """As `analysis` of a case."""
+    """Frame, as `analysis` of a case."""
     stress: FloatArray
     """xx, yy, zz, xy, yz, zx of all cells (n, 6) [MPa]; of an axisymmetric body rr, zz, hoop, rz."""
     plastic_strain: FloatArray

@@ -17,7 +17,7 @@ class Parameter:
     key: str
     """Its path in the case, for instance tools.punch.m."""
     value: float
-    """In the units of the Model: mm, s, N, MPa."""
+    """Value in the units of the Model: mm, s, N, MPa."""
     step: float
     """Difference of the number in the two models: less in the one, more in the other."""
     less: Model | None

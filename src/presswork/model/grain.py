@@ -60,6 +60,6 @@ class Grain:
     static: Recrystallisation | None = None
     growth: GrainGrowth | None = None
     temperature: float | None = None
-    """Where the model knows no temperature [degrees C]."""
+    """Temperature where the model has none [degrees C]."""
     softens: bool = False
     """Whether what is recrystallised no longer hardens."""

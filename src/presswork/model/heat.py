@@ -84,7 +84,7 @@ class HeatContact:
     name: str
     between: tuple[int, int]
     conductance: FloatArray
-    """Rows of contact pressure [MPa] and conductance [N/(mm s K)] (n, 2); heat alone knows no pressure."""
+    """Rows of contact pressure [MPa] and conductance [N/(mm s K)] (n, 2); without forming there is no pressure."""
     gap: float = 0.0
     """Width of a gap [mm] across which no more heat passes; from contact on, conductance falls evenly to there."""
 
@@ -105,7 +105,7 @@ class DieMesh:
     """The mesh of a tool, in which heat is conducted; it moves with the tool."""
 
     mesh: Mesh
-    """As it lies at the start, of cells with nodes at corners."""
+    """Mesh in its place at the start, of cells with nodes at corners."""
     thermal: Thermal
     profile: IntArray
     """Boundary edges on the tool's profile (n, 2): other sides are insulated."""
@@ -124,7 +124,7 @@ class ToolHeat:
     conductance: FloatArray
     """Rows of contact pressure [MPa] and conductance [N/(mm s K)] (n, 2)."""
     gap: float = 0.0
-    """As of HeatContact."""
+    """Gap, as in HeatContact."""
     effusivity: float | None = None
     """sqrt(conductivity density specific heat) [N/(mm K s^0.5)]; None: that of the workpiece."""
     steel: tuple[float, float] | None = None
@@ -180,4 +180,4 @@ class Series:
 
     parts: int
     pause: float = 0.0
-    """Between parts: the tools lie open [s]."""
+    """Pause between parts: the tools lie open [s]."""

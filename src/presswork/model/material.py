@@ -34,8 +34,8 @@ class Hardening:
     law: str
     """Name of one of _core.HardeningLaw."""
     parameters: FloatArray
-    """In the order of _core.parameter_names of the law, stresses in MPa; of a table its rows one after the other:
-    plastic strain and stress, of monotone_table also the slope."""
+    """Parameters in the order of _core.parameter_names of the law, stresses in MPa; of a table its rows one after the
+    other: plastic strain and stress, of monotone_table also the slope."""
 
     @property
     def is_hot(self) -> bool:

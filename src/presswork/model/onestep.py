@@ -21,7 +21,7 @@ class PartBead:
     points: FloatArray
     """Its corners seen from above (n, 2) [mm]."""
     force: float
-    """Per length [N/mm]."""
+    """Force per length [N/mm]."""
 
 
 @dataclass(frozen=True)

@@ -121,7 +121,7 @@ class Blow:
     """A ram that its own kinetic energy drives until the workpiece has taken it: hammers and screw presses."""
 
     energy: float
-    """That the workpiece takes [N mm]: the kinetic energy times the efficiency of the blow."""
+    """Energy that the workpiece takes [N mm]: the kinetic energy times the efficiency of the blow."""
     velocity: float
     """Velocity of the ram when it strikes [mm/s]."""
     number: int = 1
@@ -144,7 +144,7 @@ class Drive:
     press: str = ""
     """Name of the press; empty: the stage gives a velocity."""
     force: float = math.inf
-    """At which the ram stops, and the stage ends [N]."""
+    """Force at which the ram stops, and the stage ends [N]."""
     power: float = math.inf
     """Largest power [N mm/s]: the ram is slowed down so that its force times its speed does not exceed it."""
     rated_force: float = math.inf

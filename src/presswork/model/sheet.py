@@ -87,7 +87,7 @@ class PartSection:
     angle: float
     """Angle of its direction from x [rad]."""
     length: float = float("inf")
-    """From the start on [mm]; infinite: on both sides of the start as far as there is sheet."""
+    """Length from the start on [mm]; infinite: on both sides of the start as far as there is sheet."""
 
 
 @dataclass(frozen=True)

@@ -37,7 +37,7 @@ class CyclicSector:
     """Node set of the face from which the other one comes by turning counter-clockwise."""
     last: str
     sectors: int
-    """In the whole body, at least two."""
+    """Number of sectors in the whole body, at least two."""
 
 
 @dataclass(frozen=True)

@@ -88,7 +88,7 @@ class Tool:
 
     name: str
     shape: Profile | Surface
-    """In the tool's own frame: a profile touches solids in the plane, a surface touches sheets."""
+    """Shape in the tool's own frame: a profile touches solids in the plane, a surface touches sheets."""
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Where the origin of its frame is at the start [mm]; in the plane x and y count."""
     friction: Friction = Friction()
@@ -97,7 +97,8 @@ class Tool:
     working_direction: tuple[float, float, float] | None = None
     """Unit vector along which its stroke and its force count; None: that of its first motion or push."""
     centre: tuple[float, ...] = (0.0, 0.0)
-    """In its own frame: the point about which it turns and its torque is taken [mm]; in space a point of its axis."""
+    """Centre in its own frame: the point about which it turns and its torque is taken [mm]; in space a point of its
+    axis."""
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     """For a solid in space, in its own frame: unit vector about which the tool turns."""
     rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)

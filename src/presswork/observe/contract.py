@@ -28,9 +28,9 @@ class Measure:
 
     limit: LimitName
     value: float
-    """In the unit of the limit."""
+    """Value in the unit of the limit."""
     fact: str
-    """In words, with its place."""
+    """Fact in words, with its place."""
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ class Mean:
     length: float
     """Radius of the neighbourhood [mm]."""
     cell: int
-    """In its middle, counted from 0 over all blocks."""
+    """Cell in its middle, counted from 0 over all blocks."""
     place: tuple[float, ...]
     """Centre of the cell [mm]."""
 
@@ -79,7 +79,7 @@ class DamagePeaks(Observer):
 
     @functools.cached_property
     def _lengths(self) -> list[float | None]:
-        """In each block: the radius over which the mean decides, where the material gives none [mm]."""
+        """Return for each block the radius over which the mean decides, where the material gives none [mm]."""
         return find_lengths(self._model)
 
     def find(self, run: Observed) -> tuple[Peak, ...]:

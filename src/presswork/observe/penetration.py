@@ -27,7 +27,7 @@ _BETWEEN = np.linspace(-1.0, 1.0, 10)[1:-1]
 _SPACING = 0.25
 """Spacing of the places where profiles are checked, over the mean edge."""
 _MOST_PLACES = 400
-"""On a piece of a profile."""
+"""Most places on a piece of a profile."""
 CUT_EDGE = 0.25
 """Part of its length by which a tool may cut into an edge without a warning."""
 PENETRATION = "penetration"

@@ -64,7 +64,7 @@ class Holder:
     """A flat blank holder."""
 
     force: float
-    """On what is modelled of the part [N]."""
+    """Force on what is modelled of the part [N]."""
     stiffness: float
     """Pressure per compression of what lies between holder and die [N/mm3]."""
 

@@ -37,7 +37,7 @@ class Friction:
     """Friction forces against the sheet's motion over one tool."""
 
     force: FloatArray
-    """At each node (n_nodes,) [N]."""
+    """Force at each node (n_nodes,) [N]."""
     level: FloatArray
     """Where the flat blank would lie on that tool, along the draw direction (n_nodes,) [mm]."""
 

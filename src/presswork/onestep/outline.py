@@ -12,7 +12,7 @@ from presswork.model import FloatArray
 _ANGLES = 180
 """Turns of the blank in the strip that are tried, over half a turn."""
 _CORNERS = 200
-"""At least so many corners of the outline are tried to choose the turn."""
+"""Least number of corners of the outline that are tried to choose the turn."""
 
 
 @dataclass(frozen=True)

@@ -41,7 +41,7 @@ class OneStepResult:
     passes: int
     seconds: dict[str, float]
     stages: int
-    """That the sheet went through."""
+    """Number of stages that the sheet went through."""
     notes: tuple[str, ...] = ()
     """What a user should know of the stages."""
 

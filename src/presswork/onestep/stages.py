@@ -2,8 +2,8 @@
 """The blank of a part over shapes between: deformation theory from stage to stage.
 
 The wall of a deep part was stretched while its metal left the flange, by the force that the flange held it with then.
-At the end little of the flange may be left, and one step knows no other. So the sheet is brought into equilibrium on
-raised parts (raised.py), the highest first, each time from the result of the stage before. Theory:
+At the end little of the flange may be left, and one step uses that force alone. So the sheet is brought into
+equilibrium on raised parts (raised.py), the highest first, each time from the result of the stage before. Theory:
 docs/theory/one_step.md.
 """
 
@@ -26,9 +26,9 @@ _SHALLOW = 4.0
 _DEEP = 20.0
 """Thicknesses; in a part that is deeper the path of the metal may move the edge of the blank by a thickness."""
 _ROUNDS = 2
-"""Times that all stages are gone through, each time from the blank found before."""
+"""Number of rounds through all stages, each from the blank found before."""
 _MOST_PLACINGS = 4
-"""Times at most that the sheet is placed on a raised part."""
+"""Most times that the sheet is placed on a raised part."""
 _NEAR = 0.25
 """Thicknesses by which metal may be elsewhere in the blank of a stage than in the blank sought."""
 

@@ -27,11 +27,11 @@ _CELLS_A_RADIUS = 2.0
 _SINKS = 0.7
 """Part of limits.penetration to which a chord as long as a shell may sink into a radius that it is bent round."""
 _BEYOND = 4.0
-"""Times the budget: so many shells at most for that."""
+"""Most shells for that, over the budget."""
 _GAP = 1.1
 """Gap of a holder that no force pushes, over the thickness."""
 _CLOSED = 1.05
-"""To which a curved holder closes before a force pushes it, over the thickness."""
+"""Gap to which a curved holder closes before a force pushes it, over the thickness."""
 _HEAD = """\
 # A stamping of the part that one step has laid flat: its blank, and tools that are the part's own surface, offset by
 # half the thickness to either side. The die stands {clearance:.3g} mm farther off, but for the flange.

@@ -25,7 +25,8 @@ class DieFill:
     filled: float
     """Part of the wall's area that lies within the tolerance of the workpiece, 0 to 1."""
     unfilled_volume: float
-    """Between wall and workpiece [mm3]; round the axis in axisymmetry, for 1 mm of depth in plane strain."""
+    """Unfilled volume between wall and workpiece [mm3]; round the axis in axisymmetry, for 1 mm of depth in plane
+    strain."""
 
 
 def measure_die_fill(

@@ -27,7 +27,7 @@ class Interface:
     points: FloatArray
     """Deformed coordinates [mm]."""
     arc_length: FloatArray
-    """Along the deformed boundary from the patch's end with the smaller x [mm]."""
+    """Arc length along the deformed boundary from the patch's end with the smaller x [mm]."""
     contact_pressure: FloatArray
     """[MPa], positive in compression."""
     contact_shear: FloatArray

@@ -20,7 +20,7 @@ class ReleasedPart:
     """Middle of a sheet as formed and after springback."""
 
     formed: FloatArray
-    """In its closed tools (n_points, 3) [mm]."""
+    """Formed part in its closed tools (n_points, 3) [mm]."""
     free: FloatArray
     """The same nodes after springback (n_points, 3) [mm]."""
     triangles: IntArray
@@ -32,7 +32,7 @@ class Misfit:
     """How far a part lies off the wanted shape after the best fit."""
 
     off: FloatArray
-    """From each wanted place to where the part has come to (n, 3) [mm]."""
+    """Distance from each wanted place to where the part has come to (n, 3) [mm]."""
     deviation: FloatArray
     """Distance of the part from each wanted place along its own normal (n,) [mm]; positive above the sheet's face."""
     free: FloatArray

@@ -304,7 +304,7 @@ def _judge_springback(summary: Summary) -> Iterator[Line]:
 
 
 def _judge_windows(summary: Summary) -> Iterator[Line]:
-    """Judge what strain, rate and temperature the flow stress was asked for by the window that it was fitted in."""
+    """Judge the strain, rate and temperature at which the flow stress was used by the window that it was fitted in."""
     units, words = {"temperature": " °C", "rate": " 1/s"}, {"rate": "strain rate"}
     fields = {"temperature": "temperature", "strain": "equivalent_plastic_strain"}
     for material, windows in summary.get("law_windows", {}).items():

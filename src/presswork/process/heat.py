@@ -34,7 +34,7 @@ KINDS = (PRESCRIBED, "flux", "convection", "radiation")
 """Ways by which heat comes in; what flows between bodies adds up to nothing."""
 GROWTH, SHRINK, SAFETY = 2.0, 0.2, 0.9
 REFUSED = 2.0
-"""Times the tolerance: an error for which a step is taken again."""
+"""Error over the tolerance above which a step is repeated."""
 SMALLEST = 1e-4
 """Smallest time step over the first one: so short a step is taken whatever its error, and a run gives up below it."""
 ENOUGH_FOR_THREADS = 10_000
@@ -51,7 +51,7 @@ class _TimeStep:
     temperature: FloatArray
     """(n_points,) [degrees C]."""
     heat: FloatArray
-    """That came in by KINDS (4,) [N mm]."""
+    """Heat that came in by KINDS (4,) [N mm]."""
     error: float
     """Largest one at nodes that are free, as estimated [K]."""
     log: IterationLog

@@ -23,9 +23,10 @@ class ObservedRun:
     model: Model
     observers: Observers
     mesh_changes: list[MeshChange]
-    """Asked one after the other between increments or before intervals; they are among the observers, too."""
+    """Changes of the mesh, called one after the other between increments or before intervals; they are among the
+    observers, too."""
     notes: list[str]
-    """For the log of the next increment or interval."""
+    """Notes for the log of the next increment or interval."""
 
     def begin_observing(self) -> None:
         """Begin with new observers, without mesh changes."""

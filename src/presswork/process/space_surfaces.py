@@ -15,7 +15,7 @@ SHEET_CHORD = 0.02
 SOLID_CHORD = 1e-3
 """The same, of the size of a solid."""
 AROUND = 1.5
-"""Times the farthest point of a solid: how far a plane without end is drawn."""
+"""Size to which a plane without end is drawn, over the farthest point of a solid."""
 
 
 def cut_tools(model: Model) -> dict[str, tuple[FloatArray, IntArray]]:

@@ -32,7 +32,7 @@ from presswork.process.mesh_change.refinement import PlacedTool
 from presswork.process.space_surfaces import SHEET_CHORD
 
 FORCE_TIMES = 100
-"""Times of each stage at which a force over the stroke is tabulated."""
+"""Number of times in each stage at which a force over the stroke is tabulated."""
 BEAD_POINTS = 2000
 """Number of points of all beads that results keep: an attribute of HDF5 has 64 kB."""
 

@@ -39,13 +39,13 @@ class Traffic:
     """What one rank has sent by this program; PETSc's solvers send more."""
 
     messages: int = 0
-    """From rank to rank."""
+    """Number of messages from rank to rank."""
     sent: int = 0
-    """In these [bytes]."""
+    """Sent data in these [bytes]."""
     collectives: int = 0
     """Calls that all ranks take part in."""
     received: int = 0
-    """From other ranks in these [bytes]."""
+    """Data received from other ranks in these [bytes]."""
 
     def numbers(self) -> IntArray:
         """Return the counts (4,)."""

@@ -72,7 +72,7 @@ class NewLine:
     points: FloatArray
     """(k, 2) [mm]."""
     place: FloatArray
-    """On the old line (k,)."""
+    """Place on the old line (k,)."""
     is_free: BoolArray
     """Nodes that neither a tool nor a plane holds (k,)."""
     offset: float

@@ -31,7 +31,7 @@ _OFF_LINE, _OFF_ROWS = 0.7, 0.8
 """Distance of rows from the line, and of the lattice from both, over the size of the triangles."""
 _TRIANGLE_ROUNDS, _QUAD_ROUNDS = 4, 12
 _RETREATS, _GOOD = 8, 0.5
-"""Times that nodes go back where cells worse than good ones would become worse still."""
+"""Most retreats of nodes where cells worse than good ones would become worse still, and quality of a good cell."""
 _ACROSS_STRIP = 4.0
 """Vertices across a strip of cells in the order in which they are numbered."""
 _LEAST_JOINED = 0.35

@@ -158,7 +158,7 @@ class NewSection:
     chain: IndexArray
     """Nodes of the old boundary, to which places on the line refer (k,)."""
     following: IndexArray
-    """Which of them follows each (k,)."""
+    """Number of the one that follows each (k,)."""
 
     def surface(self, first_old: int, first_new: int) -> SurfacePlaces:
         """Return where its boundary nodes lie on the old boundary; first: node of the body in all of the mesh."""

@@ -26,7 +26,7 @@ class Shown:
     """One number a node or a face."""
 
     name: str
-    """As commands name it: effective_stress, stress_top_xx, displacement."""
+    """Name as commands name it: effective_stress, stress_top_xx, displacement."""
     stored: str
     """Name in the results file."""
     kind: str

@@ -38,7 +38,7 @@ T = TypeVar("T")
 
 
 class ResultError(OutputError):
-    """The results do not hold what was asked for; the message lists what they hold."""
+    """The results do not hold what was requested; the message lists what they hold."""
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ _NOT_FOLLOWED = {
 
 
 def confine(root: Path, scratch: Path) -> None:
-    """From now on, raise PermissionError where a file is opened or changed outside the folders and the program's own.
+    """Raise PermissionError from now on where a file is opened or changed outside the folders and the program's own.
 
     root: the opened folder, where relative paths begin from now on. scratch: takes temporary files.
     """

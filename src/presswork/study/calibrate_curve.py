@@ -22,7 +22,7 @@ from presswork.study.vary import format_override
 
 MOST_RUNS = 8
 FARTHEST = 2.0
-"""Times that a number grows or falls from one run to the next, at most."""
+"""Largest factor by which a number grows or falls from one run to the next."""
 ENOUGH = 1e-4
 """Change of the numbers, over themselves, below which the fit is found."""
 UNDETERMINED = 1e-6

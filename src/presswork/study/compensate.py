@@ -56,7 +56,7 @@ _LONGEST = 1.5
 _LEANS = 0.1
 """Undercut that is no facets' noise [degree]."""
 _NEAR = 3.0
-"""Times the thickness within which the gap between tools counts."""
+"""Gap between tools over the thickness within which it counts."""
 
 Status = Literal["completed", "gave_up", "interrupted"]
 

@@ -40,11 +40,11 @@ class PressedTool:
     name: str
     kind: ToolKind
     shape: Triangulation
-    """In its own frame."""
+    """Shape in its own frame."""
     position: FloatArray
     """Position of its origin at the start (3,) [mm]."""
     travel: FloatArray
-    """From there to the closed tools (3,) [mm]."""
+    """Travel from there to the closed tools (3,) [mm]."""
 
     @property
     def upwards(self) -> float:
@@ -65,7 +65,7 @@ class Undercut:
     angle: float
     """Angle of the face against the press's direction [degree]; 0: nowhere."""
     place: FloatArray
-    """In the closed tools (3,) [mm]."""
+    """Place in the closed tools (3,) [mm]."""
 
 
 def cut_into_triangles(model: Model, longest: float, thickness: float, stroke: float = 0.0) -> tuple[PressedTool, ...]:

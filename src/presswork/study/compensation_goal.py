@@ -25,7 +25,7 @@ _BESIDE, _SHARE = 0.05, 0.05
 """Distance beyond which a point of the target lies off the part, over the part's size, and share of such points that
 makes it another part."""
 _BLEND = 4.0
-"""Times the thickness: within it of the binder the correction fades."""
+"""Distance from the binder over the thickness within which the correction fades."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Goal:
     """The sheet before trimming as the tools as drawn have formed it, and the wanted part."""
 
     points: FloatArray
-    """In the closed tools (n_points, 3) [mm]."""
+    """Points in the closed tools (n_points, 3) [mm]."""
     triangles: IntArray
     """Shape (n, 3)."""
     is_part: BoolArray

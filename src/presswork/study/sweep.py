@@ -70,7 +70,7 @@ class SweepResult:
     rows: tuple[dict[str, Any], ...]
     """The rows of the table."""
     faults: tuple[str, ...] = ()
-    """Why the table lacks columns that were asked for."""
+    """Why the table lacks requested columns."""
 
     @property
     def counts(self) -> Counter[str]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a case of heat alone to the Model: names resolved, bodies meshed, everything checked."""
+"""Turns a case of heat alone into the Model: names resolved, bodies meshed, everything checked."""
 
 from __future__ import annotations
 

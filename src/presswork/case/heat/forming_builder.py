@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the keys of heat in forming to the Model's heat."""
+"""Turns the keys of heat in forming into the Model's heat."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from presswork.case.part import Part
 from presswork.case.units import Length, Number, Stress, fault
 
 MOST_BACK_STRESSES = 10
-"""For which a layer of a shell has room."""
+"""Number of back stresses that a layer of a shell has room for."""
 
 
 class Chaboche(Part):

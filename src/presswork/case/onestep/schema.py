@@ -32,7 +32,7 @@ from presswork.model import OneStepModel, PartBead
 logger = logging.getLogger(__name__)
 
 _TRIANGLES = 10_000
-"""About as many as a triangulated part is refined to where no element_size is given."""
+"""Number of triangles, roughly, to which a triangulated part is refined where no element_size is given."""
 LAYERS = 3
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a case to the Model: names resolved, the workpiece meshed, tools directed, everything checked.
+"""Turns a case into the Model: names resolved, the workpiece meshed, tools directed, everything checked.
 
 A boundary entry is a symmetry plane when its key states it, or when it fixes one component only on an outermost
 straight side of the workpiece normal to that component. In plane strain a tool that reaches one is twice what is

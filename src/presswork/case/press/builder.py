@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the presses of a case to what drives the Model's stages."""
+"""Turns the presses of a case into the drives of the Model's stages."""
 
 from __future__ import annotations
 

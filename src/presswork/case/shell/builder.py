@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a shell's case to the Model: names resolved, the sheet meshed, everything checked."""
+"""Turns a shell's case into the Model: names resolved, the sheet meshed, everything checked."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the case of a solid in space to the Model: names resolved, the body meshed, everything checked."""
+"""Turns the case of a solid in space into the Model: names resolved, the body meshed, everything checked."""
 
 from __future__ import annotations
 

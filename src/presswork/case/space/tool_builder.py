@@ -64,7 +64,7 @@ CHORD = 1e-4
 FACING = 0.01
 """Share of an open surface's area, on balance, that must face against the tool's motion for it to be turned over."""
 BEYOND = 5.0
-"""Times the size of the workpiece: half the length of a straight tool."""
+"""Half the length of a straight tool, over the size of the workpiece."""
 
 
 def build_tool(

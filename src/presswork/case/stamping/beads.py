@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the beads of a stamping's case to those of its Model: cut into points, and looked for on the blank."""
+"""Turns the beads of a stamping's case into those of its Model: cut into points, and located on the blank."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a stamping's case to its Model: names resolved, the blank meshed, tools drawn and placed, everything checked."""
+"""Turns a stamping's case into its Model: names resolved, the blank meshed, tools drawn and placed, all checked."""
 
 from __future__ import annotations
 

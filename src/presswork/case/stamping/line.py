@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a case with operations to a Model of a press line: each operation is checked and built as a case of its own."""
+"""Turns a case with operations into the Model of a press line: each operation is checked and built as a case of its
+own."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ from presswork.model import Tool as ToolModel
 logger = logging.getLogger(__name__)
 
 BEYOND = 1.5
-"""Times the blank's radius: as far as a face reaches that is given no width."""
+"""Extent of a face that is given no width, over the blank's radius."""
 
 LEVEL = 1e-2
 """Part of the thickness below which a tool's face counts as level with the blank."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a drawn tool's dimensions to its surface, and the clearance between two."""
+"""Turns a drawn tool's dimensions into its surface; the clearance between two tools."""
 
 from __future__ import annotations
 

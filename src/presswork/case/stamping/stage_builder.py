@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the stages of a stamping's case to the Model's."""
+"""Turns the stages of a stamping's case into the Model's."""
 
 from __future__ import annotations
 

@@ -115,7 +115,7 @@ class _Cavity:
         flat = np.ascontiguousarray(self._places.reshape(-1, len(low)))
         self._workpiece = _find_inside(model, flat).reshape(self._weight.shape)
         self.volume = float(self._weight[self._workpiece].sum())
-        """That of the workpiece in cells, weighted by the radius in axisymmetry; zero where no cell lies inside."""
+        """Volume of the workpiece in cells, weighted by the radius in axisymmetry; zero where no cell lies inside."""
 
     def _find_walls(self, model: Model, *, axisymmetric: bool) -> BoolArray:
         """Mark what lies behind the axis, and behind straight sides that supports hold; cut cells count in part."""

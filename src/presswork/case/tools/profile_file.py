@@ -76,8 +76,9 @@ def read_points(path: Path, factor: float = 1.0) -> tuple[list[tuple[float, floa
 
     Two columns, separated by commas, semicolons, tabs or blanks; beside semicolons or tabs a comma is a decimal one.
     What follows `#` is a comment; the first line may name the columns. Where it names `x_mm` and `y_mm`, as the
-    outlines that the program writes do, others may stand beside them, and of a column `loop` the first loop is taken. A
-    point that repeats the one before is left out. Raises ProfileFileError with the number of the line at fault.
+    outlines that the program writes do, the file may have other columns, and from a column `loop` the first loop is
+    taken. A point that repeats the one before is left out. Raises ProfileFileError with the number of the line at
+    fault.
     """
     try:
         text = read_text(path)

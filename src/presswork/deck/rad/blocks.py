@@ -30,7 +30,7 @@ class Block:
     words: tuple[str, ...]
     """Words of the keyword, in upper case, without the numbers at its end."""
     numbers: tuple[int, ...]
-    """At the end of the keyword: of most, its own and that of its units."""
+    """Numbers at the end of the keyword: for most, its own and that of its units."""
     place: Place
     data: bytes
     """The whole file."""
@@ -39,7 +39,7 @@ class Block:
 
     @property
     def keyword(self) -> str:
-        """As notes name it."""
+        """Return the keyword as notes name it."""
         return "/" + "/".join(self.words)
 
     @property

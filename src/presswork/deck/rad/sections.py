@@ -28,7 +28,7 @@ class Property:
     axis: FloatArray | None
     """Direction (3,), to be laid into the shells; None: it does not matter."""
     angle: float
-    """From the axis to the rolling direction, about the shells' normal [degree]."""
+    """Angle from the axis to the rolling direction, about the shells' normal [degree]."""
 
     def rolling(self, normal: FloatArray) -> tuple[float, float, float] | None:
         """Return the rolling direction in shells of a normal (3,)."""

@@ -28,7 +28,7 @@ class Twist:
     angle: float
     """[rad], by the right-hand rule about the axis."""
     length: float
-    """Between the middles of both ends [mm]."""
+    """Length between the middles of both ends [mm]."""
     axis: FloatArray
     """Unit vector along the part (3,), its largest component positive."""
 
@@ -82,7 +82,7 @@ def place_in_gauge(
     normals: FloatArray,
     planes: tuple[bool, bool] = _NONE,
 ) -> FloatArray:
-    """Return a part (n_points, 3) [mm] as it lies in a gauge, moved as a rigid body.
+    """Return a part (n_points, 3) [mm] in the place that it takes in a gauge, moved as a rigid body.
 
     formed: its shape in the tools, which is that of the gauge; free: after springback; weight: area round each node;
     clamps: where it is held; normals: of the gauge there (n, 3); planes: symmetry planes x = 0 and y = 0. The clamps'

@@ -22,9 +22,9 @@ class WallShape:
     """One wall of a section; None where there is no bottom or flange beside it."""
 
     bottom_angle: float | None
-    """Between bottom and the third of the wall beside it [degree], 90 for an upright wall."""
+    """Angle between bottom and the third of the wall beside it [degree], 90 for an upright wall."""
     flange_angle: float | None
-    """Between the third of the wall beside the flange and the flange [degree]."""
+    """Angle between the third of the wall beside the flange and the flange [degree]."""
     curl_radius: float
     """Radius of the whole wall by least squares [mm]; infinite if it is straight."""
 

@@ -24,7 +24,7 @@ class Iterations:
 
     count: int
     residual: float
-    """Over the norm of the right-hand side."""
+    """Norm of the residual over that of the right-hand side."""
     remark: str = ""
     """Why the matrix was factorised after all."""
 

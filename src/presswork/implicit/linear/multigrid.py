@@ -61,7 +61,7 @@ class Multigrid:
 
     @property
     def negative_pivots(self) -> int:
-        """Nothing is known of them."""
+        """Return nothing: the iteration does not find them."""
         return 0
 
     def factorise(self, data: FloatArray, modes: Modes | None = None) -> None:

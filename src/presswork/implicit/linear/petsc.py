@@ -53,7 +53,7 @@ class PetscSolver:
 
     @property
     def negative_pivots(self) -> int:
-        """Nothing is known of them."""
+        """Return nothing: PETSc does not report them."""
         return 0
 
     def factorise(self, data: FloatArray, modes: Modes | None = None) -> None:

@@ -56,9 +56,9 @@ class InterfaceArrays(Arrays):
         "search_displacement": ANEW,
     }
     pressure: FloatArray
-    """Between bodies, per slave node of each contact (n_slots,) [MPa]."""
+    """Pressure between bodies, per slave node of each contact (n_slots,) [MPa]."""
     shear: FloatArray
-    """Along the slave edge (n_slots,), in space a vector on the slave (n_slots, 3) [MPa]."""
+    """Shear along the slave edge (n_slots,), in space a vector on the slave (n_slots, 3) [MPa]."""
     slip: FloatArray
     """Elastic slip of nodes that stick, still to be undone, in the same form [mm]."""
     force: FloatArray
@@ -66,7 +66,7 @@ class InterfaceArrays(Arrays):
     friction: FloatArray
     """The part of it that friction makes, in the same form."""
     search_displacement: FloatArray
-    """At which edges or faces that may touch were last looked for (n_points, 2 | 3) [mm]."""
+    """Displacement at which edges or faces that may touch were last looked for (n_points, 2 | 3) [mm]."""
 
 
 Result = TypeVar("Result", _core.InterfaceResult, _core.FaceInterfaceResult)

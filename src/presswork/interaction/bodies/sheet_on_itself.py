@@ -41,15 +41,15 @@ class SelfContactArrays(Arrays):
         **dict.fromkeys(("energy", "friction_work"), RUN),
     }
     friction: FloatArray
-    """On the node, by a shell that it touches (n_slots, 3) [N]."""
+    """Friction on the node, by a shell that it touches (n_slots, 3) [N]."""
     force: FloatArray
     """Force of the sheet on itself, at the nodes (n_points, 3) [N]."""
     search_displacement: FloatArray
-    """At which shells that may touch were last looked for (n_points, 3) [mm]."""
+    """Displacement at which shells that may touch were last looked for (n_points, 3) [mm]."""
     energy: float
     """Stored by the normal forces [N mm]."""
     friction_work: float
-    """That friction has taken in the last increment [N mm]."""
+    """Work that friction has taken in the last increment [N mm]."""
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,7 @@ class Film(Protocol):
     """One film."""
 
     kind: str
-    """Under which its heat is counted."""
+    """Kind under which its heat is counted."""
 
     def at(self, time: float) -> _core.HeatFilm:
         """Return the compiled film as it is so long after the stage began [s]."""

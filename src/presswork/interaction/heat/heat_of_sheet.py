@@ -38,7 +38,7 @@ class SheetHeatArrays(Arrays):
 
     owner = "sheet_heat"
     temperature: FloatArray
-    """Through the thickness from the bottom up (levels, n_points) [degrees C]."""
+    """Temperature through the thickness from the bottom up (levels, n_points) [degrees C]."""
     fractions: FloatArray
     """Fractions of PHASES (4, levels, n_points)."""
     cooling_rate: FloatArray

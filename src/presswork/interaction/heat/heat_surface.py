@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where the surface of bodies that are formed touches tools and other bodies, or is free, as it lies now.
+"""Where the surface of bodies that are formed touches tools and other bodies, or is free, in its present shape.
 
 An edge touches a tool if the tool holds both its ends, a face in space if it holds all its nodes. Where a gap is given
 across which heat passes, the conductance at no pressure falls evenly with the distance, to nothing at that gap; the
@@ -48,7 +48,7 @@ class Meeting:
     contact: BodyContact
     film: PairFilm
     area: FloatArray
-    """That its pairs of nodes share, the slave's first (n,) [mm2]."""
+    """Area that its pairs of nodes share, the slave's first (n,) [mm2]."""
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ class Drag:
     force: FloatArray
     """Its size (n_candidates,) [N]."""
     used: FloatArray
-    """Over the largest that the law allows (n_candidates,): a part less than that is the first that matters."""
+    """Friction over the largest that the law allows (n_candidates,): smaller parts than that make a difference."""
 
 
 class Grazing:

@@ -32,7 +32,7 @@ class BeadArrays(Arrays):
 
     owner = "drawbeads"
     force: FloatArray
-    """On the sheet across the line (n_bead_points,) [N]."""
+    """Force on the sheet across the line (n_bead_points,) [N]."""
     cell: IntArray
     """The cell found beneath it last; -1: none yet (n_bead_points,)."""
 

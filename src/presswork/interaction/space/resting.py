@@ -19,7 +19,7 @@ NEAR = 0.02
 SLOWER = 0.5
 """Speed over that of the tool that leaves fastest below which a body stays on a tool."""
 AXES = {"plane_strain": "xy", "axisymmetric": "y", "solid": "xyz"}
-"""Along which a body may move as a whole."""
+"""Axes along which a body may move as a whole."""
 
 
 def find_loose(model: Model) -> list[str]:

@@ -27,7 +27,7 @@ from presswork.model import FloatArray, IndexArray, IntArray, Model, Tool
 from presswork.state import Arrays, State
 
 LIES = 200.0
-"""Times the rounding of contact: gap within which a node lies on a tool."""
+"""Gap over the rounding of contact within which a node lies on a tool."""
 
 
 @dataclass(frozen=True)

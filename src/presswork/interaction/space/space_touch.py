@@ -35,7 +35,7 @@ class NodesOnTool:
 
     nodes: IndexArray
     force: FloatArray
-    """On the node (n, 3) [N]."""
+    """Force on the node (n, 3) [N]."""
     friction: FloatArray
     """The part of it along the tool (n, 3) [N]."""
     stiffness: FloatArray
@@ -49,7 +49,7 @@ class TouchingNodes:
     """What contact must know of the nodes."""
 
     spring: FloatArray
-    """That pushes a node out of a tool (n_points,) [N/mm]."""
+    """Stiffness of the spring that pushes a node out of a tool (n_points,) [N/mm]."""
     reach: FloatArray
     """Distance from the tool below which it pushes (n_points,) [mm]."""
     rounding: FloatArray
@@ -82,11 +82,11 @@ class TouchedNodes:
 
     nodes: IndexArray
     gap: FloatArray
-    """Beyond their reach (n,) [mm]."""
+    """Gap beyond their reach (n,) [mm]."""
     normal: FloatArray
     """Normal of the tool (n, 3)."""
     spring: FloatArray
-    """As in TouchingNodes (n,) [N/mm]."""
+    """Stiffness of the spring, as in TouchingNodes (n,) [N/mm]."""
     rounding: FloatArray
     """The same (n,) [mm]."""
     law_gap: FloatArray

@@ -33,7 +33,7 @@ STEEPEST = 1.0
 DEAD = 0.02
 """Quality below which slivers are collapsed before long edges are halved."""
 MOST_TRIANGLES = 1_000_000
-"""To which a part is refined at most."""
+"""Largest number of triangles to which a part is refined."""
 _FEW_EDGES = 6
 """Most edges of a hole that is reported, since a gap in the model has few; a pierced hole has more."""
 

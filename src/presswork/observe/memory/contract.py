@@ -33,7 +33,7 @@ class Memory:
     """Remembers something of a whole recording. A subclass overrides what it has."""
 
     name: ClassVar[str]
-    """In a checkpoint."""
+    """Name in a checkpoint."""
 
     def look(self, run: Observed | None, row: Mapping[str, Any]) -> str | None:
         """Look at a converged state; return why the recording must stop, if it must.

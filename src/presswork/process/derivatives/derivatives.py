@@ -154,7 +154,7 @@ class Derivatives(Generic[Side]):
 
 
 def _find_columns(model: Model, columns: Sequence[str]) -> list[str]:
-    """Return the columns that are asked for. Raises StartError for one that there is not."""
+    """Return the requested columns. Raises StartError for an unknown one."""
     assert model.gradients is not None, "the caller has asked"
     measures = [name for name in columns if name not in NO_MEASURES]
     found = list(model.gradients.of or (f"{tool.name}.force" for tool in model.tools))

@@ -87,7 +87,7 @@ class ExplicitForming(IntervalRun):
         self.points.start(self._find_points())
         velocities = (self.settings.velocity, *self.settings.velocity_of_others)
         self.loose = None if np.any(np.ravel(velocities)) or model.gravity else LooseRows(model)
-        """None where bodies are meant to fly or fall."""
+        """Loose bodies; None where bodies are meant to fly or fall."""
         self.begin_stage()
 
     @property

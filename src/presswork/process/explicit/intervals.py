@@ -74,7 +74,7 @@ class IntervalRun(ObservedRun, ModelRun, ABC):
 
     @property
     def added_mass(self) -> float:
-        """Per cent of the true mass."""
+        """Return the added mass in per cent of the true mass."""
         return self._progress.added_mass
 
     @abstractmethod

@@ -60,7 +60,7 @@ class MadeMesh:
 
     @property
     def lines(self) -> list[FloatArray]:
-        """At which folds were left out."""
+        """Return the lines at which folds were left out."""
         return [seam for part in self.parts for seam in part.seams]
 
     @property

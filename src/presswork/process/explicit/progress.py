@@ -30,7 +30,7 @@ class IntervalProgress(Arrays):
     row: int = 0
     """Row of the stage that comes next."""
     added_mass: float = 0.0
-    """Per cent of the true mass."""
+    """Added mass in per cent of the true mass."""
     ram_work: float = 0.0
     """Work of the ram since the start [N mm]."""
     stage_work: float = 0.0

@@ -59,7 +59,7 @@ class SolidsInSpace:
         self._force_start = np.zeros((len(tools), 3))
         """Force of the workpiece on each tool, as modelled, when the stage began [N]."""
         self._moment = np.zeros(len(tools))
-        """About the axis of each tool in the last interval [N mm]."""
+        """Moment about the axis of each tool in the last interval [N mm]."""
         self._impulse_n, self._time_n = np.zeros(len(tools)), 0.0
         self._tools, self._share = tools, share_modelled(tools)
         self._surfaces = [make_surface(tool.surface, smooth=True) for tool in tools]

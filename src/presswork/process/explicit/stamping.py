@@ -47,7 +47,7 @@ from presswork.process.stamping_tools import StampingTools, describe_stamping, m
 from presswork.ranks.world import World
 
 ELEMENT_CYCLES_A_CALL = {"cpu": 2_000_000, "host": 2_000_000, "cuda": 200_000_000}
-"""Between two looks at the keyboard: about a second."""
+"""Cycles of elements between two looks at the keyboard: about a second."""
 SAMPLES = 10
 """Least number of samples of the tools' forces in a row; single cycles are noisy."""
 LOOKS = 50

@@ -39,7 +39,7 @@ MOST_JUMP = 0.02
 WAIT = 1.5
 """Factor on all triggers, up to which the present mesh goes on rather than one that changes the force too much."""
 MOST_WAITS = 3
-"""Times that a mesh is put off because it changes the force: what waits longer only gets worse."""
+"""Most times that a mesh is put off because it changes the force; longer waits only make it worse."""
 WAITED, ON_FIRST = "waited", "on_first"
 """Names in a checkpoint."""
 

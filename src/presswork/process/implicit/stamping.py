@@ -53,7 +53,7 @@ from presswork.ranks.world import World
 CLOCK_TIMES = 1000
 """Number of times in each stage at which the smooth motion is tabulated."""
 WORTH_A_WARNING = 5.0
-"""Per cent of the external work by which the energies may miss it, and of the internal that inertia may take."""
+"""Limits in per cent: error of the energies over the external work, and inertia over the internal energy."""
 THINNING = "max_thinning_percent"
 """Column of the history: that of the thinnest cell."""
 ENERGIES = ("external_work", "elastic_energy", "plastic_work", "friction_work", "inertia_work")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the state of a sheet to a FormedSheet, which files hold, and back."""
+"""Turns the state of a sheet into a FormedSheet, which files hold, and back."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ import numpy as np
 from presswork.model import FloatArray, Hem, IntArray
 
 STRIPS = 20
-"""At most."""
+"""Largest number of strips."""
 NEAR = 2.5
 """Thicknesses over or under the panel within which the edge is looked for: a wall that leans out has its tip further
 out."""
@@ -33,9 +33,9 @@ class HemShape:
     edge: FloatArray
     """How far out its outer face lies (n,) [mm]."""
     thickest: FloatArray
-    """Over the flange, its fold included, which stands up where it is left open (n,) [mm]."""
+    """Largest thickness over the flange, its fold included, which stands up where it is left open (n,) [mm]."""
     thinnest: FloatArray
-    """Over the flat of the flange (n,) [mm]."""
+    """Least thickness over the flat of the flange (n,) [mm]."""
     opening: FloatArray
     """Angle between panel and flange (n,) [degree]: 90 as flanged, 0 pressed flat, below zero where the tip dips."""
 

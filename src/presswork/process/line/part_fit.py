@@ -34,7 +34,7 @@ OFF = 2.0
 SHARE = 0.15
 """Share of the part between closed tools that lies farther off, above which it does not fit."""
 NO_FIT = 0.3, 5.0
-"""That share, and thicknesses by which it lies off in the mean, from which on it is no fit at all."""
+"""Limits from which on a part does not fit: that share, and its mean distance over the thickness."""
 FLAT = 3.0
 """Thicknesses: a part that is no higher has no shape that could fit."""
 STEP = 0.5
@@ -50,7 +50,7 @@ UPRIGHT = 0.5
 
 
 def check_reach(operation: Operation, tools: Sequence[Tool], stages: Sequence[Stage], state: SheetState) -> None:
-    """Raise LayingError where no tool that moves meets the part as it lies, or one is pushed from afar.
+    """Raise LayingError where no tool that moves meets the part in its place, or one is pushed from afar.
 
     What boundaries or loads move is not checked, nor a tool that closes on a die, which determines how far it goes.
     """

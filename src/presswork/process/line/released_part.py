@@ -34,7 +34,7 @@ class Released:
     elastic: float
     """Energy stored then [N mm]."""
     heated: Mapping[str, FloatArray] = field(default_factory=dict)
-    """As of SheetState."""
+    """Temperatures and phases, as in SheetState.heated."""
 
     @property
     def moved(self) -> FloatArray:

@@ -20,7 +20,7 @@ from presswork.process.model_run import ModelRun
 from presswork.process.run import Meta, Snapshot
 
 PLACE = "series.place"
-"""In a checkpoint: parts done, reports and time before the present part."""
+"""Name in a checkpoint of the place: parts done, reports and time before the present part."""
 
 
 class SeriesForming(ModelRun):

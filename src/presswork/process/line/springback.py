@@ -73,7 +73,7 @@ class SpringbackReport:
 
 @dataclass(frozen=True)
 class LaidPart:
-    """A formed part as it lies on the tools of its next operation."""
+    """A formed part on the tools of its next operation."""
 
     state: SheetState
     turned: FloatArray
@@ -194,7 +194,7 @@ class ReleasedStamping(ModelRun):
         return model if self.hold is None else self.hold(model)
 
     def release(self) -> Released:
-        """Begin the epoch of the part without its tools: the implicit procedure knows no hanging nodes."""
+        """Begin the epoch of the part without its tools: the implicit procedure cannot use hanging nodes."""
         if isinstance(self.forming, ExplicitStamping):
             self.forming.refined.split_evenly()
         mesh, state, cut = self.forming.mesh, self.forming.sheet(), None

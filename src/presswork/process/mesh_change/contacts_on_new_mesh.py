@@ -39,7 +39,7 @@ class Traction:
     pressure: FloatArray
     """(n_points,) [MPa]."""
     shear: FloatArray
-    """On the slave (n_points, 3) [MPa]."""
+    """Shear on the slave (n_points, 3) [MPa]."""
 
 
 def carry_tractions(old: RunOnMesh, after: Model, carrier: Carrier) -> list[Traction]:

@@ -65,7 +65,7 @@ class SheetBlock:
     evolved: Mapping[str, FloatArray] = field(default_factory=dict)
     """What evolution laws keep, by quantity (n_cells, q, k)."""
     temperature: FloatArray | None = None
-    """Given to the layers (n_cells, q, k) [degrees C]; None: that of the law's start."""
+    """Temperature given to the layers (n_cells, q, k) [degrees C]; None: that of the law's start."""
 
 
 @dataclass(frozen=True)

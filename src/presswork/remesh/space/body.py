@@ -56,7 +56,7 @@ class OldBody:
     others: Mapping[int, PlacedTool] = field(default_factory=dict)
     """Skins of the bodies that it may touch, by their numbers."""
     topology: Topology | None = None
-    """That of its cells, where it is known from an increment before."""
+    """Topology of its cells, where it is known from an increment before."""
 
     @property
     def obstacles(self) -> list[PlacedTool]:

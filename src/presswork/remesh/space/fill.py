@@ -21,12 +21,12 @@ RIDGE = 30.0
 """[degrees]"""
 GRADATION = 1.3
 LARGER = 1.001
-"""Times the smallest edge: MMG takes no bounds that are equal."""
+"""Largest edge over the smallest one: MMG accepts no equal bounds."""
 CELLS_PER_CUBE = 14.0
 """Tetrahedra in a cube whose edge is the size: measured on boxes and barrels, 11 to 14."""
 MEMORY, MEMORY_PER_CELL = 40.0, 0.001
-"""That MMG may take [MB], at least (it asks for 38) and for each cell of the old mesh and of the new one: five times
-what it was seen to need, for 2,000 to 700,000 cells. It sets up as much at once, which takes time."""
+"""Memory that MMG may take [MB], at least (it needs 38) and for each cell of the old mesh and of the new one: five
+times what it was seen to need, for 2,000 to 700,000 cells. It sets up as much at once, which takes time."""
 SECONDS, SECONDS_PER_CELL = 60.0, 2e-3
 """Processor time that MMG may take, at least and for each of these cells: some twenty times its need."""
 REMEDY = "pip install mmgpy, where it has a wheel"

@@ -10,9 +10,9 @@ from presswork.remesh.space.bad_cells import move_nodes_of_bad_cells
 from presswork.remesh.space.tetrahedra import list_edges
 
 _SWEEPS = 40
-"""In which moves of the skin spread into the body."""
+"""Number of sweeps in which moves of the skin spread into the body."""
 _ROUNDS, _STEPS = 6, 10
-"""In which nodes of bad cells are visited, and steps of the search for a better place of each."""
+"""Number of rounds in which nodes of bad cells are visited, and of steps of the search for a better place of each."""
 _DIRECTIONS = np.array([d for d in np.ndindex(3, 3, 3) if d != (1, 1, 1)], dtype=float) - 1.0
 _DIRECTIONS /= np.linalg.norm(_DIRECTIONS, axis=1)[:, None]
 

@@ -76,5 +76,5 @@ def _ran_out(process: subprocess.Popen[bytes]) -> bool:
 
 
 MMG = MmgProcess()
-"""That of this process."""
+"""The process of this program."""
 atexit.register(MMG.stop)

@@ -28,11 +28,11 @@ _ATTEMPTS, _FINER = 3, 0.8
 _ROUNDS, _HALVINGS = 4, 8
 """Rounds in which the skin comes to its place where cells would turn inside out, and halvings of its displacement."""
 _FILLINGS = 4
-"""Times that a mesh is made because the one before had notches."""
+"""Most times that a mesh is made because the one before had notches."""
 _PROGRESS = 0.05
 """Least gain in the quality of the worst cell: a round that gains less is the last."""
 _BETTER, _LEAST_AT_ALL = 1.3, 0.01
-"""Times the quality of the old mesh, from which on a mesh with a flat cell is better than none; its least quality."""
+"""Quality over that of the old mesh from which on a mesh with a flat cell is better than none; its least quality."""
 
 
 def remesh_body(body: OldBody, sizes: EdgeSizes, *, part: float = 1.0) -> NewBody:

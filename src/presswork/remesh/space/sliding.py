@@ -18,7 +18,7 @@ from presswork.remesh.space.tetrahedra import measure_quality
 from presswork.remesh.space.tools import PlacedTool, put_on_tools
 
 _ROUNDS, _STEPS = 6, 6
-"""In which nodes of bad cells are visited, and steps of the search for a better place of each."""
+"""Number of rounds in which nodes of bad cells are visited, and of steps of the search for a better place of each."""
 _ANGLES = np.arange(12) * (2.0 * np.pi / 12)
 
 

@@ -26,7 +26,7 @@ _AT_ONCE = 2_000
 _CANDIDATES = (4, 32)
 """Nearest cells that are asked whether they contain a point, then those of points that none of these contains."""
 _FARTHER = 4
-"""Times as many points among which donors are looked for where the nearest ones lie beyond a fold."""
+"""Factor on the number of points among which donors are searched where the nearest ones lie beyond a fold."""
 _FIRST = 6
 """Donors that are looked at first where a peak is sought."""
 _MISSED = 1e-6

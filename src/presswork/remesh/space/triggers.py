@@ -20,7 +20,7 @@ TOO_DEEP = 0.12
 BESIDE = 0.75
 """Distance of an edge's middle from a sharp edge of a tool, over its length, within which that cuts it on any mesh."""
 WORSE = 1.3
-"""Times the depth that a new mesh has left, and the worst quality over that, beyond which another one is made."""
+"""Depth over that which a new mesh has left, and worst quality over that, beyond which another mesh is made."""
 
 
 def find_flat_cell(body: OldBody, increment: FloatArray, least: float) -> str | None:

@@ -41,7 +41,7 @@ class _Member:
     tries: int = 0
     """Number of times that it was given to the scheduler."""
     workers: list[str] = field(default_factory=list)
-    """Those that have started it, in turn; all but the last are lost."""
+    """Workers that have started it, in turn; all but the last are lost."""
     ended: bool = False
 
 

@@ -49,7 +49,7 @@ class _Fit:
 
     goal: Model
     excess: Model
-    """With the margin in it (n, n_sides), as parts of the spread."""
+    """Excess with the margin included (n, n_sides), as parts of the spread."""
 
 
 def search_by_surrogate(evaluate: Evaluate, start: FloatArray, *, together: int, tolerance: float) -> None:

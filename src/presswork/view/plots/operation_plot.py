@@ -29,9 +29,9 @@ class Operation:
     name: str
     """Name of the operation in a line of them, else of its first stage in which a tool is loaded."""
     rows: IntArray
-    """To the last one in which a tool is loaded (n,)."""
+    """Rows up to the last one in which a tool is loaded (n,)."""
     tools: tuple[str, ...]
-    """Those that move and are loaded."""
+    """Tools that move and are loaded."""
 
     @property
     def file_name(self) -> str:

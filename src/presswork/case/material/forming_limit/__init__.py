@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From the table `forming_limit` of a sheet to its curve: Keeler, points, Swift-Hill, Marciniak-Kuczynski."""
+"""Turns the table `forming_limit` of a sheet into its curve: Keeler, points, Swift-Hill, Marciniak-Kuczynski."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From a sheet material's forming limit to its curve, and to what a part's strains are judged by."""
+"""Turns a sheet material's forming limit into its curve, and into the limits that a part's strains are judged by."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ from presswork.model import FloatArray
 MINOR_RANGE = (-0.5, 0.5)
 """Minor strains over which Keeler's curve is drawn."""
 _KEELER = (23.3, 14.13)
-"""Per cent, and per cent per mm, of FLD0 at n = 0.21."""
+"""FLD0 at n = 0.21: per cent, and per cent for each mm of thickness."""
 
 
 def keeler_curve(thickness: float, n: float) -> FormingLimitCurve:
