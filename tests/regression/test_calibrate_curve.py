@@ -106,5 +106,5 @@ def test_a_derivative_that_is_lost_costs_the_run_nothing_else(tmp_path: Path, mo
     np.testing.assert_array_equal(lost.history["punch.force"], whole.history["punch.force"])
     assert any("derivative by tools.punch.m was not found in increment 3" in w for w in lost.summary["warnings"])
     case, curve = make_test(tmp_path)
-    with pytest.raises(CaseError, match=r"derivative by tools\.punch\.m was not found on the way"):
+    with pytest.raises(CaseError, match=r"derivative by tools\.punch\.m was not found during the run"):
         calibrate_curve(curve, case, tmp_path / "fit", keys=["tools.punch.m"])

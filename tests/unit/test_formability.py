@@ -78,7 +78,7 @@ def test_without_a_curve_nothing_is_said_of_cracks_and_of_solids_nothing_at_all(
     assert formability_fields({"stress": np.zeros((6, 6))}, Formability(CURVE)) == {}
     verdict = judge_fields(STRAINS, SHELLS, CENTRES, Formability())
     assert verdict is not None
-    assert "no forming_limit, so nothing is said of cracks" in verdict.text()
+    assert "no forming_limit, so cracks are not judged" in verdict.text()
     assert verdict.warnings() == []
 
 

@@ -273,7 +273,7 @@ def test_energy_left_at_the_end_of_the_way_is_a_warning(tmp_path: Path) -> None:
     data["presses"]["hammer"]["energy"] = 20.0
     done = run(tmp_path, data)
     (warning,) = done.result.summary["warnings"]
-    assert "kJ are left when the way of the ram, 24 mm, is gone" in warning
+    assert "kJ are left when the travel of the ram, 24 mm, is complete" in warning
     assert done.result.summary["press"][0]["final_speed_mm_s"] > 0.0
 
 

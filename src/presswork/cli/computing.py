@@ -62,7 +62,7 @@ def finish(outcome: Outcome, *, plot: bool, report: bool, quiet: bool = False) -
     if outcome.status != "completed":
         console().print(f"{outcome.status.replace('_', ' ')}: {outcome.reason}", style="red", markup=False)
         if outcome.has_results:
-            console().print(f"what was computed is in {outcome.folder}; run.log there says how it went", markup=False)
+            console().print(f"what was computed is in {outcome.folder}; its run.log describes the course", markup=False)
         raise typer.Exit(GAVE_UP if outcome.status == "gave_up" else INTERRUPTED)
 
 

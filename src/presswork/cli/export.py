@@ -31,7 +31,7 @@ def export(
     step: Annotated[int, typer.Option(help="Saved step, from 0, or from the end: -1.")] = -1,
     surface: Annotated[
         Literal["middle", "bottom", "top", "skin"],
-        typer.Option(help="Of STL and STEP: middle, a face, or skin, which is closed round the metal."),
+        typer.Option(help="For STL and STEP: middle, a face, or skin, which is closed round the metal."),
     ] = "middle",
     onto: Annotated[
         Path | None, typer.Option(help="Mesh of shells, whose nodes and numbers are written: the part is mapped to it.")

@@ -36,9 +36,9 @@ app = typer.Typer(help="Sheet materials at a point.", no_args_is_help=True, add_
 
 Name = Annotated[str, typer.Argument(help="A material of the library, or a material file.", show_default=False)]
 Datum = Annotated[float, typer.Option(show_default=False)]
-Exponent = Annotated[Literal["6", "8"], typer.Option(help="Of Yld2000-2d: 6 for steel, 8 for aluminium.")]
-Size = Annotated[float | None, typer.Option(help="Of the specimens [mm], if no file says it.", show_default=False)]
-Weight = Annotated[float, typer.Option(help="Of r-values beside stresses in the fit of Yld2000-2d.")]
+Exponent = Annotated[Literal["6", "8"], typer.Option(help="Exponent of Yld2000-2d: 6 for steel, 8 for aluminium.")]
+Size = Annotated[float | None, typer.Option(help="Size of specimens [mm], if no file holds it.", show_default=False)]
+Weight = Annotated[float, typer.Option(help="Weight of r-values beside stresses in the fit of Yld2000-2d.")]
 
 
 @app.command("compile")
@@ -94,7 +94,8 @@ def flc(
     name: Name,
     output: Annotated[Path | None, typer.Option(help="The picture; a CSV of the points lies beside it.")] = None,
     thickness: Annotated[
-        float | None, typer.Option(help="Of the sheet that it is for (mm); default: that of the sheet tested.")
+        float | None,
+        typer.Option(help="Thickness of the sheet (mm); default: that of the sheet tested."),
     ] = None,
 ) -> None:
     """Find a material's forming limit curve; write its points and draw it."""
@@ -125,14 +126,14 @@ def fit(
         typer.Option(help="Fitted to the tests at angles: yld2000 to stresses and r-values, hill1948 to r-values."),
     ] = "yld2000",
     exponent: Annotated[
-        Literal["6", "8"] | None, typer.Option(help="Of Yld2000-2d; default: 6, below 100 GPa 8.")
+        Literal["6", "8"] | None, typer.Option(help="Exponent of Yld2000-2d; default: 6, below 100 GPa 8.")
     ] = None,
     biaxial_stress: Annotated[float, typer.Option(help="Balanced biaxial yield stress over that at 0.")] = math.nan,
     biaxial_r: Annotated[float, typer.Option(help="Strain across over along in that test.")] = math.nan,
     r_weight: Weight = R_WEIGHT,
     thickness: Size = None, width: Size = None, gauge_length: Size = None,
     angle: Annotated[
-        float | None, typer.Option(help="Of the specimens from the rolling direction, if no file says it.")
+        float | None, typer.Option(help="Angle of the specimens from the rolling direction, if no file holds it.")
     ] = None,
     density: Annotated[str, typer.Option(help='Hot tests: "7850 kg/m^3"; with it heating in the test counts.')] = "",
     specific_heat: Annotated[str, typer.Option(help='Hot tests: "650 J/(kg*K)".')] = "",

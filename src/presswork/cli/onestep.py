@@ -37,10 +37,10 @@ def onestep(
     material: Annotated[
         str | None, typer.Option(help="A material of the library (`presswork materials`) or a material file.")
     ] = None,
-    thickness: Annotated[str | None, typer.Option(help="Of the blank, e.g. 0.8 or '0.8 mm'.")] = None,
+    thickness: Annotated[str | None, typer.Option(help="Thickness of the blank, e.g. 0.8 or '0.8 mm'.")] = None,
     bhf: Annotated[str, typer.Option(help="Blank-holder force, e.g. '20 kN'.")] = "0",
     mu: Annotated[float, typer.Option(help="Coefficient of friction.")] = 0.1,
-    draw_direction: Annotated[str, typer.Option(help="The punch's way in the file's axes.")] = "-z",
+    draw_direction: Annotated[str, typer.Option(help="Direction of the punch in the file's axes.")] = "-z",
     unit: Annotated[str, typer.Option(help="Unit of the file.")] = "mm",
     rolling: Annotated[str, typer.Option(help="Rolling direction from x (degrees).")] = "0",
     symmetry: Annotated[list[str] | None, typer.Option(help="x, y: planes x = 0, y = 0 that mirror the part.")] = None,
@@ -97,7 +97,7 @@ def _refuse_options(context: typer.Context) -> None:
         if getattr(context.get_parameter_source(name), "name", "") == "COMMANDLINE"
     ]
     if given:
-        raise refuse(f"a case file says all of the part and its process: set these in it: {', '.join(given)}")
+        raise refuse(f"a case file holds all of the part and its process: set these in it: {', '.join(given)}")
 
 
 def _load(

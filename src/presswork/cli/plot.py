@@ -33,19 +33,19 @@ def plot(
         list[str] | None,
         typer.Option(
             metavar="[X,Y,]ANGLE|X,Y,X,Y",
-            help="Of a sheet: draw the section along a ray from the origin or from X, Y (mm), at an angle from x "
+            help="Draw the section of a sheet along a ray from the origin or from X, Y (mm), at an angle from x "
             "(degrees) or towards a second point, on the undeformed blank; write its thickness as CSV.",
         ),
     ] = None,
     flow_lines: Annotated[
         bool | None,
         typer.Option(
-            help="Of a section: draw its grain flow, lines of one initial coordinate; default: if it was remeshed.",
+            help="Draw the grain flow of a section, lines of one initial coordinate; default: if it was remeshed.",
             show_default=False,
         ),
     ] = None,
     outline: Annotated[
-        Path | None, typer.Option(help="Of a sheet: write its outline as .csv or .dxf, at the last of the steps.")
+        Path | None, typer.Option(help="Write the outline of a sheet as .csv or .dxf, at the last of the steps.")
     ] = None,
 ) -> None:
     """Draw PNG pictures of results: mesh with fields, history, contact stress, forming limit diagram.

@@ -117,7 +117,9 @@ def _report_members(result: SweepResult, quiet: bool) -> None:
             f"{counts['completed']} of {len(result.members)} completed; {result.folder / TABLE}", markup=False
         )
     if result.interrupted:
-        console().print(f"interrupted: continue with --resume; {result.folder / TABLE} says how far it is", style="red")
+        console().print(
+            f"interrupted: continue with --resume; {result.folder / TABLE} shows how far it is", style="red"
+        )
         raise typer.Exit(INTERRUPTED)
     if counts["gave_up"] or counts["failed"]:
         raise typer.Exit(GAVE_UP)

@@ -126,7 +126,7 @@ class BlankAndTools:
         thickness = self.shells.thickness[own]
         is_even = not np.isfinite(thickness).any() or np.ptp(thickness) < 1e-9 * thickness.max()
         if np.linalg.norm(mean) < 1.0 - 1e-6 or not is_even:
-            text = f"nodes off the middle by {section.offset:g} of the thickness, in shells that look several ways"
+            text = f"nodes off the middle by {section.offset:g} of the thickness, in shells of different sides"
             remedy = "turn the shells alike, or lay the nodes into the middle of a flat sheet of one thickness"
             self.notes.refuse(section.place, section.keyword, text, remedy)
             return np.zeros(3)
@@ -220,7 +220,7 @@ class BlankAndTools:
             if is_of_blank:
                 self.notes.refuse(held.place, held.keyword, "supports of the blank that are not a symmetry plane")
             else:
-                self.notes.drop(held.place, held.keyword, "holds nodes of rigid tools, which move as stages say")
+                self.notes.drop(held.place, held.keyword, "holds nodes of rigid tools, which move by the stages")
         self.notes.check()
         upwards = self._comes_from_above(normal)
         placed, symmetry = seat(points, normal, upwards, {axis: at for axis, (at, _) in planes.items()})
@@ -254,7 +254,7 @@ class BlankAndTools:
             )
             start = motion.scale * float(np.interp(times[0] - motion.begin, *self._curve(motion).T))
             if motion.kind == "displacement" and start:
-                text = f"displacements begin at {start:g}: the way from there is taken"
+                text = f"displacements begin at {start:g}: the displacement from there is taken"
                 self.notes.change(motion.place, motion.keyword, text)
             displacement = displacement * self.units.length * self.seat.turn[2, motion.axis]
             found[motion.part] = found.get(motion.part, 0.0) + displacement

@@ -31,7 +31,7 @@ def write_case(imported: ImportedStamping, notes: Notes, folder: Path) -> Path:
     lines = [f"What became of {notes.source.name}, by file and line", "", *(str(note) for note in notes.in_order())]
     write_whole(folder / "import.txt", ("\n".join(lines) + "\n").encode())
     lost = [note for note in notes.in_order() if note.fate == "changed"]
-    head = [f"# From {notes.source.name}; import.txt says what was kept, changed and dropped.", ""]
+    head = [f"# From {notes.source.name}; import.txt lists what was kept, changed and dropped.", ""]
     head[1:1] = [f"# {note.keyword} {note.place}: {note.text}" for note in lost]
     case = folder / "case.toml"
     write_whole(case, ("\n".join(head) + tomli_w.dumps(imported.case)).encode())

@@ -254,7 +254,7 @@ class Dynamics(NodalMotion):
                 raise ExplicitError(
                     f"cell {np.argmax(self.bound_frequencies())} is crushed at t = {self.time:g} s: its step is "
                     f"{self.dt:.3g} s, that of the mesh was {self._first_dt:.3g} s at first: refine the mesh, make it "
-                    "coarser along the way that it is crushed, or give explicit.target_step"
+                    "coarser in the direction in which it is crushed, or give explicit.target_step"
                 )
             self._full_step = self.dt  # before it is made shorter to end in time
             left = count_even_steps(end - self.time, self.dt, self._dt_before)

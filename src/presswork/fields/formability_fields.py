@@ -89,7 +89,7 @@ class FormingVerdict:
         thin = "nothing thins"
         if self.thinning.value >= 0.05:
             thin = f"thinning up to {self.thinning.value:.1f} % {self.thinning.where()}"
-        cracks = "the material has no forming_limit, so nothing is said of cracks"
+        cracks = "the material has no forming_limit, so cracks are not judged"
         if self.margin is not None:
             cracks = self._describe_strains(self.margin) + self._describe_path()
         parts = [thin, cracks] if self.margin is None else [cracks, thin]

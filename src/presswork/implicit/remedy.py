@@ -32,7 +32,7 @@ def find_remedy(model: Model, negative_pivots: int) -> str:
         )
     pivots = "a negative pivot" if negative_pivots == 1 else f"{negative_pivots} negative pivots"
     limit = (
-        f"The tangent stiffness has {pivots} on the way: the shell comes to a limit, where it buckles, snaps or "
+        f"The tangent stiffness has {pivots}: the shell reaches a limit, where it buckles, snaps or "
         "collapses, and smaller increments do not pass it. "
     )
     inertia = "set solver.inertia = 1 (and a density in the materials) so that it can snap"

@@ -126,7 +126,7 @@ def fit_hot(tests: Sequence[CompressionTest], law: str, terms: Sequence[str] | N
     else:
         kinds = len({(test.rate, test.start) for test in tests})
         if kinds < OF_SINH:
-            text = f"{kinds} pairs of rate and temperature do not tell its {OF_SINH} constants apart"
+            text = f"{kinds} pairs of rate and temperature do not determine its {OF_SINH} constants"
             remedy = f"give tests at {OF_SINH} pairs at least, or take --law hensel_spittel"
             raise CaseError([Problem("", text, remedy)], "sinh_arrhenius")
         found = _fit_sinh(r, t, s)
@@ -168,7 +168,7 @@ def _fit_hensel_spittel(
     scale = np.linalg.norm(columns, axis=0)
     solution, _, rank, _ = np.linalg.lstsq(columns / scale, np.log(s), rcond=1e-12)
     if rank < columns.shape[1]:
-        text = f"the tests do not tell {len(terms)} parameters apart"
+        text = f"the tests do not determine {len(terms)} parameters"
         raise CaseError([Problem("", text, "give tests at more rates and temperatures, or fewer terms")], "fit")
     values = solution / scale
     return {"A": float(np.exp(values[0])), **dict.fromkeys(TERMS, 0.0)} | dict(

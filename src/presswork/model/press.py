@@ -185,7 +185,7 @@ class Drive:
 
     def part_at(self, time: float) -> float:
         """Return the fraction of the travel that is complete after a time [s], where it follows from the time alone."""
-        assert not isinstance(self.motion, Blow), "the way of a blow follows from its course"
+        assert not isinstance(self.motion, Blow), "the travel of a blow follows from its course"
         return min(self.motion.travel_at(time) / self.travel, 1.0)
 
 

@@ -153,11 +153,11 @@ def warn_of_ram(model: Model, history: Mapping[str, NDArray[Any]], plastic_share
         left = drive.motion.energy - spent
         if left > 2.0 * SPENT * drive.motion.energy:
             if history["ram_force"][rows].max() <= 0.0:
-                warnings.append(f"{who}the blow never met the workpiece within its way of {drive.travel:g} mm")
+                warnings.append(f"{who}the blow never met the workpiece within its travel of {drive.travel:g} mm")
                 continue
             warnings.append(
-                f"{who}{KILO_JOULE * left:.4g} of {KILO_JOULE * drive.motion.energy:.4g} kJ are left when the way of "
-                f"the ram, {drive.travel:g} mm, is gone: the dies would clash; take less energy, or a longer stroke"
+                f"{who}{KILO_JOULE * left:.4g} of {KILO_JOULE * drive.motion.energy:.4g} kJ are left when the travel "
+                f"of the ram, {drive.travel:g} mm, is complete: the dies would clash; take less energy, or more stroke"
             )
         elif shares[name] < IDLE:
             warnings.append(

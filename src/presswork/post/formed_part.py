@@ -58,7 +58,7 @@ def read_formed_part(
         sheet, notes = _read_fields(result, step)
     young, poisson = float(info.get("young", _STEEL)), float(info.get("poisson", _SOUND))
     if "young" not in info:
-        notes.append(f"elastic energy is that of steel, {_STEEL:g} MPa and {_SOUND}: the run does not say its own")
+        notes.append(f"elastic energy is that of steel, {_STEEL:g} MPa and {_SOUND}: the run does not store its own")
     if info.get("symmetry"):
         planes = " and ".join(f"{axis} = 0" for axis in str(info["symmetry"]))
         notes.append(f"the part is cut by its symmetry planes {planes}: mirror it where it is used")
@@ -96,7 +96,7 @@ def _read_fields(result: Result, step: int) -> tuple[FormedSheet, list[str]]:
     if len(layers) == 3:
         notes = []
     if "layers" not in result.info:
-        notes = ["the run does not say where its layers lie: the outer ones are taken to lie on the faces"]
+        notes = ["the run does not store where its layers lie: the outer ones are taken to lie on the faces"]
     heights = np.array([layers[0], 0.0, layers[-1]])
     if "stress_top" in result.field_names:
         stress = np.stack([result.field(f"stress_{place}", step) for place in PLACES], axis=1)

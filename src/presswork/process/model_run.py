@@ -117,7 +117,7 @@ class ModelRun:
         """Go back to the epoch and the state of these arrays. Raises ValueError if they belong to another model."""
         epoch = {name.removeprefix(EPOCH): values for name, values in arrays.items() if name.startswith(EPOCH)}
         if NUMBER not in epoch:
-            raise ValueError("the checkpoint does not say which mesh it is of")
+            raise ValueError("the checkpoint does not name its mesh")
         self._prepare_epoch(epoch)
         if int(epoch[NUMBER]) != self.epoch:
             self.begin_epoch(load_mesh(epoch) if epoch[NUMBER] else self._first_mesh, epoch.get(ORIGIN))

@@ -115,7 +115,7 @@ def _check_determined(matrix: FloatArray, keys: Sequence[str], measured: Path | 
     """Raise CaseError where the curve does not determine the numbers one by one."""
     singular = np.linalg.svd(matrix, compute_uv=False)
     if singular[-1] < UNDETERMINED * singular[0]:
-        text = f"the curve does not tell {', '.join(keys)} apart"
+        text = f"the curve does not determine {', '.join(keys)} one by one"
         raise CaseError([Problem("", text, "give fewer keys, or a curve that all of them shape")], measured)
 
 
@@ -156,7 +156,7 @@ def _compare(
     for key in keys:
         moved, changed = (np.asarray(history[name_derivative(name, key)]) for name in (along, of))
         if np.isnan(changed).any():
-            text = f"the derivative by {key} was not found on the way"
+            text = f"the derivative by {key} was not found during the run"
             remedy = "begin with other numbers, or set solver.force_tolerance lower"
             raise CaseError([Problem("", text, remedy)])
         found.append(np.interp(places, x, changed - rise * moved))

@@ -105,8 +105,8 @@ BAD = [
     ("presses.hammer.force", 9e5, "presses.hammer.force = 900000.0: a hammer has no frame that bears its force"),
     ("presses.maxi.kind", "cam", "presses.maxi.kind"),
     ("presses.slow.velocity", 0, "presses.slow.velocity = 0: expected speeds > 0"),
-    ("presses.slow.velocity", [[0, 50], [0, 20]], "expected ways that increase from 0"),
-    ("presses.slow.velocity", [[1, 50]], "expected ways that increase from 0"),
+    ("presses.slow.velocity", [[0, 50], [0, 20]], "expected travels that increase from 0"),
+    ("presses.slow.velocity", [[1, 50]], "expected travels that increase from 0"),
     ("stages.0.press", "hamer", 'stages.0.press = "hamer": no such press; did you mean `hammer`?'),
     ("stages.0.duration", 1, "stages.0.duration: its time follows from press"),
     ("stages.0.velocity", 20, "stages.0.velocity: the press gives the speed"),
@@ -118,7 +118,7 @@ BAD = [
     (
         "stages.0.press",
         {"name": "maxi", "before_bottom": 20},
-        "stages.0.press.before_bottom: the ram turns round at bottom dead centre after 20 mm, and its way is 24 mm, "
+        "stages.0.press.before_bottom: the ram turns round at bottom dead centre after 20 mm, its travel is 24 mm, "
         "twice the tool's for the mirror image",
     ),
     ("stages.0.press", {"name": "maxi", "before_bottom": 201}, "the stroke of the press is 200 mm, too short"),

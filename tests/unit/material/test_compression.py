@@ -185,7 +185,7 @@ def test_heating_in_the_test_tells_no_constant() -> None:
 
 
 def test_three_pairs_of_rate_and_temperature_make_no_sinh_law() -> None:
-    with pytest.raises(CaseError, match="3 pairs of rate and temperature do not tell its 4 constants apart"):
+    with pytest.raises(CaseError, match="3 pairs of rate and temperature do not determine its 4 constants"):
         fit_hot(measure_few(PAIRS[:3], (0.1, 0.3)), "sinh_arrhenius")
 
 
@@ -200,7 +200,7 @@ def test_one_rate_does_not_make_a_law() -> None:
         fit_hot(tests, "hensel_spittel")
     two = [t for t in measure("hensel_spittel", HENSEL) if t.rate <= 0.1 and t.start <= 1000.0]
     assert isinstance(fit_hot(two, "hensel_spittel"), HotFit)
-    with pytest.raises(CaseError, match="do not tell 8 parameters apart"):
+    with pytest.raises(CaseError, match="do not determine 8 parameters"):
         fit_hot(two, "hensel_spittel", ("m1", "m2", "m3", "m4", "m5", "m7", "m8", "m9"))
 
 

@@ -106,7 +106,7 @@ def test_stamping_takes_its_punch_from_a_model(model: Path) -> None:
     tool = next(tool for tool in build_model(read_case(case)).tools if tool.name == punch)
     assert tool.shape.points[:, 2].min() == pytest.approx(0.0, abs=1e-6)
     assert tool.position[2] == pytest.approx(0.5 * data["blank"]["thickness"], abs=1e-6)
-    faults = {"unit": ("inch", "says its unit itself"), "path": ("punch.stl", "no meaning with triangles")}
+    faults = {"unit": ("inch", "holds its unit itself"), "path": ("punch.stl", "no meaning with triangles")}
     for key, (value, words) in faults.items():
         changed = {**data["tools"][punch], key: value}
         case.write_text(tomli_w.dumps({**data, "tools": {**data["tools"], punch: changed}}), encoding="utf-8")

@@ -77,7 +77,7 @@ def describe_forming_limit(material: model.Material) -> str:
     """Describe the limit that a part's strains will be judged by."""
     judged = material.formability
     if judged.curve is None:
-        return "none: the material has no forming_limit, so nothing will be said of cracks"
+        return "none: the material has no forming_limit, so cracks will not be judged"
     minor, major = judged.curve.lowest()
     reserve = 100 * judged.safety_margin
     text = f"{judged.curve.method}, lowest at minor {minor:.3g}, major {major:.3g}; safety margin {reserve:g} %"

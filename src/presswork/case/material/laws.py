@@ -148,7 +148,7 @@ class PointsLimit(_Limit):
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.scaling != "none" and self.thickness is None:
-            raise fault("missing key", "say at what thickness the points were measured", key="thickness")
+            raise fault("missing key", "give the thickness at which the points were measured", key="thickness")
         return self
 
 

@@ -168,7 +168,7 @@ def read_sheet(path: Path) -> NamedSheet:
         for key in table:
             if "all" not in sources and key not in sources and key not in assumed:
                 remedy = (
-                    'say it under [sources], or under [assumed] why it was assumed; all = "..." stands for every key'
+                    'write it under [sources], or under [assumed] why it was assumed; all = "..." stands for every key'
                 )
                 problems.append(Problem(f"material.{key}", "its source is missing", remedy))
     else:

@@ -64,8 +64,8 @@ class Transformation(Part):
     bs: Temperature | None = Field(default=None, description="start of bainite; without it: by Li [degrees C]")
     delay: tuple[Delay, Delay, Delay] | None = Field(
         default=None,
-        description="factors on the times of ferrite, pearlite and bainite, for what the composition does not say, as "
-        "boron; without it: those of the steel, or 1",
+        description="factors on the times of ferrite, pearlite and bainite, for elements beside the "
+        "composition, such as boron; without it: those of the steel, or 1",
     )
     latent_heat: tuple[HeatOfMass, HeatOfMass] = Field(
         default=LATENT_HEAT,

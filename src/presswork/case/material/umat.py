@@ -27,7 +27,7 @@ _FAULTS = {
     ),
     "overrun": (
         "it writes beyond its {n_state} state variables",
-        "give state_variables as its *DEPVAR says",
+        "give state_variables as in its *DEPVAR",
     ),
     "components": (
         "it writes more than NTENS = {components} stresses",
@@ -54,7 +54,7 @@ class UmatMaterial(Part):
     props: tuple[Number, ...] = Field(
         default=(), description="PROPS, in mm, s, MPa: as the routine wants them, without units"
     )
-    state_variables: Whole = Field(default=0, ge=0, description="NSTATV, as *DEPVAR says")
+    state_variables: Whole = Field(default=0, ge=0, description="NSTATV, as in its *DEPVAR")
     plastic_strain: Whole | None = Field(
         default=None, ge=1, description="which state variable, from 1, is the equivalent plastic strain"
     )

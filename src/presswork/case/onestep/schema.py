@@ -42,7 +42,7 @@ class PartFile(Part):
     path: FileName = Field(description="STL, gmsh, Abaqus, VTK or I-DEAS file, beside the case")
     unit: str = Field(default="mm", description="unit of the file's coordinates")
     draw_direction: Literal["x", "-x", "y", "-y", "z", "-z"] = Field(
-        default="-z", description="the way of the punch in the file's axes"
+        default="-z", description="the direction of the punch in the file's axes"
     )
     element_size: Length | None = Field(
         default=None,

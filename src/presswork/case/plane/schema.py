@@ -163,7 +163,7 @@ class ToolMotion(Part):
     position: Place | None = Field(
         default=None,
         description="where the origin of the profile, as drawn, stands when the stage begins [x, y] [mm], its angle as "
-        "before; touch: where the tool touches the workpiece on its way; without it: where the stage before has left "
+        "before; touch: where the tool touches the workpiece on its path; without it: where the stage before has left "
         "the tool",
     )
 
@@ -240,7 +240,7 @@ class Stage(Part):
     duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
     velocity: Speeds | None = Field(
         default=None,
-        description="instead of duration: speed of the tool that moves farthest [mm/s], or rows [way gone, speed]",
+        description="instead of duration: speed of the tool that moves farthest [mm/s], or rows [travel, speed]",
     )
     press: StagePress | None = Field(
         default=None, description="instead of duration: the press that moves the tools, one of [presses]"

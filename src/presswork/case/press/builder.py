@@ -119,12 +119,12 @@ def _place_crank(
         key = "press.angle_before_bottom"
     if start > press.stroke * (1.0 + 1e-12):
         text = f"the stroke of the press is {press.stroke:g} mm, too short for a ram {start:.6g} mm before the bottom"
-        remedy = "shorten the tools' way, or take a press with a longer stroke"
+        remedy = "shorten the tools' travel, or take a press with a longer stroke"
         return Problem(f"{timing.key}.{key}", text, remedy, placed.name)
     if start < travel * (1.0 - 1e-12):
         twice = ", twice the tool's for the mirror image beyond the symmetry plane" if travel > timing.travel else ""
-        text = f"the ram turns round at bottom dead centre after {start:.6g} mm, and its way is {travel:.6g} mm{twice}"
-        remedy = "begin farther from bottom dead centre, or shorten the tools' way"
+        text = f"the ram turns round at bottom dead centre after {start:.6g} mm, its travel is {travel:.6g} mm{twice}"
+        remedy = "begin farther from bottom dead centre, or shorten the tools' travel"
         return Problem(f"{timing.key}.{key}", text, remedy)
     force, energy = press.force or math.inf, (press.energy or math.inf) * KILO_JOULE
     crank = press.place(min(start, press.stroke))

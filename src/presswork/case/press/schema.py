@@ -36,9 +36,9 @@ def check_speeds(speeds: Speeds | None, key: str) -> None:
         return
     rows = speeds if isinstance(speeds, tuple) else ((0.0, speeds),)
     if not rows or min(speed for _, speed in rows) <= 0:
-        raise fault("expected speeds > 0", "for instance 100, or rows [[0, 100], [20, 10]] of way and speed", key=key)
+        raise fault("expected speeds > 0", "for instance 100, or rows [[0, 100], [20, 10]]: travel, speed", key=key)
     if rows[0][0] != 0.0 or any(later[0] <= row[0] for row, later in itertools.pairwise(rows)):
-        raise fault("expected ways that increase from 0", "for instance [[0, 100], [20, 10]]", key=key)
+        raise fault("expected travels that increase from 0", "for instance [[0, 100], [20, 10]]", key=key)
 
 
 def tabulate(speeds: Speeds) -> model.SpeedTable:
@@ -102,7 +102,7 @@ class HydraulicPress(Part):
     """A hydraulic press: a speed, with limits of force and power."""
 
     kind: Literal["hydraulic"] = Field(description="a ram whose speed is given")
-    velocity: Speeds = Field(description="speed of the ram [mm/s], or rows [way gone in the stage, speed]")
+    velocity: Speeds = Field(description="speed of the ram [mm/s], or rows [travel in the stage, speed]")
     force: Force | None = Field(default=None, gt=0, description="largest force [N]: the stage ends where it is reached")
     power: Power | None = Field(
         default=None, gt=0, description="largest power [kW]: the ram slows down where force times speed would exceed it"
@@ -179,7 +179,7 @@ class StagePress(Part):
     before_bottom: Length | None = Field(
         default=None,
         gt=0,
-        description="crank: distance of the ram from bottom dead centre as the stage begins [mm]; without it: its way, "
+        description="crank: distance of the ram from bottom dead centre as the stage begins [mm]; without: its travel, "
         "so that the stage ends there",
     )
     angle_before_bottom: Angle | None = Field(

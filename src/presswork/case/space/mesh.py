@@ -165,7 +165,7 @@ class ClosedSurface(Part):
 
     kind: Literal["surface"] = Field(description="the inside of a closed surface, filled with tetrahedra")
     path: FileName = Field(description="file of the surface: .stl, .step, .stp, .iges or .igs")
-    unit: str = Field(default="mm", description="unit of the file's coordinates; STEP says its own")
+    unit: str = Field(default="mm", description="unit of the file's coordinates; STEP holds its own")
     size: Length = Field(gt=0, description="mean edge of cells [mm]; they are smaller at small features")
 
 

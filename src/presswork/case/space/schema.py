@@ -135,7 +135,7 @@ class SpaceStage(Part):
     duration: Time = Field(default=model.Stage("").duration, gt=0, description="duration [s]")
     velocity: Speeds | None = Field(
         default=None,
-        description="instead of duration: speed of the tool that moves farthest [mm/s], or rows [way gone, speed]",
+        description="instead of duration: speed of the tool that moves farthest [mm/s], or rows [travel, speed]",
     )
     press: StagePress | None = Field(
         default=None, description="instead of duration: the press that moves the tools, one of [presses]"

@@ -238,7 +238,7 @@ class SpaceToolMotion(Part):
     position: Place3 | None = Field(
         default=None,
         description="where the origin of the tool, as drawn, stands when the stage begins [x, y, z] [mm], its angle as "
-        "before; touch: where the tool touches the workpiece on its way; without it: where the stage before has left "
+        "before; touch: where the tool touches the workpiece on its path; without it: where the stage before has left "
         "the tool",
     )
 

@@ -59,7 +59,7 @@ def _find_stroke(
         if found is not None:
             travels.append(found.travel - find_approach(tool, die, gone))
     if not travels or min(travels) <= 0.0:
-        fault = "it stands so near already" if travels else "it never comes so near to a die along its way"
+        fault = "it stands so near already" if travels else "it never comes so near to a die along its path"
         return Problem(key, fault, "mend the place of the tools, or give the stroke", close)
     return min(travels)
 

@@ -33,7 +33,7 @@ class Dwell(Part):
     duration: Time = Field(gt=0, description="duration of the dwell [s]")
     place: Literal["air", "tools"] = Field(
         default="air",
-        description="air: no tool is near, as on the way from the furnace; tools: between the closed tools, as the "
+        description="air: no tool is near, as between furnace and press; tools: between the closed tools, as the "
         "stage before has left them",
     )
     pressure: Stress | None = Field(

@@ -50,7 +50,7 @@ class Operation(Part):
     )
     tools: dict[Name, Tool] = Field(
         default={},
-        description="rigid tools by name; after the first operation a tool without position comes along its way until "
+        description="rigid tools by name; after the first operation a tool without position moves on until "
         "it touches the part",
     )
     beads: tuple[StampingBead, ...] = Field(default=(), description="drawbeads")

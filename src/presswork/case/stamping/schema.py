@@ -78,7 +78,7 @@ class Explicit(Part):
         default=None,
         gt=0,
         description="time step to reach by adding mass to elements that need a shorter one [s]; without it: no mass is "
-        "added. Kinetic energy, in the history, says how far one may go",
+        "added. Kinetic energy, in the history, shows how much mass is safe",
     )
     safety: Number = Field(
         default=_EXPLICIT.safety,

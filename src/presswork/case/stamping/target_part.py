@@ -44,7 +44,7 @@ def read_target_part(path: Path, unit: str, blank: float) -> Triangulation:
     for note in notes:
         logger.info("--target %s: %s", path, note)
     if surface.is_closed:
-        fault = "the target is a closed body, which does not say on which of its faces the sheet lies"
+        fault = "the target is a closed body, which does not show on which of its faces the sheet lies"
         raise CaseError([Problem("--target", fault, "save one face of the part, or its middle", str(path))])
     size = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
     if not _LEAST * blank <= size <= _MOST * blank:

@@ -282,7 +282,8 @@ class ToolFile(_Tool):
     shape: Literal["file"] = Field(description="a surface from a file")
     path: FileName = Field(description="the file, STL, STEP or IGES, relative to the case file")
     unit: str = Field(
-        default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch; STEP and IGES say their own"
+        default="mm",
+        description="length unit of the file's coordinates, e.g. mm, m, inch; STEP, IGES hold their own",
     )
     tolerance: Length | None = Field(
         default=None,
@@ -296,14 +297,14 @@ class ToolFile(_Tool):
     )
     cut: Trim | None = Field(
         default=None,
-        description="line in the plan along which the surface is cut, after it was moved; keep says which side is the "
-        "tool: a punch is what lies inside the die's opening, a holder what lies outside",
+        description="line in the plan along which the surface is cut, after it was moved; keep names the side that is "
+        "the tool: a punch is what lies inside the die's opening, a holder what lies outside",
     )
 
     @model_validator(mode="after")
     def _check_file(self) -> Self:
         if is_cad(self.path) and "unit" in self.model_fields_set and self.unit != "mm":
-            raise fault("a CAD file says its unit itself", "remove it", key="unit")
+            raise fault("a CAD file holds its unit itself", "remove it", key="unit")
         if not is_cad(self.path) and self.tolerance is not None:
             raise fault("has no meaning with triangles", "remove it, or give a CAD file", key="tolerance")
         return self

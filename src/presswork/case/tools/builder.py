@@ -234,7 +234,7 @@ def is_backwards(
     if abs(balance) < 1e-9 * float(np.linalg.norm(np.ptp(nodes, axis=0))):
         return Problem(
             f"tools.{name}.free_side",
-            "the workpiece does not say which side of the profile is free",
+            "the workpiece does not show which side of the profile is free",
             'set free_side = "left" or "right", seen along the profile as drawn',
             free_side,
         )

@@ -130,7 +130,7 @@ class AbaqusDeck:
             if block.widest() > 4:
                 self.notes.leave(block.place, "*NODE", "fields after the coordinates (normals)")
         elif block.name == "ELEMENT" and kind in POINTS:
-            text, fate = "masses of points: tools move as stages say", DROPPED
+            text, fate = "masses of points: tools move by the stages", DROPPED
         elif block.name == "ELEMENT" and kind in self._mesh().others:
             text, fate = f"elements {kind}, which are not read", DROPPED
         elif block.name == "ELEMENT":
@@ -242,7 +242,7 @@ class AbaqusDeck:
         for block, mesh, labels in self._node_blocks:
             if not np.isin(labels, mesh.used_nodes()).any():
                 text = (
-                    f"{len(labels)} nodes of no shell: reference points of tools, which move as stages say, or unused"
+                    f"{len(labels)} nodes of no shell: reference points of tools, which move by the stages, or unused"
                 )
                 self.notes.see(block.place, "*NODE", text, "dropped")
         for mesh in (self._assembly.loose, *self._assembly.parts.values()):

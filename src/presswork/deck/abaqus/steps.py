@@ -85,7 +85,7 @@ class Steps:
             case "AMPLITUDE":
                 self._take_amplitude(block)
             case "BOUNDARY" | "CLOAD":
-                text = "holds tools, which move as stages say" if block.name == "BOUNDARY" else "pushes no tool"
+                text = "holds tools, which move by the stages" if block.name == "BOUNDARY" else "pushes no tool"
                 self.notes.see(block.place, f"*{block.name}", text, "dropped")
                 self._take_rows(block)
         return True
@@ -97,7 +97,7 @@ class Steps:
         name = block.parameters.get("NAME", "")
         self.notes.see(block.place, "*STEP", f"{name or 'it'} ends a stage, unless tools go on alike")
         if block.name_of("NLGEOM") == "NO":
-            self.notes.change(block.place, "*STEP", "displacements are large here, whatever NLGEOM = NO says")
+            self.notes.change(block.place, "*STEP", "displacements are large here, also with NLGEOM = NO")
         if block.name_of("NLGEOM") not in ("", "YES", "NO"):
             raise DataError(f"NLGEOM = {block.name_of('NLGEOM')}")
         if "PERTURBATION" in block.parameters:
@@ -231,7 +231,7 @@ class Steps:
             deck.held.append(Held(own, tuple(fixed_list), blocks[key].place, "*BOUNDARY"))
         for (place, keyword, target), freedoms in idle.items():
             text = f"{target}: freedoms {', '.join(map(str, freedoms))} held or without load"
-            self.notes.leave(place, f"*{keyword}", text, "tools move as stages say")
+            self.notes.leave(place, f"*{keyword}", text, "tools move by the stages")
         for (part, freedom, kind), entries in driven.items():
             targets = {entry.target for entry in entries}
             ends = [step for step, target, own in released if own == freedom and target in targets]

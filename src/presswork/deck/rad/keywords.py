@@ -78,7 +78,7 @@ SEEN: dict[str, tuple[Fate, str]] = {
     "PROP": ("dropped", "of rigid parts, whose thickness does not count, or of none"),
     "MAT": ("dropped", "of rigid parts, or of none"),
     "FUNCT": ("dropped", "nothing that is imported refers to it"),
-    "ADMESH": ("dropped", "shells are split as /ADMESH/GLOBAL says"),
+    "ADMESH": ("dropped", "shells are split as in /ADMESH/GLOBAL"),
     "RBODY": ("kept", "makes its parts rigid"),
     "IMPVEL": ("dropped", "moves no tool that is imported"),
     "IMPACC": ("dropped", "moves no tool that is imported"),

@@ -269,7 +269,7 @@ class RadDeck:
         begin = 0
         for block, n in self._node_blocks:
             if n and not np.isin(self.deck.labels[begin : begin + n], self._all.nodes).any():
-                text = f"{n} nodes of no shell: main nodes of rigid bodies, which move as stages say, or unused"
+                text = f"{n} nodes of no shell: main nodes of rigid bodies, which move by the stages, or unused"
                 self.notes.see(block.place, block.keyword, text, "dropped")
             begin += n
 

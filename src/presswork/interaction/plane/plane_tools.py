@@ -122,7 +122,7 @@ class PlaneTools(TravellingTools):
         gone = find_touch(to_tool_frame(nodes, pose), start_profile(tool), turn_vectors(direction, -pose.angle))
         if gone is None:
             raise GaveUpError(
-                f'the tool {tool.name!r} has position = "touch", but along its way it passes the workpiece: give '
+                f'the tool {tool.name!r} has position = "touch", but along its path it passes the workpiece: give '
                 "position = [x, y]"
             )
         return gone * direction

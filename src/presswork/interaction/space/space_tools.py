@@ -219,7 +219,7 @@ def find_travel_to_touch(name: str, nearest: Nearest, outside: FloatArray, direc
     gone = find_touch_in_space(nearest, outside, direction)
     if gone is None:
         raise GaveUpError(
-            f'the tool {name!r} has position = "touch", but along its way it passes the workpiece: give '
+            f'the tool {name!r} has position = "touch", but along its path it passes the workpiece: give '
             "position = [x, y, z]"
         )
     return gone * direction

@@ -153,7 +153,7 @@ def _note_rims(points: FloatArray, rims: list[IntArray], closed: bool, notes: li
     if len(rims) == 1:
         text = f"the surface has an open rim ({loops[0]})"
     if closed:
-        raise MeshError(text, "close the holes in the CAD program, or say that the surface may be open")
+        raise MeshError(text, "close the holes in the CAD program, or allow the surface to be open")
     notes.append(text if len(rims) == 1 else f"{text}: the sheet passes through those that are holes")
 
 

@@ -164,5 +164,5 @@ def _find_columns(model: Model, columns: Sequence[str]) -> list[str]:
             remedy = f"did you mean `{near[0]}`? " if near else ""
             raise StartError(f"gradients.of: the history has no column `{name}`; {remedy}it has {', '.join(measures)}")
     if not found:
-        raise StartError(f"gradients.of: say of what; the history has {', '.join(measures)}")
+        raise StartError(f"gradients.of: name columns; the history has {', '.join(measures)}")
     return found

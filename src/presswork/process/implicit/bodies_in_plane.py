@@ -52,7 +52,7 @@ class BodiesInPlane:
         """Return what prevents any new mesh; empty if nothing does."""
         undeclared = find_undeclared(self._run.procedure.state)
         if undeclared:
-            return f"nothing says how {', '.join(undeclared)} would pass to a new mesh"
+            return f"no rule carries {', '.join(undeclared)} to a new mesh"
         try:
             for number, section in enumerate(self.find()):
                 if section.chains and not self._settings.keeps_first:

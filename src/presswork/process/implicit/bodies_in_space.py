@@ -65,7 +65,7 @@ class BodiesInSpace:
         """Return what prevents any new mesh; empty if nothing does."""
         undeclared = find_undeclared(self._run.procedure.state)
         if undeclared:
-            return f"nothing says how {', '.join(undeclared)} would pass to a new mesh"
+            return f"no rule carries {', '.join(undeclared)} to a new mesh"
         if importlib.util.find_spec("mmgpy") is None:
             return f"new meshes in space need mmgpy, which is not installed: {REMEDY}"
         if any(len(body.blocks) > 1 for body in list_bodies(self._run.model)):

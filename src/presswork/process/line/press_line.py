@@ -282,7 +282,7 @@ class PressLine(ModelRun):
     def go_to(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Begin the operation of these arrays with its part. Raises ValueError if they belong to another model."""
         if f"{LINE}{NUMBER}" not in arrays:
-            raise ValueError("the checkpoint does not say which operation it is of")
+            raise ValueError("the checkpoint does not name its operation")
         self.operation = int(arrays[f"{LINE}{NUMBER}"])
         before, self._time_before = (float(each) for each in arrays[f"{LINE}{BEFORE}"])
         self._before = int(before)

@@ -29,7 +29,7 @@ export function makePanels(runs, store, stage) {
     open = new kinds[number][1](panel, runs, store, stage);
     open.update([]);
   };
-  /** Make the tabs anew where a run has got something more to show; says whether it has. */
+  /** Make the tabs anew where a run has got something more to show; return whether it has. */
   const build = () => {
     const now = all.filter(([, Panel]) => !Panel.isFor || runs.some((run) => Panel.isFor(run)));
     if (now.length === kinds.length) return false;

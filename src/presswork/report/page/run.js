@@ -49,7 +49,7 @@ export class Run {
     return this.#once(`points ${step}`, () => unpack(this.steps[step].points));
   }
 
-  /** Return a field's values at a step: of nodes or faces, as its kind says. */
+  /** Return a field's values at a step: of nodes or faces, by its kind. */
   values(step, field) {
     return this.#once(`values ${step} ${field}`, () => unpack(this.steps[step].fields[field]));
   }

@@ -15,7 +15,7 @@ export function readBlock(text) {
 
 /**
  * Return a field of cells. shape: of classify(), kind "cells"; change(value, isAnew) sets the list, isAnew where rows come or go;
- * addPlace(key, place) tells where problems of a key are shown.
+ * addPlace(key, place) sets where problems of a key are shown.
  */
 export function makeCells(shape, value, { key, name, change, addPlace }) {
   const { isTable, isText, isFixed, headings } = shape, defaults = isFixed && Array.isArray(shape.fallback) ? shape.fallback : [];

@@ -73,7 +73,7 @@ function nameColumns(cells, description) {
   return { ...cells, headings: headings ?? null, columns: cells.columns || headings?.length || 2 };
 }
 
-/** Return the kinds of a table that are told apart by a key, or by whether there is one. */
+/** Return the kinds of a table that a key distinguishes, or by whether there is one. */
 function readKinds({ discriminator }, root) {
   const { propertyName, mapping } = discriminator;
   const kinds = Object.fromEntries(Object.entries(mapping).map(([word, $ref]) => [word, resolve({ $ref }, root)]));
