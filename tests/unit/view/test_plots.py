@@ -105,6 +105,12 @@ def test_non_finite_values_leave_holes(tmp_path: Path, share: float) -> None:
     assert "time 0.5 s" in ax.get_title()
 
 
+def test_labels_below_contours_are_within_the_picture(result: Result) -> None:
+    figure = plot_mesh_and_contours(result, step=2)
+    figure.canvas.draw()
+    assert all(ax.xaxis.label.get_window_extent().y0 > 0.0 for ax in figure.axes)
+
+
 def test_contours_beside_the_mesh_carry_title_and_stroke(result: Result) -> None:
     figure = plot_mesh_and_contours(result, step=2)
     assert (

@@ -109,8 +109,9 @@ def plot_mesh_and_contours(
 ) -> Figure:
     """Draw the bare deformed mesh on the left and contours of a field on the right; the figure is sized to fit."""
     width, height = panel_size(result, step, mirror)
-    figure = new_figure(2 * width, height + 0.35) if figure is None else figure
-    figure.set_size_inches(2 * width, height + 0.35)
+    figure = new_figure(2 * width, height + 0.8) if figure is None else figure
+    figure.set_size_inches(2 * width, height + 0.8)
+    figure.set_layout_engine("constrained", h_pad=0.18)  # else the labels below the axes are cut
     left, right = figure.subplots(1, 2, sharex=True, sharey=True)
     plot_mesh(result, None, step, left, mirror=mirror)
     plot_contours(result, field, step, right, mirror=mirror)
