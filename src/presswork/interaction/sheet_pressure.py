@@ -28,7 +28,7 @@ class PressureArrays(Arrays):
     owner = "pressures"
     on_new_mesh: ClassVar[Mapping[str, OnNewMesh]] = {"value": RUN}
     value: FloatArray
-    """Of each of the model's pressures (n,) [MPa]."""
+    """Values of the model's pressures (n,) [MPa]."""
 
 
 @dataclass(frozen=True)

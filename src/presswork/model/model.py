@@ -55,7 +55,7 @@ class Model:
     """The workpiece first; empty for a single body."""
     beads: tuple[Drawbead, ...] = ()
     sheet_pressures: tuple[SheetPressure, ...] = ()
-    """Stampings: pressures of fluids on the sheet; stages say how they go."""
+    """Stampings: pressures of fluids on the sheet; their courses are in the stages."""
     contacts: tuple[BodyContact, ...] = ()
     rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
     """Shells: unit vector whose projection into the sheet is x of its laws."""

@@ -206,7 +206,7 @@ class Stage:
     """Share of its force by name of drawbead: rows of part of the stage (0 to 1) and share (n, 2), linear between them;
     a bead that is not named holds with its whole force."""
     pressure_course: Mapping[str, PressureCourse] = field(default_factory=dict)
-    """Of stampings: course of each pressure on the sheet by its name."""
+    """For stampings: course of each pressure on the sheet by its name."""
     prescribed: tuple[PrescribedDisplacement, ...] = ()
     forces: tuple[PointForce, ...] = ()
     pressures: tuple[Pressure, ...] = ()

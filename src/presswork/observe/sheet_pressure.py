@@ -16,13 +16,13 @@ from presswork.observe.contract import History, Observed, Observer, Row
 
 QUANTITIES = ("p", "volume", "height", "radius", "thickness")
 FITTED = 0.25
-"""Of the radius of a circle as large as the pressed part: how far round the pole the sphere is fitted."""
+"""Distance round the pole over which the sphere is fitted, over the radius of a circle as large as the pressed part."""
 FITTED_EDGES = 2.5
-"""Mean edges of cells that it reaches at least."""
+"""Least such distance, in mean edges of cells."""
 FLAT = 1e-6
 """Height over the fitted distance below which a sheet has no radius."""
 TOUCHED = 0.01
-"""Of the force of a pressure: what a tool may push in the same direction before it is reported."""
+"""Force of a tool in the same direction, over that of the pressure, above which it is reported."""
 
 
 class PressedSheet(Observer):

@@ -41,7 +41,7 @@ def _write_table(table: Any, data: Mapping[str, Any], *, is_dotted: bool = False
 
 
 def _is_dotted(table: Any, key: str) -> bool:
-    """Say whether a key of a table is the first part of a dotted one."""
+    """Return whether a key of a table is the first part of a dotted one."""
     container = table if isinstance(table, Container) else getattr(table, "value", None)
     body = container.body if isinstance(container, Container) else []
     return any(each is not None and each.key == key and each.is_dotted() for each, _ in body)

@@ -20,7 +20,7 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.pressed_cells import find_middles, find_pressed_cells
 
 UNTOUCHED = 0.5
-"""Of the thickness: a tool that is nearer to a face lies on it."""
+"""Distance over the thickness within which a tool lies on a face."""
 SAME = 1e-6
 """Part of a pressure by which a table may begin beside the end of the stage before."""
 

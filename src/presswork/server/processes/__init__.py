@@ -9,4 +9,4 @@ from presswork.server.processes.questions import Process
 __all__ = ["PROCESSES", "Process"]
 
 PROCESSES: dict[str, Process] = {process.key: process for process in (*forging.PROCESSES, *sheet.PROCESSES)}
-"""By the name of the starter that is filled in: server/starters/KEY.toml."""
+"""Processes by the name of the starter that is filled in: server/starters/KEY.toml."""

@@ -27,7 +27,7 @@ _STEEL = {
     },
 }
 _TIME = 0.2
-"""Of a stage whose material depends on rate or temperature [s]: about what a press takes."""
+"""Duration of a stage whose material depends on rate or temperature [s]: about that in a press."""
 _EXPANSION = {"aa": 2.35e-5, "ti": 8.6e-6, "br": 1.9e-5, "co": 1.7e-5, "in": 1.3e-5, "st": 1.2e-5}
 """Coefficient of thermal expansion about room temperature [1/K], by the first letters of a name; steel's otherwise."""
 
