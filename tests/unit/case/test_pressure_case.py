@@ -102,7 +102,7 @@ REFUSED = {
     ),
     "pressure.gas": (
         [("pressure", {**OIL, "gas": {"face": "top"}})],
-        ("no stage says how large it is", "stages.pressure.gas"),
+        ("no stage sets its value", "stages.pressure.gas"),
     ),
     "pressure.gas: ": (
         [

@@ -45,7 +45,7 @@ class StagePressure(Part):
     p: Stress | None = Field(
         default=None,
         ge=0,
-        description="pressure at the end of the stage [MPa], to which it goes in proportion to the way of the stage",
+        description="pressure at the end of the stage [MPa], to which it goes in proportion to its travel",
     )
     p_over_stroke: tuple[tuple[Length, Stress], ...] | None = Field(
         default=None,

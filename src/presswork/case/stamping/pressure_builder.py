@@ -39,7 +39,7 @@ def check_pressures(case: StampingCase) -> list[Problem]:
     for name in case.pressure:
         if name not in named:
             remedy = f'name it in a stage, [stages.pressure.{name}] with p = "8 MPa", or leave it out'
-            problems.append(Problem(f"pressure.{name}", "no stage says how large it is", remedy))
+            problems.append(Problem(f"pressure.{name}", "no stage sets its value", remedy))
     if case.pressure and case.gradients is not None:
         problems.append(Problem("gradients", "runs with pressure have no derivatives", "leave gradients out"))
     if case.pressure and case.procedure == "explicit" and case.explicit.device != "cpu":

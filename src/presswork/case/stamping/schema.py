@@ -204,7 +204,7 @@ class StampingCase(CaseFile):
     presses: dict[Name, Press] = Field(default={}, description="presses that stages refer to, by name")
     beads: tuple[StampingBead, ...] = Field(default=(), description="drawbeads")
     pressure: dict[Name, SheetPressure] = Field(
-        default={}, description="pressures of fluids on the sheet, by name; stages say how large they are"
+        default={}, description="pressures of fluids on the sheet, by name; stages set their values"
     )
     boundary: dict[Name, ShellBoundary] = Field(
         default={}, description="what holds the blank beside the tools, by name"

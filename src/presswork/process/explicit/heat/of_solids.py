@@ -51,7 +51,7 @@ class HeatedSolids(Protocol):
 
     @property
     def position(self) -> FloatArray:
-        """Of the nodes (n_nodes, d) [mm]."""
+        """Displacement of the nodes (n_nodes, d) [mm]."""
 
 
 class HeatedWall(Protocol):
