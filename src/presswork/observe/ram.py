@@ -63,7 +63,7 @@ def has_ram(model: Model) -> bool:
 
 
 def has_rating(model: Model) -> bool:
-    """Say whether the case gives the force that a press bears."""
+    """Return whether the case gives the force that a press bears."""
     return any(stage.drive is not None and math.isfinite(stage.drive.rated_force) for stage in model.stages)
 
 
@@ -104,7 +104,7 @@ def summarise_ram(model: Model, history: Mapping[str, NDArray[Any]]) -> dict[str
 def _compare_with_rating(
     drive: Drive, history: Mapping[str, NDArray[Any]], rows: NDArray[np.intp], before: Mapping[str, float]
 ) -> dict[str, Any]:
-    """Return how near the ram has come to the force and energy that its press bears, where the case says so."""
+    """Return how near the ram has come to the force and energy that its press bears, where the case gives limits."""
     found: dict[str, Any] = {}
     if math.isfinite(drive.rated_force):
         worst = rows[int(np.argmax(history["ram_force"][rows] / history[BORNE][rows]))]

@@ -84,7 +84,7 @@ class CrankPress(Part):
             raise fault("rated_angle and rated_height are both given", "give one of them", key="rated_height")
         key = "rated_angle" if self.rated_angle is not None else "rated_height"
         if self.force is None and getattr(self, key) is not None:
-            raise fault("it says where the rated force begins, and there is none", "give force, too", key=key)
+            raise fault("it is where the rated force begins, and there is none", "give force, too", key=key)
         if self.rated_height is not None and self.rated_height >= 0.5 * self.stroke:
             most = f"a press of this stroke has its rated force within the last {0.5 * self.stroke:g} mm"
             raise fault(f"expected less than half the stroke: {most}", "for instance 6 mm", key="rated_height")
