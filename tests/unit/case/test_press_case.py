@@ -91,7 +91,7 @@ BAD = [
     ("presses.screw.mass", 400, "presses.screw.mass = 400: a screw press stores its energy in the flywheel"),
     ("presses.maxi.rpm", 0, "presses.maxi.rpm = 0.0: expected a value > 0"),
     ("presses.maxi.rod_ratio", 1, "presses.maxi.rod_ratio = 1.0: expected a value < 1"),
-    ("presses.maxi.rated_angle", 20, "presses.maxi.rated_angle = 20: it says where the rated force begins, and there"),
+    ("presses.maxi.rated_angle", 20, "presses.maxi.rated_angle = 20: it is where the rated force begins, and there"),
     (
         "presses.maxi",
         {**MAXI, "force": 9e5, "rated_height": 100},
