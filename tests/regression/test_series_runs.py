@@ -40,6 +40,8 @@ def test_dies_stay_warm_from_part_to_part_and_a_resumed_run_gives_the_same_bits(
     assert peaks == [history["die.temperature_max"][parts == part].max() for part in (1, 2, 3)]
     assert 100 < peaks[0] < peaks[1] < peaks[2] < 1200
     assert peaks[2] - peaks[1] < 0.7 * (peaks[1] - peaks[0]), "towards a steady state"
+    assert summary["increments"] == len(history["time"]), "of all parts"
+    assert summary["work"] == f"3 parts, {summary['increments']} increments"
     assert summary["heat"]["balance_error"] < 1e-8
     assert summary["heat"]["dies"]["balance_error"] < 1e-8
     first = [history["temperature_max"][parts == part][0] for part in (1, 2, 3)]

@@ -128,11 +128,12 @@ class SeriesForming(ModelRun):
         self._run.load_meta(meta)
 
     def summary(self, history: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-        """Return the summary of the last part, and the peaks of each."""
+        """Return the summary of the last part, the increments of all, and the peaks of each."""
         parts = np.asarray(history["part"], dtype=int)
         peaks = {
             name: [float(history[name][parts == part].max()) for part in np.unique(parts)]
             for name in history
             if name.endswith(".temperature_max")
         }
-        return self._run.summary(history) | {"parts": self._part + 1, "peaks_by_part": peaks}
+        work = {"increments": self.number, "work": f"{self._part + 1} parts, {self.number} increments"}
+        return self._run.summary(history) | work | {"parts": self._part + 1, "peaks_by_part": peaks}
