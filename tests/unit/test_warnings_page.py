@@ -22,7 +22,7 @@ SOURCE = ROOT / "src/presswork"
 PAGES = ("warnings.md", "refused_files.md")
 FEWEST_WORDS = 6
 """Of a warning that is a sentence; shorter texts are names, or parts of sentences."""
-PARTS = ("the cells of the workpiece have edges", "; by their paths", "in the mean over … mm round")
+PARTS = ("; by their paths", "in the mean over … mm round")
 """Begins of parts of warnings that are on the page by their other parts."""
 STOPS = {"run"}
 """Functions that do much besides warning."""

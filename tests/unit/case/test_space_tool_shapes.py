@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswork.case import CaseError, build_model
+from presswork.case import CaseError, build_model, read_case
 from presswork.case.space.schema import SpaceCase
+from presswork.examples import copy_example
 from presswork.geometry.crossing_facets import find_crossing_facets
 from presswork.geometry.pose import find_space_pose, turn_about
 from presswork.geometry.swept_tool import draw_punch, triangulate
@@ -223,6 +224,16 @@ def test_cells_too_coarse_for_a_radius_are_told_with_the_size_that_would_do(capl
     rounded["profile"][1]["radius"] = 3  # type: ignore[index]
     build(rounded)
     assert "would do" not in caplog.text
+
+
+def test_new_meshes_have_smaller_cells_at_radii(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """The packaged cross rib: edges of 1.9 mm at the start, 0.8 mm at the die's radii of 1.5 mm once it is remeshed."""
+    path = copy_example("cross_rib_forging", tmp_path)
+    for size, said in ((0.8, False), (1.3, True)):
+        caplog.clear()
+        with caplog.at_level(logging.WARNING):
+            build_model(read_case(path, [f"remesh.smallest_size={size}"]))
+        assert ("radius is 1.5 mm, and remesh.smallest_size of 1.3 mm, too coarse" in caplog.text) == said, caplog.text
 
 
 def test_cells_too_coarse_for_a_radius_of_facets_are_told_with_the_size_that_would_do(

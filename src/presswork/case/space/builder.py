@@ -38,8 +38,8 @@ from presswork.case.space.heat import build_space_heat, check_space_heat
 from presswork.case.space.remesh_builder import build_space_remeshing, check_space_remesh
 from presswork.case.space.schema import AXES, FaceForce, SpaceCase, SpaceStage
 from presswork.case.space.symmetry import Symmetry, build_supports, check_symmetry, find_symmetry
-from presswork.case.space.tool_builder import build_tool, check_motions, find_first_direction
-from presswork.case.space.tool_checks import mean_edge, warn_of_facets, warn_of_widths
+from presswork.case.space.tool_builder import build_tool, check_motions, find_first_direction, list_arcs
+from presswork.case.space.tool_checks import mean_edge, warn_of_facets, warn_of_radius, warn_of_widths
 from presswork.case.tool_sizes import warn_of_tools
 from presswork.mesh.faces import face_areas
 
@@ -113,11 +113,12 @@ def _build_tools(
         build_tool(name, tool, mesh, symmetry.planes, folder, find_first_direction(case, name))
         for name, tool in case.tools.items()
     ]
+    smallest = _find_smallest_cells(remeshing, mesh)
     for name, tool in zip(case.tools, built, strict=True):
         if isinstance(tool, model.Tool):
-            smallest = _find_smallest_cells(remeshing, mesh)
             warn_of_widths(name, tool, symmetry.planes, mesh, *smallest)
             warn_of_facets(name, tool, mesh, *smallest)
+            warn_of_radius(name, list_arcs(case.tools[name], tool.surface), *smallest)
     tools = tuple(replace(tool, sectors=symmetry.sectors) for tool in built if isinstance(tool, model.Tool))
     for warning in warn_of_tools(case.tools, tools, float(np.linalg.norm(np.ptp(mesh.points, axis=0)))):
         logger.warning("%s", warning)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from presswork.case.errors import Problem
-from presswork.case.space.tool_checks import check_facets, check_mirrors, look_inside_faces, mean_edge, warn_of_radius
+from presswork.case.space.tool_checks import check_facets, check_mirrors, look_inside_faces, mean_edge
 from presswork.case.space.tools import (
     BoxTool,
     CylinderTool,
@@ -91,10 +91,6 @@ def build_tool(
                 break
         drawn = touching
     start, nearest = find_space_pose(drawn, np.zeros(3)), _look_at(drawn)
-    if isinstance(tool, ProfileTool):
-        warn_of_radius(name, draw_outline(tool.profile, False).segments, mean_edge(mesh))
-    elif isinstance(shape, SweptProfile):
-        warn_of_radius(name, shape.segments, mean_edge(mesh))
     problem = _check_clear(name, mesh, size, nearest)
     if problem is not None:
         return problem
@@ -112,6 +108,13 @@ def build_tool(
                     list(drawn.position),
                 )
     return check_mirrors(name, drawn, start, mirrors, cut, nodes) or replace(drawn, mirrored_across=cut)
+
+
+def list_arcs(tool: SpaceTool, shape: Surface) -> FloatArray:
+    """Return the segments that a tool of a drawn shape is swept from (n, 7) [mm]; none of planes and facets."""
+    if isinstance(tool, ProfileTool):
+        return draw_outline(tool.profile, False).segments
+    return shape.segments if isinstance(shape, SweptProfile) else np.zeros((0, 7))
 
 
 def _place(name: str, tool: SpaceTool, shape: Surface) -> Tool:

@@ -128,11 +128,14 @@ def _sample(shape: SweptProfile | Triangulation, tolerance: float) -> FloatArray
     return np.concatenate([points, points[triangles].mean(axis=1)])
 
 
-def warn_of_radius(name: str, segments: FloatArray, edge: float) -> None:
-    """Warn where cells with such edges [mm] are too coarse for the smallest radius of a tool's profile (n, 7)."""
+def warn_of_radius(name: str, segments: FloatArray, edge: float, key: str) -> None:
+    """Warn where cells with such edges [mm] are too coarse for the smallest radius of a tool's profile (n, 7).
+
+    key: what they are.
+    """
     arcs = segments[segments[:, TURN] != 0.0]
     radii = np.linalg.norm(arcs[:, X0] - arcs[:, CENTRE], axis=1)
-    _warn_of_sharp_radius(name, float(radii.min(initial=np.inf)), edge, "the cells of the workpiece have edges")
+    _warn_of_sharp_radius(name, float(radii.min(initial=np.inf)), edge, key)
 
 
 def warn_of_facets(name: str, tool: Tool, mesh: Mesh, edge: float, key: str) -> None:
