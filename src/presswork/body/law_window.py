@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from presswork.model import FloatArray, Material
+from presswork.model import FEW_OUTSIDE, FloatArray, Material
 from presswork.state import RUN, Arrays, OnNewMesh, State
 
 QUANTITIES = ("strain", "rate", "temperature")
@@ -76,8 +76,10 @@ class LawWindow(Arrays):
         return {"law_windows": windows} if windows else {}
 
     def warnings(self, materials: Sequence[Material]) -> list[str]:
-        """Warn of laws used beyond their windows; below the smallest strain all are, since metal passes it as it
-        yields."""
+        """Warn of laws used beyond their windows by more than few points and increments.
+
+        Below the smallest strain all are, since metal passes it as it yields.
+        """
         found = []
         for i, material in enumerate(materials):
             window = None if material.hardening is None else material.hardening.window
@@ -86,7 +88,7 @@ class LawWindow(Arrays):
             for k, name in enumerate(QUANTITIES):
                 for end, word in ((0, "down"), (1, "up")):
                     share = self.outside[i, k, end] / self.flowed[i]
-                    if share == 0.0 or (name, end) == ("strain", 0):
+                    if share < FEW_OUTSIDE or (name, end) == ("strain", 0):
                         continue
                     low, high = window[k]
                     found.append(

@@ -45,7 +45,7 @@ from presswork.model.heat import (
     ToolHeat,
 )
 from presswork.model.held_side import find_held_side
-from presswork.model.limits import FULL_DIE, Limits
+from presswork.model.limits import FEW_OUTSIDE, FULL_DIE, Limits
 from presswork.model.marked_point import MarkedPoint
 from presswork.model.material import (
     Damage,
@@ -130,6 +130,7 @@ __all__ = [
     "COLDEST",
     "ELEMENTS",
     "ELEMENTS_OF_STEEL",
+    "FEW_OUTSIDE",
     "FULL_DIE",
     "GTN",
     "HOTTEST",

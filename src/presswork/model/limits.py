@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+FEW_OUTSIDE = 1e-3
+"""Share of points and increments outside the window of a law below which the law is not doubted."""
 FULL_DIE = 0.98
 """Part of a die's wall with metal on it from which on the die counts as full."""
 

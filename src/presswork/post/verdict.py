@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal
 
-from presswork.model import FULL_DIE
+from presswork.model import FEW_OUTSIDE, FULL_DIE
 from presswork.results import Result
 
 State = Literal["ok", "risk", "fail", "figure"]
@@ -313,9 +313,9 @@ def _judge_windows(summary: Summary) -> Iterator[Line]:
             share, unit = below + found["share_above"], units.get(quantity, "")
             (low, high), (least, most) = found["window"], found["reached"]
             figure, limit = (f"{_number(a)} to {_number(b)}{unit}" for a, b in ((least, most), (low, high)))
-            note = f"{_percent(share)} of points and increments outside" if share else ""
+            note = f"{100.0 * share:.2g} % of points and increments outside" if share else ""
             name = f"{words.get(quantity, quantity)} in the law of {material}"
-            yield Line(name, "risk" if share else "ok", figure, limit, note, fields.get(quantity, ""))
+            yield Line(name, "risk" if share >= FEW_OUTSIDE else "ok", figure, limit, note, fields.get(quantity, ""))
 
 
 def _judge_limits(summary: Summary) -> Iterator[Line]:
