@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an increment is asked to do, how its iteration went, and how a run ends that cannot go on."""
+"""The task of an increment, how its iteration went, and how a run ends that cannot go on."""
 
 from __future__ import annotations
 

@@ -52,7 +52,7 @@ Status = Literal["completed", "gave_up", "interrupted"]
 
 @dataclass(frozen=True)
 class Progress:
-    """What a progress display needs after each increment."""
+    """Data that a progress display needs after each increment."""
 
     fraction: float
     """Fraction of the whole process."""

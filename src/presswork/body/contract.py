@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The contract of a body: what procedures and interactions ask of the cells of a model."""
+"""The contract of a body: what procedures and interactions require of the cells of a model."""
 
 from __future__ import annotations
 

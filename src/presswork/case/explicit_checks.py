@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the explicit procedure asks of the case of a solid, in the plane and in space."""
+"""What the explicit procedure requires of the case of a solid, in the plane and in space."""
 
 from __future__ import annotations
 

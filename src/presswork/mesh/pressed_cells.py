@@ -62,10 +62,10 @@ def find_area_vectors(corners: FloatArray) -> FloatArray:
 
 
 def find_swept_volume(start: FloatArray, now: FloatArray, cells: IntArray) -> float:
-    """Return the volume that cells (n, 4) sweep along their normals on straight ways [mm3].
+    """Return the volume that cells (n, 4) sweep along their normals on straight paths [mm3].
 
-    start, now: positions of the nodes (n_points, 3) [mm]. The area vectors are quadratic on the way, so that Simpson's
-    rule is exact; where the rim of the cells rests no other way gives another volume.
+    start, now: positions of the nodes (n_points, 3) [mm]. The area vectors are quadratic along the path, so that
+    Simpson's rule is exact; where the rim of the cells rests, any other path gives the same volume.
     """
     first, last = start[cells], now[cells]
     mean = find_area_vectors(first) + 4.0 * find_area_vectors(0.5 * (first + last)) + find_area_vectors(last)

@@ -21,7 +21,7 @@ class SpeedTable:
     """A speed over the travel, such as a hydraulic press has."""
 
     rows: FloatArray
-    """Way gone [mm], increasing from 0, and speed there [mm/s], above 0 (n, 2); linear between the rows and constant
+    """Travel [mm], increasing from 0, and speed there [mm/s], above 0 (n, 2); linear between the rows and constant
     after the last."""
 
     def speed_at(self, travel: float) -> float:
@@ -148,9 +148,9 @@ class Drive:
     power: float = math.inf
     """Largest power [N mm/s]: the ram is slowed down so that its force times its speed does not exceed it."""
     rated_force: float = math.inf
-    """That the press bears [N]: beyond it the run goes on and warns."""
+    """Force that the press bears [N]: beyond it the run goes on and warns."""
     rated_energy: float = math.inf
-    """That it gives in one stroke [N mm]: beyond it the run goes on and warns."""
+    """Energy that it gives in one stroke [N mm]: beyond it the run goes on and warns."""
 
     @property
     def duration(self) -> float:

@@ -172,7 +172,7 @@ class PressureCourse:
     """Part of the stage (0 to 1) and pressure [MPa], or volume since the start, of the whole part [mm3] (n, 2); linear
     between them."""
     over: Literal["way", "time"] = "way"
-    """Whether the part is that of the way of all that moves in the stage, or that of its time."""
+    """Whether the part is that of the travel of all that moves in the stage, or that of its time."""
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an observer is asked for, and what it sees of a run."""
+"""The contract of an observer: its methods, and what it sees of a run."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ from presswork.threads import available_threads
 from presswork.timing import Timing
 
 KINDS = (PRESCRIBED, "flux", "convection", "radiation")
-"""Ways by which heat comes in; what flows between bodies adds up to nothing."""
+"""Kinds of heat that come in; what flows between bodies adds up to nothing."""
 GROWTH, SHRINK, SAFETY = 2.0, 0.2, 0.9
 REFUSED = 2.0
 """Error over the tolerance above which a step is repeated."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What recorder.py asks of a procedure to record, stop and resume it. Implicit and explicit procedures both answer."""
+"""The contract by which recorder.py records, stops and resumes a procedure, implicit or explicit."""
 
 from __future__ import annotations
 

@@ -270,7 +270,7 @@ def tabulate_share(model: Model, bead: Drawbead) -> tuple[FloatArray, FloatArray
 
 
 def sample_over_travel(course: PressureCourse, stage: Stage) -> PressureCourse:
-    """Return the course of a pressure over the way of its stage, that of its time sampled so."""
+    """Return the course of a pressure over the travel of its stage, that of its time sampled so."""
     if course.over == "way":
         return course
     parts = np.union1d(np.linspace(0.0, 1.0, FORCE_TIMES + 1), course.rows[:, 0])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the laws of a material ask of the rest of a case: time where they depend on the rate, and a temperature."""
+"""What the laws of a material require of the rest of a case: time where they depend on the rate, and a temperature."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the procedures ask of a solver of linear systems."""
+"""The contract of a solver of linear systems."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ from presswork.outcome import GaveUpError
 from presswork.state import State
 
 STANDING = 1e-9
-"""Way to its stop at which a tool stands on it [mm]."""
+"""Distance to its stop at which a tool stands on it [mm]."""
 STANDING_ROOM = 1e-6
 """The same of a neighbour of a run, by which its derivatives are found [mm]."""
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a memory of a recording is asked for, and what it sees."""
+"""The contract of a memory of a recording: its methods, and what it sees."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What an explicit run of solids asks of their domain, in the plane or in space."""
+"""The contract of the domain of an explicit run of solids, in the plane or in space."""
 
 from __future__ import annotations
 

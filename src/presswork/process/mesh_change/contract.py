@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a change of the mesh is asked for, between increments of an implicit run or intervals of an explicit one."""
+"""The contract of a change of the mesh, between increments of an implicit run or intervals of an explicit one."""
 
 from __future__ import annotations
 

@@ -19,8 +19,8 @@ from presswork.mesh.simplices import find_simplices
 from presswork.model import FloatArray, IndexArray, Mesh
 
 JOINED = 8.0
-"""Way from the end of a seam to the mouth of an older one, over the spacing of its points, up to which they are one: as
-a fold closes further the new mesh has filled the notch between."""
+"""Distance from the end of a seam to the mouth of an older one, over the spacing of its points, up to which they are
+one: as a fold closes further the new mesh has filled the notch between."""
 
 
 class Seams:
