@@ -132,7 +132,7 @@ def _follow(recording: Run, folder: Path, world: World, *, resume: bool) -> Outc
             arrays, meta = load_checkpoint(folder / CHECKPOINT)
             try:
                 recording.load_arrays(arrays)
-            except ValueError:  # as on rank 0, which tells it
+            except ValueError:  # as on rank 0, which reports it
                 return Outcome("gave_up", folder)
             recording.load_meta(meta)
             world.follow()

@@ -30,7 +30,7 @@ def elastic_energy(model: Model, state: State) -> float:
         material = model.materials[block.material]
         sxx, syy, sxy = np.moveaxis(state.cells.stress[i], -1, 0)
         twice = sxx**2 + syy**2 - 2 * material.poisson * sxx * syy + 2 * (1 + material.poisson) * sxy**2
-        if material.umat is None:  # else told with the plastic work
+        if material.umat is None:  # else counted with the plastic work
             young = present_young(material, state.cells.eqps[i], find_temperature(material, state, i))
             total += float((twice / (2 * young) * state.cells.volume[i]).sum())
         _, slopes, weights, _ = _core.shell_shape(block.element)

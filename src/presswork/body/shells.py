@@ -300,7 +300,7 @@ class ShellMechanics:
         A UMAT has its effective stress instead.
         """
         law = self._laws[block]
-        if isinstance(law, SheetUmat):  # which does not tell it
+        if isinstance(law, SheetUmat):  # which does not report it
             return sheet_effective_stress(state.cells.stress[block])
         eqps = np.ascontiguousarray(state.cells.find_kept(block, EQPS).ravel())
         heat = self.temperature_at_points(state, block)

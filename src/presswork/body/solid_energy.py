@@ -19,7 +19,7 @@ def elastic_energy(model: Model, state: State) -> float:
     for i, (block, stress, eqps, volume) in enumerate(blocks):
         material = model.materials[block.material]
         if material.umat is not None:
-            continue  # told with the plastic work
+            continue  # counted with the plastic work
         young = present_young(material, eqps, find_temperature(material, state, i))
         total += float((elastic_density(stress, young, material.poisson) * volume).sum())
     return total

@@ -235,7 +235,7 @@ class DividedLoop:
         """Return the number in the whole loop of an element of the rank's own."""
         return int(self._part.list_elements()[element])
 
-    # --- what is said to both loops ---------------------------------------------------------------------------------
+    # --- calls on both loops ----------------------------------------------------------------------------------------
 
     def _call_both(self, name: str, *given: Any, **named: Any) -> None:
         for loop in (self._whole, self._own):

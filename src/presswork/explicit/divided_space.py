@@ -97,7 +97,7 @@ class DividedSpaceLoop(DividedLoop):
             return int(nodes[point])
         return len(self._part.owner) + int(self._state.find_edges()[1][point - len(nodes)])
 
-    # --- what is said to both loops -------------------------------------------------------------------------------
+    # --- calls on both loops --------------------------------------------------------------------------------------
 
     def _call_both(self, name: str, *given: Any, **named: Any) -> None:
         if name in ("push_tool", "move_tool", "remove_tool"):

@@ -142,7 +142,7 @@ def _hold_by_plane_tools(model: Model, interactions: Interactions, state: State,
         along, own = tools.contact.normal[2 * t + face, place], tools.contact.nodes[place]
         if tool.friction.law != "frictionless":
             along, own = np.concatenate([along, along[:, ::-1] * (-1, 1)]), np.concatenate([own, own])
-        if t in pushed:  # it holds only across its way
+        if t in pushed:  # it holds only across its direction
             direction, _ = pushed[t]
             along = along - (along @ direction)[:, None] * direction
         nodes.append(own)

@@ -80,7 +80,7 @@ class StressError:
         z, power = self._find_stiffness(block, state_n, trial)
         own, fallen = find_share(z), np.maximum(before - after, 0.0)
         summed = fallen * own / (z / (1.0 + z) + 1.0 / MEMORY) / (1.0 - np.minimum(power, STEEPEST))
-        # a stress that rises is on its way to the flow stress, where the error is forgotten
+        # a stress that rises approaches the flow stress, where the error is forgotten
         summed += np.where(z > 1.0, 0.0, np.maximum(after - before, 0.0) * own)
         volume = trial.cells.volume[block]
         stress = max(root_mean(volume, np.maximum(before, after)), least)

@@ -23,7 +23,7 @@ CASE = "case.toml"
 PROGRESS = "progress.json"
 PLOTS = "plots"
 
-# The case is not among them: a run may be told to write where the user's own case.toml lies.
+# The case is not among them: a run may write where the user's own case.toml lies.
 _MADE_BY_A_RUN = (CHECKPOINT, RESULTS, HISTORY, SUMMARY, LOG)
 _DRAWN_OF_A_RUN = ("report.html", *(f"{PLOTS}/*.{kind}" for kind in ("png", "csv", "gif", "mp4")))
 _WORTH_KEEPING = (CHECKPOINT, RESULTS, HISTORY, SUMMARY)

@@ -201,7 +201,7 @@ class Drafts:
             case = self.folder / "draft.toml"
             try:
                 draft = write_as_run(data, path.parent)
-            except (AttributeError, KeyError, TypeError, ValueError):  # tables where none belong: the schema says so
+            except (AttributeError, KeyError, TypeError, ValueError):  # tables where none belong: the schema reports it
                 draft = text
             write_whole(case, draft.encode())
             answer = self._ask({"case": str(case), "folder": str(self.folder)})

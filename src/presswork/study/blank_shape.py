@@ -262,7 +262,7 @@ class _Search:
         try:
             write_outline([best.fit.blank], self.folder / DRAWING)
         except OutputError:
-            (self.folder / DRAWING).unlink(missing_ok=True)  # without ezdxf: the points say the same
+            (self.folder / DRAWING).unlink(missing_ok=True)  # without ezdxf: the points hold the same
 
 
 def _mean_size(model: Model) -> float:

@@ -108,7 +108,7 @@ def _cut_near(shape: Triangulation, model: Model, position: FloatArray, beside: 
     (x0, y0), (x1, y1) = low - position, high - position
     try:
         return cut_surface(shape, np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]), inside=True)
-    except MeshError:  # all of it lies there, or nothing, which the run will say
+    except MeshError:  # all of it lies there, or nothing, which the run will report
         return shape
 
 

@@ -40,7 +40,7 @@ def describe(problem: model.Model | OneStepModel) -> str:
             _describe_memory(problem),
         ]
         return "\n".join(lines)
-    cold = problem.heat is None  # else the bodies' temperatures are told
+    cold = problem.heat is None  # else the bodies' temperatures are described
     lines += [f"material {material.name}: {describe_material(material, starts=cold)}" for material in problem.materials]
     lines += [f"tool {tool.name}: {_describe_tool(tool)}" for tool in problem.plane_tools]
     lines += [f"tool {tool.name}: {_describe_space_tool(tool)}" for tool in problem.space_tools]

@@ -95,7 +95,7 @@ def build_umat(
     """
     key = f"materials.{name}"
     path = folder / material.umat
-    if not path.is_file():  # says so of names that no file can have, too
+    if not path.is_file():  # also for names that no file can have
         remedy = f"no such file: {path}; `presswork material compile law.f` makes one"
         return Problem(f"{key}.umat", "cannot be opened", remedy, material.umat)
     path = path.resolve()

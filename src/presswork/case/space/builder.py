@@ -176,7 +176,7 @@ def _check_names(case: SpaceCase) -> list[Problem]:
                 "[[stages.force]], or give the duration for which the workpiece is held"
             )
             problems.append(Problem(f"stages.{index}", f'the stage "{stage.name}" changes nothing', remedy))
-        held = is_loaded or displaced  # which the next stage may let go
+        held = is_loaded or displaced  # which the next stage may release
         for tool in stage.tools:
             if tool not in case.tools:
                 remedy = suggest(tool, case.tools, "tools")

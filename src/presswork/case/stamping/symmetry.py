@@ -57,7 +57,7 @@ def check_line_symmetry(case: StampingCase, mesh: Mesh, trim: Sequence[TrimLine]
         for plane, half in _list_halves(case):
             reach = float(half.depth(places).max())
             if reach <= 0.0:
-                continue  # beside the blank that is modelled, which other checks say
+                continue  # beside the blank that is modelled, which other checks report
             low, high = _find_window(mesh, half)
             measure, tolerance = partial(measure_distance, sides), _tolerance(case, mesh)
             found = find_asymmetry(places, measure, half, (low[:2], high[:2]), OVER_OF_LINE * reach, tolerance)

@@ -124,7 +124,7 @@ class IntervalMeshes(MeshChange, Generic[Old]):
         self._start = run.positions()
         self.first_volumes = bodies.measure()
 
-    # --- what it says ------------------------------------------------------------------------------------------------
+    # --- its reports -------------------------------------------------------------------------------------------------
 
     def columns(self, run: Observed) -> list[str]:
         """Return the number of cells and of meshes, and why the present one was made."""

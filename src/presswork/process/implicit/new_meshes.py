@@ -102,7 +102,7 @@ class NewMeshes(MeshChange, Generic[Old]):
         """The numbers of the bodies."""
         return set(range(max(len(self._run.model.bodies), 1)))
 
-    # --- what it says ------------------------------------------------------------------------------------------------
+    # --- its reports -------------------------------------------------------------------------------------------------
 
     def columns(self, run: Observed) -> list[str]:
         """Return the number of cells and of meshes, and why the present one was made."""

@@ -62,7 +62,7 @@ def measure_hem(hem: Hem, undeformed: FloatArray, position: FloatArray, half: Fl
     rim = out >= 0.5 * (out.min() + out.max())
     size = max(float(np.ptp(aside[rim])), 1e-12)
     n = int(np.clip(np.sqrt(rim.sum()) / 4.0, 1, STRIPS))
-    # a line of nodes on the border of two strips goes to one of them, whatever rounding says
+    # a line of nodes on the border of two strips goes to one of them, whatever rounding does
     strip = np.clip(((aside - aside[rim].min()) / size * n + 1e-6).astype(int), 0, n - 1)
     rows = [_measure_strip(out[own], now[own], position[own, 2], half[own]) for k in range(n)
             if len(own := np.flatnonzero(rim & (strip == k))) > 2]  # fmt: skip

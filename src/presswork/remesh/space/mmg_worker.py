@@ -28,7 +28,7 @@ def make_mesh(body: Mapping[str, Any], options: Mapping[str, Any], memory: int) 
     from mmgpy import MmgMesh3D
 
     mesh = MmgMesh3D()
-    with suppress(RuntimeError, ValueError):  # takes note of the memory, and says that there is no mesh yet
+    with suppress(RuntimeError, ValueError):  # notes the memory, and fails since there is no mesh yet
         mesh.remesh(verbose=-1, mem=memory)
     mesh.set_mesh_size(len(body["points"]), len(body["cells"]), 0, len(body["faces"]), 0, 0)
     mesh.set_vertices(np.ascontiguousarray(body["points"]))

@@ -90,7 +90,7 @@ def _try_mesh(body: OldBody, sizes: EdgeSizes) -> tuple[NewBody, float]:
         found.append((new, worst))
         if worst >= LEAST_QUALITY or slow:
             break
-        # the skin goes as far as cells allow, and what is left of its way is gone on a mesh of that
+        # the skin goes as far as cells allow, and the rest of its displacement is made on a mesh of that
         points = improve_cells(retreat(made.points, points, made.cells), made.cells, skin, WANTED)
         present = FilledBody(points, made.cells, made.faces, made.number)
         size = measure_sizes(body, sizes, points)

@@ -86,7 +86,7 @@ def check_study(study: Study, study_file: Path) -> tuple[tuple[Column, ...], Slo
     """
     problems = []
     case_file = study_file.parent / study.case
-    read_case(case_file, list(study.set))  # says what is wrong with the case itself, by its own name
+    read_case(case_file, list(study.set))  # reports faults of the case itself, by its own name
     first = [variable.first for variable in study.variables]
     for index, variable in enumerate(study.variables):
         for name, bound in zip(("lower", "upper"), variable.bounds, strict=True):
