@@ -71,7 +71,8 @@ def _judge(problem: Problem, before: Sequence[Problem], after: Sequence[Problem]
     for one in after:
         is_same = (one.key, one.expected) == (problem.key, problem.expected)
         is_news = str(one) not in known and problem.expected != "unknown key"
-        if is_news and problem.expected.startswith(("expected", "unknown choice")):
+        is_instance = "for instance" in problem.remedy or problem.expected.startswith(("expected", "unknown choice"))
+        if is_news and is_instance:
             is_news = one.key == problem.key  # a value for instance need not fit the others
         if is_same or is_news:
             return str(one)
