@@ -24,6 +24,7 @@ COMMANDS = {
     "schema": "Print the JSON schema of case files, for editors that complete them.",
     "sweep": "Run a family of cases in parallel, and leave one table and one picture.",
     "optimise": "Find the best values of keys of a case, within bounds and limits, by runs in parallel.",
+    "robust": "Find how often a process passes its limits when inputs scatter, and which input to hold tighter first.",
     "blank": "Find the blank whose drawn flange has the outline wanted: draw, correct, draw again.",
     "compensate": "Correct the tools for springback, loop by loop, until the part has the shape it is drawn to.",
     "devices": "List what explicit runs can compute on: the CPU, and NVIDIA cards where there are any.",

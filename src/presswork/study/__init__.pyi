@@ -8,6 +8,7 @@ from .compensate import Compensation, Loop, compensate_springback
 from .measured import MeasuredRings, read_measured
 from .optimum.optimise import Optimum, optimise
 from .ring import RingMeasures, measure_ring
+from .scatter.robust import Robustness, robust
 from .sweep import MemberResult, SweepProgress, SweepResult, run_sweep
 from .vary import parse_variation
 
@@ -26,6 +27,7 @@ __all__ = [
     "MemberResult",
     "Optimum",
     "RingMeasures",
+    "Robustness",
     "SweepProgress",
     "SweepResult",
     "calibrate_curve",
@@ -38,6 +40,7 @@ __all__ = [
     "optimise",
     "parse_variation",
     "read_measured",
+    "robust",
     "run_sweep",
     "surround_opening",
 ]

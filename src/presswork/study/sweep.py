@@ -132,13 +132,29 @@ def run_members(
     on_progress: Callable[[SweepProgress], None] | None = None,
 ) -> SweepResult:
     """Run members that are made already; as run_sweep otherwise."""
-    from presswork.study.sweep_plot import draw_curves
-
     wanted = [parse_column(text) for text in columns]
     check_columns(wanted, members)
     with open_runner(jobs, cluster, member_timeout) as runner:
-        run = _Sweep(members, _open_folder(Path(folder), members, resume, overwrite), wanted, on_progress)
-        run.complete(run.plan(resume, overwrite), runner)
+        return complete_members(
+            members, Path(folder), wanted, runner, resume=resume, overwrite=overwrite, on_progress=on_progress
+        )
+
+
+def complete_members(
+    members: Sequence[Member],
+    folder: Path,
+    columns: Sequence[Column],
+    runner: Runner,
+    *,
+    resume: bool = False,
+    overwrite: bool = False,
+    on_progress: Callable[[SweepProgress], None] | None = None,
+) -> SweepResult:
+    """Run members by a runner that is open, their columns checked already; as run_sweep otherwise."""
+    from presswork.study.sweep_plot import draw_curves
+
+    run = _Sweep(members, _open_folder(folder, members, resume, overwrite), columns, on_progress)
+    run.complete(run.plan(resume, overwrite), runner)
     result = run.collect()
     write_table(run.folder / TABLE, result.rows)
     draw_curves(result.members, run.folder)

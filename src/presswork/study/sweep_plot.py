@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 PICTURE = "force_stroke.png"
 _ENTRIES_A_COLUMN = 16
+_MOST_VALUES = 64
+"""In a legend: beyond, it would hide the curves."""
 
 
 def draw_curves(members: Sequence[MemberResult], folder: Path) -> Path | None:
@@ -40,7 +42,7 @@ def draw_curves(members: Sequence[MemberResult], folder: Path) -> Path | None:
         line.set(color=colours[min(i // tools, len(drawn) - 1)], linestyle=("-", "--", ":")[i % tools % 3])
     if len(ax.lines) == 1:
         ax.lines[0].set_label(_name(drawn[0]))
-    if ax.get_legend_handles_labels()[1]:
+    if ax.get_legend_handles_labels()[1] and len(drawn) * len(drawn[0].values) <= _MOST_VALUES:
         ax.legend(
             frameon=False,
             fontsize="small",
