@@ -182,7 +182,7 @@ def judge(study: ScatterStudy, draws: Draws, points: FloatArray, sweep: SweepRes
 
 
 def _judge_limit(limit: Limit, values: FloatArray, runs: int, lost: int) -> dict[str, Any]:
-    """Return the judgement of a limit by the runs: values of those that have the measure (n,), and runs that have not."""
+    """Return the judgement of a limit by the runs: values of those with the measure (n,), and runs without it."""
     given = {name: getattr(limit, name) for name in ("at_most", "at_least") if getattr(limit, name) is not None}
     entry: dict[str, Any] = {"measure": limit.measure, **given, "runs_without": lost}
     beyond = int(is_beyond(values, limit).sum()) + lost
