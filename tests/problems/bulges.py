@@ -32,6 +32,10 @@ BULGE: dict[str, Any] = {
 }  # fmt: skip
 
 
+OIL = {"face": "bottom", "fluid": {"stiffness": "2 GPa", "room": "200 cm^3"}}
+"""A fluid that fills a space below the membrane."""
+
+
 def vary_bulge(*changes: tuple[str, object]) -> dict[str, Any]:
     """Return the case with values at dotted paths put in."""
     return changed(BULGE, *changes)

@@ -9,14 +9,24 @@ import numpy as np
 import pytest
 
 from presswork.case import StampingCase, build_model
-from tests.problems.bulges import RADIUS, vary_bulge
-from tests.regression.whole_runs import compare_with_restart, run_stamping
+from presswork.examples import copy_example
+from tests.problems.bulges import OIL, RADIUS, vary_bulge
+from tests.regression.whole_runs import compare_with_restart, run_stamping, run_to_end
 
 SMALL = (("blank.element_size", 8), ("output.rows", 20), ("stages.0.pressure.oil.p", 0.6))
 EXPLICIT = (*SMALL, ("procedure", "explicit"), ("stages.0.duration", 0.005), ("explicit", {"damping": 2000}))
 
 
-@pytest.mark.parametrize("changes", [SMALL, EXPLICIT], ids=["implicit", "explicit"])
+FLUID = (("pressure.oil", OIL), ("stages.0.pressure.oil", {"inflow": "20 cm^3"}))
+ALL = {
+    "implicit": SMALL,
+    "explicit": EXPLICIT,
+    "implicit fluid": (*SMALL, *FLUID),
+    "explicit fluid": (*EXPLICIT, *FLUID),
+}
+
+
+@pytest.mark.parametrize("changes", ALL.values(), ids=list(ALL))
 def test_a_restart_on_other_threads_gives_the_same_bits(changes: tuple[tuple[str, object], ...]) -> None:
     model = build_model(StampingCase.model_validate(vary_bulge(*changes)))
     arrays = compare_with_restart(model, 10, threads=2)
@@ -55,6 +65,24 @@ def test_a_pressure_follows_its_table_and_stays_where_a_stage_does_not_name_it(t
 
 
 @pytest.mark.parametrize("changes", [SMALL, EXPLICIT], ids=["implicit", "explicit"])
+def test_what_flows_in_may_flow_out_by_a_table(tmp_path: Path, changes: tuple[tuple[str, object], ...]) -> None:
+    """The sheet takes the volume that has flowed in, less what the fluid is compressed; no pressure is left at last."""
+    times = [[0.0, 0.0], [0.004, 60e3], [0.005, 60e3]]
+    stages = [
+        {"name": "in", "duration": 0.005, "pressure": {"oil": {"inflow_over_time": times}}},
+        {"name": "out", "duration": 0.003, "pressure": {"oil": {"inflow": -5e3}}},
+    ]
+    own = [change for change in changes if not change[0].startswith("stages")]
+    history = run_stamping(vary_bulge(*own, ("pressure.oil", OIL), ("stages", stages)), tmp_path / "out").history
+    p, volume, stage = history["pressure.oil.p"], history["pressure.oil.volume"], history["stage"]
+    filled = int(np.flatnonzero(stage == "in")[-1])
+    assert 0.2 < p[filled] < 1.5
+    assert volume[filled] == pytest.approx(260e3 * np.exp(-p[filled] / 2000.0) - 200e3, rel=1e-4)
+    assert p[-1] == 0.0
+    assert 55e3 < volume[-1] < volume[filled]
+
+
+@pytest.mark.parametrize("changes", [SMALL, EXPLICIT], ids=["implicit", "explicit"])
 def test_a_line_bounds_a_pressure_and_its_face_says_where_it_pushes(
     tmp_path: Path, changes: tuple[tuple[str, object], ...]
 ) -> None:
@@ -80,3 +108,15 @@ def test_a_bulge_springs_back_once_the_pressure_is_gone(tmp_path: Path) -> None:
     assert run.history["pressure.oil.p"][-1] == 0.0
     assert run.history["pressure.oil.p"].max() == pytest.approx(0.6)
     assert 0.0 < run.summary["springback"]["largest_mm"] < 3.0
+
+
+def test_the_example_of_a_bulge_test_passes_the_maximum_of_its_pressure(tmp_path: Path) -> None:
+    """On coarse shells; the sheet lies on the die's radius alone, and the energies close within 0.5 %."""
+    case = StampingCase.from_toml(copy_example("bulge_test", tmp_path), overrides=["blank.element_size=8"])
+    history = run_to_end(build_model(case), tmp_path / "out").history
+    p, height = history["pressure.oil.p"], history["pressure.oil.height"]
+    assert 9.0 < p.max() < 10.5
+    assert 30.0 < height[np.argmax(p)] < height[-1] < 45.0
+    assert p[-1] < 0.995 * p.max()
+    assert 0.4 < history["pressure.oil.thickness"][-1] < 0.5
+    assert abs(history["energy_error_percent"][-1]) < 0.5

@@ -43,6 +43,7 @@ class Dimension:
 LENGTH = Dimension("a length", "mm", "1 mm", 1e6)
 STRESS = Dimension("a stress", "MPa", "200 kN/mm^2")
 FORCE = Dimension("a force", "N", "5 kN")
+VOLUME = Dimension("a volume", "mm^3", "25 cm^3")
 TIME = Dimension("a time", "s", "20 ms", 1e9)
 ANGLE = Dimension("an angle", "degree", "1.5 rad", 1e6)
 STIFFNESS = Dimension("a stiffness", "N/mm", "2 kN/mm")
@@ -70,6 +71,7 @@ _USUAL = {
     LENGTH: {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "in": 25.4, "inch": 25.4},
     STRESS: {"MPa": 1.0, "N/mm^2": 1.0, "GPa": 1e3, "kN/mm^2": 1e3, "Pa": 1e-6},
     FORCE: {"N": 1.0, "kN": 1e3},
+    VOLUME: {"mm^3": 1.0},
     TIME: {"s": 1.0, "ms": 1e-3, "us": 1e-6},
     ANGLE: {"degree": 1.0, "deg": 1.0},
     STIFFNESS: {"N/mm": 1.0, "kN/mm": 1e3},
@@ -252,6 +254,7 @@ Length = Annotated[float, *_scalar(LENGTH)]
 Stress = Annotated[float, *_scalar(STRESS)]
 Time = Annotated[float, *_scalar(TIME)]
 Force = Annotated[float, *_scalar(FORCE)]
+Volume = Annotated[float, *_scalar(VOLUME)]
 Angle = Annotated[float, *_scalar(ANGLE)]
 Stiffness = Annotated[float, *_scalar(STIFFNESS)]
 Velocity = Annotated[float, *_scalar(VELOCITY)]

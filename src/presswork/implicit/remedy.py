@@ -14,12 +14,17 @@ SNAP = (
 )
 
 
+MAXIMUM = "A given pressure does not pass its maximum: give pressure.NAME.fluid, and stages its inflow in place of p"
+
+
 def find_remedy(model: Model, negative_pivots: int) -> str:
     """Return a sentence on what to do.
 
     negative_pivots: the most of any tangent in the last attempt; for shells they show a limit load. Solids soften for
     many other reasons.
     """
+    if any(pressure.fluid is None for pressure in model.sheet_pressures):
+        return f"{MAXIMUM}. {MESH}"
     if _is_stamping(model) and model.solver.inertia == 0.0:
         return f"{SNAP}. {MESH}"
     if model.analysis != "shell" or negative_pivots == 0 or model.solver.inertia > 0.0:

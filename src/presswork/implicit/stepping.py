@@ -175,7 +175,7 @@ class ImplicitProcedure:
             first = first or step
             trial, outcome = self._attempt_all(stage, fraction_n, fraction)
             if shows_stability(self.model) and not isinstance(outcome, Failed):
-                pivots, shortest = self.equilibrium.solver.negative_pivots, max(BELIEVED * first, 2.0 * least)
+                pivots, shortest = self.equilibrium.system.count_negative(), max(BELIEVED * first, 2.0 * least)
                 outcome = judge_stability(self._start, trial, outcome, pivots, is_shortest=step <= shortest)
             if self.heat is not None and not isinstance(outcome, Failed):
                 outcome = self._conduct(self.heat, trial, self._step(stage, fraction_n, fraction), outcome)

@@ -29,7 +29,7 @@ in Arrays that the interaction declares and returns from at_rest(): `state[Inert
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -63,6 +63,8 @@ class Forces:
     """Node pairs (n, 2) of the derivative."""
     blocks: FloatArray
     """d(-force)/d(displacement) of each pair (n, d, d), d as in `force` or more."""
+    dyads: Sequence[tuple[FloatArray, FloatArray]] = field(default=(), kw_only=True)
+    """Parts c r^T of the same derivative that couple all nodes: c and r (n_points, freedoms)."""
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pressure of fluids on faces of a sheet between tools, which follows the surface.
 
-A pressure p over cells gives nodes the forces p dV/dx, V being the volume that the sheet sweeps; d(p dV/dx)/dx is the
-load stiffness (cell_pressure.py). It acts on the middle surface of the sheet.
+A pressure p over cells gives nodes the forces p dV/dx, V being the volume that the sheet sweeps; p d2V/dx2 is the load
+stiffness (cell_pressure.py). It acts on the middle surface of the sheet.
+
+The pressure of a fluid in a closed space is p = K ln(V_fluid/V_space), never below zero, with V_space = room + V. So
+its forces have one part of the stiffness more, K/V_space dV/dx (dV/dx)^T, which couples all nodes under it.
 """
 
 from __future__ import annotations
@@ -16,9 +19,12 @@ import numpy as np
 from presswork import _core
 from presswork.interaction.cell_pressure import press_cells
 from presswork.interaction.contract import Forces, Guess, Interaction
-from presswork.mesh.pressed_cells import find_pressed_cells, find_side
+from presswork.mesh.pressed_cells import find_pressed_cells, find_side, find_swept_volume
 from presswork.model import FloatArray, IntArray, Model, SheetPressure
 from presswork.state import RUN, Arrays, OnNewMesh, State
+
+TIGHT = 1e-9
+"""Least space that a guess may leave a fluid, over its room."""
 
 
 @dataclass
@@ -49,6 +55,7 @@ class SheetPressures(Interaction):
         self._shapes = [_core.shell_shape(block.element) for block in model.mesh.blocks]
         self._pressed = [self._find_cells(pressure) for pressure in model.sheet_pressures]
         points, cells = model.mesh.points, model.cells
+        self._corners = [cells[find_pressed_cells(points, cells, pressure)] for pressure in model.sheet_pressures]
         self._sides = [find_side(points, cells, pressure.face) for pressure in model.sheet_pressures]
 
     def _find_cells(self, pressure: SheetPressure) -> list[IntArray]:
@@ -66,23 +73,37 @@ class SheetPressures(Interaction):
     def evaluate(self, state_n: State, trial: State, guess: Guess) -> PressureForces:
         """Return the forces at a guess."""
         points = self._model.mesh.points + guess.displacement[:, :3]
-        force = np.zeros((len(points), 6))
-        pairs, blocks = [np.zeros((0, 2), dtype=np.int32)], [np.zeros((0, 6, 6))]
-        value = self._find_values(guess.step.stage, guess.step.fraction)
-        for p, side, of_blocks in zip(value, self._sides, self._pressed, strict=True):
+        force, value = np.zeros((len(points), 6)), np.zeros(len(self._pressed))
+        pairs, blocks, dyads = [np.zeros((0, 2), dtype=np.int32)], [np.zeros((0, 6, 6))], []
+        courses = self._model.stages[guess.step.stage].pressure_course
+        for number, pressure in enumerate(self._model.sheet_pressures):
+            given = float(np.interp(guess.step.fraction, *courses[pressure.name].rows.T))
+            p, slope = self._find_pressure(number, given, points)
+            value[number] = p
             if p == 0.0:
                 continue
-            for cells, shape in zip(of_blocks, self._shapes, strict=True):
-                more, stiffness = press_cells(points, cells, shape, side * p, force)
+            area = np.zeros_like(force)
+            for cells, shape in zip(self._pressed[number], self._shapes, strict=True):
+                more, stiffness = press_cells(points, cells, shape, self._sides[number], area)
                 pairs.append(more)
-                blocks.append(stiffness)
-        return PressureForces(force, np.concatenate(pairs), np.concatenate(blocks), value)
+                blocks.append(p * stiffness)
+            force += p * area
+            if slope:
+                dyads.append((-slope * area, area))
+        return PressureForces(force, np.concatenate(pairs), np.concatenate(blocks), value, dyads=dyads)
 
-    def _find_values(self, stage: int, fraction: float) -> FloatArray:
-        """Return the pressures at a part of a stage (n,) [MPa]."""
-        courses = self._model.stages[stage].pressure_course
-        names = [pressure.name for pressure in self._model.sheet_pressures]
-        return np.array([np.interp(fraction, *courses[name].rows.T) for name in names])
+    def _find_pressure(self, number: int, given: float, points: FloatArray) -> tuple[float, float]:
+        """Return a pressure [MPa] and its derivative by the swept volume [MPa/mm3].
+
+        given: the pressure, or the volume that has flowed in; points: present (n_points, 3) [mm].
+        """
+        fluid = self._model.sheet_pressures[number].fluid
+        if fluid is None:
+            return given, 0.0
+        swept = self._sides[number] * find_swept_volume(self._model.mesh.points, points, self._corners[number])
+        space = max(fluid.room + swept, TIGHT * fluid.room)
+        p = fluid.stiffness * np.log((fluid.room + given) / space)
+        return (float(p), -fluid.stiffness / space) if p > 0.0 else (0.0, 0.0)
 
     def end_increment(self, state_n: State, trial: State, own: Any, constraints: Any) -> None:
         """Add the forces to the loads of a converged state, which are set before; keep the pressures."""

@@ -6,6 +6,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from presswork.model import (
     FloatArray,
     Model,
     PressureCourse,
+    SheetPressure,
     Stage,
     Tool,
     ToolMotion,
@@ -269,13 +271,29 @@ def tabulate_share(model: Model, bead: Drawbead) -> tuple[FloatArray, FloatArray
     return _tabulate(model, lambda stage, at: np.interp(stroke_of(stage).position(at), *stage.bead_share[bead.name].T))
 
 
-def sample_over_travel(course: PressureCourse, stage: Stage) -> PressureCourse:
-    """Return the course of a pressure over the travel of its stage, that of its time sampled so."""
-    if course.over == "way":
-        return course
-    parts = np.union1d(np.linspace(0.0, 1.0, FORCE_TIMES + 1), course.rows[:, 0])
-    values = np.interp(parts, *course.rows.T)
-    return PressureCourse(np.column_stack([stroke_of(stage).position(parts * stage.duration), values]))
+def share_pressures(model: Model) -> tuple[SheetPressure, ...]:
+    """Return the pressures on the sheet, fluids with the room of what is modelled."""
+    return tuple(
+        pressure
+        if pressure.fluid is None
+        else replace(pressure, fluid=replace(pressure.fluid, room=pressure.fluid.room / model.whole))
+        for pressure in model.sheet_pressures
+    )
+
+
+def sample_over_travel(model: Model, stage: Stage) -> dict[str, PressureCourse]:
+    """Return the courses of share_pressures over the travel of a stage, those of its time sampled so."""
+    found = {}
+    for pressure in model.sheet_pressures:
+        course = stage.pressure_course[pressure.name]
+        parts, values = course.rows.T
+        gone = parts
+        if course.over == "time":
+            parts = np.union1d(np.linspace(0.0, 1.0, FORCE_TIMES + 1), parts)
+            values, gone = np.interp(parts, *course.rows.T), stroke_of(stage).position(parts * stage.duration)
+        share = 1.0 if pressure.fluid is None else 1.0 / model.whole
+        found[pressure.name] = PressureCourse(np.column_stack([gone, share * values]))
+    return found
 
 
 def tabulate_pressure(model: Model, name: str) -> tuple[FloatArray, FloatArray]:

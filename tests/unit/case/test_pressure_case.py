@@ -73,7 +73,7 @@ REFUSED = {
         [(f"{STAGE}.p_over_time", [[0, 0], [0.01, 2]])],
         ("p and p_over_time are both given", "leave p_over_time out"),
     ),
-    "stages.0.pressure.oil.p": ([(STAGE, {})], ("no pressure is given", "8 MPa")),
+    "stages.0.pressure.oil.p": ([(STAGE, {})], ("neither pressure nor inflow is given", "8 MPa")),
     "stages.0.pressure.oil.p: ": ([(f"{STAGE}.p", -1)], ("-1",)),
     "stages.0.pressure.oil.p_over_time: ": (
         [(STAGE, {"p_over_time": [[0.01, 2], [0.0, 0]]})],
@@ -127,6 +127,35 @@ REFUSED = {
         [(f"{PLACE}.inside", {"shape": "polygon", "points": [[0, 0], [1, 1], [1, 0], [0, 1]]})],
         ("crosses", "without"),
     ),
+    "stages.0.pressure.oil.inflow": (
+        [(STAGE, {"inflow": 100})],
+        ("there is no fluid that could flow in", "pressure.oil.fluid"),
+    ),
+    "stages.0.pressure.oil.p: the": (
+        [(f"{PLACE}.fluid", {"stiffness": 2000, "room": 1e5})],
+        ("the pressure of a fluid with a volume is found", "give inflow"),
+    ),
+    "stages.0.pressure.oil: 2000 mm3": (
+        [(f"{PLACE}.fluid", {"stiffness": 2000, "room": 1000}), (STAGE, {"inflow": -2000})],
+        ("flow out of the room of 1000 mm3", "let less flow out"),
+    ),
+    "inflow_over_time = [[0.0, 5.0], [0.01, 9.0]]": (
+        [(f"{PLACE}.fluid", {"stiffness": 2000, "room": 1000}), (STAGE, {"inflow_over_time": [[0, 5], [0.01, 9]]})],
+        ("begins with 5 mm3, but the stage does with 0 mm3", "begin it with [0, 0]"),
+    ),
+    "pressure.oil.fluid.stiffness": (
+        [(f"{PLACE}.fluid", {"stiffness": 0, "room": 1000}), (STAGE, {"inflow": 10})],
+        ("expected a value > 0",),
+    ),
+    "pressure.oil.fluid.room": ([(f"{PLACE}.fluid", {"stiffness": 2000}), (STAGE, {"inflow": 10})], ("missing",)),
+    "pressure.oil.fluid: ": (
+        [
+            ("tools", {}),
+            ("pressure", {"oil": {"face": "top", "fluid": {"stiffness": 2000, "room": 1000}}}),
+            (STAGE, {"inflow": 10}),
+        ],
+        ("its space is open", "boundary.clamp"),
+    ),
     "explicit.device": ([("explicit", {"device": "host"})], ("by the CPU alone", 'take "cpu"')),
 }
 
@@ -137,6 +166,18 @@ def test_a_wrong_pressure_is_refused_with_its_key_and_a_remedy(key: str) -> None
     text = refuse(changed(DRAWN, *changes))
     for part in (key.split(":")[0].split(" = ")[0], *parts):
         assert part in text, text
+
+
+def test_inflow_adds_up_over_stages() -> None:
+    fluid = {**OIL["oil"], "fluid": {"stiffness": "2 GPa", "room": "1 cm^3"}}
+    stages = [
+        {"name": "fill", "duration": 0.01, "pressure": {"oil": {"inflow": 300}}},
+        {"name": "more", "duration": 0.02, "pressure": {"oil": {"inflow_over_time": [[0, 0], [0.01, 50]]}}},
+    ]
+    model = build(changed(DRAWN, ("pressure.oil", fluid), ("stages", stages)))
+    np.testing.assert_allclose(model.stages[0].pressure_course["oil"].rows, [[0, 0], [1, 300]])
+    np.testing.assert_allclose(model.stages[1].pressure_course["oil"].rows, [[0, 300], [0.5, 350]])
+    assert "50 mm3 flow in, 350 since the start, into 1000 mm3 of room" in describe(model)
 
 
 def test_a_stage_without_motion_needs_a_duration() -> None:

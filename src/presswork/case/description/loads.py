@@ -45,9 +45,15 @@ def describe_loads_of_sheet(problem: model.Model) -> Iterator[str]:
         yield f"pressure {pressure.name}: on the {pressure.face} face, {shells}, {area:.4g} mm2 of the whole part"
 
 
-def describe_courses(stage: model.Stage) -> Iterator[str]:
+def describe_courses(problem: model.Model, stage: model.Stage) -> Iterator[str]:
     """Describe how the pressures on a sheet go over a stage."""
-    for name, course in stage.pressure_course.items():
+    for pressure in problem.sheet_pressures:
+        name, course = pressure.name, stage.pressure_course[pressure.name]
+        if pressure.fluid is not None:
+            start, end = course.rows[0, 1], course.rows[-1, 1]
+            room = pressure.fluid.room
+            yield f"pressure {name}: {end - start:g} mm3 flow in, {end:g} since the start, into {room:g} mm3 of room"
+            continue
         start, end, most = course.rows[0, 1], course.rows[-1, 1], course.rows[:, 1].max()
         over = f", at most {most:g} MPa" if most > max(start, end) else ""
         yield (

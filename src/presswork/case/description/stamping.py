@@ -374,7 +374,7 @@ def _describe_stage(problem: Model, stage: Stage, closing: Mapping[str, Closing]
                 area = find_held_area(problem.mesh, holders[name]) * problem.whole
                 pressure = f", at most {forces.max() / area:.3g} MPa on the flange as it starts" if area > 0 else ""
             yield f"{name} pushes with {span}{pressure}"
-    pressures = list(describe_courses(stage))
+    pressures = list(describe_courses(problem, stage))
     yield from pressures
     if not stage.tool_motion and not stage.prescribed and not pressures:
         yield "nothing moves: the tools stand where they touch the part"

@@ -11,11 +11,20 @@ from pydantic import Field, model_validator
 
 from presswork.case.part import Part
 from presswork.case.stamping.plan_line import PlanLine
-from presswork.case.units import Length, Stress, Time, fault
+from presswork.case.units import Length, Stress, Time, Volume, fault
 
 Line = Annotated[PlanLine, Field(discriminator="shape")]
-COURSES = ("p", "p_over_stroke", "p_over_time")
+COURSES = ("p", "p_over_stroke", "p_over_time", "inflow", "inflow_over_stroke", "inflow_over_time")
 """Keys of a stage's pressure, of which it takes one."""
+
+
+class Fluid(Part):
+    """A fluid in a closed space that the sheet bounds; its pressure is found: K ln(volume of the fluid over space)."""
+
+    stiffness: Stress = Field(
+        gt=0, description='K, its bulk modulus, with what the machine gives: water "2.2 GPa", oil "1.5 GPa" [MPa]'
+    )
+    room: Volume = Field(gt=0, description="volume of its space before the sheet has moved, of the whole part [mm^3]")
 
 
 class SheetPressure(Part):
@@ -31,6 +40,11 @@ class SheetPressure(Part):
         "they move. Without it and without outside: on the whole sheet",
     )
     outside: Line | None = Field(default=None, description="instead: line outside which it acts")
+    fluid: Fluid | None = Field(
+        default=None,
+        description="fluid whose pressure follows from what flows in (inflow of the stages), so that a run goes past a "
+        "maximum of the pressure; without it stages give the pressure",
+    )
 
     @model_validator(mode="after")
     def _check_one_line(self) -> Self:
@@ -55,17 +69,35 @@ class StagePressure(Part):
     p_over_time: tuple[tuple[Time, Stress], ...] | None = Field(
         default=None, description="instead: rows [time since the stage began, pressure], linear between them [s, MPa]"
     )
+    inflow: Volume | None = Field(
+        default=None,
+        description="of a fluid: volume that flows in over the stage, in proportion to its way, of the whole part; "
+        "negative: out [mm^3]",
+    )
+    inflow_over_stroke: tuple[tuple[Length, Volume], ...] | None = Field(
+        default=None,
+        description="instead: rows [stroke of what moves farthest in this stage, volume since it began] [mm, mm^3]",
+    )
+    inflow_over_time: tuple[tuple[Time, Volume], ...] | None = Field(
+        default=None, description="instead: rows [time since the stage began, volume since then] [s, mm^3]"
+    )
 
     @model_validator(mode="after")
     def _check_one_course(self) -> Self:
         present = [key for key in COURSES if getattr(self, key) is not None]
         if not present:
-            raise fault("no pressure is given", 'for instance p = "8 MPa", or leave the table out', key="p")
+            remedy = 'for instance p = "8 MPa", of a fluid inflow = "20 cm^3", or leave the table out'
+            raise fault("neither pressure nor inflow is given", remedy, key="p")
         if len(present) > 1:
             raise fault(f"{present[0]} and {present[1]} are both given", f"leave {present[1]} out", key=present[1])
-        if present[0] != "p":
+        if present[0] not in ("p", "inflow"):
             _check_rows(getattr(self, present[0]), present[0])
         return self
+
+    @property
+    def course(self) -> str:
+        """The key that gives its course."""
+        return next(key for key in COURSES if getattr(self, key) is not None)
 
 
 def _check_rows(rows: Sequence[tuple[float, float]], key: str) -> None:
@@ -75,5 +107,5 @@ def _check_rows(rows: Sequence[tuple[float, float]], key: str) -> None:
         raise fault("the table is empty", "give two rows at least", key=key)
     if rows[0][0] < 0 or any(later[0] <= row[0] for row, later in itertools.pairwise(rows)):
         raise fault(f"the {what} of the table do not increase from 0 on", "sort its rows", key=key)
-    if min(value for _, value in rows) < 0:
+    if key.startswith("p") and min(value for _, value in rows) < 0:
         raise fault("expected pressures >= 0", "a fluid pushes; take the other face of the sheet", key=key)

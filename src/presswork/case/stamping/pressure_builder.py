@@ -13,6 +13,7 @@ import numpy as np
 
 from presswork import model
 from presswork.case.errors import Problem, suggest
+from presswork.case.shell.schema import HOLDS
 from presswork.case.stamping.plan_line import draw_line
 from presswork.case.stamping.pressure import SheetPressure, StagePressure
 from presswork.case.stamping.schema import StampingCase
@@ -35,6 +36,8 @@ def check_pressures(case: StampingCase) -> list[Problem]:
                 problems.append(Problem(key, "no such pressure", suggest(name, case.pressure, "pressures")))
             elif stage.dwell is not None:
                 problems.append(Problem(key, "nothing moves in a dwell", "change the pressure in another stage"))
+            else:
+                problems += _check_kind(f"{key}.{stage.pressure[name].course}", name, case)
     named = {name for stage in case.stages for name in stage.pressure}
     for name in case.pressure:
         if name not in named:
@@ -46,6 +49,18 @@ def check_pressures(case: StampingCase) -> list[Problem]:
         fault = "pressure on the sheet is computed by the CPU alone"
         problems.append(Problem("explicit.device", fault, 'take "cpu"', case.explicit.device))
     return problems
+
+
+def _check_kind(key: str, name: str, case: StampingCase) -> Iterator[Problem]:
+    """Yield the problem of a pressure that is given to a fluid, or of an inflow without a fluid."""
+    is_inflow, fluid = ".inflow" in key, case.pressure[name].fluid
+    if is_inflow and fluid is None:
+        remedy = f'add pressure.{name}.fluid = {{stiffness = "2 GPa", room = "500 cm^3"}}, or give p'
+        yield Problem(key, "there is no fluid that could flow in", remedy)
+    elif not is_inflow and fluid is not None:
+        yield Problem(
+            key, "the pressure of a fluid with a volume is found", f"give inflow, or no pressure.{name}.fluid"
+        )
 
 
 def build_courses(case: StampingCase, stages: Sequence[model.Stage]) -> tuple[tuple[model.Stage, ...], list[Problem]]:
@@ -62,6 +77,7 @@ def build_courses(case: StampingCase, stages: Sequence[model.Stage]) -> tuple[tu
                 continue
             courses[name] = course
             before[name] = float(np.interp(1.0, *course.rows.T))
+            problems += _check_outflow(key, case.pressure[name], float(course.rows[:, 1].min()))
         found.append(replace(stage, pressure_course=courses))
     return tuple(found), problems
 
@@ -72,26 +88,34 @@ def _build_course(
     """Return the course of a pressure over a stage, which begins with that before [MPa]; or what is wrong with it."""
     if given is None:
         return model.PressureCourse(np.array([[0.0, before], [1.0, before]]))
-    if given.p is not None:
-        return model.PressureCourse(np.array([[0.0, before], [1.0, given.p]]))
-    over, rows = ("time", given.p_over_time) if given.p_over_time is not None else ("stroke", given.p_over_stroke)
-    assert rows is not None
-    whole = stage.duration * stage.slower if over == "time" else _find_stroke(stage)
-    key = f"{key}.p_over_{over}"
-    if whole == 0.0:
-        return Problem(key, "nothing moves by a stroke in this stage", "give p_over_time, or p")
-    table, unit = np.array(rows, dtype=float), "s" if over == "time" else "mm"
-    if table[-1, 0] > whole * (1 + 1e-9):
-        fault = f"goes on to {table[-1, 0]:g} {unit}, beyond the end of the stage at {whole:.6g} {unit}"
-        return Problem(key, fault, "shorten the table, or lengthen the stage", [list(row) for row in rows])
+    start, unit = (before, "mm3") if given.course.startswith("inflow") else (0.0, "MPa")
+    whole = getattr(given, given.course)
+    if given.course in ("p", "inflow"):
+        return model.PressureCourse(np.array([[0.0, before], [1.0, start + whole]]))
+    over, rows = given.course.rpartition("_")[2], whole
+    key, as_written = f"{key}.{given.course}", [list(row) for row in rows]
+    end = stage.duration * stage.slower if over == "time" else _find_stroke(stage)
+    if end == 0.0:
+        other = given.course.partition("_")[0]
+        return Problem(key, "nothing moves by a stroke in this stage", f"give {other}_over_time, or {other}")
+    table, along = np.array(rows, dtype=float), "s" if over == "time" else "mm"
+    table[:, 1] += start
+    if table[-1, 0] > end * (1 + 1e-9):
+        fault = f"goes on to {table[-1, 0]:g} {along}, beyond the end of the stage at {end:.6g} {along}"
+        return Problem(key, fault, "shorten the table, or lengthen the stage", as_written)
     if table[0, 0] == 0.0 and abs(table[0, 1] - before) > SAME * max(before, table[0, 1]):
-        fault = f"begins with {table[0, 1]:g} MPa, but the stage does with {before:g} MPa: a fluid does not jump"
-        return Problem(key, fault, f"begin it with [0, {before:g}]", [list(row) for row in rows])
+        begins = f"begins with {table[0, 1] - start:g} {unit}, but the stage does with {before - start:g} {unit}"
+        return Problem(key, f"{begins}: a fluid does not jump", f"begin it with [0, {before - start:g}]", as_written)
     if table[0, 0] > 0.0:
         table = np.vstack([(0.0, before), table])
-    return model.PressureCourse(
-        np.column_stack([table[:, 0] / whole, table[:, 1]]), "time" if over == "time" else "way"
-    )
+    return model.PressureCourse(np.column_stack([table[:, 0] / end, table[:, 1]]), "time" if over == "time" else "way")
+
+
+def _check_outflow(key: str, given: SheetPressure, least: float) -> Iterator[Problem]:
+    """Yield the problem of a fluid of which more flows out than there is; least: inflow since the start [mm3]."""
+    if given.fluid is not None and given.fluid.room + least <= 0.0:
+        fault = f"{-least:g} mm3 flow out of the room of {given.fluid.room:g} mm3"
+        yield Problem(key, fault, "let less flow out, or make the room larger")
 
 
 def _find_stroke(stage: model.Stage) -> float:
@@ -125,6 +149,12 @@ def build_pressures(
         if not len(pressed[each.name])
     ]
     problems += _check_apart(pressures, pressed)
+    problems += [
+        problem
+        for each in pressures
+        if each.fluid is not None and not tools
+        for problem in _check_closed(each, cells[pressed[each.name]], case, mesh)
+    ]
     middles = find_middles(mesh.points, cells)
     for each in pressures if is_flat else ():
         problems += _check_tools(each, middles[pressed[each.name]], tools, case.blank.thickness)
@@ -134,12 +164,13 @@ def build_pressures(
 def _build_pressure(name: str, given: SheetPressure, folder: Path) -> model.SheetPressure | Problem:
     keep: Literal["inside", "outside"] = "inside" if given.inside is not None else "outside"
     line = given.inside or given.outside
+    fluid = None if given.fluid is None else model.EnclosedFluid(given.fluid.stiffness, given.fluid.room)
     if line is None:
-        return model.SheetPressure(name, given.face)
+        return model.SheetPressure(name, given.face, None, fluid)
     polygon = draw_line(line, f"pressure.{name}.{keep}", folder)
     if isinstance(polygon, Problem):
         return polygon
-    return model.SheetPressure(name, given.face, model.PressedRegion(polygon, keep))
+    return model.SheetPressure(name, given.face, model.PressedRegion(polygon, keep), fluid)
 
 
 def _key_of_line(pressure: model.SheetPressure) -> str:
@@ -156,6 +187,24 @@ def _check_apart(
             fault = f"pushes {len(shared)} shells on the {one.face} face that {one.name} pushes, too"
             remedy = "bound both by lines that do not overlap, or take the other face"
             yield Problem(f"pressure.{other.name}", fault, remedy)
+
+
+def _check_closed(
+    pressure: model.SheetPressure, cells: model.IntArray, case: StampingCase, mesh: model.Mesh
+) -> Iterator[Problem]:
+    """Yield the problem of a fluid whose space is open where nothing holds the edge of the sheet."""
+    held = np.zeros(len(mesh.points), dtype=bool)
+    for name in ("symmetry_x", "symmetry_y"):
+        held[mesh.node_sets.get(name, np.zeros(0, dtype=np.int32))] = True
+    for entry in case.boundary.values():
+        if "z" in (entry.fix or HOLDS[entry.hold or "clamped"]):
+            held[mesh.node_sets[entry.set]] = True
+    rim = np.intersect1d(np.unique(mesh.boundary_edges[:, :2]), np.unique(cells))
+    free = int((~held[rim]).sum())
+    if free:
+        fault = f"its space is open: neither tools nor [boundary] hold {free} nodes of the edge that bounds it"
+        remedy = 'hold them, for instance boundary.clamp = {set = "edge", hold = "clamped"}'
+        yield Problem(f"pressure.{pressure.name}.fluid", fault, remedy)
 
 
 def _check_tools(

@@ -15,6 +15,7 @@ from presswork.body.shells import ShellMechanics
 from presswork.body.solids import Mechanics
 from presswork.implicit.linear.choose import make_solver
 from presswork.implicit.linear.contract import Iterations, LinearSolver
+from presswork.implicit.linear.dyads import Dyads
 from presswork.interaction.contract import (
     Border,
     Constraints,
@@ -93,6 +94,7 @@ class LinearSystem:
         self._timing = timing
         self._threads = threads
         self._diagonal = 1.0
+        self._dyads: Dyads | None = None
         self.negative_pivots = 0
         """Most negative pivots of any matrix of shells since this was set to zero."""
         self._analyse()
@@ -149,10 +151,26 @@ class LinearSystem:
         self._timing.add("assembly", started)
         started = perf_counter()
         self.solver.factorise(self.data, partial(self._find_rigid_motions, point, balance.constraints))
+        self._dyads = self._find_dyads(point, balance.constraints)
         if self._model.analysis == "shell":
-            self.negative_pivots = max(self.negative_pivots, self.solver.negative_pivots)
+            self.negative_pivots = max(self.negative_pivots, self.count_negative())
         self._timing.add("solve", started)
         return rhs
+
+    def _find_dyads(self, point: Point, constraints: Constraints) -> Dyads | None:
+        """Return the dyads at a guess, with the answers of the nodes to their columns; None: there are none."""
+        found = [dyad for forces in point.forces if forces for dyad in forces.dyads]
+        if not found:
+            return None
+        columns = np.array([turn(constraints, column) for column, _ in found])
+        columns[:, constraints.mask == 1] = 0.0
+        answers = self.solver.solve_all(columns.reshape(len(columns), -1)).reshape(columns.shape)
+        return Dyads([turn(constraints, row) for _, row in found], answers)
+
+    def count_negative(self) -> int:
+        """Return the number of negative pivots of the last matrix, as far as its solver reports it."""
+        pivots = self.solver.negative_pivots
+        return max(pivots - self._dyads.n_negative, 0) if self._dyads else pivots
 
     def correct(self, balance: Balance, point: Point, *, refactorise: bool) -> tuple[FloatArray, FloatArray]:
         """Return the next correction (n_points, freedoms), global frame, and the travel of an interaction's freedoms.
@@ -203,7 +221,8 @@ class LinearSystem:
     def _solve_all(self, loads: Sequence[FloatArray]) -> FloatArray:
         """Return the solutions (k, n_points, freedoms) for right-hand sides of that form, in one substitution."""
         rhs = np.array(loads)
-        return self.solver.solve_all(rhs.reshape(len(rhs), -1)).reshape(rhs.shape)
+        found = self.solver.solve_all(rhs.reshape(len(rhs), -1)).reshape(rhs.shape)
+        return self._dyads.correct(found) if self._dyads else found
 
     def find_whole(
         self, constraints: Constraints, point: Point, resistances: Sequence[Resistance | None]

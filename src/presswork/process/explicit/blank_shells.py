@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -19,7 +18,7 @@ from presswork.mesh.pressed_cells import find_pressed_cells, find_side
 from presswork.model import ExplicitSheet, IntArray, Model
 from presswork.process.explicit.intervals import weigh_nodes
 from presswork.process.mesh_change.transfer import ShellStart
-from presswork.process.stamping_tools import tabulate_pressure
+from presswork.process.stamping_tools import share_pressures, tabulate_pressure
 from presswork.ranks.world import World
 
 
@@ -32,11 +31,10 @@ def find_precision(model: Model) -> Literal["double", "single"]:
 def add_pressures(model: Model, shells: ExplicitShells) -> None:
     """Let the pressures of a model act on its shells, a fluid in the part of its space that is modelled."""
     points, cells = model.mesh.points, model.cells
-    for pressure in model.sheet_pressures:
+    for pressure in share_pressures(model):
         times, values = tabulate_pressure(model, pressure.name)
         fluid = pressure.fluid
         if fluid is not None:
-            fluid = replace(fluid, room=fluid.room / model.whole)
             values = fluid.room + values / model.whole
         pressed = cells[find_pressed_cells(points, cells, pressure)]
         shells.add_pressure(pressure.name, pressed, find_side(points, cells, pressure.face), (times, values), fluid)
