@@ -29,6 +29,7 @@ COMMANDS = {
     "compensate": "Correct the tools for springback, loop by loop, until the part has the shape it is drawn to.",
     "devices": "List what explicit runs can compute on: the CPU, and NVIDIA cards where there are any.",
     "materials": "List the sheet materials of the library.",
+    "stone": "Draw a stone over a panel: where it would not touch, and by how much.",
     "onestep": "Find the flat blank of a finished part: outline, thinning, formability, punch force.",
     "calibrate": "Find a parameter from measured tests.",
     "material": "Sheet materials at a point.",
