@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 import presswork
 from presswork import Case, CaseError, OneStepCase, OutputError, StampingCase
 from presswork.cli import app
-from presswork.cli.sweep import _report_members
+from presswork.cli.study.sweep import _report_members
 from presswork.examples import copy_example
 from presswork.post import measure_draw_in
 from presswork.study import run_sweep

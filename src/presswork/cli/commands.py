@@ -39,8 +39,9 @@ COMMANDS = {
 """First paragraph of each command's help by its name. A command is the function of that name in the module of that name
 in this package; a group of commands is the Typer `app` of its module."""
 
-_MODULES = {"import": "import_deck"}
-"""Modules of commands whose name is no name of a module."""
+_STUDIES = ("sweep", "optimise", "robust", "blank", "compensate", "calibrate")
+_MODULES = {"import": "import_deck"} | {name: f"study.{name}" for name in _STUDIES}
+"""Modules of commands where they have another name."""
 
 
 def load(name: str) -> Any:

@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from presswork.case import CaseError
 from presswork.case.errors import Problem
-from presswork.cli.members import BringBack, ClusterAddress, MemberTimeout, choose_cluster
+from presswork.cli.study.members import BringBack, ClusterAddress, MemberTimeout, choose_cluster
 from presswork.cli.terminal import GAVE_UP, INTERRUPTED, RunUserCode, console, refuse
 from presswork.recorder import Progress as RunProgress
 from presswork.results import OutputError

@@ -10,7 +10,7 @@ from typing import Annotated
 import typer
 
 from presswork.case.errors import CaseError, Problem
-from presswork.cli.members import (
+from presswork.cli.study.members import (
     BringBack,
     ClusterAddress,
     Jobs,

@@ -12,7 +12,7 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from presswork.case import CaseError
-from presswork.cli.members import MemberTimeout
+from presswork.cli.study.members import MemberTimeout
 from presswork.cli.terminal import GAVE_UP, INTERRUPTED, RunUserCode, console, refuse
 from presswork.recorder import Progress as RunProgress
 from presswork.results import OutputError

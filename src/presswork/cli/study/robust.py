@@ -12,7 +12,7 @@ from typing import Annotated, Any
 import typer
 
 from presswork.case.errors import CaseError
-from presswork.cli.members import (
+from presswork.cli.study.members import (
     BringBack,
     ClusterAddress,
     Jobs,
