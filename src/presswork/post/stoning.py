@@ -16,8 +16,7 @@ import numpy as np
 
 from presswork.model import FloatArray, IntArray
 from presswork.post.springback import find_formed_step
-from presswork.results import Result, ResultError
-from presswork.view.cells import triangulate
+from presswork.results import Result, ResultError, ResultMesh
 
 STEEPEST = 1.0
 """Slope of a panel's wall beyond which no stone is drawn over it."""
@@ -72,7 +71,7 @@ def stone(
     if length > MOST_POINTS * spacing:
         most = f"{MOST_POINTS} times the spacing, {MOST_POINTS * spacing:g} mm"
         raise ResultError(f"length = {length:g} mm: give at most {most}")
-    triangles = triangulate(result.mesh_at(step)).astype(np.int32)
+    triangles = _triangulate(result.mesh_at(step))
     sign = 1.0 if side == "top" else -1.0
     points = result.points(step)
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
@@ -86,6 +85,13 @@ def stone(
         formed = result.points(find_formed_step(result, step))
         found = found - _find_gaps(formed, triangles, (x, y), sign, length, spacing, direction)
     return Stoning(x, y, found)
+
+
+def _triangulate(mesh: ResultMesh) -> IntArray:
+    """Return the shells of a mesh as triangles (n, 3)."""
+    cells = [block.connectivity for block in mesh.blocks]
+    corners = [(0, 1, 2), (0, 2, 3)]
+    return np.concatenate([of[:, list(at)] for of in cells for at in corners if max(at) < of.shape[1]]).astype(np.int32)
 
 
 def _find_gaps(

@@ -71,8 +71,7 @@ class StagePressure(Part):
     )
     inflow: Volume | None = Field(
         default=None,
-        description="of a fluid: volume that flows in over the stage, in proportion to its way, of the whole part; "
-        "negative: out [mm^3]",
+        description="of a fluid: volume that flows in evenly over the stage, of the whole part; negative: out [mm^3]",
     )
     inflow_over_stroke: tuple[tuple[Length, Volume], ...] | None = Field(
         default=None,
