@@ -18,15 +18,18 @@ import tomli_w
 from typer.testing import CliRunner
 
 from presswork import CaseError
-from presswork.api import identify
+from presswork.api import identify, load, run
 from presswork.cli.commands import app
+from presswork.cli.study.robust import describe_limit
 from presswork.examples import copy_example
+from presswork.results import Result
 from presswork.study.runner import Ended, Event, Started, Task
 from presswork.study.scatter.draws import Draws, draw_points
 from presswork.study.scatter.gaussian_process import GaussianProcess
+from presswork.study.scatter.maps import draw_map, map_field
 from presswork.study.scatter.robust import Robustness, complete, prepare
 from presswork.study.scatter.statistics import find_indices
-from presswork.study.scatter.study_file import Sampling, read_coils, read_study
+from presswork.study.scatter.study_file import Map, Sampling, read_coils, read_study
 
 Function = Callable[[float, float, float], float | None]
 KEYS = ("stages.0.tools.punch.stroke", "materials.steel.young", "materials.steel.poisson")
@@ -244,6 +247,39 @@ tools.die = {stroke = 1, direction = [0, -1]}
 """
 
 
+def test_a_map_shows_where_runs_pass_a_limit(tmp_path: Path) -> None:
+    """Three runs, of which one is squeezed beyond it; a fourth has another mesh, a fifth no results."""
+    (tmp_path / "block.toml").write_text(BLOCK)
+    strokes = {"a": 0.4, "b": 0.6, "c": 0.8}
+    for name, stroke in strokes.items():
+        run(load(tmp_path / "block.toml", [f"stages.0.tools.die.stroke={stroke}"]), tmp_path / name, threads=1)
+    run(load(tmp_path / "block.toml", ["workpiece.mesh.cells=[3, 3]"]), tmp_path / "d", threads=1)
+    values = np.array([Result(tmp_path / name).scalar("equivalent_plastic_strain") for name in strokes])
+    limit = 0.5 * (values[1].max() + values[2].max())
+    folders = [tmp_path / name for name in (*strokes, "d", "e")]
+    found, _ = map_field(Map(field="equivalent_plastic_strain", at_most=limit), folders)
+    assert found is not None
+    assert (found.counted, found.left_out) == (3, 2)
+    np.testing.assert_allclose(found.share, (values > limit).mean(axis=0))
+    assert found.worst == int(np.argmax(values[2]))
+    path = draw_map(found, tmp_path / "a", tmp_path / "map.png")
+    assert path is None or path.stat().st_size > 10_000
+    nothing, fault = map_field(Map(field="thinning", at_most=1.0), folders[:-1])
+    assert nothing is None
+    assert "thinning" in fault
+
+
+def test_a_limit_is_described_in_a_line(tmp_path: Path) -> None:
+    data = judge(lambda x, y, z: 7.9 + 0.1 * x, tmp_path, sampling={"runs": 16}).data
+    text = describe_limit(data["limits"][0], data["runs"])
+    assert text.startswith("max_equivalent_plastic_strain at most 8: 5 of 16 runs beyond (with 95 % confidence at most")
+    assert f"half the scatter of {KEYS[0]}" in text
+    refused = CliRunner().invoke(app, ["robust", str(write(tmp_path, coils="coils.csv"))])
+    assert refused.exit_code == 2
+    assert "no input takes a column of it" in refused.output
+
+
+@pytest.mark.validation
 def test_a_study_runs_from_the_command_line_and_maps_a_field(tmp_path: Path) -> None:
     """Eight runs, a quarter of which are squeezed beyond the limit."""
     (tmp_path / "block.toml").write_text(BLOCK)
