@@ -26,6 +26,7 @@ from presswork.report.pack import Blocks
 from presswork.report.run_data import pack_run
 from presswork.results import Result
 from presswork.results.whole_file import write_whole
+from presswork.server.drawing import MOTION
 from presswork.server.opened_folder import OpenedFolder, RefusedError
 from presswork.server.processes import PROCESSES
 from presswork.server.toml_text import rewrite
@@ -216,6 +217,9 @@ class Drafts:
         with self._lock:
             blocks = Blocks()
             run = pack_run(Result(self.folder), blocks, _DRAWING_BYTES)
+            motion = json.loads((self.folder / MOTION).read_text(encoding="utf-8"))
+        run["steps"] = [{**run["steps"][0], **moment} for moment in motion["moments"]]
+        run["symmetry"] = run["symmetry"] or motion["symmetry"]
         header = {"version": __version__, "written": "", "runs": [run], "is_drawing": True}
         return assemble_page(header, blocks)
 

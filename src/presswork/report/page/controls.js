@@ -5,7 +5,7 @@ import { savePicture } from "./save.js";
 import { make, makeButton, makeSelect, makeToggle } from "./elements.js";
 
 const find = (id) => document.getElementById(id);
-const FRAME = 180; // ms a step when playing, at least
+const FRAME = 180, FRAME_OF_MOTION = 70; // ms a step when playing, at least
 
 /** Return the fields of a run as options in groups: chosen first, components below. */
 function groupFields(run) {
@@ -91,7 +91,7 @@ export function makeTimeline(runs, store, stage) {
     const next = async () => {
       const before = performance.now(), { step } = store.state;
       await store.set({ step: step + 1 < run().steps.length ? step + 1 : 0 });
-      timer = setTimeout(next, Math.max(FRAME - (performance.now() - before), 15));
+      timer = setTimeout(next, Math.max((store.state.isDrawing ? FRAME_OF_MOTION : FRAME) - (performance.now() - before), 15));
     };
     timer = setTimeout(next, 0);
   };
@@ -105,7 +105,8 @@ export function makeTimeline(runs, store, stage) {
   const jump = (change, title, text) => makeButton(text, () => { stop(); go(store.state.step + change); }, title);
   const picture = makeButton("Save picture", () => savePicture(stage, run(), store.state.step, store.state.field || "part"), "Save the view as a picture");
   const print = makeButton("Print", () => document.dispatchEvent(new Event("print-all")), "Print the view and all tabs");
-  find("timeline").replaceChildren(play, jump(-1, "Step before", "◀"), slider, jump(1, "Step after", "▶"), label, picture, print);
+  const clash = store.state.isDrawing ? makeClashJump(run(), (step) => { stop(); go(step); }) : null;
+  find("timeline").replaceChildren(...[play, jump(-1, "Step before", "◀"), slider, jump(1, "Step after", "▶"), label, ...(store.state.isDrawing ? [clash] : [picture, print])].filter(Boolean));
   document.addEventListener("keydown", (event) => {
     if (event.target.closest("input, select, textarea, [role=slider], [role=tab]")) return;
     const change = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity }[event.key];
@@ -116,8 +117,17 @@ export function makeTimeline(runs, store, stage) {
     slider.max = String(steps.length - 1);
     slider.value = String(step);
     slider.disabled = play.disabled = steps.length < 2;
-    const text = `${step + 1}/${steps.length}  ${steps[step].label}`;
+    const text = store.state.isDrawing ? steps[step].label : `${step + 1}/${steps.length}  ${steps[step].label}`;
     label.textContent = text;
     slider.setAttribute("aria-valuetext", text);
   });
+}
+
+/** Return a button that goes to where tools first meet on their path; null where they do not. */
+function makeClashJump(run, go) {
+  const first = run.steps.findIndex((step) => step.clash);
+  if (first < 0) return null;
+  const button = makeButton("Clash", () => go(first), `Go to where ${run.steps[first].clash.text}`);
+  button.classList.add("clash");
+  return button;
 }

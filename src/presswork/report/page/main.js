@@ -10,7 +10,7 @@ import { Store } from "./store.js";
 
 const find = (id) => document.getElementById(id);
 const header = JSON.parse(find("header").textContent);
-const runs = header.runs.map((run, i) => new Run(run, i));
+const runs = header.runs.map((run, i) => new Run({ ...run, isDrawing: Boolean(header.is_drawing) }, i));
 
 function showHead() {
   const [run] = runs, { summary } = run, words = [];
@@ -41,7 +41,7 @@ function showHead() {
 
 const isDrawing = Boolean(header.is_drawing);
 const state = {
-  run: 0, other: Math.min(1, runs.length - 1), step: runs[0].steps.length - 1, layout: runs.length > 1 ? "side" : "one",
+  run: 0, other: Math.min(1, runs.length - 1), step: isDrawing ? 0 : runs[0].steps.length - 1, isDrawing, layout: runs.length > 1 ? "side" : "one",
   field: isDrawing ? "" : runs[0].fields[0].name, view: "section", direction: "iso", looks: 0, isSmooth: true, hasLines: isDrawing || runs[0].meshes[0].faces < 6000, hasIsolines: false, hasFlow: false,
   hasBands: false, hasExtremes: true, scale: "auto", rangeOf: "step", range: null, tools: "transparent", clip: { axis: "", part: 0.5, isFlipped: false }, picked: null, measure: null,
 };
@@ -49,13 +49,13 @@ const state = {
 async function start() {
   showHead();
   const store = new Store(state, () => stage.update()), stage = new Stage(runs, store);
+  if (isDrawing) document.body.classList.add("drawing");
   makeToolbar(runs, store);
   makeTimeline(runs, store, stage);
   await store.set({});
   document.documentElement.dataset.ready = String(Math.round(performance.now()));
   makePanels(runs, store, stage);
-  if (isDrawing) document.body.classList.add("drawing");
-  else if (header.served) follow(header.served, runs, store, showHead);
+  if (header.served && !isDrawing) follow(header.served, runs, store, showHead);
   Object.assign(window, { presswork: { store, stage, runs } });
 }
 

@@ -9,7 +9,8 @@ import { makeBodyMaterial, makeCapMaterial, makeLineMaterial, makeToolMaterial }
 const IMAGES = { "": [[1, 1]], x: [[1, 1], [-1, 1]], y: [[1, 1], [1, -1]], xy: [[1, 1], [-1, 1], [1, -1], [-1, -1]] };
 const TOOL_COLOURS = [[0.36, 0.4, 0.46], [0.55, 0.4, 0.24], [0.22, 0.42, 0.52], [0.36, 0.5, 0.26]];
 const MOST_EDGES = 60000;
-const AROUND = 0.35; // of the part's size: how far beyond it the view shows tools
+const AROUND = 0.35, AROUND_START = 0.7; // of the part's size: how far beyond it the view shows tools
+const CLASH = [0.78, 0.12, 0.16], MOST_TRIED = 400;
 
 const attribute = (array, size = 3) => new BufferAttribute(array, size);
 
@@ -123,7 +124,7 @@ export class RunScene {
     for (const { group, surface, edges } of this.tools) {
       group.visible = tools !== "hidden";
       const material = surface.material;
-      material.uniforms.plain.value.w = tools === "solid" ? 1 : this.isSection ? 0.4 : 0.09;
+      material.uniforms.plain.value.w = tools === "solid" ? 1 : this.isSection ? 0.4 : this.run.isDrawing ? 0.2 : 0.09;
       if (material.depthWrite !== (tools === "solid")) {
         material.depthWrite = tools === "solid";
         material.transparent = tools !== "solid";
@@ -151,10 +152,11 @@ export class RunScene {
 
   /** Return low and high corners of the part and of the tools at it; of large tools what is near the part. */
   boundsWithTools() {
-    const own = this.bounds(), size = AROUND * Math.max(...own.high.map((value, i) => value - own.low[i])), place = new Vector3();
+    const own = this.bounds(), size = (this.run.isDrawing ? AROUND_START : AROUND) * Math.max(...own.high.map((value, i) => value - own.low[i])), place = new Vector3();
     const [low, high] = [[...own.low], [...own.high]];
-    for (const { group, pivot, surface } of this.tools) {
+    for (const { group, pivot, surface, home } of this.tools) {
       if (!group.visible || !pivot.visible) continue;
+      home?.updateMatrixWorld(true);
       group.updateMatrixWorld(true);
       const corners = surface.geometry.getAttribute("position");
       for (let corner = 0; corner < corners.count; corner++) {
@@ -196,14 +198,17 @@ export class RunScene {
 
   async #placeTools(step, isRevolved) {
     if (this.toolsAre !== String(isRevolved)) {
-      for (const { group } of this.tools) this.scene.remove(group);
+      for (const { group, home } of this.tools) (home ?? this.scene).remove(group);
       this.toolsAre = String(isRevolved);
       this.isSection = this.run.dimension === 2 && !isRevolved;
-      this.tools = await Promise.all(this.run.tools.map((tool, i) => this.#makeTool(tool, i, isRevolved)));
-      for (const { group } of this.tools) this.scene.add(group);
+      const tools = await Promise.all(this.run.tools.map((tool, i) => this.#makeTool(tool, i, isRevolved)));
+      for (const { group } of tools) this.scene.add(group);
+      this.tools = [...tools, ...(this.isSection ? this.images.slice(1).flatMap((image) => tools.map((tool) => copyTool(tool, image))) : [])];
     }
-    this.run.steps[step].tools.forEach((place, i) => {
-      const { group, pivot } = this.tools[i];
+    const { tools: places, clash } = this.run.steps[step], count = this.run.tools.length;
+    this.tools.forEach(({ group, pivot, surface, colour }, k) => {
+      const i = k % count, place = places[i], isMeeting = clash?.names.includes(this.run.tools[i].name);
+      surface.material.uniforms.plain.value.set(...(isMeeting ? CLASH : colour), surface.material.uniforms.plain.value.w);
       pivot.visible = place[0] !== null;  // a tool of another operation has no place
       const isSolid = this.run.dimension === 3, [cx, cy, cz = 0] = this.run.tools[i].centre;
       const [dx, dy, dz] = isSolid ? place : [place[0], place[1], 0];
@@ -233,7 +238,29 @@ export class RunScene {
     edges.renderOrder = 1;
     pivot.add(surface, edges);
     group.add(pivot);
-    return { group, pivot, surface, edges };
+    return { group, pivot, surface, edges, colour: [red, green, blue] };
+  }
+
+  /** Return where the name of a tool stands: near the part, away from other names, and moving along; null where it is not at work. */
+  toolPlace(i) {
+    const tool = this.tools[i];
+    if (!tool?.pivot.visible) return null;
+    tool.group.updateMatrixWorld(true);
+    const corners = tool.surface.geometry.getAttribute("position"), at = (corner) => new Vector3().fromBufferAttribute(corners, corner).applyMatrix4(tool.surface.matrixWorld);
+    tool.named ??= this.#chooseCorner(corners.count, at, this.tools.map((other) => other.namedAt).filter(Boolean));
+    tool.namedAt = at(tool.named);
+    return tool.namedAt.toArray();
+  }
+
+  #chooseCorner(count, at, others) {
+    const { low, high } = this.bounds(), size = Math.max(...high.map((value, axis) => value - low[axis])), middle = new Vector3(...low.map((value, axis) => 0.5 * (value + high[axis])));
+    let best = 0, most = -Infinity;
+    for (let corner = 0; corner < count; corner += Math.max(1, Math.floor(count / MOST_TRIED))) {
+      const place = at(corner), beyond = Math.hypot(...place.toArray().map((value, axis) => Math.max(low[axis] - value, value - high[axis], 0)));
+      const score = Math.min(0.5 * size, ...others.map((other) => other.distanceTo(place))) + Math.min(beyond, 0.15 * size) - 0.6 * beyond - 0.1 * Math.max(0, middle.x - place.x);
+      if (score > most) [best, most] = [corner, score];
+    }
+    return best;
   }
 
   async #makeSurface(number) {
@@ -245,6 +272,14 @@ export class RunScene {
     geometry.setAttribute("position", attribute(corners));
     return { corners, edges: new EdgesGeometry(geometry, 20).getAttribute("position").array };
   }
+}
+
+/** Return a tool once more, in an image of the part that a symmetry plane cuts off. */
+function copyTool({ group, colour }, image) {
+  const copied = group.clone(true), [pivot] = copied.children, [surface, edges] = pivot.children;
+  surface.material = surface.material.clone();
+  image.add(copied);
+  return { group: copied, pivot, surface, edges, colour, home: image };
 }
 
 /** Return where the material of a shape's nodes was at the start (n, 3); reference: of the surface's nodes (m, dimension). */

@@ -175,6 +175,7 @@ export class Stage {
       if (state.picked && state.picked.run === number && state.picked.face < scene.mesh.faces)
         this.#addMark(this.#describePick(state.picked), scene.facePlace(state.picked.face), at, "pin");
     });
+    if (state.isDrawing) this.#makeNames(numbers[0]);
     if (this.runs.length > 1)
       numbers.forEach((number, view) => {
         if (state.layout === "overlay") return;
@@ -183,6 +184,16 @@ export class Stage {
         this.marks.push({ element: caption });
       });
     find("marks").replaceChildren(...this.marks.map((mark) => mark.element));
+  }
+
+  /** Write the names of the tools that are at work at them, and what meets. */
+  #makeNames(number) {
+    const scene = this.scenes[number], run = this.runs[number], { clash } = run.steps[this.stepOf(number)];
+    run.tools.forEach(({ name }, i) => {
+      const place = scene.toolPlace(i);
+      if (place) this.#addMark(name.replaceAll("_", " "), place, 0, clash?.names.includes(name) ? "name meets" : "name");
+    });
+    find("message").textContent = clash ? clash.text : "";
   }
 
   #describePick({ run, face, node }) {
@@ -231,7 +242,7 @@ export class Stage {
       const [x, y] = this.viewer.project(place, view);
       element.style.left = `${x}px`;
       element.style.top = `${y}px`;
-      element.classList.toggle("left", x > width - 260 && x > 130);
+      element.classList.toggle("left", x > width - 260 && x > 130 && !element.classList.contains("name"));
     }
     this.#paintRuler();
     paintTriad(find("marks"), this.viewer.camera, this.isFlat() && this.runs[this.store.state.run].axisymmetric);

@@ -131,7 +131,7 @@ export class Viewer {
   /** Return width of a viewport and height of all [px], and what of the width is left free for the legend. */
   #layout() {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement, n = Math.max(this.views.length, 1);
-    const legend = width > 600 ? 150 : 112;
+    const legend = document.body.classList.contains("drawing") ? 0 : width > 600 ? 150 : 112;
     return n === 1 ? { part: width, height, beside: legend } : { part: (width - legend) / n, height, beside: 0 };
   }
 

@@ -110,7 +110,7 @@ function show({ problems, description, note, drawn }) {
     frame.hidden = false;
     frame.src = `drawing?of=${drawn}`;
   }
-  frame.style.opacity = problems.length ? "0.35" : "1";
+  frame.style.opacity = problems.length && !drawn ? "0.35" : "1";
   curves.show(findMaterial(), data);
 }
 
