@@ -2,9 +2,11 @@
 // A form of a case: every key that its schema knows, those that are given first.
 import { makeCells } from "./cells.js";
 import { make, makeButton } from "./elements.js";
+import { isProfile, makeProfile } from "./profile.js";
 import { chooseKind, classify, makeTable, parseValue, showValue } from "./schema.js";
 
 const FILES = new Set(["path", "profile_file", "library", "umat"]);
+const isTool = (path) => path.at(-2) === "tools" && (path.length === 2 || path[0] === "operations");
 const toWords = (name) => name.replaceAll("_", " ");
 
 export class Form {
@@ -102,15 +104,28 @@ export class Form {
 
   #make(node, value, path, isRequired) {
     const shape = classify(node, this.schema, value);
+    if (path.at(-1) === "profile" && shape.kind === "list" && isProfile(value)) return this.#makeProfile(shape, value, path);
     const make = { table: () => this.#makeTable(shape, value, path, isRequired), kinds: () => this.#makeKinds(shape, value, path, isRequired), named: () => this.#makeNamed(shape, value, path), list: () => this.#makeList(shape, value, path), cells: () => this.#makeCellsField(shape, value, path), choices: () => this.#makeChoices(shape, value, path, isRequired) }[shape.kind];
     return make ? make() : this.#makeField(shape, value, path, isRequired);
+  }
+
+  /** Return the table and the drawing of a profile. */
+  #makeProfile({ description }, value, path) {
+    const own = { key: path.join("."), name: toWords(String(path.at(-1))), description, change: (list, isAnew) => this.#change(path, list, isAnew), addPlace: (key, place) => this.places.set(key, place) };
+    return this.#makeBox(path, "", makeProfile(value, own));
+  }
+
+  /** Return what a box is called: an entry of a list by its number and its own name. */
+  #nameBox(path) {
+    const last = path.at(-1), own = path.reduce((here, key) => here?.[key], this.data)?.name;
+    return /^\d+$/.test(String(last)) ? `${Number(last) + 1}${own ? `: ${own}` : ""}` : toWords(String(last));
   }
 
   /** Return a box around a table; one that is not there has a button that adds it. */
   #makeBox(path, description, ...children) {
     const fault = make("p", { class: "fault group", role: "status", tabindex: "-1" }), key = path.join(".");
     this.places.set(key, { fault });
-    return make("fieldset", {}, make("legend", {}, toWords(String(path.at(-1)))), description ? make("p", { class: "soft" }, description) : null, fault, ...children);
+    return make("fieldset", {}, make("legend", {}, this.#nameBox(path)), description ? make("p", { class: "soft" }, description) : null, fault, ...children);
   }
 
   #makeAdder(path, description, word, start) {
@@ -125,7 +140,8 @@ export class Form {
 
   #makeTable({ node, description }, value, path, isRequired) {
     if (value === undefined) return this.#makeAdder(path, description, "Add", () => makeTable(node, this.schema));
-    return this.#makeBox(path, description, ...this.#makeKeys(node, value, path), isRequired ? null : this.#remover(path));
+    const fromFile = isTool(path) && (node.properties.profile_file || node.properties.path) ? this.#makeToolFile(path) : null;
+    return this.#makeBox(path, description, fromFile, ...this.#makeKeys(node, value, path), isRequired ? null : this.#remover(path));
   }
 
   #makeKinds(shape, value, path, isRequired) {
@@ -137,7 +153,8 @@ export class Form {
     const help = kinds[word]?.description ?? "", fault = make("span", { class: "fault", role: "status" });
     this.places.set(`${path.join(".")}.${tag}`, { fault, input: select });
     const field = make("div", { class: "field" }, make("label", { for: id }, tag ?? "kind"), select, make("span"), make("span", { class: "help" }, help), fault);
-    return this.#makeBox(path, description, field, ...(kinds[word] ? this.#makeKeys(kinds[word], value, path, tag) : []), isRequired ? null : this.#remover(path));
+    const fromFile = isTool(path) && tag === "shape" && kinds.file ? this.#makeToolFile(path, kinds.file) : null;
+    return this.#makeBox(path, description, fromFile, field, ...(kinds[word] ? this.#makeKeys(kinds[word], value, path, tag) : []), isRequired ? null : this.#remover(path));
   }
 
   /** Return a table of another kind with what both kinds have. */
@@ -258,6 +275,31 @@ export class Form {
       field.classList.remove("over");
       if (event.dataTransfer.files[0]) this.#takeFile(event.dataTransfer.files[0], path);
     });
+  }
+
+  /** Return a button that makes a tool's shape that of a file: node, of a tool from a file in space; else its profile. */
+  #makeToolFile(path, node) {
+    const key = [...path, "from file"].join("."), fault = make("span", { class: "fault", role: "status" });
+    const endings = node ? ".stl,.step,.stp,.iges,.igs" : ".dxf,.step,.stp,.csv,.txt";
+    const choose = make("input", { type: "file", hidden: true, "aria-hidden": "true", tabindex: "-1", accept: endings, onchange: () => choose.files[0] && this.#takeShape(choose.files[0], path, node, fault) });
+    const button = makeButton(node ? "Shape from STL or STEP …" : "Profile from DXF, STEP or points …", () => choose.click(), `Shape of ${path.at(-1)} from a file`);
+    button.classList.add("small");
+    this.places.set(key, { fault });
+    return make("p", { class: "row" }, button, choose, fault);
+  }
+
+  async #takeShape(file, path, node, fault) {
+    try {
+      fault.textContent = `${file.name} is copied beside the case …`;
+      const name = await this.onFile(file), value = path.reduce((here, key) => here[key], this.data);
+      if (!node) {
+        delete value.profile;
+        return this.#change([...path, "profile_file"], name, true);
+      }
+      this.#change(path, { ...Object.fromEntries(Object.entries(value).filter(([one]) => one in node.properties)), shape: "file", path: name }, true);
+    } catch (error) {
+      fault.textContent = error.message;
+    }
   }
 
   async #takeFile(file, path) {
