@@ -69,7 +69,7 @@ class Drafts:
         process = PROCESSES.get(starter)
         if process is None:
             raise RefusedError(f"there is no process {starter}", 404)
-        path = self._find_free(name)
+        path = self.find_free(name)
         text = (_STARTERS / f"{starter}.toml").read_text(encoding="utf-8")
         data = tomllib.loads(text)
         process.fill(data, process.read(given))
@@ -83,7 +83,7 @@ class Drafts:
         """Copy an example with its files, or set up a process, into the folder under a name; return the case's name."""
         if starter in PROCESSES:
             return self.set_up(starter, name, {})
-        path = self._find_free(name)
+        path = self.find_free(name)
         try:
             with tempfile.TemporaryDirectory(dir=self.folder) as place:
                 copied = copy_example(starter, place)
@@ -96,9 +96,11 @@ class Drafts:
             raise RefusedError(str(error), 404) from error
         return self._opened.name(path)
 
-    def _find_free(self, name: str) -> Path:
-        """Return where a new case of a name goes. Raises RefusedError if there is one."""
-        path = self._new_file(f"{name}.toml")
+    def find_free(self, name: str, folder: Path | None = None) -> Path:
+        """Return where a new TOML file of a name goes. Raises RefusedError if there is one."""
+        path = self._new_file(
+            f"{name}.toml", "" if folder is None or folder == self._opened.root else self._opened.name(folder)
+        )
         if os.path.lexists(path):
             raise RefusedError(f"{path.name} is there already; choose another name", 409)
         return path

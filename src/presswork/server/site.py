@@ -10,16 +10,20 @@ from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
 
+from pydantic_core import PydanticCustomError
+
 from presswork import __version__
-from presswork.case.material.library import list_sheets
+from presswork.case import CaseError
 from presswork.report import ServedRun, assemble_page, make_policy
 from presswork.report.pack import Blocks
 from presswork.results.folder import CASE, CHECKPOINT, RESULTS
 from presswork.server.drafts import Drafts
 from presswork.server.http import Request, Response, answer_json
 from presswork.server.jobs import Jobs
-from presswork.server.material_curves import describe_material
+from presswork.server.material_curves import describe_material, list_materials
+from presswork.server.material_fit import fit_test
 from presswork.server.opened_folder import OpenedFolder, RefusedError, read_case_data, require_no_code
+from presswork.server.processes.metals import make_hot
 from presswork.server.run_list import RunList
 from presswork.server.scratch import Scratch
 
@@ -54,7 +58,7 @@ class Site:
             "starters": lambda _: answer_json(self.drafts.list_starters()),
             "draft": lambda r: answer_json(self.drafts.open(r.get("case"))),
             "drawing": lambda _: Response(self.drafts.draw_page().encode(), "text/html", make_policy()),
-            "materials": lambda _: answer_json([{"key": s.key, "name": s.name} for s in list_sheets()]),
+            "materials": lambda _: answer_json(list_materials()),
             "table": lambda r: answer_json(self.list.read_sweep(r.get("sweep"))),
         }
         post: dict[str, Callable[[Request], Response]] = {
@@ -64,6 +68,8 @@ class Site:
             "create": lambda r: answer_json({"name": self.drafts.create(r.get("starter"), r.get("name"))}),
             "setup": self._set_up,
             "upload": lambda r: answer_json({"name": self.drafts.upload(r.get("case"), r.get("name"), r.body)}),
+            "fit": self._fit,
+            "complete": lambda r: answer_json(make_hot(r.get("name"))),
             "material": lambda r: answer_json(describe_material(r.get_json())),
             "check": self._check,
             "save": self._save,
@@ -166,6 +172,20 @@ class Site:
             if error.status != 400:
                 raise
             return answer_json({"fault": str(error)})
+
+    def _fit(self, request: Request) -> Response:
+        """Fit laws to a file beside a case; a name under `save` writes them there as a material of that name."""
+        asked, folder = request.get_json(), self.opened.find(request.get("case")).parent
+        path = self.opened.find(f"{self.opened.name(folder)}/{request.get('file')}")
+        if not path.is_file():
+            raise RefusedError("there is no such file", 404)
+        name = str(asked.get("save") or "")
+        try:
+            target = self.drafts.find_free(name, folder) if name else None
+            found = fit_test(path, asked, target)
+        except (CaseError, PydanticCustomError, RefusedError) as error:
+            return answer_json({"fault": str(error)})
+        return answer_json({**found, "saved": target.name if target else ""})
 
     def _check(self, request: Request) -> Response:
         asked = request.get_json()

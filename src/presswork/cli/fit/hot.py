@@ -5,13 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import tomli_w
 import typer
 
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.material.sheet import check_sheet_material
 from presswork.case.units import DENSITY, HEAT_CAPACITY, Dimension, to_number
 from presswork.material.compression import (
     CompressionTest,
@@ -20,8 +18,9 @@ from presswork.material.compression import (
     find_hot_head,
     read_compression,
 )
+from presswork.material.fit_laws import fit_hot_laws, make_hot_material
 from presswork.material.hot_plot import draw_hot_fit
-from presswork.material.identify_hot import HOT_LAWS, HotFit, find_untested, fit_hot, tabulate
+from presswork.material.identify_hot import HOT_LAWS, find_untested, tabulate
 from presswork.material.measured_file import read_measured_file
 from presswork.results.whole_file import write_whole
 
@@ -46,7 +45,9 @@ def fit_compression(
     measured = read_compression(path)
     tests = correct(measured, capacity)
     _print_tests(measured, tests, capacity)
-    fits = _fit(tests, law)
+    fits, faults = fit_hot_laws(tests, law)
+    for fault in faults:
+        typer.echo(f"left out: {fault}")
     for fit in fits:
         parameters = ", ".join(f"{key} = {value:.5g}" for key, value in fit.parameters.items() if value)
         typer.echo(f"{fit.law}: {fit.scatter:.2f} MPa ({100 * fit.relative:.2f} %): {parameters}")
@@ -56,7 +57,8 @@ def fit_compression(
                 f"{fit.law}: the tests do not determine {names}, which are 0; more strains, rates or temperatures would"
             )
     target = output or path.with_suffix(".toml")
-    _write(target, path, fits[0], {"young": young, "poisson": poisson}, capacity)
+    data = make_hot_material(path, fits[0], {"young": young, "poisson": poisson}, is_heated=capacity is not None)
+    write_whole(target, tomli_w.dumps(data).encode())
     typer.echo(str(target))
     rows = [",".join(f"{value:.6g}" for value in row) for row in tabulate(tests, fits[0])]
     if rows:
@@ -67,23 +69,6 @@ def fit_compression(
     else:
         typer.echo("no table: the tests have no strains in common")
     typer.echo(str(draw_hot_fit(tests, fits, path.stem, target.with_suffix(".png"))))
-
-
-def _fit(tests: Sequence[CompressionTest], law: str) -> list[HotFit]:
-    """Return the fits of a law, or of all that the tests determine, the best first. Raises CaseError."""
-    if law != "all":
-        return [fit_hot(tests, law)]
-    fits, faults = [], []
-    for name in HOT_LAWS:
-        try:
-            fits.append(fit_hot(tests, name))
-        except CaseError as error:
-            faults.append(error)
-    if not fits:
-        raise faults[0]
-    for fault in faults:
-        typer.echo(f"left out: {fault}")
-    return sorted(fits, key=lambda fit: fit.relative)
 
 
 def _print_tests(measured: Sequence[CompressionTest], tests: Sequence[CompressionTest], capacity: float | None) -> None:
@@ -115,18 +100,3 @@ def _read(key: str, text: str, dimension: Dimension) -> float:
     if not value > 0.0:
         raise CaseError([Problem(key, "expected a value > 0", "", text)])
     return value
-
-
-def _write(path: Path, source: Path, fit: HotFit, elastic: dict[str, Any], capacity: float | None) -> None:
-    """Write the material file of a law."""
-    table = {**elastic, "hardening": fit.to_table()}
-    check_sheet_material(table, str(source))
-    heated = "corrected for friction and heating" if capacity is not None else "corrected for friction"
-    data = {
-        "name": source.stem,
-        "summary": f"fitted to {source.name}",
-        "material": table,
-        "sources": {"all": f"{source.name}, {heated}; scatter {fit.scatter:.2f} MPa ({100 * fit.relative:.2f} %)"},
-        "assumed": {"young": "as given to the fit", "poisson": "as given to the fit"},
-    }
-    write_whole(path, tomli_w.dumps(data).encode())

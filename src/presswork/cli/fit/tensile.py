@@ -13,16 +13,14 @@ import numpy as np
 import tomli_w
 import typer
 
-from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.material.sheet import check_sheet_material
+from presswork.case.errors import CaseError
 from presswork.case.material.yld2000_fit import N_PARAMETERS, YieldData, fit_yld2000
+from presswork.material.fit_laws import fit_laws, make_tensile_material, pick_rolling_direction
 from presswork.material.fit_plot import draw_fit
 from presswork.material.identify import (
-    LAWS,
     HardeningFit,
     compare_flow,
     find_yield_stress,
-    fit_hardening,
     fit_r_value,
 )
 from presswork.material.identify_yld2000 import BIAXIAL
@@ -55,8 +53,8 @@ def fit_tensile(
     for note in read.notes:
         typer.echo(note)
     tests = list(read.tests)
-    along = _pick_rolling_direction(tests, files[0])
-    fits = _fit_laws(along, law, young)
+    along = pick_rolling_direction(tests, files[0])
+    fits = fit_laws(along, law, young)
     _print_laws(along, fits, young)
     r_values = {test.angle: fit_r_value(test, young, poisson) for test in tests}
     stress = {test.angle: _compare(test, along, young) for test in tests}
@@ -67,7 +65,8 @@ def fit_tensile(
             typer.echo(f"stress at {angle:g} degrees = {stress[angle]:.3f} of that at 0 after the same plastic work")
     surface = _find_surface(asked, r_values, stress)
     path = output or files[0].with_suffix(".toml")
-    _write_material(path, files, fits[0], {"young": young, "poisson": poisson}, surface)
+    data = make_tensile_material(files, fits[0], {"young": young, "poisson": poisson}, surface)
+    write_whole(path, tomli_w.dumps(data).encode())
     typer.echo(f"{path}\n{draw_fit(tests, fits, young, path.with_suffix('.png'))}")
 
 
@@ -127,55 +126,3 @@ def _print_laws(along: TensileTest, fits: list[HardeningFit], young: float) -> N
         far = [float(one.stress(np.array([0.6]))[0]) for one in fits]
         typer.echo(f"{best.law} is taken: the least scatter for its number of parameters (Schwarz's criterion)")
         typer.echo(f"extrapolated to 0.6 they give {min(far):.0f} to {max(far):.0f} MPa")
-
-
-def _fit_laws(test: TensileTest, law: str, young: float) -> list[HardeningFit]:
-    """Fit one law, or all that there are points for, the best first."""
-    if law != "all":
-        if law not in LAWS:
-            raise CaseError([Problem("--law", "unknown law", suggest(law, (*LAWS, "all")), law)])
-        return [fit_hardening(test, law, young)]
-    fits = []
-    for name in LAWS:
-        try:
-            fits.append(fit_hardening(test, name, young))
-        except CaseError as error:
-            reason = error
-    if not fits:
-        raise reason
-    return sorted(fits, key=lambda one: one.criterion)
-
-
-def _pick_rolling_direction(tests: list[TensileTest], path: Path) -> TensileTest:
-    for test in tests:
-        if test.angle == 0.0:
-            return test
-    raise CaseError([Problem("angle", "no test along the rolling direction", "give points with angle 0")], path)
-
-
-def _write_material(
-    path: Path, files: Sequence[Path], best: HardeningFit, elastic: dict[str, Any], surface: dict[str, Any] | None
-) -> None:
-    """Write a material file of the best law, and of the yield function if the tests gave one."""
-    table: dict[str, Any] = dict(elastic)
-    if surface is not None:
-        table["yield_function"] = surface
-    table["hardening"] = {"law": best.law, **best.parameters}
-    source = ", ".join(file.name for file in files)
-    check_sheet_material(table, source)
-    assumed = {"young": "as given to the fit", "poisson": "as given to the fit"}
-    if (
-        surface is not None
-        and surface["law"] == "yld2000"
-        and "alpha" not in surface
-        and "stress_biaxial" not in surface
-    ):
-        assumed["yield_function"] = "yields in balanced biaxial tension as along the rolling direction; not measured"
-    data = {
-        "name": files[0].stem,
-        "summary": f"fitted to {source}",
-        "material": table,
-        "sources": {"all": f"{source}, fitted to a plastic strain of {best.largest_strain:.3f}"},
-        "assumed": assumed,
-    }
-    write_whole(path, tomli_w.dumps(data).encode())

@@ -5,6 +5,7 @@ import { make } from "./elements.js";
 import { findKeys } from "./find_keys.js";
 import { Form } from "./form.js";
 import { MaterialCurves } from "./material.js";
+import { MaterialChooser } from "./material_chooser.js";
 
 const MOST_UNDONE = 200;
 const PAUSE = 350; // ms without a key before the case is checked
@@ -14,8 +15,10 @@ let saved = "", text = "", data = null, schema = null, kind = "", timer = null, 
 let past = [], at = -1; // texts that were checked, and which of them stands here
 
 const materials = await ask("materials").catch(() => []);
+let place = null; // in the case, of the material that is chosen
+const chooser = new MaterialChooser({ name, materials, onChoose: (key, table) => form.putMaterial(place, key, table) });
 const curves = new MaterialCurves(find("material"));
-const form = new Form(find("form"), { materials: materials.map(({ key }) => key), onFile: (file) => upload(name, file), onChange: (changed) => { data = changed; later(); } });
+const form = new Form(find("form"), { materials: materials.map(({ key }) => key), onFile: (file) => upload(name, file), onMaterial: (path, current) => { place = path; chooser.open(data, current); }, onChange: (changed) => { data = changed; later(); } });
 
 function later() {
   clearTimeout(timer);

@@ -11,8 +11,8 @@ const toWords = (name) => name.replaceAll("_", " ");
 
 export class Form {
   /** onChange: called with the data after every change; onFile(file): uploads it and returns its name; materials: names of the library. */
-  constructor(parent, { onChange, onFile, materials }) {
-    Object.assign(this, { parent, onChange, onFile, materials });
+  constructor(parent, { onChange, onFile, onMaterial, materials }) {
+    Object.assign(this, { parent, onChange, onFile, onMaterial, materials });
     this.opened = new Set();
     parent.addEventListener("submit", (event) => event.preventDefault());
   }
@@ -223,7 +223,7 @@ export class Form {
     if (isRequired) input.setAttribute("aria-required", "true");
     const help = [shape.description, shape.range, shape.hints?.length && !/e\.g\./.test(shape.description) ? `for instance ${shape.hints[0]}` : ""].filter(Boolean).join("; ");
     this.places.set(key, { fault, input });
-    const field = make("div", { class: "field" }, make("label", { for: id }, toWords(name)), input, FILES.has(name) ? this.#makeFileButton(input, path) : shape.cells ? this.#makeTableButton(shape, value, path) : make("span"), make("span", { class: "help", id: `help ${key}`.replaceAll(" ", "_") }, help), fault);
+    const field = make("div", { class: "field" }, make("label", { for: id }, toWords(name)), input, FILES.has(name) ? this.#makeFileButton(input, path) : name === "material" && this.onMaterial ? this.#makeMaterialButton(input, path) : shape.cells ? this.#makeTableButton(shape, value, path) : make("span"), make("span", { class: "help", id: `help ${key}`.replaceAll(" ", "_") }, help), fault);
     if (FILES.has(name)) this.#takeDrops(field, path);
     return field;
   }
@@ -258,6 +258,24 @@ export class Form {
     const button = makeButton("Table", () => this.#change(path, isTable ? [row] : isFixed ? row : [value ?? ""], true), `Table for ${path.join(" ")}`);
     button.classList.add("small");
     return button;
+  }
+
+  #makeMaterialButton(input, path) {
+    const button = makeButton("Choose …", () => this.onMaterial(path, input.value), `Choose a material for ${path.join(" ")}`);
+    button.classList.add("small");
+    return button;
+  }
+
+  /** Name a material at a place of the case; table: what it needs among the materials, or null. One that nothing names any more goes. */
+  putMaterial(path, name, table) {
+    const before = path.reduce((here, key) => here?.[key], this.data), short = table ? name.replace(/\.toml$/, "") : name;
+    if (table) this.#set(["materials", short], table);
+    this.#set(path, short);
+    const { materials, ...rest } = this.data;
+    if (before !== short && materials?.[before] && !JSON.stringify(rest).includes(JSON.stringify(before))) delete materials[before];
+    if (materials && !Object.keys(materials).length) delete this.data.materials;
+    this.show(this.data, this.schema);
+    this.onChange(this.data);
   }
 
   #makeFileButton(input, path) {
