@@ -57,6 +57,7 @@ def main() -> None:
             threading.Thread(target=server.serve_forever, daemon=True).start()
             at = server.address
             shoot(browser, f"{at}run?run={CUP}", "report", Field="thinning")
+            shoot(browser, f"{at}new", "processes", height=960)
             shoot(browser, f"{at}edit?case={STARTER}.toml", "new_case", height=1180)
             shoot(browser, at, "runs", height=520)
             server.shutdown()
