@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from presswork.geometry.polygon import contains, list_sides
-from presswork.model import FloatArray, IndexArray, IntArray, SheetPressure
+from presswork.model import Face, FloatArray, IndexArray, IntArray, SheetPressure
 
 
 def find_pressed_cells(points: FloatArray, cells: IntArray, pressure: SheetPressure) -> IndexArray:
@@ -31,15 +31,38 @@ def find_middles(points: FloatArray, cells: IntArray) -> FloatArray:
     return np.asarray(np.einsum("ca,cai->ci", weight, points[cells]))
 
 
-def find_side(points: FloatArray, cells: IntArray, face: str) -> float:
+def find_side(points: FloatArray, cells: IntArray, face: Face) -> float:
     """Return 1 where a pressure on a face pushes along the normals of cells (n, 4), -1 where it pushes against them.
 
-    The normals are those of the order of the corners, which runs one way round in all cells of a sheet; the upper face
-    is that to which z points where the undeformed sheet, points (n_points, 3), is seen from above.
+    The normals are those of the order of the corners, which runs one way round in all cells of a sheet. The upper face
+    is that to which z points where the undeformed sheet, points (n_points, 3), is seen from above; the outer face is
+    turned away from the mean of its points.
     """
-    across = np.cross(points[cells[:, 2]] - points[cells[:, 0]], points[cells[:, 3]] - points[cells[:, 1]])
-    upwards = 1.0 if across[:, 2].sum() >= 0.0 else -1.0
-    return -upwards if face == "top" else upwards
+    if face in ("top", "bottom"):
+        along = 1.0 if measure_rise(points, cells) >= 0.0 else -1.0
+        return -along if face == "top" else along
+    along = 1.0 if measure_bulge(points, cells) >= 0.0 else -1.0
+    return along if face == "inside" else -along
+
+
+def measure_rise(points: FloatArray, cells: IntArray) -> float:
+    """Return the area of a sheet seen from above over its area, with a sign; 0 where it has no upper face.
+
+    >>> measure_rise(np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), np.array([[0, 1, 2, 3]]))
+    1.0
+    """
+    area = find_area_vectors(points[cells]).sum(axis=1)
+    return float(area[:, 2].sum() / np.linalg.norm(area, axis=1).sum())
+
+
+def measure_bulge(points: FloatArray, cells: IntArray) -> float:
+    """Return how far a sheet lies off the mean of its points along its normals, over its size; 0 where it is flat.
+
+    1 of a whole sphere, with its sign by the way the cells run round.
+    """
+    area, away = find_area_vectors(points[cells]).sum(axis=1), find_middles(points, cells) - points.mean(axis=0)
+    size = (np.linalg.norm(area, axis=1) * np.linalg.norm(away, axis=1)).sum()
+    return float((area * away).sum() / size)
 
 
 def find_area_vectors(corners: FloatArray) -> FloatArray:

@@ -82,6 +82,7 @@ from presswork.model.settings import (
 )
 from presswork.model.sheet import (
     EnclosedFluid,
+    Face,
     Gauge,
     Hem,
     PartSection,
@@ -165,6 +166,7 @@ __all__ = [
     "ExplicitElement",
     "ExplicitSheet",
     "ExplicitSolid",
+    "Face",
     "FaceForce",
     "FacePressure",
     "FloatArray",

@@ -8,6 +8,8 @@ from typing import Literal
 
 from presswork.model.arrays import FloatArray
 
+Face = Literal["top", "bottom", "inside", "outside"]
+
 
 @dataclass(frozen=True)
 class Refinement:
@@ -51,8 +53,9 @@ class SheetPressure:
     """A pressure that pushes one face of a sheet along its normals as they are now."""
 
     name: str
-    face: Literal["top", "bottom"]
-    """Which face of the undeformed sheet: the upper one is pushed down, the lower one up."""
+    face: Face
+    """The upper face of the undeformed sheet is pushed down, the lower one up; the inner one of a tube or a vessel
+    outwards, the outer one inwards."""
     region: PressedRegion | None = None
     """None: the whole sheet."""
     fluid: EnclosedFluid | None = None

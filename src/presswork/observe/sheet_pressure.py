@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Pressures on a sheet in the history: the pressure, the volume that the sheet has swept, and the pole of the bulge.
 
-The pole is the node under the pressure that has moved farthest along its push. The radius of curvature there is that of
-the sphere with the least squares of distance to the nodes round it.
+The pole is the node under the pressure that has moved farthest along its first normal. The radius of curvature there is
+that of the sphere with the least squares of distance to the nodes round it.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class PressedPart:
         self._numbers = find_pressed_cells(model.mesh.points, model.cells, pressure)
         self._cells: IntArray = model.cells[self._numbers]
         self._side = find_side(model.mesh.points, model.cells, pressure.face)
-        self._up = 1.0 if pressure.face == "bottom" else -1.0
+        self._normals = find_normals(self._points, self._cells, self._side)
         self._nodes = np.unique(self._cells)
         area = np.abs(find_area_vectors(self._points[self._cells])[..., 2]).sum()
         edge = np.sqrt(area / len(self._cells))
@@ -80,7 +80,7 @@ class PressedPart:
         now: positions of the nodes (n_points, 3) [mm]; strain: through the thickness, of cells (n_cells,).
         """
         volume = self._side * find_swept_volume(self._points, now, self._cells) * self._whole
-        rise = self._up * (now[self._nodes, 2] - self._points[self._nodes, 2])
+        rise = ((now - self._points) * self._normals).sum(axis=1)[self._nodes]
         pole = int(self._nodes[np.argmax(rise)])
         around = self._numbers[(self._cells == pole).any(axis=1)]
         thickness = self._thickness * float(np.exp(strain[around].mean()))
@@ -103,11 +103,9 @@ class PressedPart:
         """Return a warning where tools push on the face that the fluid pushes; value: of the pressure [MPa]."""
         if now.tool_force is None or value <= 0.0:
             return ""
-        vectors = np.zeros_like(positions)
-        np.add.at(vectors, self._cells, self._side * find_area_vectors(positions[self._cells]))
-        size = np.linalg.norm(vectors, axis=1)
-        along = (now.tool_force * vectors).sum(axis=1) / np.maximum(size, 1e-300)
-        force, whole = float(along.clip(0.0).sum()), value * float(size.sum())
+        along = (now.tool_force * find_normals(positions, self._cells, self._side)).sum(axis=1)
+        area = np.linalg.norm(find_area_vectors(positions[self._cells]), axis=2).sum()
+        force, whole = float(along.clip(0.0).sum()), value * float(area)
         if force <= TOUCHED * whole:
             return ""
         return (
@@ -115,3 +113,10 @@ class PressedPart:
             f"{self.pressure.name} acts, which no fluid does beneath a tool: keep the tools off it, or bound it by "
             f"pressure.{self.pressure.name}.inside"
         )
+
+
+def find_normals(points: FloatArray, cells: IntArray, side: float) -> FloatArray:
+    """Return the unit normals along which cells (n, 4) are pushed at their nodes (n_points, 3), 0 at the others."""
+    vectors = np.zeros_like(points)
+    np.add.at(vectors, cells, side * find_area_vectors(points[cells]))
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-300))

@@ -115,6 +115,10 @@ REFUSED = {
         [(f"{PLACE}.inside.diameter", 70)],
         ("the holder holder lies on", "a line inside the opening of the holder", 'face = "bottom"'),
     ),
+    'pressure.oil.face = "inside"': (
+        [("pressure", {"oil": {"face": "inside"}})],
+        ("the sheet is flat, which has no such face", "take top or bottom"),
+    ),
     "pressure.oil.face: ": (
         [("pressure", {"oil": {"face": "bottom"}})],
         ("the die die lies on", 'face = "top"'),
@@ -166,6 +170,21 @@ def test_a_wrong_pressure_is_refused_with_its_key_and_a_remedy(key: str) -> None
     text = refuse(changed(DRAWN, *changes))
     for part in (key.split(":")[0].split(" = ")[0], *parts):
         assert part in text, text
+
+
+TUBE = {"shape": "tube", "diameter": 60, "length": 40, "element_size": 6, "thickness": 2, "material": "steel"}
+
+
+def test_a_tube_has_faces_inside_and_outside() -> None:
+    tube = changed(DRAWN, ("blank", TUBE), ("tools", {}), ("pressure", {"oil": {"face": "inside"}}))
+    model = build(tube)
+    assert np.hypot(*model.mesh.points[:, 1:].T).max() == pytest.approx(29.0)
+    text = refuse(changed(tube, ("pressure.oil.face", "top")))
+    for part in ("pressure.oil.face", "the sheet is a tube, which has no such face", "take inside or outside"):
+        assert part in text
+    text = refuse(changed(tube, ("blank.thickness", 30)))
+    assert "blank.thickness" in text
+    assert "leaves no bore in a tube of 60 mm" in text
 
 
 def test_inflow_adds_up_over_stages() -> None:

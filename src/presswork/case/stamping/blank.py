@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from math import pi
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -90,6 +91,26 @@ class CircularBlank(_MeshedBlank):
         return 0.5 * self.diameter, 0.5 * self.diameter
 
 
+class TubeBlank(_MeshedBlank):
+    """A straight tube about the axis x."""
+
+    shape: Literal["tube"] = Field(description="a straight tube about the axis x, in place of a sheet")
+    diameter: Length = Field(gt=0, description="outside diameter [mm]")
+    length: Length = Field(gt=0, description="length of the whole tube [mm]")
+    element_size: Length = Field(gt=0, description="largest side of an element, about [mm]")
+
+    @model_validator(mode="after")
+    def _check_bore(self) -> Self:
+        if 2.0 * self.thickness >= self.diameter:
+            fault_text = f"a wall of {self.thickness:g} mm leaves no bore in a tube of {self.diameter:g} mm"
+            raise fault(fault_text, "give the outside diameter, and the thickness of the wall", key="thickness")
+        return self
+
+    def half_size(self) -> tuple[float, float]:
+        """Return half the length, and half the way round [mm]."""
+        return 0.5 * self.length, 0.5 * pi * self.diameter
+
+
 class OutlinedBlank(_MeshedBlank):
     """What lies inside an outline from a file; of a part with symmetry planes the file has the whole outline."""
 
@@ -113,4 +134,6 @@ class BlankFile(_Blank):
     unit: str = Field(default="mm", description="length unit of the file's coordinates, e.g. mm, m, inch")
 
 
-Blank = Annotated[RectangularBlank | CircularBlank | OutlinedBlank | BlankFile, Field(discriminator="shape")]
+Blank = Annotated[
+    RectangularBlank | CircularBlank | TubeBlank | OutlinedBlank | BlankFile, Field(discriminator="shape")
+]

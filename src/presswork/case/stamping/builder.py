@@ -23,7 +23,7 @@ from presswork.case.shell.schema import FREEDOMS, HOLDS
 from presswork.case.stamping.bead_strip import refuse_unknown
 from presswork.case.stamping.beads import build_beads, check_bead_stages, check_closing
 from presswork.case.stamping.binder import resolve_closings
-from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank
+from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank, TubeBlank
 from presswork.case.stamping.checks import (
     MOST_CELLS,
     check_fit,
@@ -59,6 +59,7 @@ from presswork.mesh.files.dynain import is_dynain, read_dynain
 from presswork.mesh.files.readers import read_raw
 from presswork.mesh.make.blanks import assign_section, mesh_circular_blank, mesh_rectangular_blank
 from presswork.mesh.make.outlined_blank import mesh_outlined_blank
+from presswork.mesh.make.tubes import mesh_tube
 from presswork.mesh.outer_edge import find_outer_edge
 from presswork.mesh.shells import read_shell_mesh
 from presswork.mesh.topology import find_boundary_edges, find_parts
@@ -227,6 +228,9 @@ def _build_mesh(case: StampingCase) -> model.Mesh:
         return _read_mesh(case, blank, section, material, symmetry)
     if isinstance(blank, OutlinedBlank):
         mesh = _mesh_outline(case, blank, symmetry)
+    elif isinstance(blank, TubeBlank):
+        radius, triangles = 0.5 * (blank.diameter - blank.thickness), blank.cells == "triangles"
+        mesh = mesh_tube(radius, blank.length, blank.element_size, symmetry, triangles=triangles)
     elif isinstance(blank, CircularBlank):
         mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry, triangles=blank.cells == "triangles")
     else:

@@ -12,7 +12,7 @@ from presswork.case.errors import Problem
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.library import find_material_problem
 from presswork.case.material.umat import UmatMaterial
-from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank
+from presswork.case.stamping.blank import BlankFile, CircularBlank, OutlinedBlank, RectangularBlank, TubeBlank
 from presswork.case.stamping.closing import IRONED
 from presswork.case.stamping.plan_line import TrimFile
 from presswork.case.stamping.schema import StampingCase
@@ -55,7 +55,7 @@ def check_names(case: StampingCase) -> list[Problem]:
     if case.blank.thickness < THINNEST:
         fault, remedy = "thinner than any rolled metal", 'plain numbers are mm: 0.8, or "0.8 mm"'
         problems.append(Problem("blank.thickness", fault, remedy, case.blank.thickness))
-    if isinstance(case.blank, RectangularBlank | CircularBlank):
+    if isinstance(case.blank, RectangularBlank | CircularBlank | TubeBlank):
         problems += _check_element_size(case.blank)
     units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
     if isinstance(case.blank, BlankFile | OutlinedBlank) and case.blank.unit is not None:
@@ -92,7 +92,7 @@ def _check_self_contact(case: StampingCase) -> list[Problem]:
     return []
 
 
-def _check_element_size(blank: RectangularBlank | CircularBlank) -> list[Problem]:
+def _check_element_size(blank: RectangularBlank | CircularBlank | TubeBlank) -> list[Problem]:
     """Return the problems of too many elements, and of too large ones."""
     problems, most, largest = [], max(blank.half_size()), float(np.max(blank.element_size))
     n_cells = 4 * float(np.prod(np.divide(blank.half_size(), blank.element_size))) / 2 ** len(set(blank.symmetry))

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Annotated, Literal, Self
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
 from presswork.case.part import Part
 from presswork.case.stamping.plan_line import PlanLine
 from presswork.case.units import Length, Stress, Time, Volume, fault
+from presswork.model import Face
 
 Line = Annotated[PlanLine, Field(discriminator="shape")]
 COURSES = ("p", "p_over_stroke", "p_over_time", "inflow", "inflow_over_stroke", "inflow_over_time")
@@ -30,9 +31,9 @@ class Fluid(Part):
 class SheetPressure(Part):
     """A pressure that pushes a face of the sheet along its normals as they are now, where its line bounds it."""
 
-    face: Literal["top", "bottom"] = Field(
+    face: Face = Field(
         description="face of the sheet that it pushes: top down, as punch and holder do, bottom up, as the die does; "
-        "no tool may lie on that face there"
+        "of a tube, or a vessel from a file, inside or outside; no tool may lie on that face there"
     )
     inside: Line | None = Field(
         default=None,

@@ -18,10 +18,12 @@ from presswork.case.stamping.plan_line import draw_line
 from presswork.case.stamping.pressure import SheetPressure, StagePressure
 from presswork.case.stamping.schema import StampingCase
 from presswork.geometry.tool_surface import make_surface
-from presswork.mesh.pressed_cells import find_middles, find_pressed_cells
+from presswork.mesh.pressed_cells import find_middles, find_pressed_cells, measure_bulge, measure_rise
 
 UNTOUCHED = 0.5
 """Distance over the thickness within which a tool lies on a face."""
+FACELESS = 1e-3
+"""Share of its area below which a sheet has no upper face, and of its size by which it is flat."""
 SAME = 1e-6
 """Part of a pressure by which a table may begin beside the end of the stage before."""
 
@@ -148,11 +150,12 @@ def build_pressures(
         for each in pressures
         if not len(pressed[each.name])
     ]
+    problems += [problem for each in pressures for problem in _check_face(each, mesh.points, cells)]
     problems += _check_apart(pressures, pressed)
     problems += [
         problem
         for each in pressures
-        if each.fluid is not None and not tools
+        if each.fluid is not None and not tools and each.face != "inside"
         for problem in _check_closed(each, cells[pressed[each.name]], case, mesh)
     ]
     middles = find_middles(mesh.points, cells)
@@ -189,6 +192,16 @@ def _check_apart(
             yield Problem(f"pressure.{other.name}", fault, remedy)
 
 
+def _check_face(pressure: model.SheetPressure, points: model.FloatArray, cells: model.IntArray) -> Iterator[Problem]:
+    """Yield the problem of a face that a sheet lacks: the upper one of a tube, the inner one of a flat sheet."""
+    upright = pressure.face in ("top", "bottom")
+    if abs(measure_rise(points, cells) if upright else measure_bulge(points, cells)) > FACELESS:
+        return
+    shape, other = ("a tube", "inside or outside") if upright else ("flat", "top or bottom")
+    fault = f"the sheet is {shape}, which has no such face"
+    yield Problem(f"pressure.{pressure.name}.face", fault, f"take {other}", pressure.face)
+
+
 def _check_closed(
     pressure: model.SheetPressure, cells: model.IntArray, case: StampingCase, mesh: model.Mesh
 ) -> Iterator[Problem]:
@@ -211,9 +224,10 @@ def _check_tools(
     pressure: model.SheetPressure, middles: model.FloatArray, tools: Sequence[model.Tool], thickness: float
 ) -> Iterator[Problem]:
     """Yield the problems of tools that lie on the face that a fluid pushes."""
-    inwards = 1.0 if pressure.face == "bottom" else -1.0  # along z, as tools on that side work
-    for tool in tools:
+    inwards = {"bottom": 1.0, "top": -1.0}.get(pressure.face)  # along z, as tools on that side work
+    for tool in tools if inwards is not None else ():
         assert tool.working_direction is not None
+        assert inwards is not None
         if tool.working_direction[2] * inwards <= 0.0:
             continue
         gap = make_surface(tool.surface).nearest(middles - np.asarray(tool.position))[0] - 0.5 * thickness

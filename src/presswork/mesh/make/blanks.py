@@ -17,7 +17,8 @@ import numpy as np
 from presswork.mesh.topology import find_boundary_edges, select_edges
 from presswork.model import ELEMENTS, CellBlock, ElementName, FloatArray, IntArray, Mesh, Section, find_cell
 
-_ELEMENTS: dict[str, ElementName] = {"tri3": "shell3_1pt", "quad4": "shell4_1pt"}
+ELEMENTS_OF_BLANKS: dict[str, ElementName] = {"tri3": "shell3_1pt", "quad4": "shell4_1pt"}
+"""Elements by kind of cell, until assign_section gives them those of a case."""
 _ON_AXIS, _ON_DIAGONAL = 0.65, 0.75
 """Extent of the square core of a circle along its axes and its diagonal, over the radius."""
 
@@ -112,7 +113,9 @@ def name_sets(points: FloatArray, kinds: Sequence[IntArray], symmetry: Sequence[
         points = np.concatenate([points, points[quads].mean(axis=1)])
         parts = np.stack([quads, np.roll(quads, -1, axis=1), centre], axis=2).reshape(-1, 3)
         kinds = [np.concatenate([parts, *kinds[1:]])]
-    blocks = tuple(CellBlock(_ELEMENTS[find_cell(2, cells).name], cells.astype(np.int32), 0) for cells in kinds)
+    blocks = tuple(
+        CellBlock(ELEMENTS_OF_BLANKS[find_cell(2, cells).name], cells.astype(np.int32), 0) for cells in kinds
+    )
     boundary = find_boundary_edges([block.connectivity for block in blocks])
     tolerance = 1e-9 * float(np.abs(points).max())
     low, high = points.min(axis=0), points.max(axis=0)

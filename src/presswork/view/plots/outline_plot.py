@@ -28,7 +28,7 @@ def plot_outline(result: Result, step: int = -1, *, figure: Figure | None = None
 
     figure = new_figure(6.4, 7.0) if figure is None else figure
     size = np.ptp(trace_outline(result, 0)[0], axis=0)
-    height = float(np.clip(_WIDTH * size[1] / size[0], 0.6, 2.0 * _WIDTH))
+    height = float(np.clip(_WIDTH * size[1] / max(size[0], 1e-6 * size[1]), 0.6, 2.0 * _WIDTH))
     figure.set_size_inches(_WIDTH + 2.0, height + _BELOW)
     upper, lower = figure.subplots(2, 1, height_ratios=(height, 0.5 * _BELOW))
     for at, colour, style, label in ((0, "0.45", "--", "blank"), (step, "C3", "-", "part")):
