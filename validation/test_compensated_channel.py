@@ -15,7 +15,7 @@ pytestmark = pytest.mark.validation
 
 @pytest.fixture(scope="module")
 def formed(tmp_path_factory: pytest.TempPathFactory) -> list[Loop]:
-    """The loops of a crash-formed channel: 0.934 mm, then 0.086, 0.032, 0.035 and 0.042 mm."""
+    """The loops of a crash-formed channel: 0.934 mm, then 0.081, 0.052, 0.023 and 0.015 mm."""
     return list(compensate_channel(tmp_path_factory.mktemp("formed")).loops)
 
 
@@ -25,13 +25,12 @@ def test_two_loops_leave_a_tenth_of_a_channels_deviation(formed: list[Loop]) -> 
     assert all(loop.gap_change < 0.01 for loop in formed)
 
 
-@pytest.mark.xfail(strict=True, reason="3.4 %: from the second loop on it wanders between 0.03 and 0.06 mm")
 def test_four_loops_leave_a_fiftieth_of_a_channels_deviation(formed: list[Loop]) -> None:
     assert min(loop.worst for loop in formed) < 0.02 * formed[0].worst
 
 
 def test_the_implicit_procedure_corrects_a_channel_too(tmp_path: Path) -> None:
-    """0.983 mm, then 0.136, 0.059, 0.027 and 0.026 mm; without inertia its wall snaps over, and the run gives up."""
+    """0.954 mm, then 0.133, 0.039, 0.026 and 0.041 mm; without inertia its wall snaps over, and the run gives up."""
     loops = compensate_channel(tmp_path, "implicit").loops
     assert loops[0].worst == pytest.approx(1.0, abs=0.06)
     assert min(loop.worst for loop in loops) < 0.03
@@ -46,13 +45,13 @@ def drawn(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 
 
 def test_a_drawn_channel_comes_within_a_tenth_of_a_millimetre_in_three_loops(drawn: tuple[Way, list[Loop]]) -> None:
-    """0.496 mm, then 0.225, 0.169 and 0.074 mm; bent 0.153, 0.092 and 0.050 mm."""
+    """0.496 mm, then 0.214, 0.143 and 0.023 mm; bent 0.145, 0.100 and 0.044 mm."""
     _, loops = drawn
     assert loops[0].worst > 0.4
     assert loops[-1].worst < 0.1
 
 
 def test_a_drawn_channel_keeps_the_gap_of_its_tools_where_the_part_lies(drawn: tuple[Way, list[Loop]]) -> None:
-    """0.0075 mm; bent 0.0043 mm."""
+    """0.0057 mm; bent 0.0028 mm."""
     way, loops = drawn
     assert max(loop.gap_change for loop in loops) < {"trimmed": 0.02, "bent": 0.005}[way]
