@@ -225,10 +225,7 @@ class _Search:
             if worst[-1] <= self.tolerance:
                 return "completed", ""
             if len(worst) > 2 and min(worst[-2:]) > _STUCK * min(worst[:-2]):
-                return "gave_up", (
-                    f"the last two corrections did not help: the part is still {min(worst):.3g} mm off, near "
-                    f"{self.place_of_worst()}. Smaller elements, slower tools or a larger tolerance may"
-                )
+                return "gave_up", self.explain_no_help()
             correction = self.goal.spread(anderson.step(correction[self.goal.is_part], misfit.off))
         return "gave_up", (
             f"the part is still {self.loops[-1].worst:.3g} mm off after {most} corrections, "
@@ -273,12 +270,15 @@ class _Search:
 
     def explain_undercut(self, tools: tuple[PressedTool, ...]) -> str:
         """Explain tools that lean over so far that others cannot pass; empty where there are none."""
-        if self.goal is None or (found := self.find_undercut(tools)).angle < _LEANS:
-            return ""
-        x, y, z = found.place
+        return "" if self.goal is None else _explain_undercut(self.find_undercut(tools))
+
+    def explain_no_help(self) -> str:
+        """Return why the search ends after corrections that did not help."""
+        undercut = max((loop.undercut for loop in self.loops), key=lambda found: found.angle)
         return (
-            f"the correction needs an undercut of {found.angle:.2g} degrees in {found.tool} near ({x:.4g}, {y:.4g}, "
-            f"{z:.4g}), which tools that move along the press cannot have: give the wall more draft; "
+            f"the last two corrections did not help: {_explain_undercut(undercut)}the part is still "
+            f"{min(loop.worst for loop in self.loops):.3g} mm off, near {self.place_of_worst()}. Smaller elements, "
+            "slower tools or a larger tolerance may"
         )
 
     def place_of_worst(self) -> str:
@@ -331,6 +331,17 @@ class _Search:
             write_whole(self.folder / f"{name}.stl", (self.folder / tool["path"]).read_bytes())
             tool["path"] = f"{name}.stl"
         write_whole(self.folder / CASE, tomli_w.dumps(data).encode())
+
+
+def _explain_undercut(found: Undercut) -> str:
+    """Explain an undercut; empty for one that is no more than the noise of facets."""
+    if found.angle < _LEANS:
+        return ""
+    x, y, z = found.place
+    return (
+        f"the correction needs an undercut of {found.angle:.2g} degrees in {found.tool} near ({x:.4g}, {y:.4g}, "
+        f"{z:.4g}), which tools that move along the press cannot have: give the wall more draft; "
+    )
 
 
 def _rms(loop: Loop, share: FloatArray) -> float:

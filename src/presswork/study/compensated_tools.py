@@ -29,6 +29,8 @@ _UNDER, _FADES = 1.4, 2.0
 """Thicknesses from a holder's corners up to which a die's are held by it, and over which the map fades beside it."""
 _BESIDE, _WALL = 5.0, 10.0
 """Thicknesses by which tools reach beyond the flat blank, and so high walls of punch and holder are kept."""
+_SLAMS, _WRAPS = 0.9, 1.05
+"""Thicknesses of free travel before a force, from which on a holder is closed by distance, and the room it leaves."""
 _UPRIGHT = 1e-3
 """Part of a facet's normal along the press [1], beyond which it faces away from the sheet."""
 
@@ -245,7 +247,25 @@ def place_tools(
         stroke = (case.stages[number].tools[tool.name].stroke or 0.0) + ahead[tool.name] - tool.upwards * down
         stage = given["stages"][number]
         stage["tools"] = {**stage["tools"], tool.name: {**stage["tools"][tool.name], "stroke": stroke}}
+    given["stages"] = _close_first(case, given["stages"], {name: rise + down for name, rise in ahead.items()})
     return given, np.array([0.0, 0.0, -down])
+
+
+def _close_first(case: StampingCase, stages: list[dict[str, Any]], extra: Mapping[str, float]) -> list[dict[str, Any]]:
+    """Return the stages, and before the first force of a holder that was bent one that closes it on the blank.
+
+    extra: by how much farther from the die each tool starts than as drawn [mm]; a force would slam it.
+    """
+    thickness, found, placed = case.blank.thickness, [], set[str]()
+    for stage, data in zip(case.stages, stages, strict=True):
+        pushed = [name for name, action in stage.tools.items() if action.force and case.tools[name].kind == "holder"]
+        far = [name for name in pushed if name not in placed and extra[name] > _SLAMS * thickness]
+        if far and case.procedure != "implicit":
+            closing = {"name": f"{stage.name}_closing", "tools": {n: {"close": _WRAPS * thickness} for n in far}}
+            found.append(closing | {key: data[key] for key in ("velocity",) if key in data})
+        found.append(data)
+        placed |= set(stage.tools)
+    return found
 
 
 def _measure_gap(upper: PressedTool, lower: PressedTool, reach: float) -> FloatArray:

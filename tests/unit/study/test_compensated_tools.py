@@ -99,9 +99,23 @@ def test_tools_end_near_the_blank_and_their_strokes_stay_near_those_as_drawn(tmp
     moved = bend_tools(drawn, RigidWarp(points, bent, model.symmetry), 1.0)
     data = tomllib.loads(case.text)
     given, lower = place_tools(case, data, moved, drawn, {tool.name: f"{tool.name}.stl" for tool in moved})
-    stroke = given["stages"][0]["tools"]["punch"]["stroke"]
+    stroke = given["stages"][-1]["tools"]["punch"]["stroke"]
     assert 20.0 <= stroke < 20.0 + 1.0, "the far ends of die and holder must not lengthen it"
     assert np.abs(lower).max() < 1.0
+
+
+def test_a_holder_that_starts_farther_off_is_closed_by_distance_first(tmp_path) -> None:
+    """Bent binders stand farther from each other than the flat blank is thick; a force would slam them."""
+    case = load_hat(tmp_path)
+    drawn = cut_into_triangles(build(case), 4.0, 1.0)
+    for bent, names in ((0.5, ["draw"]), (2.0, ["draw_closing", "draw"])):
+        ends = [np.where(np.abs(t.shape.points[:, :1]) > 40.0, [0.0, 0.0, -bent], 0.0) for t in drawn]
+        shapes = [replace(t.shape, points=t.shape.points + end) for t, end in zip(drawn, ends, strict=True)]
+        moved = [replace(t, shape=shape) for t, shape in zip(drawn, shapes, strict=True)]
+        given, _ = place_tools(case, tomllib.loads(case.text), moved, drawn, {t.name: f"{t.name}.stl" for t in drawn})
+        assert [stage["name"] for stage in given["stages"]] == names
+    assert given["stages"][0]["tools"] == {"holder": {"close": pytest.approx(1.05)}}
+    assert given["stages"][1]["tools"]["holder"] == {"force": 1000.0}
 
 
 def load_hat(folder):
