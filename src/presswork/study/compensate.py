@@ -52,7 +52,7 @@ TABLE, CASE = "table.csv", "compensated.toml"
 _STUCK = 0.9
 """Largest deviation over the best before it, from which on a loop has not helped; two of them end the search."""
 _LONGEST = 1.0
-"""Edges of the tools' triangles over those of the blank's cells: at 1.5 the facets move a bent part by a hundredth."""
+"""Edges of the tools' triangles over those of the blank's cells: at 1.5 facets move the part by 0.01 mm."""
 _LEANS = 0.1
 """Undercut that is no facets' noise [degree]."""
 _NEAR = 3.0
