@@ -10,6 +10,7 @@ import pytest
 
 from presswork.case import StampingCase, build_model
 from presswork.examples import copy_example
+from presswork.recorder import run_model
 from tests.problems.bulges import OIL, RADIUS, vary_bulge
 from tests.regression.whole_runs import compare_with_restart, run_stamping, run_to_end
 
@@ -120,3 +121,23 @@ def test_the_example_of_a_bulge_test_passes_the_maximum_of_its_pressure(tmp_path
     assert p[-1] < 0.995 * p.max()
     assert 0.4 < history["pressure.oil.thickness"][-1] < 0.5
     assert abs(history["energy_error_percent"][-1]) < 0.5
+
+
+def test_a_tool_that_comes_where_a_fluid_acts_is_warned_of(tmp_path: Path) -> None:
+    """A punch that starts above the sheet goes on into the face that is pressed."""
+    punch = {"kind": "punch", "shape": "hemispherical", "diameter": 40, "position": [0, 0, 4]}
+    stage = {"name": "push", "tools": {"punch": {"stroke": 10}}, "pressure": {"oil": {"p": 0.05}}}
+    case = vary_bulge(
+        *EXPLICIT, ("pressure", {"oil": {"face": "top"}}), ("tools", {"punch": punch}), ("stages", [stage])
+    )
+    warnings = run_stamping(case, tmp_path / "out").summary["warnings"]
+    assert any("tools push the top face" in text and "pressure.oil.inside" in text for text in warnings), warnings
+
+
+def test_a_given_pressure_beyond_its_maximum_ends_with_the_remedy(tmp_path: Path) -> None:
+    case = StampingCase.model_validate(
+        vary_bulge(*SMALL, ("stages.0.pressure.oil.p", 6.0), ("limits", {"stop": False}))
+    )
+    outcome = run_model(build_model(StampingCase.model_validate(case)), tmp_path / "out", threads=1)
+    assert outcome.status != "completed"
+    assert "A given pressure does not pass its maximum: give pressure.NAME.fluid" in outcome.reason
