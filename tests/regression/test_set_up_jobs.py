@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import ezdxf
@@ -49,7 +48,7 @@ class Job:
 
 
 def test_cup_of_own_dimensions_is_set_up_and_runs(browser: Any, site: Server, tmp_path: Path) -> None:
-    started, job = perf_counter(), Job(browser, site, "cylindrical_cup")
+    job = Job(browser, site, "cylindrical_cup")
     job.person.key("80", "Tab", "0.8", "Tab", "dc05", "Tab", "40", "Tab", "5", "Tab", "6", "Tab", "8")
     job.open_editor()
     assert "0.8 mm of dc05" in job.page.tab.locator("#description").inner_text()
@@ -63,7 +62,6 @@ def test_cup_of_own_dimensions_is_set_up_and_runs(browser: Any, site: Server, tm
     data = job.end(tmp_path / "cylindrical_cup.toml", clicks=2, keys=21)
     assert data["tools"]["die"]["diameter"] == pytest.approx(40 + 2.4 * 0.8)
     assert Result(tmp_path / "cylindrical_cup").history["punch.stroke"][-1] == pytest.approx(6.0)
-    assert perf_counter() - started < 300.0, "five minutes"
 
 
 def test_hot_die_from_a_drawing_is_set_up(browser: Any, site: Server, tmp_path: Path) -> None:
