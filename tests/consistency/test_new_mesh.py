@@ -36,6 +36,7 @@ REFUSED = {
     "sheet_contact": "of explicit sheets",
     "sheet_tools": "of explicit sheets",
     "shell_contact": "of explicit sheets",
+    "sheet_pressures": "of explicit sheets, which are refined, not remeshed",
     "sheet_heat": "sheets are refined, not remeshed",
     "space_tools": "of shells",
     "inertia": "the key solver.inertia is refused with [remesh]",

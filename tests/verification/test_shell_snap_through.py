@@ -127,7 +127,7 @@ def test_a_stop_at_a_limit_load_names_its_remedy() -> None:
     limit = 0.2040
     model = hinged_roof(6.35, 4, initial_increment=0.01, max_increment=0.01, min_increment=1e-4, max_iterations=7)
     procedure = ImplicitProcedure(model, threads=1)
-    advice = r"negative pivot.*comes to a limit.*solver\.control = \"arc_length\".*or set solver\.inertia = 1"
+    advice = r"negative pivot.*reaches a limit.*solver\.control = \"arc_length\".*or set solver\.inertia = 1"
     with pytest.raises(GaveUpError, match=advice):
         list(procedure.advance())
     assert procedure.state[Progress].fraction == pytest.approx(limit, rel=2e-3)
