@@ -75,6 +75,7 @@ def test_a_fluid_takes_a_bulge_past_the_maximum_of_its_pressure(tmp_path: Path) 
     assert abs(bulge.history["energy_error_percent"][-1]) < 0.05
 
 
+@pytest.mark.validation
 def test_explicit_and_implicit_bulge_by_volume_alike(tmp_path: Path) -> None:
     """Pressure and pole thickness within 1 % up to the maximum, pressure within 1 % beyond it, too."""
     heights = np.array([0.4, 0.45, 0.5, 0.55, 0.6, 0.65])
