@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """presswork: simulate metal forming from a short case file or from Python.
 
->>> import presswork
->>> case = presswork.read_case("upsetting_4cst.toml")
->>> result = presswork.run(case, "out").result
->>> result.history["punch.force"], result.field("eqps", step=-1)
+    case = presswork.read_case("upsetting_4cst.toml")
+    result = presswork.run(case, "out").result
+    force, strain = result.history["punch.force"], result.field("equivalent_plastic_strain", step=-1)
 
 Names are imported when they are first used (`__init__.pyi` lists them), so that a command loads only what it needs.
 """
