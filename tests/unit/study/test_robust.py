@@ -29,7 +29,7 @@ from presswork.study.scatter.gaussian_process import GaussianProcess
 from presswork.study.scatter.maps import draw_map, map_field
 from presswork.study.scatter.robust import Robustness, complete, prepare
 from presswork.study.scatter.statistics import find_indices
-from presswork.study.scatter.study_file import Map, Sampling, read_coils, read_study
+from presswork.study.scatter.study_file import Map, read_coils, read_study
 
 Function = Callable[[float, float, float], float | None]
 KEYS = ("stages.0.tools.punch.stroke", "materials.steel.young", "materials.steel.poisson")
@@ -110,10 +110,19 @@ def test_indices_of_ishigami_s_function_are_found_by_128_runs(tmp_path: Path) ->
     assert json.loads((tmp_path / "out" / "robust.json").read_text())["limits"][0] == found
 
 
+def test_256_points_give_the_indices_of_ishigami_s_function_within_two_hundredths() -> None:
+    at = np.pi * (2.0 * draw_points(256, 3, "sobol") - 1.0)
+    surrogate = GaussianProcess(at, np.array([ishigami(*x) for x in at]))
+    points = draw_points(2**13, 6, "sobol")
+    found = find_indices(lambda u: surrogate(np.pi * (2.0 * u - 1.0)), points[:, :3], points[:, 3:])
+    np.testing.assert_allclose(found.first, [0.31391, 0.44241, 0.0], atol=0.02)
+    np.testing.assert_allclose(found.total, [0.55759, 0.44241, 0.24368], atol=0.02)
+
+
 def test_indices_of_the_g_function() -> None:
     """By the function itself within 0.003, by a surrogate through 256 points within 0.03."""
-    points = draw_points(Sampling.model_construct(runs=2**13, method="sobol", seed=1), 16)
-    at = draw_points(Sampling(runs=256, method="sobol"), 8)
+    points = draw_points(2**13, 16, "sobol")
+    at = draw_points(256, 8, "sobol")
     exact = np.array([0.71619, 0.17905, 0.02368, 0.00716]), np.array([0.78714, 0.24220, 0.03432, 0.01046])
     for function, within in ((g_function, 0.003), (GaussianProcess(at, g_function(at)), 0.03)):
         found = find_indices(function, points[:, :8], points[:, 8:])
@@ -162,7 +171,7 @@ def test_inputs_go_together_as_asked_and_keep_their_distributions(tmp_path: Path
     path = write(tmp_path, inputs=inputs, correlations=together, sampling={"runs": 4000})
     study, _ = read_study(path)
     draws = Draws(study, np.zeros((0, 0)))
-    values = draws.values_at(draw_points(study.sampling, draws.dimension))
+    values = draws.values_at(draw_points(study.sampling.runs, draws.dimension))
     assert values[:, 0].min() >= 1.9
     assert np.log(values[:, 1]).std() == pytest.approx(np.sqrt(np.log(1.01)), rel=0.02)
     assert values[:, 1].mean() == pytest.approx(2e5, rel=0.002)
@@ -170,7 +179,7 @@ def test_inputs_go_together_as_asked_and_keep_their_distributions(tmp_path: Path
 
     assert spearmanr(values[:, 1], values[:, 2])[0] == pytest.approx(6 / np.pi * np.arcsin(-0.35), abs=0.02)
     assert abs(spearmanr(values[:, 0], values[:, 2])[0]) < 0.04
-    parts = np.sort(draw_points(Sampling(runs=50), 3), axis=0)
+    parts = np.sort(draw_points(50, 3), axis=0)
     assert (np.floor(50 * parts) == np.arange(50)[:, None]).all(), "each part of every input has one run"
 
 
@@ -179,7 +188,7 @@ def test_rows_of_measured_coils_are_drawn_whole(tmp_path: Path) -> None:
     inputs = [{"key": KEYS[1], "column": "E", "unit": "MPa"}, {"key": KEYS[2], "column": "nu"}]
     study, _ = read_study(path := write(tmp_path, inputs=inputs, coils="coils.csv", sampling={"runs": 30}))
     draws = Draws(study, read_coils(study, path))
-    values = draws.values_at(draw_points(study.sampling, draws.dimension))
+    values = draws.values_at(draw_points(study.sampling.runs, draws.dimension))
     assert {tuple(row) for row in values} == {(200000.0, 0.3), (210000.0, 0.28), (190000.0, 0.25)}
     assert (values[:, 0] == 2e5).sum() == 10
 

@@ -8,20 +8,19 @@ from scipy import stats
 from scipy.stats import qmc
 
 from presswork.model import FloatArray
-from presswork.study.scatter.study_file import Input, Sampling, ScatterStudy
+from presswork.study.scatter.study_file import Input, Method, ScatterStudy
 
 EDGE = 1e-12
 """Distance of probabilities from 0 and 1."""
 
 
-def draw_points(sampling: Sampling, dimension: int) -> FloatArray:
-    """Return points of the unit cube (runs, dimension)."""
-    random = np.random.default_rng(sampling.seed)
-    n = sampling.runs
-    if sampling.method == "latin_hypercube":
+def draw_points(n: int, dimension: int, method: Method = "latin_hypercube", seed: int = 1) -> FloatArray:
+    """Return points of the unit cube (n, dimension)."""
+    random = np.random.default_rng(seed)
+    if method == "latin_hypercube":
         strata = np.array([random.permutation(n) for _ in range(dimension)]).reshape(dimension, n).T
         points = (strata + random.random((n, dimension))) / n
-    elif sampling.method == "sobol":  # moved as a whole: evenly spread, and without the point at the corner
+    elif method == "sobol":  # moved as a whole: evenly spread, and without the point at the corner
         even = qmc.Sobol(dimension, scramble=False).random_base2((n - 1).bit_length())[:n]
         points = (even + random.random(dimension)) % 1.0
     else:

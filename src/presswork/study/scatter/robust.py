@@ -38,7 +38,7 @@ from presswork.study.scatter.statistics import (
     is_beyond,
     share_beyond,
 )
-from presswork.study.scatter.study_file import Sampling, ScatterStudy, read_coils, read_study
+from presswork.study.scatter.study_file import ScatterStudy, read_coils, read_study
 from presswork.study.sweep import FINISHED, SweepProgress, SweepResult, complete_members
 from presswork.study.vary import Member, format_override, make_members
 
@@ -98,7 +98,8 @@ def prepare(study: ScatterStudy, study_file: Path) -> tuple[Draws, FloatArray, l
     case_file = study_file.parent / study.case
     read_case(case_file, list(study.set))  # says what is wrong with the case itself, by its own name
     draws = Draws(study, read_coils(study, study_file))
-    points = draw_points(study.sampling, draws.dimension)
+    sampling = study.sampling
+    points = draw_points(sampling.runs, draws.dimension, sampling.method, sampling.seed)
     combinations = []
     for row in draws.values_at(points):
         written = {
@@ -211,8 +212,7 @@ def _ask_surrogate(
     found: dict[str, Any] = {"surrogate_explains": surrogate.explained}
     if surrogate.explained < TRUSTED:
         return found
-    sampling = Sampling.model_construct(runs=PREDICTED, method="sobol", seed=study.sampling.seed)
-    points = draw_points(sampling, 2 * draws.dimension)
+    points = draw_points(PREDICTED, 2 * draws.dimension, "sobol", study.sampling.seed)
     left, right = points[:, : draws.dimension], points[:, draws.dimension :]
     unsure = np.random.default_rng(study.sampling.seed).standard_normal(PREDICTED)
 

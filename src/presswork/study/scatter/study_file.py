@@ -22,6 +22,7 @@ from presswork.model import FloatArray
 from presswork.study.optimum.study_file import Limit
 from presswork.text_file import UnreadableError, read_text
 
+Method = Literal["latin_hypercube", "sobol", "random"]
 LEAST_EIGENVALUE = 1e-9
 """Eigenvalue of a matrix of correlations at or below which no inputs can be so correlated."""
 
@@ -142,7 +143,7 @@ class Sampling(Part):
     """How the inputs are drawn."""
 
     runs: int = Field(default=60, ge=8, le=10_000, strict=True, description="runs, one of each set of inputs")
-    method: Literal["latin_hypercube", "sobol", "random"] = Field(
+    method: Method = Field(
         default="latin_hypercube",
         description="latin_hypercube: each input once in every equal part of its distribution; sobol: points that fill "
         "the space evenly, best in powers of two; random: plain Monte Carlo",
