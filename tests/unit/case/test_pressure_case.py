@@ -160,6 +160,15 @@ REFUSED = {
         ],
         ("its space is open", "boundary.clamp"),
     ),
+    "stages.0.pressure.oil.p = 6000": ([(STAGE, {"p": 6000})], ("at most 1500 MPa", '"60 bar"')),
+    "stages.0.pressure.oil.p_over_time: no press": (
+        [(STAGE, {"p_over_time": [[0, 0], [0.01, 2000]]})],
+        ("at most 1500 MPa", "plain numbers are MPa"),
+    ),
+    'stages.0.pressure.oil.inflow = "5 m^3"': (
+        [(f"{PLACE}.fluid", {"stiffness": 2000, "room": 1000}), (STAGE, {"inflow": "5 m^3"})],
+        ("5e+09 mm3 have flowed in", "if it became a sphere", '"20 cm^3"'),
+    ),
     "explicit.device": ([("explicit", {"device": "host"})], ("by the CPU alone", 'take "cpu"')),
 }
 

@@ -17,6 +17,8 @@ from presswork.model import Face
 Line = Annotated[PlanLine, Field(discriminator="shape")]
 COURSES = ("p", "p_over_stroke", "p_over_time", "inflow", "inflow_over_stroke", "inflow_over_time")
 """Keys of a stage's pressure, of which it takes one."""
+HIGHEST = 1500.0
+"""Pressure [MPa] above any that presses for fluids give: 400 are common, 1000 the most."""
 
 
 class Fluid(Part):
@@ -92,6 +94,10 @@ class StagePressure(Part):
             raise fault(f"{present[0]} and {present[1]} are both given", f"leave {present[1]} out", key=present[1])
         if present[0] not in ("p", "inflow"):
             _check_rows(getattr(self, present[0]), present[0])
+        rows = ((0.0, self.p),) if self.p is not None else self.p_over_stroke or self.p_over_time or ()
+        if max((value for _, value in rows), default=0.0) > HIGHEST:
+            fault_of = f"no press gives so much: expected at most {HIGHEST:g} MPa"
+            raise fault(fault_of, 'plain numbers are MPa; for instance 6, or "60 bar"', key=present[0])
         return self
 
     @property

@@ -18,12 +18,22 @@ from presswork.case.stamping.plan_line import draw_line
 from presswork.case.stamping.pressure import SheetPressure, StagePressure
 from presswork.case.stamping.schema import StampingCase
 from presswork.geometry.tool_surface import make_surface
-from presswork.mesh.pressed_cells import find_middles, find_pressed_cells, measure_bulge, measure_rise
+from presswork.mesh.pressed_cells import (
+    find_area_vectors,
+    find_middles,
+    find_pressed_cells,
+    measure_bulge,
+    measure_rise,
+)
 
 UNTOUCHED = 0.5
 """Distance over the thickness within which a tool lies on a face."""
 FACELESS = 1e-3
 """Share of its area below which a sheet has no upper face, and of its size by which it is flat."""
+STRETCHED = 3.0
+"""Area of a sheet over that of its blank beyond which it has torn."""
+MIRRORED = 4.0
+"""Most that a whole blank has of what is meshed of it."""
 SAME = 1e-6
 """Part of a pressure by which a table may begin beside the end of the stage before."""
 
@@ -158,6 +168,7 @@ def build_pressures(
         if each.fluid is not None and not tools and each.face != "inside"
         for problem in _check_closed(each, cells[pressed[each.name]], case, mesh)
     ]
+    problems += [problem for each in pressures for problem in _check_inflow(each.name, mesh, cells, case)]
     middles = find_middles(mesh.points, cells)
     for each in pressures if is_flat else ():
         problems += _check_tools(each, middles[pressed[each.name]], tools, case.blank.thickness)
@@ -218,6 +229,25 @@ def _check_closed(
         fault = f"its space is open: neither tools nor [boundary] hold {free} nodes of the edge that bounds it"
         remedy = 'hold them, for instance boundary.clamp = {set = "edge", hold = "clamped"}'
         yield Problem(f"pressure.{pressure.name}.fluid", fault, remedy)
+
+
+def _check_inflow(name: str, mesh: model.Mesh, cells: model.IntArray, case: StampingCase) -> Iterator[Problem]:
+    """Yield the problem of a fluid of which more flows in than a sphere holds that the whole sheet could become."""
+    if case.pressure[name].fluid is None:
+        return
+    area = np.linalg.norm(find_area_vectors(mesh.points[cells]).sum(axis=1), axis=1).sum()
+    most, inflow = (STRETCHED * MIRRORED * area) ** 1.5 / (6.0 * np.sqrt(np.pi)), 0.0
+    for index, stage in enumerate(case.stages):
+        given = stage.pressure.get(name)
+        if given is None:
+            continue
+        course = getattr(given, given.course)
+        inflow += course if given.course == "inflow" else course[-1][1]
+        if inflow > most:
+            fault = f"{inflow:.4g} mm3 have flowed in, and the sheet could hold {most:.4g} mm3 if it became a sphere"
+            remedy = 'plain numbers are mm3; for instance 20000, or "20 cm^3"'
+            yield Problem(f"stages.{index}.pressure.{name}.{given.course}", fault, remedy, course)
+            return
 
 
 def _check_tools(
