@@ -28,6 +28,10 @@ def stone(
     less_formed: Annotated[
         bool, typer.Option(help="Take off the gaps of the part as it was formed, before springback.")
     ] = False,
+    mirror: Annotated[
+        Literal["", "x", "y", "xy"],
+        typer.Option(help="Symmetry planes through the origin that cut the part; those of stampings are known."),
+    ] = "",
     shows: Annotated[float, typer.Option(help="Gap that shows on paint [mm].")] = 0.02,
     refused: Annotated[float, typer.Option(help="Gap for which a panel is refused [mm].")] = 0.1,
 ) -> None:
@@ -43,8 +47,9 @@ def stone(
         result = Result(folder)
         for along in ("x", "y") if direction == "both" else (direction,):
             found = draw_stone(
-                result, length=length, direction=along, side=side, spacing=spacing, step=step, less_formed=less_formed
-            )
+                result, length=length, direction=along, side=side, spacing=spacing, step=step, less_formed=less_formed,
+                mirror=mirror,
+            )  # fmt: skip
             _write(found, folder / f"stoning_{along}.csv")
             title = f"stone of {length:g} mm along {along}, {side}" + (", less as formed" if less_formed else "")
             _draw(found, folder, f"stoning_{along}.png", shows, refused, title)

@@ -9,6 +9,7 @@ stands for the outer one, and walls steeper than STEEPEST are left out.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -57,12 +58,15 @@ def stone(
     spacing: float = 2.0,
     step: int = -1,
     less_formed: bool = False,
+    mirror: str = "",
 ) -> Stoning:
     """Draw a stone over a sheet at a saved step.
 
     length: of the stone [mm]; side: on which it is drawn, top is that of larger z; spacing: of the grid [mm];
-    less_formed: take off the gaps of the part as it was formed, before springback. Raises ResultError for a part that
-    is no sheet, for a stone or grid that does not fit it, and without a step before springback where one is asked for.
+    less_formed: take off the gaps of the part as it was formed, before springback. mirror: axes, "x", "y" or "xy",
+    whose symmetry planes through the origin cut the part, beside those of a stamping, which are known. Raises
+    ResultError for a part that is no sheet, for a stone or grid that does not fit it, and without a step before
+    springback where one is asked for.
     """
     if not result.is_shell:
         raise ResultError(f"{result.folder} has no sheet: stoning is for panels")
@@ -71,9 +75,10 @@ def stone(
     if length > MOST_POINTS * spacing:
         most = f"{MOST_POINTS} times the spacing, {MOST_POINTS * spacing:g} mm"
         raise ResultError(f"length = {length:g} mm: give at most {most}")
+    axes = sorted({*mirror, *str(result.info.get("symmetry", ""))})
     triangles = _triangulate(result.mesh_at(step))
     sign = 1.0 if side == "top" else -1.0
-    points = result.points(step)
+    points, triangles = _mirror(result.points(step), triangles, axes)
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
     if (extent := float((high - low).max())) < length:
         raise ResultError(f"length = {length:g} mm: the part measures {extent:.4g} mm; take a shorter stone")
@@ -82,7 +87,8 @@ def stone(
         raise ResultError(f"spacing = {spacing:g} mm: the grid would have {len(x) * len(y)} places; take a wider one")
     found = _find_gaps(points, triangles, (x, y), sign, length, spacing, direction)
     if less_formed:
-        formed = result.points(find_formed_step(result, step))
+        before = find_formed_step(result, step)
+        formed, _ = _mirror(result.points(before), _triangulate(result.mesh_at(before)), axes)
         found = found - _find_gaps(formed, triangles, (x, y), sign, length, spacing, direction)
     return Stoning(x, y, found)
 
@@ -92,6 +98,16 @@ def _triangulate(mesh: ResultMesh) -> IntArray:
     cells = [block.connectivity for block in mesh.blocks]
     corners = [(0, 1, 2), (0, 2, 3)]
     return np.concatenate([of[:, list(at)] for of in cells for at in corners if max(at) < of.shape[1]]).astype(np.int32)
+
+
+def _mirror(points: FloatArray, triangles: IntArray, axes: Sequence[str]) -> tuple[FloatArray, IntArray]:
+    """Return points and triangles with their images in planes normal to axes through the origin."""
+    for axis in axes:
+        image = points.copy()
+        image[:, "xy".index(axis)] *= -1.0
+        triangles = np.concatenate([triangles, triangles + np.int32(len(points))])
+        points = np.concatenate([points, image])
+    return points, triangles
 
 
 def _find_gaps(

@@ -13,7 +13,8 @@ from typer.testing import CliRunner
 from presswork.api import load, run
 from presswork.cli.commands import app
 from presswork.examples import copy_example
-from presswork.post.stoning import find_gaps, find_heights
+from presswork.post.stoning import find_gaps, find_heights, stone
+from presswork.results import Result
 
 STEP = 0.5
 ALONG = np.arange(-150.0, 150.0 + 0.5 * STEP, STEP)
@@ -81,6 +82,18 @@ def test_a_stone_is_drawn_over_a_run_from_the_command_line(roof: Path) -> None:
     above = CliRunner().invoke(app, [*common, "--side", "top", "--direction", "y"])
     assert "largest gap 0.0000 mm" in above.output, "from above it is a bulge"
     assert (roof / "plots" / "stoning_y.png").stat().st_size > 5_000
+
+
+def test_a_stone_lies_over_the_images_of_a_part_that_symmetry_planes_cut(roof: Path) -> None:
+    """A quarter of the roof, from below: at its crown, on a symmetry plane, the stone leaves the arc's height."""
+    at_crown = []
+    for mirror in ("", "y", "xy"):
+        found = stone(Result(roof), length=10.0, spacing=0.5, direction="y", side="bottom", step=0, mirror=mirror)
+        at_crown.append(float(np.nanmax(found.gap[:, np.abs(found.y) < 0.3])))
+        assert np.ptp(found.x) == pytest.approx(50.0 if "x" in mirror else 25.0, abs=0.6)
+    assert at_crown[0] < 0.02
+    assert at_crown[1] == pytest.approx(25.0 - np.sqrt(25.0**2 - 5.0**2), rel=0.1)
+    assert at_crown[2] == pytest.approx(at_crown[1], rel=1e-2)
 
 
 @pytest.mark.parametrize(
