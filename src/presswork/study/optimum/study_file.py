@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from presswork.case import CaseError
 from presswork.case.part import Part
-from presswork.case.reader import list_problems, read_toml
 from presswork.case.units import fault, split_quantity
 from presswork.model import FloatArray
+from presswork.study.study_file import read_study_file
 from presswork.study.vary import format_override
 
 
@@ -224,12 +223,7 @@ class Study(Part):
 
 def read_study(path: Path | str) -> tuple[Study, str]:
     """Read and check a study file; return its text, too. Raises CaseError with every problem found."""
-    path = Path(path)
-    data, text = read_toml(path)
-    try:
-        return Study.model_validate(data), text
-    except ValidationError as error:
-        raise CaseError(list_problems(error, data, Study.model_json_schema()), path) from None
+    return read_study_file(path, Study)
 
 
 def _split(value: Any) -> tuple[float, str]:

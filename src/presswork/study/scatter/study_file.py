@@ -11,15 +11,15 @@ from pathlib import Path
 from typing import Literal, Self
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from presswork.case import CaseError
 from presswork.case.errors import Problem, suggest
 from presswork.case.part import Part
-from presswork.case.reader import list_problems, read_toml
 from presswork.case.units import fault, split_quantity
 from presswork.model import FloatArray
 from presswork.study.optimum.study_file import Limit
+from presswork.study.study_file import read_study_file
 from presswork.text_file import UnreadableError, read_text
 
 Method = Literal["latin_hypercube", "sobol", "random"]
@@ -215,12 +215,7 @@ class ScatterStudy(Part):
 
 def read_study(path: Path | str) -> tuple[ScatterStudy, str]:
     """Read and check a study file; return its text, too. Raises CaseError with every problem found."""
-    path = Path(path)
-    data, text = read_toml(path)
-    try:
-        return ScatterStudy.model_validate(data), text
-    except ValidationError as error:
-        raise CaseError(list_problems(error, data, ScatterStudy.model_json_schema()), path) from None
+    return read_study_file(path, ScatterStudy)
 
 
 def read_coils(study: ScatterStudy, study_file: Path) -> FloatArray:
