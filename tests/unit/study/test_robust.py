@@ -183,6 +183,15 @@ def test_inputs_go_together_as_asked_and_keep_their_distributions(tmp_path: Path
     assert (np.floor(50 * parts) == np.arange(50)[:, None]).all(), "each part of every input has one run"
 
 
+def test_inputs_without_an_effect_are_named(tmp_path: Path) -> None:
+    data = judge(lambda x, y, z: 3.0, tmp_path, sampling={"runs": 10}).data
+    entry = data["limits"][0]
+    assert entry["fault"] == "no input has an effect on it: all runs give the same"
+    assert entry["cpk"] > 1e5
+    assert "inputs" not in entry
+    assert describe_limit(entry, 10).endswith("no input has an effect on it: all runs give the same")
+
+
 def test_rows_of_measured_coils_are_drawn_whole(tmp_path: Path) -> None:
     (tmp_path / "coils.csv").write_text("E,nu,name\n200000,0.3,a\n210000,0.28,b\n190000,0.25,c\n")
     inputs = [{"key": KEYS[1], "column": "E", "unit": "MPa"}, {"key": KEYS[2], "column": "nu"}]

@@ -81,7 +81,9 @@ def describe_limit(entry: dict[str, Any], runs: int) -> str:
     parts = [f"{entry['measure']} {limits}: {entry['beyond']} of {runs} runs beyond"]
     if "share_beyond_at_most" in entry:
         parts[0] += f" (with 95 % confidence at most {100 * entry['share_beyond_at_most']:.3g} %)"
-    if "cpk" in entry:
+    if "fault" in entry:
+        parts.append(entry["fault"])
+    elif "cpk" in entry:
         parts.append(f"Cpk {entry['cpk']:.2f}, at least {entry['cpk_at_least']:.2f}")
     if inputs := entry.get("inputs"):
         share, deviation = "share_beyond_with_half_its_scatter", "deviation_with_half_its_scatter"

@@ -54,7 +54,8 @@ def _draw_inputs(ax: Axes, entry: Mapping[str, Any]) -> None:
     """Draw what each input makes of the variance, or of the share beyond the limit."""
     inputs = entry.get("inputs", [])
     if not inputs:
-        ax.text(0.5, 0.5, "the surrogate does not follow the runs", ha="center", va="center", fontsize="small")
+        text = entry.get("fault", "the surrogate does not follow the runs").replace(": ", ":\n")
+        ax.text(0.5, 0.5, text, ha="center", va="center", fontsize="small")
         ax.set_axis_off()
         return
     names, places = [".".join(each["key"].split(".")[-2:]) for each in inputs], np.arange(len(inputs))

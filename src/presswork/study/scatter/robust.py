@@ -201,6 +201,8 @@ def _judge_limit(limit: Limit, values: FloatArray, runs: int, lost: int) -> dict
             "cpk_at_least": found.least,
             "share_beyond_if_normal": share_beyond(found.cpk),
         }
+        if values.min() == values.max():
+            entry["fault"] = "no input has an effect on it: all runs give the same"
     return entry
 
 

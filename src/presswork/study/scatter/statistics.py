@@ -12,6 +12,8 @@ from scipy import stats
 from presswork.model import BoolArray, FloatArray
 from presswork.study.optimum.study_file import Limit
 
+BEST = 1e6
+"""Capability of values that do not scatter."""
 CONFIDENCE = 0.95
 """Confidence of one-sided bounds."""
 
@@ -34,7 +36,8 @@ def find_capability(values: FloatArray, limit: Limit) -> Capability:
     (1.33, 1.026)
     """
     n, mean, deviation = len(values), float(values.mean()), float(values.std(ddof=1))
-    cpk = min(sign * (value - mean) for sign, value in limit.sides) / max(3.0 * deviation, 1e-300)
+    nearest = min(sign * (value - mean) for sign, value in limit.sides)
+    cpk = nearest / max(3.0 * deviation, abs(nearest) / BEST, 1e-300)
     spread = np.sqrt(1.0 / (9.0 * n) + cpk**2 / (2.0 * (n - 1)))
     return Capability(cpk, cpk - float(stats.norm.ppf(CONFIDENCE)) * float(spread))
 
