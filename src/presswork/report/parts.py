@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from presswork.fields.table import describe_field
-from presswork.formability import ZONES
+from presswork.formability import ZONES, explain_zones
 from presswork.model import FloatArray
 from presswork.post import judge_result, measure_draw_in_around, trace_interface
 from presswork.report.case_data import list_defaults, read_text
@@ -99,7 +99,9 @@ def describe_shown(result: Result, shown: Shown, bounds: tuple[float, float]) ->
         "signed": shown.name in DIVERGING,
     }
     if shown.name == ZONE_FIELD:
-        data["zones"] = [{"name": name, "colour": colour} for name, colour in zip(ZONES, ZONE_COLOURS, strict=True)]
+        meanings = explain_zones(result.formability.safety_margin)
+        named = zip(ZONES, ZONE_COLOURS, meanings, strict=True)
+        data["zones"] = [{"name": name, "colour": colour, "meaning": meaning} for name, colour, meaning in named]
     return data
 
 
