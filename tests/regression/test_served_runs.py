@@ -195,10 +195,24 @@ def test_each_member_of_a_sweep_is_a_click_from_its_part(browser: Any, site: Ser
     page.wait_until_drawn()
     table = ask(site, "table?sweep=sweep")
     assert [row[1] for row in table["rows"]] == [2.0, 4.0, 6.0]
+    names = page.tab.locator("#curves .key li").all_inner_texts()
+    assert names == [f"punch stroke {stroke} mm" for stroke in (2, 4, 6)]
+    drawn = page.ask("() => presswork.curves.series.map(({ x, y }) => [x.at(-1), y.at(-1)])")
+    for (stroke, force), number in zip(drawn, range(3), strict=True):
+        history = Result(folder / "sweep" / f"member_00{number}").history
+        assert [stroke, force] == pytest.approx([history["punch.stroke"][-1], 1e-3 * history["punch.force"][-1]])
     script = "({ series: [{ x, y }], plot }) => [plot.valToPos(x[2], 'x'), plot.valToPos(y[2], 'y')]"
     x, y = page.ask(f"() => ({script})(presswork.chart)")
-    page.tab.locator(".u-over").click(position={"x": x, "y": y})
+    page.tab.locator("#scatter .u-over").click(position={"x": x, "y": y})
     page.tab.wait_for_url("**/run?*")
     page.wait_until_drawn()
     assert page.ask("() => presswork.runs[0].name") == "member_002"
+    page.tab.go_back()
+    page.wait_until_drawn()
+    place = "({ series: [, { x, y }], plot }) => [plot.valToPos(x.at(-1), 'x'), plot.valToPos(y.at(-1), 'y')]"
+    x, y = page.ask(f"() => ({place})(presswork.curves)")
+    page.tab.locator("#curves .u-over").click(position={"x": x, "y": y})
+    page.tab.wait_for_url("**/run?*")
+    page.wait_until_drawn()
+    assert page.ask("() => presswork.runs[0].name") in ("member_001", "member_002"), "both curves pass there"
     page.close()

@@ -80,7 +80,7 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
     for stage in history.get("stage", ()):
         if not stages or stages[-1] != str(stage):
             stages.append(str(stage))
-    curves = [(name, f"{name.rpartition('.')[0]}.force") for name in strokes] or _choose_curves(result, history)
+    curves = [(name, f"{name.rpartition('.')[0]}.force") for name in strokes] or choose_curves(result, history)
     idle = _find_idle(history)
     parts = np.asarray(history.get("part", ()), dtype=np.float64)
     return {
@@ -162,7 +162,7 @@ def _choose_charts(history: dict[str, NDArray[Any]]) -> list[dict[str, Any]]:
     return [{"title": title, "over": over, "columns": names} for title, over, names in charts if names]
 
 
-def _choose_curves(result: Result, history: dict[str, Any]) -> list[tuple[str, str]]:
+def choose_curves(result: Result, history: dict[str, Any]) -> list[tuple[str, str]]:
     """Return pairs of columns, abscissa and ordinate: force against stroke, or what comes nearest to it.
 
     For heat alone these are the temperatures over time.

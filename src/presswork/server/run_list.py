@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from pathlib import Path
 from typing import Any
@@ -12,9 +10,9 @@ from typing import Any
 from presswork.results.folder import CASE, RESULTS, SUMMARY
 from presswork.server.jobs import Jobs
 from presswork.server.opened_folder import OpenedFolder, RefusedError, read_case_data
+from presswork.server.sweeps import TABLE
 from presswork.text_file import UnreadableError, read_text
 
-_TABLE = "table.csv"
 _PICTURES = ("mesh_formability", "mesh_", "shell_", "section", "force")
 """Beginnings of names of pictures, the most telling first."""
 _MOST_BYTES = 16_000_000
@@ -35,7 +33,7 @@ class RunList:
             if (folder / RESULTS).is_file() or (folder / SUMMARY).is_file():
                 runs.append(self._describe_run(folder))
                 continue
-            if (folder / _TABLE).is_file() and any(folder.glob("member_*")):
+            if (folder / TABLE).is_file() and any(folder.glob("member_*")):
                 sweeps.append({"name": self._opened.name(folder), "members": len(list(folder.glob("member_*")))})
             cases += [self._describe_case(path) for path in sorted(folder.glob("*.toml")) if not path.is_symlink()]
         return {"folder": self._opened.root.name, "runs": runs, "sweeps": sweeps, "cases": [c for c in cases if c]}
@@ -92,26 +90,3 @@ class RunList:
             if found:
                 return found
         return pictures[0] if pictures else None
-
-    def read_sweep(self, name: str) -> dict[str, Any]:
-        """Return the table of a sweep: columns, rows of numbers and texts, the folder of each row's run."""
-        folder = self._opened.find(name)
-        path = self._opened.find(f"{name}/{_TABLE}")
-        if not path.is_file() or path.stat().st_size > _MOST_BYTES:
-            raise RefusedError(f"{name} is not a sweep", 404)
-        lines = list(csv.reader(io.StringIO(path.read_text(encoding="utf-8"))))
-        columns, table = lines[0] if lines else [], [[_to_value(text) for text in row] for row in lines[1:]]
-        there = {p.name for p in folder.glob("member_*") if (p / RESULTS).is_file()}
-        members = [f"{name}/{row[0]}" if row[0] in there else None for row in table]
-        return {"name": name, "columns": columns, "rows": table, "members": members}
-
-
-def _to_value(text: str) -> float | str | None:
-    """Return a cell of the table as a number if it is one."""
-    if not text:
-        return None
-    try:
-        number = float(text)
-    except ValueError:
-        return text
-    return number if abs(number) < 1e300 else text

@@ -26,6 +26,7 @@ from presswork.server.opened_folder import OpenedFolder, RefusedError, read_case
 from presswork.server.processes.metals import make_hot
 from presswork.server.run_list import RunList
 from presswork.server.scratch import Scratch
+from presswork.server.sweeps import read_curves, read_sweep
 
 _PAGE = files("presswork.server") / "page"
 _KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
@@ -59,7 +60,8 @@ class Site:
             "draft": lambda r: answer_json(self.drafts.open(r.get("case"))),
             "drawing": lambda _: Response(self.drafts.draw_page().encode(), "text/html", make_policy()),
             "materials": lambda _: answer_json(list_materials()),
-            "table": lambda r: answer_json(self.list.read_sweep(r.get("sweep"))),
+            "table": lambda r: answer_json(read_sweep(self.opened, r.get("sweep"))),
+            "curves": lambda r: answer_json(read_curves(self.opened, r.get("sweep"))),
         }
         post: dict[str, Callable[[Request], Response]] = {
             "pause": lambda r: self._act(r, self.jobs.pause),
