@@ -30,6 +30,7 @@ COMMANDS = {
     "devices": "List what explicit runs can compute on: the CPU, and NVIDIA cards where there are any.",
     "materials": "List the sheet materials of the library.",
     "stone": "Draw a stone over a panel: where it would not touch, and by how much.",
+    "dies": "Find the stress of a tool's body after a run, with its rings, and whether it holds.",
     "onestep": "Find the flat blank of a finished part: outline, thinning, formability, punch force.",
     "calibrate": "Find a parameter from measured tests.",
     "material": "Sheet materials at a point.",

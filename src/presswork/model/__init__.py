@@ -9,6 +9,7 @@ Directions and boundaries have names, never integer tags. All names are imported
 from presswork.model.arrays import BoolArray, FloatArray, IndexArray, IntArray, MaskArray
 from presswork.model.cells import CELLS, Cell, NamesInFiles, find_cell, take_corners
 from presswork.model.contact import Body, BodyContact
+from presswork.model.die_body import DieBody, DiePart, DieSteel, Side
 from presswork.model.draw_in import DrawInDirection
 from presswork.model.elements import (
     ELEMENTS,
@@ -153,7 +154,10 @@ __all__ = [
     "Crank",
     "CyclicSector",
     "Damage",
+    "DieBody",
     "DieMesh",
+    "DiePart",
+    "DieSteel",
     "Displacements",
     "DrawInDirection",
     "Drawbead",
@@ -227,6 +231,7 @@ __all__ = [
     "SheetSelfContact",
     "ShellElement",
     "ShellPressure",
+    "Side",
     "SizeWindow",
     "SolidElement",
     "SolverSettings",

@@ -13,6 +13,7 @@ from presswork.case.held_stages import check_held_stages, releases
 from presswork.case.material.library import find_material_problem
 from presswork.case.plane import schema
 from presswork.case.plane.bodies import check_bodies, list_bodies
+from presswork.case.plane.die_body import check_rings
 from presswork.case.plane.explicit_checks import check_procedure
 from presswork.case.plane.law_checks import check_laws
 from presswork.case.plane.remesh_builder import check_remesh
@@ -49,6 +50,7 @@ def check_references(case: schema.Case) -> list[Problem]:
     problems += _check_strain_measure(case)
     for name, entry in case.tools.items():
         problems += _check_unit(f"tools.{name}.unit", entry.unit or "mm")
+        problems += check_rings(f"tools.{name}.body", entry.body, case.analysis)
     problems += check_laws(case) + _check_densities(case) + check_small_displacements(case.solver)
     if case.solver.control == "arc_length":
         fault = "arc length is for shells under loads alone"

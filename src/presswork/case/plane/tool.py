@@ -13,6 +13,7 @@ from presswork.case.heat.forming import ToolHeat
 from presswork.case.names import FileName
 from presswork.case.part import Part, ShortForm
 from presswork.case.plane.contact import require_friction
+from presswork.case.plane.die_body import DieBody
 from presswork.case.units import (
     Direction,
     Force,
@@ -163,6 +164,9 @@ class Tool(Part):
     )
     spring: Spring | None = Field(default=None, description="a spring on which the tool rests, as a cushion does")
     heat: ToolHeat | None = Field(default=None, description="temperature of the tool; without it: no heat passes")
+    body: DieBody | None = Field(
+        default=None, description="the tool's body, whose stress `presswork dies` finds after the run"
+    )
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:

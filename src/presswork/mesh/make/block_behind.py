@@ -48,7 +48,7 @@ def outline_block(segments: FloatArray, size: float, depth: float, corners: Floa
         return Block(on_profile[:-1], len(on_profile) - 1, (0, 0))
     behind = _square_corners(on_profile, depth) if len(corners) == 0 else corners
     for outline in (behind, behind[::-1]):
-        if not _crosses(np.concatenate([on_profile, outline])):
+        if not crosses(np.concatenate([on_profile, outline])):
             break
     else:
         raise MeshError("the block behind the profile crosses itself", "give other corners, or a mesh file")
@@ -57,7 +57,7 @@ def outline_block(segments: FloatArray, size: float, depth: float, corners: Floa
     line, places = [on_profile], []
     for a, b in itertools.pairwise(stations):
         places.append(sum(len(part) for part in line) - 1)
-        line.append(_divide_side(a, b, on_profile, size, coarse)[1:])
+        line.append(divide_side(a, b, on_profile, size, coarse)[1:])
     nodes = np.concatenate(line)[:-1]
     back = (places[1], places[-1]) if len(outline) > 1 else (0, 0)
     return Block(nodes, len(on_profile), back)
@@ -95,7 +95,7 @@ def _square_corners(profile: FloatArray, depth: float) -> FloatArray:
     return np.array([end + (back - float(end @ inwards)) * inwards for end in (profile[-1], profile[0])])
 
 
-def _divide_side(a: FloatArray, b: FloatArray, profile: FloatArray, size: float, coarse: float) -> FloatArray:
+def divide_side(a: FloatArray, b: FloatArray, profile: FloatArray, size: float, coarse: float) -> FloatArray:
     """Return nodes from a to b whose edges grow with the distance from the profile; an even number of edges."""
     length = float(np.linalg.norm(b - a))
     fine = np.linspace(0.0, 1.0, 401)
@@ -108,7 +108,7 @@ def _divide_side(a: FloatArray, b: FloatArray, profile: FloatArray, size: float,
     return np.asarray(a + at[:, None] * (b - a))
 
 
-def _crosses(polygon: FloatArray) -> bool:
+def crosses(polygon: FloatArray) -> bool:
     """Return whether sides of a closed polygon cross, or it runs clockwise."""
     a, b = polygon, np.roll(polygon, -1, axis=0)
     x, y = polygon.T

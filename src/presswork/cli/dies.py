@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The command `dies`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from presswork.cli.case_files import reading
+from presswork.cli.terminal import console, exit_on
+from presswork.results import OutputError, Result
+
+if TYPE_CHECKING:
+    from presswork.dies.study import DieStudy
+
+
+def dies(
+    folder: Annotated[
+        Path, typer.Argument(help="Output folder of a run in the plane or in axisymmetry.", show_default=False)
+    ],
+    tool: Annotated[
+        list[str] | None, typer.Option("--tool", help="Tools to look at; without it: all that have a body.")
+    ] = None,
+    at: Annotated[
+        list[float] | None,
+        typer.Option("--at", help="Part of the run, 0 to 1; the nearest saved step is taken. Several may be given."),
+    ] = None,
+    every: Annotated[bool, typer.Option("--every", help="All saved steps.")] = False,
+    body: Annotated[
+        Path | None, typer.Option(help="TOML file with [tools.NAME.body], instead of the case's own.")
+    ] = None,
+) -> None:
+    """Find the stress of a tool's body after a run, with its rings, and whether it holds.
+
+    Without --at or --every at the saved step of the largest force on the tool. Writes dies_NAME.csv to the folder, and
+    a picture of it beside its others.
+    """
+    from presswork.case.plane.die_body import read_bodies
+    from presswork.dies.study import study_die
+    from presswork.dies.table import describe, write_table
+
+    with exit_on(OutputError), reading():
+        result = Result(folder)
+        bodies = read_bodies(body or folder / "case.toml", tool)
+        for name, own in bodies.items():
+            study = study_die(result, name, own.build(), at=at or (), every=every)
+            write_table(study, folder / f"dies_{name}.csv")
+            _draw(study, folder)
+            for warning in study.warnings:
+                console().print(f"warning: {warning}", style="yellow", markup=False)
+            for line in describe(study):
+                typer.echo(line)
+
+
+def _draw(study: DieStudy, folder: Path) -> None:
+    """Write the picture, where matplotlib is there."""
+    try:
+        from presswork.view.plots.die_body_plot import plot_die
+        from presswork.view.style import create_folder, save_picture
+    except ImportError:
+        return
+    create_folder(folder / "plots")
+    save_picture(plot_die(study), folder / "plots" / f"dies_{study.tool}.png")

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The body of a tool: the part that holds its profile and the rings round it, for the stress of a die after a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Side = Literal["bottom", "top", "left", "right"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DieSteel:
+    """An elastic material of a die, and what it bears."""
+
+    young: float
+    """[MPa]"""
+    poisson: float
+    yield_stress: float | None = None
+    """[MPa]; None: safety against yield is not known."""
+    tensile_strength: float | None = None
+    """Largest principal stress that a brittle material such as carbide bears [MPa]; None: it is not known."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiePart:
+    """A part of a die: the one that holds the profile, or a ring."""
+
+    steel: DieSteel
+    outer: float | None = None
+    """x of its outer side [mm]; None: corners are given."""
+    bottom: float | None = None
+    """y of its lower face [mm]; None: that of the profile's end, of a ring that of the part inside."""
+    top: float | None = None
+    """y of its upper face [mm]."""
+    corners: tuple[tuple[float, float], ...] = ()
+    """Instead of outer, bottom and top: the other corners from one end of the profile round [mm]."""
+    held: tuple[Side, ...] = ()
+    """Sides whose nodes do not move across them."""
+    clamped: tuple[Side, ...] = ()
+    """Sides whose nodes do not move at all."""
+    interference: float = 0.0
+    """How far the part inside is larger in radius than this ring's bore before they are joined [mm]."""
+
+
+@dataclass(frozen=True)
+class DieBody:
+    """The body of a tool in parts, from the profile outwards."""
+
+    size: float
+    """Size of cells at the profile [mm]."""
+    parts: tuple[DiePart, ...]
+    """The part that holds the profile, then its rings."""
