@@ -110,6 +110,21 @@ def test_a_part_that_its_tools_have_left_rests_where_it_is(case: Any, height: fl
     assert "in stage 'lift': it came off its tools" in warning
 
 
+def test_a_part_that_a_tool_pushes_to_another_is_held_at_the_end_of_the_stage() -> None:
+    """It comes off the punch by bounces on its way to the anvil, 1 mm below, and is pressed by 0.5 mm there."""
+    pushed = bar(
+        "axisymmetric",
+        tools={
+            "punch": {"profile": [[-30, 5], [60, 5]], **COULOMB},
+            "anvil": {"profile": [[60, -1], [-30, -1]], **COULOMB},
+        },
+        stages=[{"name": "press", "duration": "300 us", "ramp": "10 us", "tools": {"punch": {"move": [0.0, -1.5]}}}],
+    )
+    procedure, ends = follow(pushed)
+    assert ends["press"][1] == pytest.approx(2.5 - 1.0 - 0.25, abs=0.05)
+    assert procedure.loose.warn(procedure.model) == []
+
+
 def test_a_thrown_part_flies_on_and_nothing_is_said() -> None:
     speed, duration = 10e3, 300e-6
     case = bar("plane_strain", tools={}, stages=[{"name": "fly", "duration": duration}])

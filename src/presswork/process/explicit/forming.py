@@ -36,7 +36,7 @@ from presswork.process.explicit.intervals import (
     IntervalRun,
     weigh_nodes,
 )
-from presswork.process.explicit.loose_rows import LooseRows, find_held_by_wall
+from presswork.process.explicit.loose_rows import LooseRows, find_held_by_wall, is_pressed
 from presswork.process.explicit.point_history import BlockPoints, PointHistory
 from presswork.process.explicit.progress import IntervalProgress
 from presswork.process.explicit.shear_friction import find_coefficient
@@ -177,7 +177,8 @@ class ExplicitForming(IntervalRun):
         if self.loose is not None:
             walls = zip(self.walls, self.model.tools, strict=True)
             held = [find_held_by_wall(wall.nodal_force, find_coefficient(tool.friction)) for wall, tool in walls]
-            self.loose.end_row(self.model, number, self.solids, self.solids.mass, held, self.contacts)
+            pressed = is_pressed(np.vstack([*self._force, self._reaction.sum(axis=0)]))
+            self.loose.end_row(self.model, number, self.solids, self.solids.mass, held, self.contacts, pressed=pressed)
         self.domain.end_row(self, row)
         energies = self.solids.energies()
         self._progress.added_mass = self.solids.added_mass().percent

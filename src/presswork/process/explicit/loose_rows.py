@@ -40,7 +40,9 @@ from presswork.process.explicit.contacts import ContactsOfRun
 
 SMALL = 1e-4
 """Way in the stage, over the size of the bodies, below which a motion may stay."""
-STOPPED, SINCE, DISTANCE = "loose_stopped", "loose_since", "loose_way"
+ONE_SIDED = 0.5
+"""Resultant of forces, over the sum of their sizes, from which they push one way."""
+STOPPED, SINCE, HELD, DISTANCE = "loose_stopped", "loose_since", "loose_held", "loose_way"
 """Names in a checkpoint."""
 
 
@@ -53,24 +55,27 @@ class LooseRows:
         """Motions that were stopped and that nothing has held since (n_bodies, n_motions)."""
         self._since = np.full(shape, -1)
         """The first stage in which a motion was stopped for longer than a row, -1: none (n_bodies, n_motions)."""
+        self._held = np.zeros(shape, dtype=bool)
+        """Motions that something held again when that stage ended (n_bodies, n_motions).
+
+        A part that one tool pushes to another bounces off it and rests until the tool follows: nothing to warn of."""
         self._distance = np.zeros(shape[0])
         """The longest displacement that a body would have in a stage (n_bodies,) [mm]."""
 
     def end_row(
         self, model: Model, stage: int, run: Dynamics, mass: FloatArray, tools: Sequence[Held] = (),
-        contacts: ContactsOfRun | None = None,
+        contacts: ContactsOfRun | None = None, *, pressed: bool = False,
     ) -> None:  # fmt: skip
         """Stop what moves as a rigid body and nothing holds when a row of a stage ends.
 
         mass: of the nodes (n_points,) [t]. tools: nodes (n,) that each touches, and unit vectors (n, d) along which it
-        holds them.
+        holds them. pressed: whether tools press the bodies between them.
         """
         position, velocity, bodies, d = run.position, run.velocity, list_bodies(model), model.dimension
         motions = about_points(model, position)
         free = find_free(_find_holds(model, stage, motions, position, tools, contacts))
         loose = find_named(free)
-        self._stopped &= loose
-        self._since[self._stopped & (self._since < 0)] = stage
+        self._end_row(loose, stage, pressed=pressed)
         if not free.shape[2]:
             return
         moves = np.zeros((*velocity.shape, free.shape[2]))
@@ -89,21 +94,41 @@ class LooseRows:
                 self._stopped[number] |= loose[number]
                 self._distance[number] = max(self._distance[number], gone)
 
+    def hold(self, stage: int, *, pressed: bool) -> None:
+        """Note that all bodies are held where a row of a stage ends; pressed: between tools."""
+        self._end_row(np.zeros_like(self._stopped), stage, pressed=pressed)
+
+    def _end_row(self, loose: NDArray[np.bool_], stage: int, *, pressed: bool) -> None:
+        """Note the motions that nothing holds where a row of a stage ends."""
+        forgotten = self._held & (self._since != stage)
+        self._since[forgotten] = -1
+        self._stopped &= loose
+        self._since[self._stopped & (self._since < 0)] = stage
+        self._held = np.where(self._since == stage, ~loose & pressed, self._held & ~forgotten)
+
     def warn(self, model: Model) -> list[str]:
         """Return what a user should know of bodies that were stopped."""
         return [
             f"{text}: it came off its tools at a speed that takes it {self._distance[number]:.3g} mm in the stage, and "
             "was stopped. Add a [boundary] entry, or let a tool hold it"
-            for number, text in list_loose(model, self._since)
+            for number, text in list_loose(model, np.where(self._held, -1, self._since))
         ]
 
     def to_arrays(self) -> dict[str, NDArray[Any]]:
         """Return what a checkpoint keeps."""
-        return {STOPPED: self._stopped.copy(), SINCE: self._since.copy(), DISTANCE: self._distance.copy()}
+        kept = {STOPPED: self._stopped, SINCE: self._since, HELD: self._held, DISTANCE: self._distance}
+        return {name: array.copy() for name, array in kept.items()}
 
     def load_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> None:
         """Take up what to_arrays gave."""
-        self._stopped, self._since, self._distance = (np.array(arrays[name]) for name in (STOPPED, SINCE, DISTANCE))
+        self._stopped, self._since, self._held, self._distance = (
+            np.array(arrays[name]) for name in (STOPPED, SINCE, HELD, DISTANCE)
+        )
+
+
+def is_pressed(forces: FloatArray) -> bool:
+    """Whether forces (n, d) on a workpiece push against one another; a part that flies touches one tool at most."""
+    return bool(np.linalg.norm(forces.sum(axis=0)) < ONE_SIDED * np.linalg.norm(forces, axis=1).sum())
 
 
 def find_held_by_wall(force: FloatArray, mu: float) -> Held:

@@ -32,7 +32,7 @@ from presswork.observe.contract import Evolved, Row
 from presswork.process.explicit.blank_shells import find_precision, make_shells
 from presswork.process.explicit.heat.of_sheet import HeatOfShells
 from presswork.process.explicit.intervals import LAST_COLUMNS, IntervalReport, IntervalRun, process_time
-from presswork.process.explicit.loose_rows import LooseRows
+from presswork.process.explicit.loose_rows import LooseRows, is_pressed
 from presswork.process.explicit.progress import SheetProgress
 from presswork.process.explicit.refined_sheet import RefinedSheet
 from presswork.process.explicit.sheet_fields import SheetFields
@@ -142,7 +142,9 @@ class ExplicitStamping(IntervalRun):
                 self.heat.sample()
             stop.look()
         self._reaction = self.shells.reaction_impulse / (end - begin)
-        if not (self.tools.hold_sheet or self.model.gravity):
+        if self.tools.hold_sheet:
+            self.loose.hold(self.progress.stage, pressed=is_pressed(self.tools.forces()))
+        elif not self.model.gravity:
             self.loose.end_row(self.model, self.progress.stage, self.shells, self.shells.mass[:, 0])
         energies = self._energies(stage, end)
         self.progress.cycles += n
