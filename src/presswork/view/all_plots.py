@@ -148,8 +148,9 @@ def _plot_all(
         for field in fields:
             paths += _plot_field(result, field, step, mirror, folder)
         if result.is_space_solid and "contact_traction" in result.field_names:
+            whole = mirror or cast(Mirror, result.info.get("symmetry", ""))
             for tool in result.tools_at_work(step):
-                figure = plot_die_stress(result, tool, step, mirror=mirror, figure=bare_figure())
+                figure = plot_die_stress(result, tool, step, mirror=whole, figure=bare_figure())
                 paths.append(save_picture(figure, folder / f"die_stress_{tool}_{step:03d}.png"))
     if result.is_onestep:
         return [*paths, save_picture(plot_blank(result, mirror=mirror, figure=bare_figure()), folder / "blank.png")]

@@ -58,6 +58,6 @@ def mark_first_crack(ax: Axes, result: Result, field: str, step: int) -> str:
     mesh = result.mesh_at(step)
     if mesh is result.mesh_at(0) and mesh is result.mesh_at(-1):
         x, y = find_centre(result.points(step), [block.connectivity for block in mesh.blocks], crack["cell"])[:2]
-        ax.scatter([x], [y], s=60, marker="x", c="white", linewidths=3.0, zorder=6, clip_on=False)
-        ax.scatter([x], [y], s=45, marker="x", c="#d1001f", linewidths=1.6, zorder=7, clip_on=False)
+        ax.scatter([x], [y], s=120, marker="x", c="white", linewidths=4.0, zorder=6, clip_on=False)
+        ax.scatter([x], [y], s=90, marker="x", c="#d1001f", linewidths=2.2, zorder=7, clip_on=False)
     return describe_first_crack(crack)

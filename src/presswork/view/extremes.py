@@ -27,11 +27,17 @@ def describe_extremes(values: FloatArray, places: FloatArray) -> str:
     if found is None:
         return ""
     digits = ".0f" if places.shape[1] == 3 else ".3g"
-    texts = []
-    for at in found:
-        text = ", ".join(format(coordinate, digits) for coordinate in places[at] + 0.0)
-        texts.append(f"{values[at]:.4g} at ({text})")
-    return " to ".join(texts) + " mm"
+    low, high = (", ".join(format(coordinate, digits) for coordinate in places[at] + 0.0) for at in found)
+    return f"max {shorten(values[found[1]])} at ({high}) mm, min {shorten(values[found[0]])} at ({low}) mm"
+
+
+def shorten(value: float) -> str:
+    """Return a number in three digits, and not fewer than its whole part has.
+
+    >>> shorten(3.16812), shorten(0.0079271), shorten(1268.4)
+    ('3.17', '0.00793', '1268')
+    """
+    return f"{value:.0f}" if 1e3 <= abs(value) < 1e6 else f"{value:.3g}"
 
 
 def mark_extremes(ax: Axes, values: FloatArray, places: FloatArray) -> None:

@@ -63,7 +63,7 @@ def _render(
     """Return a picture and its left, right, lower and upper end in the plane of the axes; None: no picture."""
     from matplotlib.colors import to_rgb
 
-    to_plane = _find_projection(ax)
+    to_plane = find_projection(ax)
     corners = np.concatenate([*(block.reshape(-1, 3) for block in blocks), *(row.reshape(-1, 3) for row, _ in lines)])
     across = corners @ to_plane[:, :3].T + to_plane[:, 3]
     low, high = across.min(axis=0), across.max(axis=0)
@@ -94,7 +94,7 @@ def _render(
     return None if picture is None else (picture, (low[0], high[0], low[1], high[1]))
 
 
-def _find_projection(ax: Axes3D) -> FloatArray:
+def find_projection(ax: Axes3D) -> FloatArray:
     """Return the map from places (x, y, z, 1) to the plane of orthographic axes (2, 4)."""
     matrix = np.asarray(ax.get_proj(), dtype=np.float64)
     return np.asarray(matrix[:2] / matrix[3, 3])

@@ -194,10 +194,14 @@ def describe_step(result: Result, step: int) -> str:
     return f"{text}, {progress.direction} of the workpiece reduced by {100 * progress.reduction:.1f} %"
 
 
-def title_step(ax: Axes, result: Result, step: int) -> str:
-    """Return what distinguishes a step, in two lines where the figure is too narrow for one."""
-    text = describe_step(result, step)
-    return text.replace(", ", "\n", 1) if len(text) * _LETTER > ax.figure.bbox.width / ax.figure.dpi else text
+def title_step(ax: Axes, result: Result, step: int, field: str | None = None) -> str:
+    """Return what distinguishes a step, behind the name of a field, in lines where the figure is too narrow for one."""
+    text, room = describe_step(result, step), ax.figure.bbox.width / ax.figure.dpi / _LETTER
+    shown = f"{describe_field(field)}, {text}" if field else text
+    if len(shown) <= room:
+        return shown
+    text = text.replace(", ", "\n", 1) if len(text) > room else text
+    return f"{describe_field(field)}\n{text}" if field else text
 
 
 def _describe_laid(result: Result, step: int) -> str:

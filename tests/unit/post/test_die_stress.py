@@ -53,5 +53,5 @@ def test_a_tool_that_is_not_there_is_refused(upset):
 def test_the_picture_shows_the_side_that_is_pressed(upset):
     figure = plot_die_stress(upset, "die")
     assert figure.axes[0].elev < 0.0, "from below"
-    assert "largest 50" in figure.get_suptitle()
+    assert figure.get_supxlabel().startswith("max 500 at (")
     assert figure.axes[1].get_ylabel() == "contact pressure [MPa]"

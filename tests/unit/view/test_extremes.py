@@ -18,4 +18,5 @@ def test_nothing_is_said_where_no_value_is_finite() -> None:
 
 def test_the_line_names_values_and_places() -> None:
     places = np.array([[0.0, 6.0], [12.345, 0.5], [-0.0, 0.0]])
-    assert describe_extremes(np.array([702.31, 1268.44, 900.0]), places) == "702.3 at (0, 6) to 1268 at (12.3, 0.5) mm"
+    line = describe_extremes(np.array([702.31, 1268.44, 900.0]), places)
+    assert line == "max 1268 at (12.3, 0.5) mm, min 702 at (0, 6) mm"

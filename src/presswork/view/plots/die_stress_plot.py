@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from presswork.model import FloatArray
-from presswork.post.die_stress import find_die_stress
+from presswork.post.die_stress import DieStress, find_die_stress
 from presswork.results import Result
+from presswork.view.extremes import describe_extremes
 from presswork.view.faces import draw_faces
 from presswork.view.mirror import IMAGES, Mirror
-from presswork.view.plots.shell_plot import add_colour_bar, find_normals, frame_axes, scale_colours, shade
+from presswork.view.plots.shell_plot import add_colour_bar, fill_figure, find_normals, frame_axes, scale_colours, shade
 from presswork.view.style import describe_step, new_figure, require_matplotlib
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def plot_die_stress(
     What the workpiece does not touch is grey. Raises ResultError as `find_die_stress` does.
     """
     require_matplotlib()
-    found = find_die_stress(result, tool, step)
+    found = _keep_images(find_die_stress(result, tool, step), mirror)
     figure = new_figure(7.0, 5.2) if figure is None else figure
     ax: Axes3D = figure.add_subplot(projection="3d")
     ax.set_proj_type("ortho")
@@ -48,13 +49,19 @@ def plot_die_stress(
     blocks = [found.corners * sign for sign in signs]
     frame_axes(ax, np.min([b.min(axis=(0, 1)) for b in blocks], axis=0),
                np.max([b.max(axis=(0, 1)) for b in blocks], axis=0))  # fmt: skip
+    title = str(result.info.get("title", "")).strip()
+    head = [*filter(None, (title, f"contact pressure on {tool.replace('_', ' ')}, {describe_step(result, step)}"))]
+    fill_figure(figure, ax, head, describe_extremes(found.pressure, found.corners.mean(axis=1)).partition(", min")[0])
     draw_faces(ax, blocks, np.tile(colours, (len(signs), 1)), 0.0)
     add_colour_bar(figure, ax, found.pressure, scaled, "contact pressure [MPa]")
-    title = str(result.info.get("title", "")).strip()
-    largest = f"largest {found.pressure.max(initial=0.0):.4g} MPa"
-    lines = (title, f"{tool}, {describe_step(result, step)}", largest)
-    figure.suptitle("\n".join(filter(None, lines)), fontsize="medium")
     return figure
+
+
+def _keep_images(found: DieStress, mirror: Mirror) -> DieStress:
+    """Return the triangles on the side of the mirrors where the workpiece is computed; dies may be drawn whole."""
+    middle = found.corners.mean(axis=1)
+    kept = np.all([middle[:, "xy".index(axis)] >= 0.0 for axis in mirror] or [np.ones(len(middle), bool)], axis=0)
+    return DieStress(found.corners[kept], found.pressure[kept])
 
 
 def _find_view(corners: FloatArray, pressure: FloatArray) -> tuple[float, float]:

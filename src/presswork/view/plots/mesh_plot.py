@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from presswork.fields.table import describe_field
 from presswork.model import FloatArray, IndexArray, find_cell
 from presswork.post import average_to_nodes
 from presswork.results import Result
@@ -14,6 +15,7 @@ from presswork.view.cells import outline_cells, triangulate
 from presswork.view.crack_mark import mark_first_crack
 from presswork.view.extremes import describe_extremes, mark_extremes
 from presswork.view.lap_mark import mark_laps
+from presswork.view.limit_colours import find_stops, make_limit_colours
 from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.plots.marked_points_plot import mark_points
 from presswork.view.plots.tool_plot import draw_tools
@@ -61,6 +63,7 @@ def plot_mesh(
     else:
         colours = _draw_cells(ax, outlines, values, mirror, show_edges, bare=False)
         places = np.array([outline.mean(axis=0) for outline in outlines])
+    _colour_by_limit(ax, result, field, values)
     for drawn in ax.collections if value_range is not None else ():
         if drawn.get_array() is not None:
             drawn.set_clim(value_range)
@@ -117,8 +120,8 @@ def plot_mesh_and_contours(
     plot_contours(result, field, step, right, mirror=mirror)
     moved = bool(result.field("displacement", step).any())
     left.set_title("deformed mesh" if moved else "mesh", fontsize="medium")
-    extremes = right.get_title().removeprefix(title_step(right, result, step)).lstrip()
-    right.set_title(f"{label_field(result, field).partition(' [')[0]}\n{extremes}".rstrip(), fontsize="medium")
+    faults = right.get_title().removeprefix(title_step(right, result, step, field)).lstrip()
+    right.set_title(f"{describe_field(field)}\n{faults}".rstrip(), fontsize="medium")
     right.set_ylabel("")
     title = str(result.info.get("title", "")).strip()
     figure.suptitle(f"{title}\n{describe_step(result, step)}" if title else describe_step(result, step))
@@ -198,15 +201,29 @@ def _draw_cells(
     return cells
 
 
+def _colour_by_limit(ax: Axes, result: Result, field: str, values: FloatArray) -> None:
+    """Colour what is drawn of a field that has a limit from green to red."""
+    finite = values[np.isfinite(values)]
+    stops = find_stops(result, field, float(finite.min()), float(finite.max())) if len(finite) else []
+    for drawn in ax.collections if stops else ():
+        if drawn.get_array() is not None:
+            scaled = make_limit_colours(stops)
+            drawn.set(cmap=scaled.get_cmap(), norm=scaled.norm)
+
+
 def _label_extremes(ax: Axes, result: Result, field: str, values: FloatArray, places: FloatArray, step: int) -> None:
-    """Mark the extremes of the values (n,) at their places (n, 2) [mm] and the first crack, name both in the title."""
+    """Mark the extremes of the values (n,) at their places (n, 2) [mm] and the first crack.
+
+    The title has the field, the step and what is at fault; the extremes stand below.
+    """
     mark_extremes(ax, values, places)
     crack = mark_first_crack(ax, result, field, step)
     faults = ", ".join(words for words in (crack, mark_laps(ax, result, step)) if words)
     extremes = describe_extremes(values, places)
     if ax.figure.bbox.width < _WIDE * ax.figure.dpi:
-        extremes = extremes.replace(" to ", "\nto ")
-    ax.set_title(f"{title_step(ax, result, step)}\n{extremes}\n{faults}".rstrip(), fontsize="medium")
+        extremes = extremes.replace("mm, min", "mm\nmin")
+    ax.set_title(f"{title_step(ax, result, step, field)}\n{faults}".rstrip(), fontsize="medium")
+    ax.set_xlabel(f"{ax.get_xlabel()}\n{extremes}".rstrip())
 
 
 def _shade_points(ax: Axes, result: Result, values: FloatArray, step: int, mirror: Mirror) -> ScalarMappable:

@@ -3,20 +3,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from presswork.fields.table import describe_field
 from presswork.formability import ZONES
 from presswork.model import FloatArray
 from presswork.post import find_skin
 from presswork.post.section import cut_tool
 from presswork.results import Result, ResultMesh
 from presswork.view.cells import outline_blocks
-from presswork.view.crack_mark import describe_first_crack, find_first_crack
+from presswork.view.crack_mark import describe_first_crack, find_centre, find_first_crack
 from presswork.view.extremes import describe_extremes
-from presswork.view.faces import draw_faces
+from presswork.view.faces import draw_faces, find_projection
+from presswork.view.limit_colours import find_stops, make_limit_colours
 from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, ZONE_COLOURS, describe_step, label_field, new_figure, require_matplotlib
 
@@ -33,6 +36,14 @@ DIVERGING = ("thinning", "thickness_strain", "deviation")
 """Fields whose sign matters."""
 DIVERGING_COLOURS = "RdBu_r"
 _LIGHT = np.array([0.35, -0.5, 0.8])
+_WIDTH, _SQUARE, _LEFT = 7.0, 5.6, 0.1
+"""Width of a figure, side of the axes in space in it, and what is left of them [inch]."""
+_FILLED, _FILLED_UP = 0.82, 1.1
+"""Parts of that side that the body's frame fills across and, where it is taller, upwards."""
+_ABOVE, _LABELS, _LINE, _GAP, _ZONES_HEIGHT = 0.25, 0.6, 0.2, 0.16, 0.75
+"""Room above the frame, for labels of axes below it, a line of text, beside lines, the legend of zones [inch]."""
+_BAR, _BAR_LEFT = 2.4, 6.05
+"""Length of the colour bar, and where it stands [inch]."""
 
 
 def plot_shell(
@@ -67,31 +78,89 @@ def plot_shell(
     outlines = outline_blocks(skin, points)
     n_faces = sum(len(block) for block in outlines)
     values = None if field is None else _face_values(result, field, step, skin, owner)
-    scaled = None if values is None else scale_colours(values, value_range, diverging=field in DIVERGING)
+    scaled = None if values is None or field is None else _choose_colours(result, field, values, value_range)
     colours = _colours(values, outlines, scaled, by_zone=field == ZONE_FIELD)
     width = float(np.clip(10.0 / np.sqrt(n_faces), 0.04, 0.6)) if show_edges else 0.0
     signs = [(x, y, 1) for x, y in IMAGES[mirror]]
     low = np.min([(points * sign).min(axis=0) for sign in signs], axis=0)
     high = np.max([(points * sign).max(axis=0) for sign in signs], axis=0)
     low, high = (low, high) if frame is None else frame
+    magnified = "" if scale == 1.0 else f", displacement x {scale:g}"
+    shown = f"{describe_field(field)}, " if field else ""
+    title = str(result.info.get("title", "")).strip()
+    head = [*filter(None, (title, f"{shown}{describe_step(result, step)}{magnified}"))]
+    foot = "" if values is None or field is None else _describe_values(result, field, step, values, outlines)
+    by_zone = field == ZONE_FIELD and values is not None
     frame_axes(ax, low, high)
+    fill_figure(figure, ax, head, foot, below=_ZONES_HEIGHT if by_zone else 0.0)
     blocks = [block * sign for sign in signs for block in outlines]
     draw_faces(ax, blocks, np.tile(colours, (len(signs), 1)), width, _cut_tools(result, step, low, high))
-    if field == ZONE_FIELD and values is not None:
+    if by_zone and values is not None:
         _add_zone_legend(figure, values)
     elif field is not None and values is not None and scaled is not None:
         ends = values if value_range is None else np.array(value_range)
         add_colour_bar(figure, ax, ends, scaled, label_field(result, field))
-    title = str(result.info.get("title", "")).strip()
-    magnified = "" if scale == 1.0 else f", displacement x {scale:g}"
-    extremes = ""
-    if values is not None and field != ZONE_FIELD:
-        extremes = describe_extremes(values, np.concatenate([block.mean(axis=1) for block in outlines]))
-    crack = find_first_crack(result, field) if field else None
-    wording = describe_first_crack(crack).replace(" (x)", "") if crack else ""
-    lines = (title, describe_step(result, step) + magnified, extremes, wording)
-    figure.suptitle("\n".join(filter(None, lines)), fontsize="medium")  # a title of the axes would lie on the body
+        _mark_first_crack(ax, result, field, step, points)
     return figure
+
+
+def _choose_colours(
+    result: Result, field: str, values: FloatArray, value_range: tuple[float, float] | None
+) -> ScalarMappable:
+    """Return the colours of a field: by its limit, from green to red, where it has one."""
+    finite = values[np.isfinite(values)]
+    low, high = value_range or ((float(finite.min()), float(finite.max())) if len(finite) else (0.0, 1.0))
+    stops = find_stops(result, field, low, high)
+    return make_limit_colours(stops) if stops else scale_colours(values, value_range, diverging=field in DIVERGING)
+
+
+def _describe_values(result: Result, field: str, step: int, values: FloatArray, outlines: list[FloatArray]) -> str:
+    """Return what stands below the picture of a field: its extremes, and the first crack once there is one."""
+    if field == ZONE_FIELD:
+        return ""
+    extremes = describe_extremes(values, np.concatenate([block.mean(axis=1) for block in outlines]))
+    crack = find_first_crack(result, field)
+    return "\n".join(filter(None, (extremes, describe_first_crack(crack) if crack else "")))
+
+
+def _mark_first_crack(ax: Axes3D, result: Result, field: str, step: int, points: FloatArray) -> None:
+    """Mark the cell in which a crack first began by a cross on top of all; not where the mesh has changed."""
+    crack = find_first_crack(result, field)
+    if crack is None or result.times[step] < crack["time_s"] * (1 - 1e-9):
+        return
+    mesh = result.mesh_at(step)
+    if mesh is result.mesh_at(0) and mesh is result.mesh_at(-1):
+        place = find_centre(points, [block.connectivity for block in mesh.blocks], crack["cell"])
+        ax.computed_zorder = False  # else the faces around hide it
+        for size, colour, line in ((110, "white", 4.0), (80, "#d1001f", 2.2)):
+            ax.scatter(*place[:, None], s=size, marker="x", c=colour, linewidths=line, zorder=20, depthshade=False)
+
+
+def fill_figure(figure: Figure, ax: Axes3D, head: Sequence[str], foot: str, *, below: float = 0.0) -> None:
+    """Size a figure by what is drawn in space in it, with lines of title above and of figures below.
+
+    ax: orthographic axes whose frame is set; below: room for a legend [inch]. The axes are a square that may reach over
+    the ends of the figure: only its middle is filled.
+    """
+    figure.set_layout_engine("none")
+    figure.set_size_inches(_WIDTH, _WIDTH)
+    ax.set_position((0.0, 0.0, _SQUARE / _WIDTH, _SQUARE / _WIDTH))
+    ends = np.array([ax.get_xlim(), ax.get_ylim(), ax.get_zlim()])
+    corners = np.array([[x, y, z, 1.0] for x in ends[0] for y in ends[1] for z in ends[2]])
+    size = np.zeros(2)
+    for zoom in (1.0, 0.0):
+        ax.set_box_aspect(np.ptp(ends, axis=1), zoom=zoom or float(min(_FILLED / size[0], _FILLED_UP / size[1])))
+        places = ax.transData.transform(corners @ find_projection(ax).T)
+        size = np.ptp(places, axis=0) / (figure.dpi * _SQUARE)
+    up = float(size[1]) * _SQUARE
+    above, under = _LINE * len(head) + _GAP, below + (_LINE * (1 + foot.count("\n")) + _GAP if foot else _GAP)
+    height = up + _ABOVE + _LABELS + above + under
+    figure.set_size_inches(_WIDTH, height)
+    bottom = under + _LABELS + 0.5 * up - 0.5 * _SQUARE
+    ax.set_position((_LEFT / _WIDTH, bottom / height, _SQUARE / _WIDTH, _SQUARE / height))
+    figure.suptitle("\n".join(head), fontsize="medium", y=1.0 - 0.5 * _GAP / height)
+    if foot:
+        figure.supxlabel(foot, fontsize="small", y=(below + 0.5 * _GAP) / height)
 
 
 def scale_colours(values: FloatArray, value_range: tuple[float, float] | None, *, diverging: bool) -> ScalarMappable:
@@ -201,12 +270,22 @@ def _add_zone_legend(figure: Figure, values: FloatArray) -> None:
         for colour, name, count in zip(ZONE_COLOURS, ZONES, counts, strict=True)
     ]
     title = "zone (elements)"
-    figure.legend(handles=patches, loc="outside lower center", ncols=3, frameon=False, fontsize="small", title=title)
+    figure.legend(handles=patches, loc="lower center", ncols=3, frameon=False, fontsize="small", title=title)
 
 
 def add_colour_bar(figure: Figure, ax: Axes3D, values: FloatArray, scaled: ScalarMappable, label: str) -> None:
     """Put a colour bar beside the sheet; of diverging colours from the smallest to the largest value, zero marked."""
-    bar = figure.colorbar(scaled, ax=ax, shrink=0.6, pad=0.1)
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+    if not isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):  # fill_figure has sized it
+        height = float(figure.get_figheight())
+        middle = ax.get_position().y0 * height + 0.5 * _SQUARE
+        head = _LINE * (1 + figure.get_suptitle().count("\n")) + _GAP
+        length = min(_BAR, 2.0 * (height - head - middle) - 0.1)
+        place = (_BAR_LEFT / _WIDTH, (middle - 0.5 * length) / height, 0.16 / _WIDTH, length / height)
+        bar = figure.colorbar(scaled, cax=figure.add_axes(place))
+    else:
+        bar = figure.colorbar(scaled, ax=ax, shrink=0.6, pad=0.1)
     bar.set_label(label)
     finite = values[np.isfinite(values)]
     if scaled.get_cmap().name == DIVERGING_COLOURS and len(finite):

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures in space: the body fills them, colours of a field with a limit mean it, cracks and dies are seen whole."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+
+from presswork.model import CellBlock, Mesh
+from presswork.results import Result, append_step
+from presswork.results.whole_file import write_whole
+from presswork.view.limit_colours import GREEN, RED, YELLOW, find_stops, make_limit_colours
+from presswork.view.plots.shell_plot import fill_figure, frame_axes, plot_shell
+
+
+@pytest.mark.parametrize("size", [(60.0, 12.0, 7.0), (80.0, 80.0, 25.0), (10.0, 10.0, 40.0)])
+def test_body_fills_the_picture_with_titles_above_and_figures_below(size: tuple[float, float, float]) -> None:
+    figure = Figure((7.0, 5.2), layout="constrained")
+    ax = figure.add_subplot(projection="3d")
+    ax.set_proj_type("ortho")
+    ax.view_init(28, -58)
+    frame_axes(ax, np.zeros(3), np.array(size))
+    fill_figure(figure, ax, ["title", "field, step"], "max 3 at (1, 2, 3) mm, min 2 at (0, 0, 0) mm")
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    width, height = figure.bbox.width, figure.bbox.height
+    frame = np.array([axis.line.get_window_extent().get_points() for axis in (ax.xaxis, ax.yaxis, ax.zaxis)])
+    low, high = frame[:, 0].min(axis=0), frame[:, 1].max(axis=0)
+    assert max((high - low)[0] / width, (high - low)[1] / height) > 0.45
+    title, foot = figure._suptitle.get_window_extent(), figure._supxlabel.get_window_extent()
+    labels = [axis.label.get_window_extent() for axis in (ax.xaxis, ax.yaxis, ax.zaxis)]
+    for box in labels:
+        assert box.y1 < title.y0 + 2.0
+        assert box.y0 > foot.y1 - 2.0
+        assert box.x0 >= 0.0
+        assert box.x1 <= 6.05 / 7.0 * width + 2.0, "beside the colour bar"
+    assert title.y1 <= height
+    assert foot.y0 >= 0.0
+
+
+def judged(margin: float, critical: float) -> Any:
+    damage = {"damage_oyane": {"critical": critical}}
+    return SimpleNamespace(formability=SimpleNamespace(safety_margin=margin), summary={"damage": damage})
+
+
+def test_margin_is_red_at_the_limit_yellow_at_the_reserve_and_green_beyond() -> None:
+    scaled = make_limit_colours(find_stops(judged(0.1, 1.0), "forming_limit_margin", -0.2, 0.8))
+    for value, colour in ((0.0, RED), (0.1, YELLOW), (0.8, GREEN)):
+        np.testing.assert_allclose(scaled.to_rgba(value)[:3], to_rgb(colour), atol=0.02)
+    dark = scaled.to_rgba(-0.2)
+    assert dark[0] < to_rgb(RED)[0] - 0.2, "darker where it is torn"
+
+
+def test_damage_is_red_from_its_critical_value_on_and_other_fields_have_no_limit() -> None:
+    result = judged(0.1, 0.5)
+    scaled = make_limit_colours(find_stops(result, "damage_oyane", 0.0, 0.45))
+    for value, colour in ((0.0, GREEN), (0.4, YELLOW), (0.5, RED)):
+        np.testing.assert_allclose(scaled.to_rgba(value)[:3], to_rgb(colour), atol=0.02)
+    assert find_stops(result, "effective_stress", 0.0, 1.0) == []
+    assert find_stops(result, "damage_lemaitre", 0.0, 1.0) == []
+
+
+def test_first_crack_is_a_cross_on_top_of_the_sheet(tmp_path: Path) -> None:
+    n = 4
+    x, y = (axis.ravel() for axis in np.meshgrid(*[np.arange(n + 1.0)] * 2))
+    first = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    cells = np.stack([first, first + 1, first + n + 2, first + n + 1], axis=1).astype(np.int32)
+    points = np.stack([x, y, 0.0 * x], axis=1)
+    mesh = Mesh(points, (CellBlock("shell4_mitc", cells, 0),), {}, {}, np.zeros((0, 2), dtype=np.int32))
+    damage = np.linspace(0.0, 1.0, len(cells))
+    append_step(tmp_path / "results.vtkhdf", mesh, 1.0, {"displacement": 0.0 * points}, {"damage_oyane": damage},
+                info={"title": "cracked", "analysis": "shell"})  # fmt: skip
+    crack = '{"cell": 6, "time_s": 0.5, "strokes_mm": {"punch": 3.0}}'
+    summary = f'{{"damage": {{"damage_oyane": {{"critical": 0.4, "first_exceeded": {crack}}}}}}}'
+    write_whole(tmp_path / "summary.json", summary.encode())
+    figure = plot_shell(Result(tmp_path), "damage_oyane")
+    crosses = [drawn for drawn in figure.axes[0].collections if drawn.get_zorder() == 20]
+    middle = points[cells[6]].mean(axis=0)
+    for cross in crosses:
+        np.testing.assert_allclose(np.concatenate(cross._offsets3d), middle)
+    assert len(crosses) == 2
+    assert "first crack (x) at punch 3 mm" in figure.get_supxlabel()
+    assert figure.get_suptitle().split("\n")[0] == "cracked"
