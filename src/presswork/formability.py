@@ -134,6 +134,22 @@ def find_zones(
     return zone
 
 
+def explain_zones(margin: float) -> tuple[str, ...]:
+    """Return what each of ZONES means, in words, as find_zones has it; margin: the part of the limit held in reserve.
+
+    >>> explain_zones(0.1)[1]
+    'less than 10 % below the forming limit'
+    """
+    return (
+        "neither cracks nor wrinkles are near",
+        f"less than {100 * margin:.4g} % below the forming limit",
+        "above the forming limit",
+        f"both strains are below {100 * LEAST_STRETCH:g} %: the panel may be soft",
+        "compressed across more than in uniaxial tension",
+        "the sheet thickens, and folds where no holder keeps it flat",
+    )
+
+
 def find_wrinkling(major: FloatArray, minor: FloatArray, r: float = 1.0) -> FloatArray:
     """Return by how much the sheet is compressed beyond uniaxial tension: -minor - r/(1+r) major, at least 0.
 

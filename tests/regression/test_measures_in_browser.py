@@ -124,3 +124,18 @@ def test_picture_and_all_tabs_leave_the_page(page: Page, tmp_path: Path) -> None
     assert len(charts) >= 2
     assert all(charts)
     assert page.tab.locator("#print").count() == 0
+
+
+def test_what_the_press_bears_is_drawn_across_the_force(browser: Any, upset: Result, tmp_path: Path) -> None:
+    """A dashed level inside the chart where the force comes near it; a press far beyond is named only."""
+    for force, is_near in (("1100 kN", True), ("90 MN", False)):
+        changes = ["workpiece.mesh.cells=[4,4]", f'limits.force="{force}"']
+        outcome = run(Case.from_toml(upset.folder / "case.toml", overrides=changes), tmp_path / f"{is_near}")
+        page = Page(browser, write_report(outcome.result))
+        page.tab.get_by_role("tab", name="Curves").click()
+        page.tab.wait_for_function("() => presswork.panel.chart?.plot")
+        (level,) = page.ask("() => presswork.panel.chart.levels")
+        assert level["isNear"] == is_near
+        assert (page.ask("() => presswork.panel.chart.ranges.y[1]") > 1100.0) == is_near
+        assert f"the press bears {level['y']:g} kN" in page.tab.locator("#panel .key").first.inner_text()
+        page.close()

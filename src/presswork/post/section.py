@@ -172,15 +172,15 @@ def cut_tool(
     return lines if whole else np.asarray(lines[lines[:, :, 0].max(axis=1) > 0])
 
 
-def measure_draw_in(result: Result, angle: float = 0.0, step: int = -1) -> float:
+def measure_draw_in(result: Result, angle: float = 0.0, step: int = -1, *, sheets: IntArray | None = None) -> float:
     """Return how far the sheet's edge has come in along the radius at an angle from x [rad] [mm].
 
-    For a trimmed sheet this is the trimmed edge, from its place in the blank.
+    For a trimmed sheet this is the trimmed edge, from its place in the blank. sheets: as in cut_sheet.
     """
     mesh = result.mesh_at(step)
     # whole, since the ray may start in the middle of its only cell
-    start = _cut_mesh(mesh, mesh.points, angle, ORIGIN, -np.inf).line[-1, 1]
-    return float(start[0] - cut_sheet(result, angle, step, whole=True).line[-1, 1][0])
+    start = _cut_mesh(mesh, mesh.points, angle, ORIGIN, -np.inf, None, sheets).line[-1, 1]
+    return float(start[0] - cut_sheet(result, angle, step, whole=True, sheets=sheets).line[-1, 1][0])
 
 
 def write_section(

@@ -18,6 +18,7 @@ from presswork.view.plots.history_plot import (
     find_turning_tools,
     is_of_part,
 )
+from presswork.view.plots.press_plot import find_ram_strokes, has_ram
 from presswork.view.style import name_part
 
 _UNITS = {
@@ -39,6 +40,9 @@ _UNITS = {
     **dict.fromkeys(("thickness", "x", "y", "z"), ("mm", 1.0)),
 }
 """Unit in the page of what a column's last part holds, and the factor from that in the file."""
+_LABELS = {"ram_force_borne": "force that the press bears", "ram_stroke": "stroke of the ram's tool"}
+RAM_STROKE = "ram_stroke"
+"""Column of the page with the stroke of the tool that the ram moves; it has none where no ram works."""
 
 
 def describe_column(name: str) -> tuple[str, str, float]:
@@ -49,7 +53,7 @@ def describe_column(name: str) -> tuple[str, str, float]:
     """
     quantity = name.rpartition(".")[2]
     found = next((unit for word, unit in _UNITS.items() if word in quantity.split("_")), ("", 1.0))
-    return name.replace(".", " ").replace("_", " "), *found
+    return _LABELS.get(name, name.replace(".", " ").replace("_", " ")), *found
 
 
 def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
@@ -61,6 +65,9 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
     find_strokes = _find_strokes_at_work if result.is_line else _find_strokes
     strokes = {} if result.is_stamping and not result.is_line else find_strokes(history)
     columns, part = [], name_part(result)
+    if has_ram(history):
+        stroke = np.where(history["ram_speed"] > 0.0, find_ram_strokes(history)[0], np.nan)
+        history = {**history, RAM_STROKE: stroke}
     for name, values in {**history, **strokes}.items():
         if name == "stage":
             continue
@@ -88,7 +95,7 @@ def pack_history(result: Result, blocks: Blocks) -> dict[str, Any]:
 
 def _find_idle(history: dict[str, NDArray[Any]]) -> NDArray[np.int64]:
     """Return the rows of stages in which no ram works though others have one, such as the pauses between blows."""
-    if "ram_speed" not in history or not np.any(np.asarray(history["ram_speed"]) > 0.0):
+    if not has_ram(history):
         return np.zeros(0, dtype=np.int64)
     stages, speed = np.asarray(history["stage"]), np.asarray(history["ram_speed"], dtype=np.float64)
     working = [stage for stage in dict.fromkeys(stages.tolist()) if np.any(speed[stages == stage] > 0.0)]
@@ -138,8 +145,17 @@ def _choose_charts(history: dict[str, NDArray[Any]]) -> list[dict[str, Any]]:
     temperatures = [name for name in history if "temperature" in name.rpartition(".")[2]]
     damage = [name for name in history if name.startswith("damage_") and np.any(history[name])]
     charts = [("Temperature", time, temperatures), ("Damage, largest", time, damage)]
-    if "ram_speed" in history and np.any(np.asarray(history["ram_speed"]) > 0.0):
-        charts = [("Force on the ram", time, ["ram_force"]), ("Speed of the ram", time, ["ram_speed"]), *charts]
+    if has_ram(history):
+        forces: list[str] = [name for name in ("ram_force", "ram_force_borne") if name in history]
+        charts = [
+            (
+                "Force on the ram and what the press bears" if len(forces) > 1 else "Force on the ram",
+                RAM_STROKE,
+                forces,
+            ),
+            ("Speed of the ram", time, ["ram_speed"]),
+            *charts,
+        ]
     charts.append(("Energy", "time", list(find_energies(history))))
     if "iterations" in history:
         charts.append(("Convergence: iterations an increment", "time", ["iterations"]))

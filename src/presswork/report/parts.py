@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from presswork.fields.table import describe_field
-from presswork.formability import ZONES
+from presswork.formability import ZONES, explain_zones
 from presswork.model import FloatArray
 from presswork.post import judge_result, measure_draw_in_around, trace_interface
 from presswork.report.case_data import list_defaults, read_text
@@ -19,6 +19,8 @@ from presswork.report.surface import Surface
 from presswork.results import Result
 from presswork.results.folder import CASE, LOG
 from presswork.view.plots.flow_lines_plot import space_lines
+from presswork.view.plots.outline_plot import find_beads
+from presswork.view.plots.section_plot import is_drawn_in, name_directions, trace_draw_in
 from presswork.view.plots.shell_plot import DIVERGING, ZONE_FIELD
 from presswork.view.style import ZONE_COLOURS, describe_step
 
@@ -99,7 +101,9 @@ def describe_shown(result: Result, shown: Shown, bounds: tuple[float, float]) ->
         "signed": shown.name in DIVERGING,
     }
     if shown.name == ZONE_FIELD:
-        data["zones"] = [{"name": name, "colour": colour} for name, colour in zip(ZONES, ZONE_COLOURS, strict=True)]
+        meanings = explain_zones(result.formability.safety_margin)
+        named = zip(ZONES, ZONE_COLOURS, meanings, strict=True)
+        data["zones"] = [{"name": name, "colour": colour, "meaning": meaning} for name, colour, meaning in named]
     return data
 
 
@@ -148,12 +152,35 @@ def _pack_formability(result: Result) -> dict[str, Any]:
 
 
 def pack_draw_in(result: Result, steps: Sequence[int]) -> dict[str, Any]:
-    """Return how far a stamped blank's edge has come in, all round, by the last step before it was trimmed."""
+    """Return how far a stamped blank's edge has come in, all round, by the last step before it was trimmed.
+
+    With it come the draw-in over the stroke along x, y and the diagonal, and lines of drawbeads in the plan.
+    """
     if not result.is_stamping:
         return {}
     last = max(step for step in steps if result.mesh_at(step) is result.mesh)
     angles, distances = measure_draw_in_around(result, last).T
-    return {"step": describe_step(result, last), "angle": round_values(angles), "way": round_values(distances)}
+    return {
+        "step": describe_step(result, last),
+        "angle": round_values(angles),
+        "way": round_values(distances),
+        "course": _pack_course(result),
+        "beads": [[round_values(axis) for axis in line.T] for line in find_beads(result, last)],
+    }
+
+
+def _pack_course(result: Result) -> dict[str, Any]:
+    """Return the draw-in over the stroke; empty where no tool moves, or the edge does not come in."""
+    if not (result.surfaces and len(result.times) > 1 and is_drawn_in(result)):
+        return {}
+    course = trace_draw_in(result)
+    return {
+        "tool": course.tool,
+        "stroke": round_values(course.stroke),
+        "curves": [
+            {"label": name_directions(angles), "way": round_values(come_in)} for angles, come_in in course.curves
+        ],
+    }
 
 
 def round_values(values: FloatArray) -> list[float | None]:

@@ -5,7 +5,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from presswork.report.history import _choose_charts, _find_idle, _find_strokes, _find_strokes_at_work
+from presswork.report.history import (
+    _choose_charts,
+    _find_idle,
+    _find_strokes,
+    _find_strokes_at_work,
+    describe_column,
+)
 
 TURNS = {
     "time": np.array([0.1, 0.2, 0.3, 1.1, 1.2, 1.3]),
@@ -65,10 +71,18 @@ def test_charts_show_what_the_run_has() -> None:
     )  # fmt: skip
     told = {chart["title"]: (chart["over"], chart["columns"]) for chart in found}
     assert told == {
-        "Force on the ram": ("process_time", ["ram_force"]),
+        "Force on the ram": ("ram_stroke", ["ram_force"]),
         "Speed of the ram": ("process_time", ["ram_speed"]),
         "Temperature": ("process_time", ["temperature_max", "die.temperature_max"]),
         "Damage, largest": ("process_time", ["damage_cockcroft_latham_max"]),
         "Convergence: iterations an increment": ("time", ["iterations"]),
     }
     assert [chart["title"] for chart in _choose_charts({"time": rows})] == []
+
+
+def test_force_on_the_ram_stands_beside_what_the_press_bears_over_the_stroke() -> None:
+    rows = np.ones(3)
+    crank = {"time": rows, "ram_force": rows, "ram_force_borne": 2 * rows, "ram_speed": rows}
+    first = _choose_charts(crank)[0]
+    assert (first["over"], first["columns"]) == ("ram_stroke", ["ram_force", "ram_force_borne"])
+    assert describe_column("ram_force_borne") == ("force that the press bears", "kN", 1e-3)

@@ -6,6 +6,8 @@ import { make } from "./elements.js";
 
 const AXIS = { stroke: "#4a5260", font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", grid: { stroke: "#e6e9ee", width: 1 }, ticks: { stroke: "#c9ced6", width: 1 }, labelSize: 20, values: (_, marks) => marks.map((mark) => formatNumber(mark, 5)) };
 
+const LEVEL = "#a3222e", FARTHEST = 3; // times the largest value: a level beyond is named only
+
 /** Return the range of numbers with a margin; zero is in it where it is near. */
 function findRange(series, name, isTight) {
   let low = Infinity, high = -Infinity;
@@ -19,13 +21,14 @@ function findRange(series, name, isTight) {
 }
 
 /**
- * A chart in an element. series: {x, y, label, colour, dash, isPoints, colours, begins}, begins: rows that begin a line; marks: {x, y, label} drawn on top;
+ * A chart in an element. levels: {y, label}, limits that are drawn across; series: {x, y, label, colour, dash, isPoints, colours, begins}, begins: rows that begin a line; marks: {x, y, label} drawn on top;
  * onPick(x, y, toPixels): called with the place that is clicked.
  */
 export class Chart {
-  constructor(parent, { label, xLabel, yLabel, height = 260, onPick }) {
+  constructor(parent, { label, xLabel, yLabel, height = 260, onPick, levels }) {
     this.parent = parent;
-    this.options = { label, xLabel, yLabel, height, onPick };
+    this.options = { label, xLabel, yLabel, height, onPick, levels };
+    this.levels = [];
     this.series = [];
     this.marks = [];
     this.box = make("div", { class: "chart", role: "img", "aria-label": label });
@@ -43,6 +46,8 @@ export class Chart {
     this.series = series;
     const shown = series.filter((one) => !one.isBeside);
     this.ranges = { x: xRange ?? findRange(shown, "x", true), y: yRange ?? findRange(shown, "y", false) };
+    this.levels = (this.options.levels ?? []).map((level) => ({ ...level, isNear: level.y <= FARTHEST * this.ranges.y[1] }));
+    for (const { y, isNear } of this.levels) if (isNear) this.ranges.y[1] = Math.max(this.ranges.y[1], 1.05 * y);
     if (isEqual) this.#equalise();
     this.plot?.destroy();
     const { xLabel, yLabel, height } = this.options;
@@ -59,7 +64,8 @@ export class Chart {
     });
     this.plot.over.style.cursor = this.options.onPick ? "pointer" : "default";
     const named = series.filter((one) => one.label && (series.length > 1 || one.isPoints));
-    this.key.replaceChildren(...named.map((one) => {
+    const beyond = this.levels.map((level) => make("li", {}, make("span", { class: "patch line dashed", "aria-hidden": "true" }), `${level.label}${level.isNear ? "" : ", above what is drawn"}`));
+    this.key.replaceChildren(...beyond, ...named.map((one) => {
       const patch = make("span", { class: one.isPoints ? "patch dot" : "patch line", "aria-hidden": "true" });
       patch.style.background = one.colour;
       return make("li", {}, patch, one.label);
@@ -94,6 +100,7 @@ export class Chart {
     context.beginPath();
     context.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     context.clip();
+    for (const { y, isNear } of this.levels) if (isNear) drawLine(context, { x: this.ranges.x, y: [y, y], colour: LEVEL, dash: [6, 4], width: 1.4 }, at, ratio);
     for (const one of this.series) one.isPoints ? drawPoints(context, one, at, ratio) : drawLine(context, one, at, ratio);
     for (const { x, y, colour } of this.marks) {
       const [px, py] = at(x, y);

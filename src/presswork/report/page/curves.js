@@ -4,6 +4,8 @@ import { Chart } from "./chart.js";
 import { formatNumber, LINES, withUnit } from "./colours.js";
 import { make, makeSelect, makeTable } from "./elements.js";
 
+const BORNE = "_borne"; // ends the name of the column with what a press bears
+
 export class CurvesPanel {
   constructor(parent, runs, store, stage) {
     Object.assign(this, { runs, store, stage });
@@ -85,7 +87,7 @@ export class CurvesPanel {
         const xs = await run.history(x), values = withoutRows(await run.history(y), hasIdle ? [] : run.curves.idle);
         if (!xs || !values) continue;
         const name = run.findColumn(y).label, label = runs.length > 1 ? `${run.name}: ${name}` : name;
-        series.push({ x: xs, y: values, label, colour: LINES[series.length % LINES.length], run, column: y, over: x, hasIdle, begins: new Set(run.curves.begins) });
+        series.push({ x: xs, y: values, label, colour: LINES[series.length % LINES.length], dash: y.endsWith(BORNE) ? [5, 4] : null, run, column: y, over: x, hasIdle, begins: new Set(run.curves.begins) });
       }
     }
     const find = (name) => runs.map((run) => run.findColumn(name)).find(Boolean), [[x, y]] = pairs, xColumn = find(x), yColumn = find(y);
@@ -93,7 +95,7 @@ export class CurvesPanel {
     const chart = new Chart(parent, {
       label: `${yColumn?.label ?? ""} over ${xColumn?.label ?? ""}`, height,
       xLabel: withUnit(isOne ? xColumn?.label ?? x : "each tool's own way", xColumn?.unit), yLabel: withUnit(pairs.length > 1 || isTitled ? "" : yColumn?.label ?? "", yColumn?.unit).trim(),
-      onPick: (px, py, toPixels) => this.#go(series, px, py, toPixels),
+      onPick: (px, py, toPixels) => this.#go(series, px, py, toPixels), levels: yColumn?.unit === "kN" && !isTitled ? findCapacities(runs) : [],
     });
     chart.setSeries(series);
     return chart;
@@ -140,6 +142,12 @@ export class CurvesPanel {
   destroy() {
     for (const chart of [this.chart, ...this.charts]) chart?.destroy();
   }
+}
+
+/** Return the forces that presses bear by `limits.force`, as levels of a chart. */
+function findCapacities(runs) {
+  const forces = [...new Set(runs.map((run) => run.summary.equipment?.force_n).filter(Boolean))];
+  return forces.map((force) => ({ y: force / 1000, label: `the press bears ${formatNumber(force / 1000)} kN` }));
 }
 
 /** Return a column in which some rows have no value. */

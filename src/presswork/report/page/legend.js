@@ -88,7 +88,7 @@ export class Legend {
     this.zones.replaceChildren(...zones.map((zone, i) => {
       const patch = make("span", { class: "patch", "aria-hidden": "true" });
       patch.style.background = zone.colour;
-      return make("li", {}, patch, `${zone.name} (${counts?.[i] ?? 0})`);
+      return make("li", { title: zone.meaning }, patch, `${zone.name} (${counts?.[i] ?? 0})`);
     }));
   }
 }

@@ -15,7 +15,7 @@ export class LimitPanel {
     this.verdict = make("p");
     this.chart = new Chart(parent, { label: "Forming limit diagram: major over minor true strain", xLabel: "minor true strain [–]", yLabel: "major true strain [–]", height: 330, onPick: (x, y, toPixels) => this.#pick(x, y, toPixels) });
     parent.prepend(this.verdict, make("div", { class: "row" }, makeSelect("Layer", layers.map((layer) => [layer, layer]), this.layer, (layer) => { this.layer = layer; this.update([]); })));
-    this.zones = make("ul", { class: "key", "aria-label": "Zones of formability" });
+    this.zones = make("ul", { class: "key lines", "aria-label": "Zones of formability" });
     parent.append(this.zones, make("p", { class: "soft" }, "Click a point to see where it is on the part, or the part to see where it lies here."));
   }
 
@@ -29,10 +29,10 @@ export class LimitPanel {
     Object.assign(this, { major, minor });
     const names = zone >= 0 ? run.fields[zone].zones : [];
     const points = { x: minor, y: major, label: "faces", colour: GREY, isPoints: true, colours: zones && Array.from(zones, (z) => names[Math.round(z)].colour) };
-    this.zones.replaceChildren(...(zones ? names : []).map(({ name, colour }) => {
+    this.zones.replaceChildren(...(zones ? names : []).map(({ name, colour, meaning }) => {
       const patch = make("span", { class: "patch dot", "aria-hidden": "true" });
       patch.style.background = colour;
-      return make("li", {}, patch, name);
+      return make("li", {}, patch, `${name}: ${meaning}`);
     }));
     const { formability } = run, curves = formability.minor ? makeCurves(formability) : [];
     const top = Math.max(1.15 * major.reduce((a, b) => Math.max(a, b), 0.05), formability.major ? 1.35 * Math.min(...formability.major) : 0);

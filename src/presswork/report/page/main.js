@@ -56,7 +56,7 @@ async function start() {
   document.documentElement.dataset.ready = String(Math.round(performance.now()));
   makePanels(runs, store, stage);
   if (header.served && !isDrawing) follow(header.served, runs, store, showHead);
-  Object.assign(window, { presswork: { store, stage, runs } });
+  Object.assign(window.presswork ??= {}, { store, stage, runs });
 }
 
 start().catch((error) => {

@@ -109,7 +109,7 @@ export class MeasurePanel {
     if (document.activeElement !== this.place) this.place.value = String(Number(offset.toPrecision(6)));
     const [mesh, points, values] = await Promise.all([run.mesh(step), run.points(step), run.nodeValues(step, index)]);
     if (turn !== this.turn) return;
-    this.lines = axis < run.dimension ? cutTriangles({ triangles: mesh.triangles, points, k: run.dimension }, values, axis, own) : [];
+    this.lines = axis < run.dimension ? cutTriangles({ triangles: mesh.triangles, points, k: run.dimension }, values, [0, 1, 2].map((i) => Number(i === axis)), own) : [];
     this.section = { offset: own, axis: clip.axis, field: run.fields[index], run, step };
     const { label, unit } = run.fields[index];
     this.chart.options.yLabel = withUnit(label, unit);

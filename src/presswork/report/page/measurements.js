@@ -58,22 +58,25 @@ function countApart(numbers, least) {
 }
 
 /**
- * Return the lines in which the plane axis = offset cuts triangles, each as {places: [[x, y, z]...], values, way}: way is the length along it.
- * points (n, k); values: of the nodes.
+ * Return the lines in which the plane normal . place = offset cuts triangles, each as {places: [[x, y, z]...], values, way}: way is the length
+ * along it. points (n, k); values: of the nodes.
  */
-export function cutTriangles({ triangles, points, k }, values, axis, offset) {
+export function cutTriangles({ triangles, points, k }, values, normal, offset) {
+  const away = new Float32Array(points.length / k);
+  for (let i = 0; i < points.length; i++) away[Math.floor(i / k)] += normal[i % k] * points[i];
+  for (let i = 0; i < away.length; i++) away[i] -= offset;
   const ends = new Map();
   const onEdge = (a, b) => {
     const key = a < b ? `${a} ${b}` : `${b} ${a}`;
     if (!ends.has(key)) {
-      const from = points[k * a + axis] - offset, to = points[k * b + axis] - offset, part = from / (from - to);
+      const part = away[a] / (away[a] - away[b]);
       const mix = (at) => at(a) + part * (at(b) - at(a));
       ends.set(key, { place: [0, 1, 2].map((i) => (i < k ? mix((node) => points[k * node + i]) : 0)), value: mix((node) => values[node]), joined: [] });
     }
     return ends.get(key);
   };
   for (let t = 0; t < triangles.length; t += 3) {
-    const corners = [triangles[t], triangles[t + 1], triangles[t + 2]], above = corners.map((node) => points[k * node + axis] >= offset);
+    const corners = [triangles[t], triangles[t + 1], triangles[t + 2]], above = corners.map((node) => away[node] >= 0);
     const met = [[0, 1], [1, 2], [2, 0]].filter(([i, j]) => above[i] !== above[j]).map(([i, j]) => onEdge(corners[i], corners[j]));
     if (met.length === 2) {
       met[0].joined.push(met[1]);

@@ -6,6 +6,7 @@ import { CurvesPanel } from "./curves.js";
 import { LimitPanel } from "./limit.js";
 import { ContactPanel } from "./contact.js";
 import { PartPanel } from "./part.js";
+import { SheetPanel } from "./sheet.js";
 import { CasePanel } from "./case.js";
 import { MeasurePanel } from "./measure.js";
 import { printAll } from "./save.js";
@@ -14,7 +15,7 @@ const find = (id) => document.getElementById(id);
 
 /** Make the tabs that the runs have something for; the first is open. */
 export function makePanels(runs, store, stage) {
-  const all = [["Result", ResultPanel], ["Curves", CurvesPanel], ["Part", PartPanel], ["Forming limit", LimitPanel], ["Contact", ContactPanel], ["Measure", MeasurePanel], ["Case", CasePanel]];
+  const all = [["Result", ResultPanel], ["Curves", CurvesPanel], ["Part", PartPanel], ["Sheet", SheetPanel], ["Forming limit", LimitPanel], ["Contact", ContactPanel], ["Measure", MeasurePanel], ["Case", CasePanel]];
   let kinds = [], tabs = [], open = null;
   const show = (number) => {
     open?.destroy?.();
@@ -27,6 +28,7 @@ export function makePanels(runs, store, stage) {
       tab.tabIndex = i === number ? 0 : -1;
     });
     open = new kinds[number][1](panel, runs, store, stage);
+    Object.assign(window.presswork ??= {}, { panel: open });
     open.update([]);
   };
   /** Make the tabs anew where a run has got something more to show; return whether it has. */

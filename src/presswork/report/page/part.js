@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part at the present step: what lies under the pin, extremes of all fields, zones, outline.
-import { Chart } from "./chart.js";
-import { formatNumber, withUnit, LINES } from "./colours.js";
+// The part at the present step: what lies under the pin, extremes of all fields, zones.
+import { formatNumber, withUnit } from "./colours.js";
 import { make, makeTable, makeButton, makeLink } from "./elements.js";
 import { findExtremes } from "./fields.js";
 import { faceMiddles } from "./run.js";
@@ -15,15 +14,14 @@ export class PartPanel {
     Object.assign(this, { runs, store, stage, all: false });
     this.pin = make("div");
     this.extremes = make("div");
-    this.outline = make("div");
-    parent.append(this.pin, this.extremes, this.outline);
+    parent.append(this.pin, this.extremes);
   }
 
   async update(changed) {
     if (changed.length && !changed.some((name) => ["step", "run", "layout", "picked"].includes(name))) return;
     this.turn = (this.turn ?? 0) + 1;
     const { turn } = this, { state } = this.store, run = this.runs[state.run];
-    const tables = await Promise.all([this.#describePin(), this.#listExtremes(run, state.step), this.#drawOutline(run, state.step)]);
+    const tables = await Promise.all([this.#describePin(), this.#listExtremes(run, state.step)]);
     if (turn !== this.turn) return;
     this.pin.replaceChildren(...tables[0]);
     this.extremes.replaceChildren(...tables[1]);
@@ -69,41 +67,5 @@ export class PartPanel {
       rows.push([name, count, `${((100 * count) / values.length).toFixed(1)} %`]);
     });
     return [make("h2", {}, "Zones of formability"), makeTable(rows)];
-  }
-
-  /** Draw how far a stamped blank's edge has come in. */
-  #drawDrawIn(run) {
-    const { angle, way, step } = run.draw_in;
-    if (!angle?.length || this.drawIn) return;
-    const box = make("div");
-    this.outline.append(make("h2", {}, "Draw-in around the part"), make("p", { class: "soft" }, step), box);
-    this.drawIn = new Chart(box, { label: "Draw-in of the blank's edge over the angle from x", xLabel: "angle from x [degrees]", yLabel: "draw-in [mm]", height: 220 });
-    this.drawIn.setSeries([{ x: angle, y: way, colour: LINES[0] }]);
-  }
-
-  /** Draw a sheet's outline from above, now and at the first step. */
-  async #drawOutline(run, step) {
-    if (!run.sheet) return;
-    const [mesh, points] = await Promise.all([run.mesh(step), run.points(step)]);
-    if (!mesh.boundary.length) return;
-    const trace = (from) => {
-      const x = [], y = [];
-      mesh.boundary.forEach((node, i) => {
-        if (i && i % 2 === 0) { x.push(NaN); y.push(NaN); }
-        x.push(from[3 * node]); y.push(from[3 * node + 1]);
-      });
-      return { x, y };
-    };
-    if (!this.chart) {
-      this.outline.append(make("h2", {}, "Outline from above"));
-      this.chart = new Chart(this.outline, { label: "Outline of the sheet from above, blank and now", xLabel: "x [mm]", yLabel: "y [mm]", height: 300 });
-    }
-    this.chart.setSeries([{ ...trace(mesh.reference), label: "blank", colour: LINES[5], dash: [5, 4], width: 1.2 }, { ...trace(points), label: "now", colour: LINES[0] }], { isEqual: true });
-    this.#drawDrawIn(run);
-  }
-
-  destroy() {
-    this.chart?.destroy();
-    this.drawIn?.destroy();
   }
 }

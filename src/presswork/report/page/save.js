@@ -23,14 +23,13 @@ export function paintPicture(stage, run, step) {
   context.drawImage(view, 0, HEAD, width, view.clientHeight);
   write(context, run.title, MARGIN, 20, "600 15px");
   write(context, run.steps[step].label, MARGIN, 38, "12px");
-  for (const { element, place, view: number } of stage.marks) {
-    if (!place) continue;
-    const [x, y] = stage.viewer.project(place, number);
+  for (const { element, at, box } of stage.marks) {
+    if (!at || element.hidden) continue;
     context.fillStyle = "#1d222a";
     context.beginPath();
-    context.arc(x, y + HEAD, 3.5, 0, 7);
+    context.arc(at[0], at[1] + HEAD, 3.5, 0, 7);
     context.fill();
-    write(context, element.textContent, x + 8, y + HEAD + 4, "12px");
+    write(context, element.textContent, box.left + 4, box.top + 0.5 * box.height + HEAD + 4, "12px");
   }
   paintLegend(context, stage.legend, width - 130, HEAD + 20);
   return canvas;

@@ -11,6 +11,7 @@ import { Viewer } from "./viewer.js";
 import { paintTriad } from "./triad.js";
 
 const BANDS = 10;
+const ASIDE = 10, SHIFT = 6, MOST_LABELS = 24; // px between a place and its label; steps in which labels leave one another
 const find = (id) => document.getElementById(id);
 
 export class Stage {
@@ -56,11 +57,11 @@ export class Stage {
     await Promise.all(numbers.map((i) => this.#setStep(i, isRevolved && this.runs[i].axisymmetric)));
     const coloured = await Promise.all(numbers.map((i) => this.#findValues(i)));
     const field = this.#describeField(coloured);
-    const range = state.range ?? field.range;
+    const full = this.#scaleOf(field) === "signed" && !field.zones ? balance(field.range) : field.range, range = state.range ?? full;
     numbers.forEach((number, k) => this.#colour(number, coloured[k], field, range));
     this.values = Object.fromEntries(numbers.map((number, k) => [number, coloured[k]]));
     const counts = field.zones && field.zones.map((_, zone) => coloured[0].raw.reduce((sum, value) => sum + (value === zone), 0));
-    this.legend.show({ field, scale: this.#scaleOf(field), full: field.range, range, bands: state.hasBands ? BANDS : 0, counts });
+    this.legend.show({ field, scale: this.#scaleOf(field), full, range, bands: state.hasBands ? BANDS : 0, counts });
     const scenes = numbers.map((i) => this.scenes[i]);
     const arrangement = state.layout === "overlay" ? "overlay" : "side";
     this.viewer.setViews(arrangement === "overlay" ? [scenes] : scenes.map((scene) => [scene]));
@@ -137,7 +138,7 @@ export class Stage {
       uniforms.colours.value = makeTexture(field.zones ? makeZonePixels(field.zones) : makePixels(key), Boolean(field.zones));
       scene.texture = key;
     }
-    [uniforms.low.value, uniforms.high.value] = field.zones ? [-0.5, field.zones.length - 0.5] : signedRange(range, this.#scaleOf(field), state.range);
+    [uniforms.low.value, uniforms.high.value] = field.zones ? [-0.5, field.zones.length - 0.5] : range;
     uniforms.bands.value = state.hasBands && !field.zones ? BANDS : 0;
     uniforms.hasIsolines.value = state.hasIsolines && coloured.isNodal;
   }
@@ -235,14 +236,24 @@ export class Stage {
   }
 
   #placeMarks() {
-    const width = find("stage").clientWidth;
-    for (const { element, place, view } of this.marks) {
+    const width = find("stage").clientWidth, placed = [];
+    for (const mark of this.marks) {
+      const { element, place, view } = mark;
       if (!place) continue;
       element.hidden = this.#isCutOff(place);
-      const [x, y] = this.viewer.project(place, view);
+      const [x, y] = this.viewer.project(place, view), isName = element.classList.contains("name"), isLeft = x > width - 260 && x > 130 && !isName;
       element.style.left = `${x}px`;
       element.style.top = `${y}px`;
-      element.classList.toggle("left", x > width - 260 && x > 130 && !element.classList.contains("name"));
+      element.classList.toggle("left", isLeft);
+      if (element.hidden) continue;
+      const box = { width: element.offsetWidth, height: element.offsetHeight };
+      box.left = isName ? x - 0.5 * box.width : isLeft ? x - ASIDE - box.width : x + ASIDE;
+      box.top = y - 0.5 * box.height;
+      const shift = findShift(box, placed);
+      element.style.setProperty("--shift", `${shift}px`);
+      box.top += shift;
+      placed.push(box);
+      Object.assign(mark, { at: [x, y], box });
     }
     this.#paintRuler();
     paintTriad(find("marks"), this.viewer.camera, this.isFlat() && this.runs[this.store.state.run].axisymmetric);
@@ -341,9 +352,18 @@ export class Stage {
   }
 }
 
-/** Return the range of the colours; where sign matters and no one has set it, zero has the middle colour. */
-function signedRange(range, scale, chosen) {
-  if (scale !== "signed" || chosen) return range;
-  const most = Math.max(Math.abs(range[0]), Math.abs(range[1]));
+/** Return a range with zero in its middle, where diverging colours have their white. */
+function balance([low, high]) {
+  const most = Math.max(Math.abs(low), Math.abs(high));
   return [-most, most];
+}
+
+/** Return by how much a label goes up or down [px] so that it covers none of those that are placed; box: {left, top, width, height}. */
+function findShift(box, placed) {
+  const isFree = (shift) => placed.every((other) => box.left >= other.left + other.width || other.left >= box.left + box.width || box.top + shift >= other.top + other.height || other.top >= box.top + shift + box.height);
+  for (let i = 0; i < 2 * MOST_LABELS; i++) {
+    const shift = Math.ceil(i / 2) * (i % 2 ? 1 : -1) * SHIFT;
+    if (isFree(shift)) return shift;
+  }
+  return 0;
 }

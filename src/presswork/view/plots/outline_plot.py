@@ -36,7 +36,7 @@ def plot_outline(result: Result, step: int = -1, *, figure: Figure | None = None
             closed = np.vstack([loop, loop[:1]])
             name = label if number == 0 else None
             upper.plot(closed[:, 0], closed[:, 1], color=colour, linestyle=style, linewidth=1.4, label=name)
-    for number, points in enumerate(_find_beads(result, step)):
+    for number, points in enumerate(find_beads(result, step)):
         upper.plot(*points.T, ".", color="#8a5a2b", markersize=2.0, label=None if number else "bead", zorder=0)
     upper.set_aspect("equal")
     upper.set(xlabel="x [mm]", ylabel="y [mm]")
@@ -55,7 +55,7 @@ def plot_outline(result: Result, step: int = -1, *, figure: Figure | None = None
     return figure
 
 
-def _find_beads(result: Result, step: int) -> list[FloatArray]:
+def find_beads(result: Result, step: int) -> list[FloatArray]:
     """Return points of the lines of the drawbeads at a step in the plan (n, 2) [mm], of the whole part."""
     if "beads" not in result.info:
         return []

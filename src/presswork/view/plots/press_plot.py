@@ -38,8 +38,8 @@ def plot_ram(result: Result, figure: Figure | None = None) -> Figure:
     history = result.history
     stages = np.asarray(history["stage"])
     begins = np.append(0.0, history["time"][:-1])
-    works = np.isin(stages, [name for name in dict.fromkeys(stages.tolist()) if _works(history, name)])
-    stroke, tools = _find_strokes(history, stages, works)
+    works = _find_works(history)
+    stroke, tools = find_ram_strokes(history)
     of = f" of {tools[0]}" if len(tools) == 1 else ""
     time = 1e3 * np.cumsum(np.where(works, history["time"] - begins, 0.0))
     axes: list[Axes] = list(figure.subplots(1, 2))
@@ -64,10 +64,12 @@ def plot_ram(result: Result, figure: Figure | None = None) -> Figure:
     return figure
 
 
-def _find_strokes(
-    history: dict[str, NDArray[Any]], stages: NDArray[Any], works: NDArray[np.bool_]
-) -> tuple[FloatArray, list[str]]:
-    """Return the stroke of the tool that moves most in each stage that a ram drives (n_rows,), and these tools."""
+def find_ram_strokes(history: dict[str, NDArray[Any]]) -> tuple[FloatArray, list[str]]:
+    """Return the stroke of the tool that moves most in each stage that a ram drives (n_rows,), and these tools.
+
+    It is zero in the other stages.
+    """
+    stages, works = np.asarray(history["stage"]), _find_works(history)
     stroke, tools = np.zeros(len(stages)), []
     for name in dict.fromkeys(stages[works].tolist()):
         rows = stages == name
@@ -77,6 +79,8 @@ def _find_strokes(
     return stroke, list(dict.fromkeys(tools))
 
 
-def _works(history: dict[str, NDArray[Any]], stage: str) -> bool:
-    """Return whether a ram drives a stage."""
-    return bool(np.any(history["ram_speed"][history["stage"] == stage] > 0.0))
+def _find_works(history: dict[str, NDArray[Any]]) -> NDArray[np.bool_]:
+    """Return the rows of stages that a ram drives (n_rows,)."""
+    stages = np.asarray(history["stage"])
+    driven = [name for name in dict.fromkeys(stages.tolist()) if np.any(history["ram_speed"][stages == name] > 0.0)]
+    return np.asarray(np.isin(stages, driven))

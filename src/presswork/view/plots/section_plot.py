@@ -4,12 +4,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from presswork.model import FloatArray
-from presswork.post.section import ORIGIN, cut_sheet, cut_tool, find_breaks, find_ray, measure_draw_in
+from presswork.post.section import (
+    ORIGIN,
+    cut_sheet,
+    cut_tool,
+    find_breaks,
+    find_ray,
+    find_sheets,
+    measure_draw_in,
+)
 from presswork.results import Result, ResultError
 from presswork.view.style import begin_at_zero, clean_axes, describe_step, is_released, new_figure, require_matplotlib
 
@@ -100,10 +109,37 @@ def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
     require_matplotlib()
     figure = new_figure(6.4, 4.2) if figure is None else figure
     ax = figure.subplots()
+    course = trace_draw_in(result)
+    for angles, come_in in course.curves:
+        ax.plot(course.stroke, come_in, ".-", label=name_directions(angles), linewidth=1.6)
+    ax.set_xlabel(f"{course.tool} stroke [mm]")
+    ax.set_ylabel("draw-in [mm]")
+    begin_at_zero(ax)
+    ax.set_title(str(result.info.get("title", "")))
+    ax.legend(frameon=False)
+    clean_axes(ax)
+    return figure
+
+
+@dataclass(frozen=True)
+class DrawInCourse:
+    """How a blank's edge comes in over the stroke."""
+
+    tool: str
+    """The tool that moves most."""
+    stroke: FloatArray
+    """Its stroke at the saved steps on the first mesh before springback (n_steps,) [mm]."""
+    curves: tuple[tuple[tuple[float, ...], FloatArray], ...]
+    """Directions [degree] that draw in alike, and their draw-in (n_steps,) [mm]."""
+
+
+def trace_draw_in(result: Result) -> DrawInCourse:
+    """Return the draw-in along x, y and the diagonal over the stroke; of a press line in the operation with most."""
     steps = [step for step in range(len(result.times)) if result.mesh_at(step) is result.mesh]
     steps = [step for step in steps if not is_released(result, step)]
+    sheets = find_sheets(result.mesh)
     found = {
-        angle: np.array([measure_draw_in(result, float(np.radians(angle)), step) for step in steps])
+        angle: np.array([measure_draw_in(result, float(np.radians(angle)), step, sheets=sheets) for step in steps])
         for angle in _DRAW_IN_ANGLES
     }
     if result.is_line:
@@ -118,7 +154,6 @@ def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
     }
     strokes = {name: np.linalg.norm(displacement, axis=1) for name, displacement in displacements.items()}
     tool = max(strokes, key=lambda name: float(strokes[name][-1]))
-    stroke = strokes[tool]
     near = _ALIKE * max(float(np.abs(come_in).max()) for come_in in found.values())
     curves: list[tuple[list[float], FloatArray]] = []
     for angle, come_in in found.items():
@@ -127,16 +162,16 @@ def plot_draw_in(result: Result, *, figure: Figure | None = None) -> Figure:
             curves.append(([angle], come_in))
         else:
             same.append(angle)
-    for angles, come_in in curves:
-        label = f"at {' and '.join(f'{angle:g}' for angle in angles)} degrees"
-        ax.plot(stroke, come_in, ".-", label=label, linewidth=1.6)
-    ax.set_xlabel(f"{tool} stroke [mm]")
-    ax.set_ylabel("draw-in [mm]")
-    begin_at_zero(ax)
-    ax.set_title(str(result.info.get("title", "")))
-    ax.legend(frameon=False)
-    clean_axes(ax)
-    return figure
+    return DrawInCourse(tool, strokes[tool], tuple((tuple(angles), come_in) for angles, come_in in curves))
+
+
+def name_directions(angles: Sequence[float]) -> str:
+    """Return directions in words.
+
+    >>> name_directions([0.0, 90.0])
+    'at 0 and 90 degrees'
+    """
+    return f"at {' and '.join(f'{angle:g}' for angle in angles)} degrees"
 
 
 def _most_drawn_in(operations: Sequence[str], draw_in: Sequence[FloatArray]) -> slice:
