@@ -47,6 +47,33 @@ def test_a_carbide_core_is_pressed_harder() -> None:
     assert bore == pytest.approx(-446.36, rel=5e-3)
 
 
+def test_three_rings_press_on_each_other_as_lame_says() -> None:
+    """Radii 10, 16, 25, 40; interference 0.03 and 0.05: both joints close together, in plane stress."""
+    radii, overlap = (10.0, 16.0, 25.0, 40.0), (0.03, 0.05)
+    young, poisson = STEEL.young, STEEL.poisson
+
+    def widen(inner: float, outer: float, inside: float, outside: float, r: float) -> float:
+        """Displacement at r of a ring under pressures inside and outside [MPa]."""
+        area = outer**2 - inner**2
+        even = (1 - poisson) * (inside * inner**2 - outside * outer**2) * r / area
+        return (even + (1 + poisson) * (inside - outside) * inner**2 * outer**2 / (area * r)) / young
+
+    def part(p: float, q: float) -> np.ndarray:
+        a, b, c, d = radii
+        return np.array([widen(b, c, p, q, b) - widen(a, b, 0, p, b), widen(c, d, q, 0, c) - widen(b, c, p, q, c)])
+
+    exact = np.linalg.solve(np.column_stack([part(1.0, 0.0), part(0.0, 1.0)]), overlap)
+    profile = np.array([[radii[0], 0.0, radii[0], HEIGHT, 0.0, 0.0, 0.0]])
+    given = zip(radii[1:], (0.0, *overlap), strict=True)
+    parts = tuple(DiePart(steel=STEEL, outer=r, held=("bottom",), interference=d) for r, d in given)
+    body = DieBody(0.6, parts)
+    die = DieStructure(mesh_body(profile, body), body, "axisymmetric", 1.0)
+    push = die.answer(np.zeros(die.points.shape)).push
+    at = die.points[die.pairs[:, 0], 0]
+    found = [push[at == r].sum() / (2.0 * np.pi * r * HEIGHT) for r in radii[1:3]]
+    np.testing.assert_allclose(found, exact, rtol=1e-4)
+
+
 def test_an_inner_pressure_adds_the_stress_of_one_thick_ring() -> None:
     rings = make_rings(STEEL, 0.04)
     _, before, _, at_rest = measure(rings)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from presswork.dies.life import judge_life
 from presswork.dies.study import DieInstant, DieStudy, PartStress
 from presswork.results.whole_file import write_whole
 
@@ -45,6 +46,12 @@ def describe(study: DieStudy) -> list[str]:
         drawn = max(range(len(own)), key=lambda k: own[k].tension.value)
         when = [_when(study.instants[k]) for k in (hard, drawn)]
         lines.append(f"{study.tool}: {_describe(own[hard], own[drawn], *when)}")
+    for part, life in zip(judged[0], judge_life(study), strict=True):
+        if life is not None:
+            parts = f"{life.value:.3g}" if np.isfinite(life.value) else "endless"
+            x, y = life.place
+            where = f" at ({x:.4g}, {y:.4g}) mm" if np.isfinite(life.value) else ""
+            lines.append(f"{study.tool}: {part.name} parts until a crack begins: {parts}{where}")
     return lines
 
 

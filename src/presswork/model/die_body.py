@@ -10,6 +10,20 @@ Side = Literal["bottom", "top", "left", "right"]
 
 
 @dataclass(frozen=True, kw_only=True)
+class Fatigue:
+    """Strain amplitude against cycles N: (sigma_f / E) (2N)^b + epsilon_f (2N)^c."""
+
+    strength: float
+    """sigma_f [MPa]"""
+    strength_exponent: float
+    """b, negative."""
+    ductility: float
+    """epsilon_f"""
+    ductility_exponent: float
+    """c, negative."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class DieSteel:
     """An elastic material of a die, and what it bears."""
 
@@ -20,6 +34,8 @@ class DieSteel:
     """[MPa]; None: safety against yield is not known."""
     tensile_strength: float | None = None
     """Largest principal stress that a brittle material such as carbide bears [MPa]; None: it is not known."""
+    fatigue: Fatigue | None = None
+    """None: no life is found."""
 
 
 @dataclass(frozen=True, kw_only=True)

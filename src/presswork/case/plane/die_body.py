@@ -19,6 +19,15 @@ from presswork.case.units import Length, Number, Point, Stress, fault
 HELD = 'for instance held = ["bottom"], where it rests on the press'
 
 
+class Fatigue(Part):
+    """Strain amplitude against the number of cycles N: (strength/E) (2N)^b + ductility (2N)^c."""
+
+    strength: Stress = Field(gt=0, description="fatigue strength coefficient [MPa]")
+    strength_exponent: Number = Field(lt=0, gt=-1, description="b, negative, as -0.08")
+    ductility: Number = Field(gt=0, description="fatigue ductility coefficient")
+    ductility_exponent: Number = Field(lt=0, gt=-2, description="c, negative, as -0.7")
+
+
 class DieSteel(Part):
     """An elastic die material, and what it bears."""
 
@@ -33,6 +42,9 @@ class DieSteel(Part):
         description="largest principal stress that a brittle material such as carbide bears [MPa]; without it: no "
         "safety against tension",
     )
+    fatigue: Fatigue | None = Field(
+        default=None, description="how many cycles it bears; `presswork dies` then finds the number of parts"
+    )
 
     def build_steel(self) -> model.DieSteel:
         """Return the Model's."""
@@ -41,6 +53,7 @@ class DieSteel(Part):
             poisson=self.poisson,
             yield_stress=self.yield_stress,
             tensile_strength=self.tensile_strength,
+            fatigue=None if self.fatigue is None else model.Fatigue(**self.fatigue.model_dump()),
         )
 
 
