@@ -29,6 +29,7 @@ def test_a_bulge_follows_membrane_theory(tmp_path: Path, n: float, p: float, hig
     pressure, pole = measure_bulge(bulge, table.height[rows])
     np.testing.assert_allclose(pressure, table.pressure[rows], rtol=0.006)
     np.testing.assert_allclose(pole, table.pole[rows], rtol=0.006)
+    assert not bulge.summary["sheet_pressures"]["oil"]["passed"]
     assert abs(bulge.history["energy_error_percent"][-1]) < 0.05
 
 
@@ -72,6 +73,9 @@ def test_a_fluid_takes_a_bulge_past_the_maximum_of_its_pressure(tmp_path: Path) 
     assert height[np.argmax(every)] == pytest.approx(0.611 * 50.0, rel=0.03)
     assert height[-1] > 34.0
     assert every[-1] < 0.99 * every.max()
+    largest = bulge.summary["sheet_pressures"]["oil"]
+    assert largest["passed"]
+    assert largest["height_mm"] == pytest.approx(0.611 * 50.0, rel=0.03)
     assert abs(bulge.history["energy_error_percent"][-1]) < 0.05
 
 

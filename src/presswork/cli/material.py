@@ -17,12 +17,14 @@ from presswork.case.material.library import find_sheet
 from presswork.case.material.plastic import LIGHT
 from presswork.case.material.yld2000_fit import R_WEIGHT, YieldData
 from presswork.case.units import STRESS, to_number
+from presswork.cli.fit.bulge import fit_bulge
 from presswork.cli.fit.hot import fit_compression, is_hot_compression
 from presswork.cli.fit.tensile import Surface, fit_surface, fit_tensile
 from presswork.cli.terminal import exit_on
 from presswork.law.allowed import allow_library
 from presswork.law.umat import CompileError, compile_law
 from presswork.law.wall import find_drawing_ratio, has_wall
+from presswork.material.bulge import BulgeSizes, is_bulge_test
 from presswork.material.fit_plot import draw_curves
 from presswork.material.hot_plot import draw_hot_law
 from presswork.material.identify import LAWS
@@ -113,7 +115,8 @@ def flc(
 @app.command()
 def fit(
     files: Annotated[
-        list[Path], typer.Argument(help="Tensile tests as machines write them, or one file of hot compression tests.")
+        list[Path],
+        typer.Argument(help="Tensile and bulge tests as machines write them, or one file of hot compression tests."),
     ],
     young: Annotated[str, typer.Option(help='Young\'s modulus, e.g. "206 GPa".', show_default=False)],
     poisson: Annotated[float, typer.Option(help="Poisson's ratio.")] = 0.3,
@@ -135,6 +138,8 @@ def fit(
     angle: Annotated[
         float | None, typer.Option(help="Angle of the specimens from the rolling direction, if no file holds it.")
     ] = None,
+    opening: Annotated[float | None, typer.Option(help="Bulge tests: diameter of the die's opening [mm].")] = None,
+    die_radius: Annotated[float | None, typer.Option(help="Bulge tests: radius of the die's edge [mm].")] = None,
     density: Annotated[str, typer.Option(help='Hot tests: "7850 kg/m^3"; with it heating in the test counts.')] = "",
     specific_heat: Annotated[str, typer.Option(help='Hot tests: "650 J/(kg*K)".')] = "",
     output: Annotated[Path | None, typer.Option(help="Material file; default: the CSV's name, .toml.")] = None,
@@ -142,11 +147,20 @@ def fit(
     """Fit a hardening law and a yield function to tests; write a material file and a picture.
 
     Hot compression tests are corrected for friction and for heating; beside the law a table of their curves is written.
+    A bulge test (columns pressure and height) gives the flow curve to large strains, beside tensile tests of the same
+    sheet its biaxial yield stress, too.
     """
     with exit_on(CaseError, ImportError, OSError, OutputError):
         modulus = _read_stress("--young", young)
         if is_hot_compression(files[0]):
             fit_compression(files[0], law, modulus, poisson, density, specific_heat, output)
+            return
+        if bulges := [file for file in files if is_bulge_test(file)]:
+            if len(bulges) > 1:
+                remedy = "fit them one after the other"
+                raise CaseError([Problem("", f"{len(bulges)} bulge tests", remedy)], bulges[1])
+            others = [file for file in files if file != bulges[0]]
+            fit_bulge(bulges[0], others, law, (modulus, poisson), BulgeSizes(thickness, opening, die_radius), output)
             return
         sizes = Sizes(thickness=thickness, width=width, gauge_length=gauge_length, angle=angle)
         surface = Surface(

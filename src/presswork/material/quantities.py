@@ -12,6 +12,7 @@ UNITS: dict[str, tuple[str, float]] = {
     "kgf": ("force", 9.80665), "kp": ("force", 9.80665), "lbf": ("force", 4.4482216152605),
     "mpa": ("stress", 1.0), "n/mm2": ("stress", 1.0), "kn/mm2": ("stress", 1e3), "gpa": ("stress", 1e3),
     "pa": ("stress", 1e-6), "psi": ("stress", 6.894757293168e-3), "ksi": ("stress", 6.894757293168),
+    "bar": ("stress", 0.1),
     "mm": ("length", 1.0), "cm": ("length", 10.0), "m": ("length", 1e3), "um": ("length", 1e-3),
     "in": ("length", 25.4), "inch": ("length", 25.4), '"': ("length", 25.4),
     "%": ("strain", 0.01), "mm/mm": ("strain", 1.0), "m/m": ("strain", 1.0), "in/in": ("strain", 1.0),

@@ -7,6 +7,8 @@ that of the sphere with the least squares of distance to the nodes round it.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from presswork.fields.instant import Instant
@@ -21,6 +23,8 @@ FITTED_EDGES = 2.5
 """Least such distance, in mean edges of cells."""
 FLAT = 1e-6
 """Height over the fitted distance below which a sheet has no radius."""
+PASSED = 0.01
+"""Fall of a pressure below its largest, over it, from which the sheet has passed the maximum."""
 TOUCHED = 0.01
 """Force of a tool in the same direction, over that of the pressure, above which it is reported."""
 
@@ -45,6 +49,11 @@ class PressedSheet(Observer):
             found = (value.get(part.pressure.name, 0.0), *part.measure(now, strain))
             row |= {part.name(quantity): each for quantity, each in zip(QUANTITIES, found, strict=True)}
         return row
+
+    def summary(self, run: Observed, history: History) -> dict[str, Any]:
+        """Return the largest of each pressure, where it was, and whether the sheet went on beyond it."""
+        found = {part.pressure.name: part.find_largest(history) for part in self._pressed}
+        return {"sheet_pressures": found} if found and len(history["time"]) else {}
 
     def warnings(self, run: Observed, history: History) -> list[str]:
         """Return a warning where a tool lies on a face that a fluid presses."""
@@ -98,6 +107,20 @@ class PressedPart:
         x = (x - now[pole]) / self._reach
         centre = np.linalg.lstsq(np.column_stack([2.0 * x, np.ones(len(x))]), (x**2).sum(axis=1), rcond=None)[0]
         return self._reach * float(np.sqrt(max(centre[3] + centre[:3] @ centre[:3], 0.0)))
+
+    def find_largest(self, history: History) -> dict[str, Any]:
+        """Return the largest pressure [MPa], its height [mm] and instant, and whether it fell while the bulge grew."""
+        p, height = (np.asarray(history[self.name(quantity)], dtype=float) for quantity in ("p", "height"))
+        at = int(np.argmax(p))
+        beyond = (p[at:] < (1.0 - PASSED) * p[at]) & (p[at:] > 0.0) & (height[at:] > height[at])
+        return {
+            "largest_mpa": float(p[at]),
+            "height_mm": float(height[at]),
+            "largest_height_mm": float(height.max()),
+            "stage": str(history["stage"][at]),
+            "time_s": float(history["time"][at]),
+            "passed": bool(beyond.any()),
+        }
 
     def warn(self, now: Instant, positions: FloatArray, value: float) -> str:
         """Return a warning where tools push on the face that the fluid pushes; value: of the pressure [MPa]."""

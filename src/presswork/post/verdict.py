@@ -97,6 +97,7 @@ def judge_summary(summary: Summary, safety_margin: float = 0.1, dimension: int =
         _judge_end,
         _judge_forces,
         _judge_presses,
+        _judge_pressures,
         _judge_die_fill,
         _judge_laps,
         _judge_contact_pressure,
@@ -186,6 +187,19 @@ def _judge_presses(summary: Summary) -> Iterator[Line]:
             spent, given = entry["energy_spent_kJ"], near["rated_energy_kJ"]
             name, figure, limit = f"energy of press {entry['press']}", f"{_number(spent)} kJ", f"{_number(given)} kJ"
             yield Line(name, _against(spent, given), figure, limit, where)
+
+
+def _judge_pressures(summary: Summary) -> Iterator[Line]:
+    """Judge that no pressure on the sheet has passed its maximum, beyond which a given pressure bursts the sheet."""
+    for name, found in summary.get("sheet_pressures", {}).items():
+        figure, note = f"{_number(found['largest_mpa'])} MPa", f"in {found['stage']}"
+        if found["passed"]:
+            note += (
+                f", at a height of {_number(found['height_mm'])} mm of {_number(found['largest_height_mm'])} mm: "
+                "beyond it a pressure that is given, and not a volume, bursts the sheet"
+            )
+        state: State = "risk" if found["passed"] else "figure"
+        yield Line(f"largest pressure of {name}", state, figure, "", note, "thinning", time_s=found["time_s"])
 
 
 def _judge_die_fill(summary: Summary) -> Iterator[Line]:

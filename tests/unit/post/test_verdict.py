@@ -35,6 +35,14 @@ def test_force_is_judged_by_the_press_on_tools_that_move_alone() -> None:
         assert "force of anvil" not in found
 
 
+def test_pressure_that_passed_its_maximum_is_a_risk() -> None:
+    found = {"largest_mpa": 12.5, "height_mm": 33.0, "largest_height_mm": 40.0, "stage": "bulge", "time_s": 30.0}
+    for passed, state in ((False, "figure"), (True, "risk")):
+        line = lines_of({**DONE, "sheet_pressures": {"oil": {**found, "passed": passed}}})["largest pressure of oil"]
+        assert (line.state, line.figure) == (state, "12.5 MPa")
+        assert ("at a height of 33 mm of 40 mm" in line.note) is passed
+
+
 def test_die_that_is_not_full_fails_where_its_gap_is_widest() -> None:
     fill = {"wall_filled": 0.9, "largest_gap_mm": 0.4, "largest_gap_at_mm": [3.0, 4.0], "flash_thickness_mm": 2.0}
     found = lines_of({**DONE, "die_fill": {"upper": fill}})
