@@ -40,7 +40,7 @@ NAMES = {
 FEWEST = 5
 """Points of a test."""
 ITERATIONS = 5
-"""Of stress and elastic strain, each a thousandth of the one before."""
+"""Number of corrections of stress and elastic strain; each is a thousandth of the one before."""
 FIRST_STRAIN = 0.02
 """Strain of the pole from which r of balanced biaxial tension is found."""
 

@@ -62,7 +62,7 @@ def scale_to_tension(test: BulgeTest, ratio: float) -> BulgeTest:
 def _make_material(
     bulge: Path, tensile: Sequence[Path], best: HardeningFit, elastic: tuple[float, float], test: BulgeTest
 ) -> dict[str, Any]:
-    """Return the material file, which says what was assumed."""
+    """Return the material file, with what was assumed."""
     young, poisson = elastic
     data = make_tensile_material([bulge, *tensile], best, {"young": young, "poisson": poisson}, None)
     if not tensile:
