@@ -86,6 +86,23 @@ def test_a_mesh_without_kind_is_shown_as_what_it_is(browser: Any, site: Server, 
     page.close()
 
 
+def test_settings_are_grouped_in_words_of_a_designer(browser: Any, site: Server, tmp_path: Path) -> None:
+    """Every key of the case stands in the group that a designer looks in; a search leaves out groups without a hit."""
+    copy_example("square_cup", tmp_path)
+    page = Tab(browser, f"{site.address}edit?case=square_cup.toml")
+    heads = page.tab.locator("section.group > h2")
+    groups = ["Job", "Part and material", "Tools and press", "Process", "Results and limits", "Accuracy"]
+    assert heads.all_inner_texts() == groups
+    script = "(key) => document.querySelector(`[data-key^='${key}']`).closest('section').querySelector('h2').innerText"
+    for key, group in {"blank.thickness": 1, "tools.punch": 2, "stages.0": 3, "materials.steel": 1, "title": 0}.items():
+        assert page.ask(script, key) == groups[group], key
+    page.tab.get_by_label("Search", exact=True).fill("thickness")
+    shown = [head.inner_text() for head in heads.all() if head.is_visible()]
+    assert "Part and material" in shown
+    assert "Accuracy" not in shown
+    page.close()
+
+
 FIND = """async (schema) => {
   const { classify, makeTable } = await import("./files/schema.js");
   const { Form } = await import("./files/form.js");

@@ -139,3 +139,17 @@ def test_what_the_press_bears_is_drawn_across_the_force(browser: Any, upset: Res
         assert (page.ask("() => presswork.panel.chart.ranges.y[1]") > 1100.0) == is_near
         assert f"the press bears {level['y']:g} kN" in page.tab.locator("#panel .key").first.inner_text()
         page.close()
+
+
+def test_film_of_all_steps_leaves_the_page(page: Page, tmp_path: Path) -> None:
+    """A WebM whose pictures differ from its first to its last; the page is at its step again."""
+    step = page.ask("() => presswork.store.state.step")
+    with page.tab.expect_download(timeout=60_000) as saved:
+        page.tab.get_by_role("button", name="Save a film of all steps (WebM)").click()
+    assert saved.value.suggested_filename == "out_effective_stress.webm"
+    saved.value.save_as(tmp_path / "film.webm")
+    content = (tmp_path / "film.webm").read_bytes()
+    assert content[:4] == b"\x1a\x45\xdf\xa3", "the head of EBML"
+    assert len(content) > 20_000
+    page.tab.wait_for_function("() => !document.querySelector('#timeline button:disabled')")
+    assert page.ask("() => presswork.store.state.step") == step

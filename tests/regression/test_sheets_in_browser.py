@@ -130,3 +130,14 @@ def test_every_zone_of_the_forming_limit_is_explained(page: Page) -> None:
     lines = page.tab.locator("#panel .lines li").all_inner_texts()
     assert [line.split(":")[0] for line in lines] == list(ZONES)
     assert all(len(line.split(":")[1]) > 10 for line in lines)
+
+
+def test_margin_to_the_forming_limit_is_red_at_zero_and_green_far_from_it(page: Page, cup: Result) -> None:
+    page.choose("Field", "forming_limit_margin_polar")
+    low, high = page.ask("() => presswork.stage.legend.range")
+    assert (low, high) == (-0.1, 1.0)
+    script = """(part) => { const { data } = presswork.stage.scenes[0].body.material.uniforms.colours.value.image;
+      return [...data.slice(4 * Math.round(255 * part)).slice(0, 3)]; }"""
+    red, green = (page.ask(script, (value - low) / (high - low)) for value in (0.0, 0.9))
+    assert red[0] > 180 > 100 > red[1]
+    assert green[1] > 120 > 60 > green[0]

@@ -41,7 +41,7 @@ def assemble_page(header: dict[str, Any], blocks: Blocks, *, is_served: bool = F
         "{{policy}}": make_policy(is_served=is_served),
         "{{icon}}": '<link rel="icon" href="data:,">\n' if is_served else "",
         "{{title}}": escape(" | ".join(titles)),
-        "{{style}}": _read("style.css"),
+        "{{style}}": _read("theme.css") + _read("style.css"),
         "{{header}}": _to_json(header),
         "{{blocks}}": data,
         "{{modules}}": _pack_modules(),

@@ -18,6 +18,7 @@ from presswork.report.choose import Shown
 from presswork.report.surface import Surface
 from presswork.results import Result
 from presswork.results.folder import CASE, LOG
+from presswork.view.limit_colours import find_fixed_stops
 from presswork.view.plots.flow_lines_plot import space_lines
 from presswork.view.plots.outline_plot import find_beads
 from presswork.view.plots.section_plot import is_drawn_in, name_directions, trace_draw_in
@@ -100,6 +101,8 @@ def describe_shown(result: Result, shown: Shown, bounds: tuple[float, float]) ->
         "range": bounds,
         "signed": shown.name in DIVERGING,
     }
+    if stops := find_fixed_stops(result, shown.name):
+        data["stops"] = stops
     if shown.name == ZONE_FIELD:
         meanings = explain_zones(result.formability.safety_margin)
         named = zip(ZONES, ZONE_COLOURS, meanings, strict=True)

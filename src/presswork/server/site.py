@@ -30,8 +30,8 @@ from presswork.server.sweeps import read_curves, read_sweep
 
 _PAGE = files("presswork.server") / "page"
 _KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "svg": "image/svg+xml"}
-_MODULES = ("colours.js", "elements.js", "chart.js")
-"""Modules of the report's page that the pages of lists share with it."""
+_MODULES = ("colours.js", "elements.js", "chart.js", "theme.js", "theme.css")
+"""Files of the report's page that the pages of lists share with it."""
 
 
 class Site:
@@ -97,7 +97,7 @@ class Site:
             return Response((_PAGE / name).read_bytes(), _KINDS[name.rpartition(".")[2]])
         if name in _MODULES or name == "libraries/uplot.js":
             module = files("presswork.report") / "page"
-            return Response(module.joinpath(*name.split("/")).read_bytes(), _KINDS["js"])
+            return Response(module.joinpath(*name.split("/")).read_bytes(), _KINDS[name.rpartition(".")[2]])
         raise RefusedError("there is no such file", 404)
 
     def _run_page(self, request: Request) -> Response:

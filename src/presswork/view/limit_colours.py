@@ -36,6 +36,14 @@ def find_stops(result: Result, field: str, low: float, high: float) -> Stops:
     return [*stops, (high, DARK_RED)] if high > limit else stops
 
 
+def find_fixed_stops(result: Result, field: str) -> Stops:
+    """Return find_stops for colours that stay from step to step: a margin up to 1, damage a quarter beyond critical."""
+    if field in _MARGINS:
+        return find_stops(result, field, -result.formability.safety_margin, 1.0)
+    critical = result.summary.get("damage", {}).get(field, {}).get("critical") or 0.0
+    return find_stops(result, field, 0.0, 1.25 * critical)
+
+
 def make_limit_colours(stops: Stops) -> ScalarMappable:
     """Return the colours of stops."""
     from matplotlib.cm import ScalarMappable

@@ -3,8 +3,9 @@
 import uPlot from "./libraries/uplot.js";
 import { formatNumber } from "./colours.js";
 import { make } from "./elements.js";
+import { readColour, tone } from "./theme.js";
 
-const AXIS = { stroke: "#4a5260", font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", grid: { stroke: "#e6e9ee", width: 1 }, ticks: { stroke: "#c9ced6", width: 1 }, labelSize: 20, values: (_, marks) => marks.map((mark) => formatNumber(mark, 5)) };
+const AXIS = { stroke: () => readColour("--soft"), font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", grid: { stroke: () => readColour("--line-soft"), width: 1 }, ticks: { stroke: () => readColour("--edge"), width: 1 }, labelSize: 20, values: (_, marks) => marks.map((mark) => formatNumber(mark, 5)) };
 
 const LEVEL = "#a3222e", FARTHEST = 3; // times the largest value: a level beyond is named only
 
@@ -39,11 +40,14 @@ export class Chart {
       if (Math.abs(this.plot.width - this.box.clientWidth) > 1) this.plot.setSize({ width: this.box.clientWidth, height });
     });
     this.observer.observe(this.box);
+    this.onTheme = () => this.plot && this.setSeries(this.series, this.given);
+    document.addEventListener("theme", this.onTheme);
   }
 
   /** Draw series; ranges are found anew. */
-  setSeries(series, { xRange, yRange, isEqual } = {}) {
-    this.series = series;
+  setSeries(series, given = {}) {
+    const { xRange, yRange, isEqual } = given;
+    Object.assign(this, { series, given });
     const shown = series.filter((one) => !one.isBeside);
     this.ranges = { x: xRange ?? findRange(shown, "x", true), y: yRange ?? findRange(shown, "y", false) };
     this.levels = (this.options.levels ?? []).map((level) => ({ ...level, isNear: level.y <= FARTHEST * this.ranges.y[1] }));
@@ -67,7 +71,7 @@ export class Chart {
     const beyond = this.levels.map((level) => make("li", {}, make("span", { class: "patch line dashed", "aria-hidden": "true" }), `${level.label}${level.isNear ? "" : ", above what is drawn"}`));
     this.key.replaceChildren(...beyond, ...named.map((one) => {
       const patch = make("span", { class: one.isPoints ? "patch dot" : "patch line", "aria-hidden": "true" });
-      patch.style.background = one.colour;
+      patch.style.background = tone(one.colour);
       return make("li", {}, patch, one.label);
     }));
   }
@@ -90,6 +94,7 @@ export class Chart {
 
   destroy() {
     this.observer.disconnect();
+    document.removeEventListener("theme", this.onTheme);
     this.plot?.destroy();
   }
 
@@ -105,13 +110,13 @@ export class Chart {
     for (const { x, y, colour } of this.marks) {
       const [px, py] = at(x, y);
       if (y === null) {
-        context.fillStyle = colour ?? "#20242b55";
+        context.fillStyle = colour ?? "#80808080";
         context.fillRect(px - 0.5 * ratio, bbox.top, ratio, bbox.height);
         continue;
       }
       context.beginPath();
       context.arc(px, py, 5 * ratio, 0, 7);
-      context.fillStyle = colour ?? "#20242b";
+      context.fillStyle = tone(colour ?? "#20242b");
       context.fill();
       context.lineWidth = 2 * ratio;
       context.strokeStyle = "#fff";
@@ -130,7 +135,7 @@ function drawLine(context, { x, y, colour, dash, width, begins }, at, ratio) {
     isOn && !begins?.has(i) ? context.lineTo(...place) : context.moveTo(...place);
     isOn = true;
   }
-  context.strokeStyle = colour;
+  context.strokeStyle = tone(colour);
   context.lineWidth = (width ?? 1.8) * ratio;
   context.lineJoin = "round";
   context.setLineDash((dash ?? []).map((length) => length * ratio));
@@ -142,7 +147,7 @@ function drawPoints(context, { x, y, colour, colours }, at, ratio) {
   const size = (x.length > 5000 ? 1.5 : 2.5) * ratio;
   for (let i = 0; i < x.length; i++) {
     const [px, py] = at(x[i], y[i]);
-    context.fillStyle = colours ? colours[i] : colour;
+    context.fillStyle = colours ? colours[i] : tone(colour);
     context.fillRect(px - size / 2, py - size / 2, size, size);
   }
 }

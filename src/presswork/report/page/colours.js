@@ -26,6 +26,18 @@ export function makePixels(scale) {
   return pixels;
 }
 
+/** Return the pixels of stops [[value, colour], ...], from the first value to the last. */
+export function makeStopPixels(stops) {
+  const pixels = new Uint8Array(4 * WIDTH), [low, high] = [stops[0][0], stops.at(-1)[0]], colours = stops.map(([, colour]) => toNumbers(colour));
+  for (let i = 0; i < WIDTH; i++) {
+    const value = low + (i / (WIDTH - 1)) * (high - low), after = Math.min(Math.max(stops.findIndex(([at]) => at >= value), 1), stops.length - 1);
+    const part = (value - stops[after - 1][0]) / (stops[after][0] - stops[after - 1][0]);
+    for (let c = 0; c < 3; c++) pixels[4 * i + c] = (1 - part) * colours[after - 1][c] + part * colours[after][c];
+    pixels[4 * i + 3] = 255;
+  }
+  return pixels;
+}
+
 /** Return the pixels of zones: steps of one colour each, as many as there are. */
 export function makeZonePixels(zones) {
   const pixels = new Uint8Array(4 * WIDTH);

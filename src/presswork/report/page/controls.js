@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Toolbar and timeline: what is shown, and when.
 import { SCALES } from "./colours.js";
-import { savePicture } from "./save.js";
+import { saveFilm, savePicture } from "./save.js";
 import { make, makeButton, makeSelect, makeToggle } from "./elements.js";
 
 const find = (id) => document.getElementById(id);
@@ -104,9 +104,16 @@ export function makeTimeline(runs, store, stage) {
   slider.addEventListener("input", () => { stop(); go(Number(slider.value)); });
   const jump = (change, title, text) => makeButton(text, () => { stop(); go(store.state.step + change); }, title);
   const picture = makeButton("Save picture", () => savePicture(stage, run(), store.state.step, store.state.field || "part"), "Save the view as a picture");
+  const film = makeButton("Save film", async () => {
+    stop();
+    film.disabled = true;
+    await saveFilm(stage, run(), store, (part) => { film.textContent = `${Math.round(100 * part)} %`; });
+    film.textContent = "Save film";
+    film.disabled = false;
+  }, "Save a film of all steps (WebM)");
   const print = makeButton("Print", () => document.dispatchEvent(new Event("print-all")), "Print the view and all tabs");
   const clash = store.state.isDrawing ? makeClashJump(run(), (step) => { stop(); go(step); }) : null;
-  find("timeline").replaceChildren(...[play, jump(-1, "Step before", "◀"), slider, jump(1, "Step after", "▶"), label, ...(store.state.isDrawing ? [clash] : [picture, print])].filter(Boolean));
+  find("timeline").replaceChildren(...[play, jump(-1, "Step before", "◀"), slider, jump(1, "Step after", "▶"), label, ...(store.state.isDrawing ? [clash] : [picture, film, print])].filter(Boolean));
   document.addEventListener("keydown", (event) => {
     if (event.target.closest("input, select, textarea, [role=slider], [role=tab]")) return;
     const change = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity }[event.key];

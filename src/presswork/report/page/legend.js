@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The legend: colour bar with ticks, and two handles that set the range of the colours.
-import { formatNumber, makePixels, withUnit } from "./colours.js";
+import { formatNumber, makePixels, makeStopPixels, withUnit } from "./colours.js";
 import { make, makeButton } from "./elements.js";
 
 const TICKS = 5;
@@ -55,7 +55,8 @@ export class Legend {
     this.zones.hidden = !field.zones;
     if (field.zones) return this.#showZones(field.zones, counts);
     const [low, high] = this.range.map((value) => (value - this.full[0]) / (this.full[1] - this.full[0]));
-    this.#paint(scale, low, high, bands);
+    this.#paint(scale === "limit" ? makeStopPixels(field.stops) : makePixels(scale), low, high, bands);
+    for (const handle of this.handles) handle.hidden = scale === "limit";
     this.ticks.replaceChildren(...Array.from({ length: TICKS + 1 }, (_, i) => {
       const value = range[0] + (i / TICKS) * (range[1] - range[0]), part = (value - this.full[0]) / (this.full[1] - this.full[0]);
       const tick = make("span", {}, formatNumber(value));
@@ -73,8 +74,8 @@ export class Legend {
     this.reset.disabled = range[0] === full[0] && range[1] === full[1];
   }
 
-  #paint(scale, low, high, bands) {
-    const context = this.bar.getContext("2d"), pixels = makePixels(scale), n = this.bar.height;
+  #paint(pixels, low, high, bands) {
+    const context = this.bar.getContext("2d"), n = this.bar.height;
     for (let y = 0; y < n; y++) {
       let part = Math.min(Math.max(((n - 1 - y) / (n - 1) - low) / Math.max(high - low, 1e-9), 0), 1);
       if (bands) part = (Math.floor(Math.min(part, 0.9999) * bands) + 0.5) / bands;

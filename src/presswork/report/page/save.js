@@ -2,8 +2,10 @@
 // Leaves the page: pictures and tables as files, and all tabs on paper.
 import { formatNumber, withUnit } from "./colours.js";
 import { make } from "./elements.js";
+import { setTheme } from "./theme.js";
 
 const MARGIN = 12, HEAD = 46;
+const FILM = 4000, FRAME = 60, LAST = 700; // ms of a film, of a step at least, and of its last picture
 
 function saveBlob(name, blob) {
   const address = URL.createObjectURL(blob), link = make("a", { href: address, download: name.replace(/[^\w.+-]+/g, "_") });
@@ -13,11 +15,12 @@ function saveBlob(name, blob) {
 
 export const saveText = (name, text) => saveBlob(name, new Blob([text], { type: "text/csv" }));
 
-/** Return a canvas with the view, its title, its marks and its legend. */
-export function paintPicture(stage, run, step) {
+/** Return a canvas with the view, its title, its marks and its legend; canvas: one to paint on again. */
+export function paintPicture(stage, run, step, canvas = null) {
   const view = document.getElementById("canvas"), width = view.clientWidth, height = view.clientHeight + HEAD;
-  const canvas = make("canvas", { width: 2 * width, height: 2 * height }), context = canvas.getContext("2d");
-  context.scale(2, 2);
+  canvas ??= make("canvas", { width: 2 * width, height: 2 * height });
+  const context = canvas.getContext("2d");
+  context.setTransform(2, 0, 0, 2, 0, 0);
   context.fillStyle = "#fff";
   context.fillRect(0, 0, width, height);
   context.drawImage(view, 0, HEAD, width, view.clientHeight);
@@ -58,9 +61,34 @@ export function savePicture(stage, run, step, field) {
   paintPicture(stage, run, step).toBlob((blob) => saveBlob(`${run.name}_${field}_step_${run.steps[step].saved}.png`, blob));
 }
 
+/** Save a film of all steps as WebM, or where the browser records none, a picture a step; onStep(part): how much is done. */
+export async function saveFilm(stage, run, store, onStep) {
+  const name = `${run.name}_${store.state.field || "part"}`, before = store.state.step, canvas = paintPicture(stage, run, before);
+  const recorder = globalThis.MediaRecorder && canvas.captureStream ? startRecorder(canvas) : null, pause = Math.max(FRAME, FILM / run.steps.length);
+  for (let step = 0; step < run.steps.length; step++) {
+    await store.set({ step });
+    paintPicture(stage, run, step, canvas);
+    onStep((step + 1) / run.steps.length);
+    if (!recorder) saveBlob(`${name}_${String(step).padStart(3, "0")}.png`, await new Promise((done) => canvas.toBlob(done)));
+    await new Promise((done) => setTimeout(done, step + 1 < run.steps.length ? pause : LAST));
+  }
+  if (recorder) saveBlob(`${name}.webm`, await recorder.finish());
+  await store.set({ step: before });
+}
+
+/** Record a canvas; finish() returns the film. */
+function startRecorder(canvas) {
+  const kind = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm"].find((one) => MediaRecorder.isTypeSupported(one));
+  const recorder = new MediaRecorder(canvas.captureStream(), { mimeType: kind, videoBitsPerSecond: 8_000_000 }), parts = [];
+  recorder.addEventListener("dataavailable", ({ data }) => parts.push(data));
+  recorder.start();
+  return { finish: () => new Promise((done) => { recorder.addEventListener("stop", () => done(new Blob(parts, { type: "video/webm" }))); recorder.stop(); }) };
+}
+
 /** Print the view and all tabs, one below the other. kinds: names and panels. */
 export async function printAll(kinds, runs, store, stage) {
-  const section = make("section", { id: "print", "aria-label": "Printed report" }), { state } = store;
+  const section = make("section", { id: "print", "aria-label": "Printed report" }), { state } = store, { theme } = document.documentElement.dataset;
+  setTheme("light"); // paper is white
   document.body.append(section);
   const picture = make("img", { alt: "The part", src: paintPicture(stage, runs[state.run], state.step).toDataURL() });
   section.append(picture);
@@ -78,4 +106,5 @@ export async function printAll(kinds, runs, store, stage) {
   document.body.classList.remove("printing");
   for (const panel of open) panel.destroy?.();
   section.remove();
+  setTheme(theme ?? "");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The stage: what the state asks for becomes shapes, colours, legend, marks and probe.
-import { formatNumber, makePixels, makeZonePixels, LINES } from "./colours.js";
+import { formatNumber, makePixels, makeStopPixels, makeZonePixels, LINES } from "./colours.js";
 import { make } from "./elements.js";
 import { averageToNodes, findExtremes } from "./fields.js";
 import { Legend } from "./legend.js";
@@ -57,11 +57,12 @@ export class Stage {
     await Promise.all(numbers.map((i) => this.#setStep(i, isRevolved && this.runs[i].axisymmetric)));
     const coloured = await Promise.all(numbers.map((i) => this.#findValues(i)));
     const field = this.#describeField(coloured);
-    const full = this.#scaleOf(field) === "signed" && !field.zones ? balance(field.range) : field.range, range = state.range ?? full;
+    const scale = this.#scaleOf(field), full = scale === "signed" && !field.zones ? balance(field.range) : scale === "limit" ? [field.stops[0][0], field.stops.at(-1)[0]] : field.range;
+    const range = scale === "limit" ? full : state.range ?? full; // values of a limit keep their colours
     numbers.forEach((number, k) => this.#colour(number, coloured[k], field, range));
     this.values = Object.fromEntries(numbers.map((number, k) => [number, coloured[k]]));
     const counts = field.zones && field.zones.map((_, zone) => coloured[0].raw.reduce((sum, value) => sum + (value === zone), 0));
-    this.legend.show({ field, scale: this.#scaleOf(field), full, range, bands: state.hasBands ? BANDS : 0, counts });
+    this.legend.show({ field, scale, full, range, bands: state.hasBands ? BANDS : 0, counts });
     const scenes = numbers.map((i) => this.scenes[i]);
     const arrangement = state.layout === "overlay" ? "overlay" : "side";
     this.viewer.setViews(arrangement === "overlay" ? [scenes] : scenes.map((scene) => [scene]));
@@ -113,12 +114,12 @@ export class Stage {
     if (!isDifference) return { ...field, range: ranges.length ? join(ranges) : [0, 1] };
     const extremes = findExtremes(raw) ?? { lowest: 0, highest: 1 };
     const most = Math.max(Math.abs(extremes.lowest), Math.abs(extremes.highest)) || 1;
-    return { ...field, zones: undefined, label: `${field.label}, ${this.runs[state.run].name} less ${this.runs[state.other].name}`, range: [-most, most], signed: true };
+    return { ...field, zones: undefined, stops: undefined, label: `${field.label}, ${this.runs[state.run].name} less ${this.runs[state.other].name}`, range: [-most, most], signed: true };
   }
 
   #scaleOf(field) {
     const { scale } = this.store.state;
-    return scale === "auto" ? (field.signed ? "signed" : "viridis") : scale;
+    return scale === "auto" ? (field.stops ? "limit" : field.signed ? "signed" : "viridis") : scale;
   }
 
   #colour(number, coloured, field, range) {
@@ -132,10 +133,10 @@ export class Stage {
     scene.setFlow(state.hasFlow);
     if (!coloured) return scene.setValues(new Float32Array(scene.shape.n), true);
     scene.setValues(coloured.isNodal ? coloured.nodal : coloured.raw, coloured.isNodal);
-    const key = field.zones ? "zones" : this.#scaleOf(field);
+    const scale = this.#scaleOf(field), key = field.zones ? "zones" : scale === "limit" ? JSON.stringify(field.stops) : scale;
     if (scene.texture !== key) {
       uniforms.colours.value?.dispose();
-      uniforms.colours.value = makeTexture(field.zones ? makeZonePixels(field.zones) : makePixels(key), Boolean(field.zones));
+      uniforms.colours.value = makeTexture(field.zones ? makeZonePixels(field.zones) : scale === "limit" ? makeStopPixels(field.stops) : makePixels(scale), Boolean(field.zones));
       scene.texture = key;
     }
     [uniforms.low.value, uniforms.high.value] = field.zones ? [-0.5, field.zones.length - 0.5] : range;

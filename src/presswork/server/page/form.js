@@ -6,6 +6,14 @@ import { isProfile, makeProfile } from "./profile.js";
 import { chooseKind, classify, makeTable, parseValue, showValue } from "./schema.js";
 
 const FILES = new Set(["path", "profile_file", "library", "umat"]);
+const GROUPS = [
+  ["Job", ["title", "analysis", "procedure", "format"]],
+  ["Part and material", ["blank", "workpiece", "bodies", "part", "geometry", "depth", "materials", "initial_temperature"]],
+  ["Tools and press", ["tools", "presses", "beads", "contacts", "self_contact", "pressure"]],
+  ["Process", ["operations", "stages", "process", "boundary", "heat", "gravity", "trim", "springback", "hem", "series"]],
+  ["Results and limits", ["output", "limits", "points", "draw_in", "one_step_thinning", "gradients"]],
+  ["Accuracy", ["solver", "explicit", "implicit", "remesh"]],
+];
 const isTool = (path) => path.at(-2) === "tools" && (path.length === 2 || path[0] === "operations");
 const toWords = (name) => name.replaceAll("_", " ");
 
@@ -24,7 +32,7 @@ export class Form {
     this.places = new Map();
     const at = document.activeElement?.dataset?.key;
     const known = ["materials", "material"].flatMap((name) => (data[name] && typeof data[name] === "object" ? Object.keys(data[name]) : []));
-    this.parent.replaceChildren(make("datalist", { id: "material-names" }, ...[...known, ...this.materials].map((name) => make("option", { value: name }))), ...this.#makeKeys(schema, data, []));
+    this.parent.replaceChildren(make("datalist", { id: "material-names" }, ...[...known, ...this.materials].map((name) => make("option", { value: name }))), ...this.#makeGroups(schema, data));
     if (at) this.parent.querySelector(`[data-key="${CSS.escape(at)}"]`)?.focus();
   }
 
@@ -68,8 +76,8 @@ export class Form {
   filter(word) {
     const isFor = (field) => !word || field.textContent.toLowerCase().includes(word);
     for (const field of this.parent.querySelectorAll(".field")) field.hidden = !isFor(field);
-    for (const box of [...this.parent.querySelectorAll("fieldset, details")].reverse()) {
-      box.hidden = Boolean(word) && ![...box.querySelectorAll(".field")].some((field) => !field.hidden) && !isFor(box.querySelector("legend, summary") ?? box);
+    for (const box of [...this.parent.querySelectorAll("fieldset, details, section")].reverse()) {
+      box.hidden = Boolean(word) && ![...box.querySelectorAll(".field")].some((field) => !field.hidden) && !(box.tagName === "SECTION" ? box.querySelector("fieldset:not([hidden])") : isFor(box.querySelector("legend, summary") ?? box));
       if (box.tagName === "DETAILS" && word) box.open = !box.hidden;
     }
   }
@@ -89,13 +97,23 @@ export class Form {
     this.onChange(this.data);
   }
 
+  /** Return the sections of a case, in a designer's words; keys that none of them names come last. */
+  #makeGroups(schema, data) {
+    const names = Object.keys(schema.properties), known = new Set(GROUPS.flatMap(([, keys]) => keys)), others = [...new Set([...names, ...Object.keys(data)])].filter((name) => !known.has(name));
+    return [...GROUPS, ["Other settings", others]].map(([title, keys], i) => {
+      const has = (name) => keys.includes(name), pick = (table) => Object.fromEntries(keys.filter((name) => name in table).map((name) => [name, table[name]]));
+      const made = this.#makeKeys({ ...schema, properties: pick(schema.properties), required: (schema.required ?? []).filter(has) }, pick(data), [], undefined, title);
+      return made.length ? make("section", { class: "group", "aria-labelledby": `group-${i}` }, make("h2", { id: `group-${i}` }, title), ...made) : null;
+    }).filter(Boolean);
+  }
+
   /** Return the elements of a table's keys: those given or needed, and the others folded away. */
-  #makeKeys(node, value, path, tag) {
+  #makeKeys(node, value, path, tag, group = "") {
     const names = Object.keys(node.properties ?? {}).filter((name) => name !== tag), required = new Set(node.required ?? []);
     const isFirst = (name) => value?.[name] !== undefined || required.has(name);
     const render = (name) => this.#make(node.properties[name], value?.[name], [...path, name], required.has(name));
     const unknown = Object.keys(value ?? {}).filter((name) => !(name in (node.properties ?? {})) && name !== tag);
-    const rest = names.filter((name) => !isFirst(name)), key = path.join("."), id = `more ${key}`;
+    const rest = names.filter((name) => !isFirst(name)), key = path.join("."), id = `more ${key}${group}`;
     const more = rest.length ? make("details", { ontoggle: () => (more.open ? this.opened.add(id) : this.opened.delete(id)) },
       make("summary", {}, `${rest.length} more: ${rest.map(toWords).slice(0, 6).join(", ")}${rest.length > 6 ? " …" : ""}`), ...rest.map(render)) : null;
     if (more) more.open = this.opened.has(id);
