@@ -13,6 +13,7 @@ import typer
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Column
 
+from presswork.cli.dies import look_at_bodies
 from presswork.cli.pictures import show
 from presswork.cli.terminal import GAVE_UP, INTERRUPTED, console, refuse
 from presswork.outcome import StartError
@@ -57,6 +58,8 @@ def finish(outcome: Outcome, *, plot: bool, report: bool, quiet: bool = False) -
     if outcome.has_results:
         result = outcome.result
         _print_summary(result, outcome, quiet)
+        if outcome.status == "completed" and not quiet:
+            look_at_bodies(result)
         if outcome.status != "interrupted":
             show(result, plot=plot, report=report, quiet=quiet)
     if outcome.status != "completed":

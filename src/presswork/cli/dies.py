@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,6 +14,7 @@ from presswork.cli.terminal import console, exit_on
 from presswork.results import OutputError, Result
 
 if TYPE_CHECKING:
+    from presswork.case.plane.die_body import DieBody
     from presswork.dies.study import DieStudy
 
 
@@ -38,20 +40,43 @@ def dies(
     a picture of it beside its others.
     """
     from presswork.case.plane.die_body import read_bodies
-    from presswork.dies.study import study_die
-    from presswork.dies.table import describe, write_table
 
     with exit_on(OutputError), reading():
         result = Result(folder)
-        bodies = read_bodies(body or folder / "case.toml", tool)
-        for name, own in bodies.items():
-            study = study_die(result, name, own.build(), at=at or (), every=every)
-            write_table(study, folder / f"dies_{name}.csv")
-            _draw(study, folder)
-            for warning in study.warnings:
-                console().print(f"warning: {warning}", style="yellow", markup=False)
-            for line in describe(study):
-                typer.echo(line)
+        for name, own in read_bodies(body or folder / "case.toml", tool).items():
+            _look_at(result, name, own, at=at or (), every=every)
+
+
+def look_at_bodies(result: Result) -> None:
+    """Find the stress of all tools with a body at the end of a run; what does not fit is a warning."""
+    from presswork.case import CaseError
+
+    path = result.folder / "case.toml"
+    if not path.is_file() or "body" not in path.read_text("utf-8"):
+        return
+    from presswork.case.plane.die_body import has_bodies, read_bodies
+
+    if not has_bodies(path):
+        return
+    try:
+        for name, own in read_bodies(path).items():
+            _look_at(result, name, own, every=True)
+    except (CaseError, OutputError) as error:
+        console().print(f"warning: {error}", style="yellow", markup=False)
+
+
+def _look_at(result: Result, tool: str, body: DieBody, *, at: Sequence[float] = (), every: bool) -> None:
+    """Write table and picture of a die; print warnings and whether it holds."""
+    from presswork.dies.study import study_die
+    from presswork.dies.table import describe, write_table
+
+    study = study_die(result, tool, body.build(), at=at, every=every)
+    write_table(study, result.folder / f"dies_{tool}.csv")
+    _draw(study, result.folder)
+    for warning in study.warnings:
+        console().print(f"warning: {warning}", style="yellow", markup=False)
+    for line in describe(study):
+        typer.echo(line)
 
 
 def _draw(study: DieStudy, folder: Path) -> None:

@@ -164,6 +164,20 @@ def test_the_command_refuses_a_run_whose_case_has_no_body(tmp_path) -> None:
     assert not Path(result.folder / "dies_punch.csv").exists()
 
 
+def test_a_run_of_a_case_with_a_body_prints_whether_it_holds(tmp_path) -> None:
+    """A body that does not fit is a warning, since the run itself is whole."""
+    example = Path(__file__).parents[3] / "src/presswork/examples/upsetting_q4.toml"
+    body = 'outer = {outer}\ntop = 45.0\nheld = ["top"]\nyoung = 210e3\npoisson = 0.3\nyield_stress = 1e4\n'
+    for outer, expected in ((40.0, "punch: core von Mises "), (20.0, "warning: tools.punch.body: the outline of the")):
+        case = tmp_path / f"upset_{outer:.0f}.toml"
+        case.write_text(f"{example.read_text('utf-8')}\n{HEAD}size = 2.0\n{body.format(outer=outer)}")
+        settings = ["--set", "stages.0.tools.punch.stroke=0.5", "--no-plot", "--no-report"]
+        done = CliRunner().invoke(app, ["run", str(case), *settings])
+        assert done.exit_code == 0, done.output
+        assert expected in done.output
+        assert (case.with_suffix("") / "dies_punch.csv").is_file() == (outer == 40.0)
+
+
 def test_a_case_may_have_a_body(tmp_path) -> None:
     example = Path(__file__).parents[3] / "src/presswork/examples/upsetting_4cst.toml"
     body = ["size=2", "outer=40", "top=45", 'held=["top"]', "young=210e3", "poisson=0.3"]

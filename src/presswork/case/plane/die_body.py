@@ -155,6 +155,12 @@ def check_rings(key: str, body: DieBody | None, analysis: str) -> list[Problem]:
     return [Problem(f"{key}.rings", "a ring closes round an axis, and this analysis has none", "remove it")]
 
 
+def has_bodies(path: Path) -> bool:
+    """Return whether a tool of a case file has a body."""
+    entries = read_toml(path)[0].get("tools", {})
+    return any("body" in entry for entry in entries.values() if isinstance(entry, dict))
+
+
 def read_bodies(path: Path, tools: Sequence[str] | None = None) -> dict[str, DieBody]:
     """Return the bodies of tools in a case file, or in a file of [tools.NAME.body] alone; tools: those wanted.
 
