@@ -162,6 +162,7 @@ def test_heat_between_bodies_in_space_has_the_same_bits_after_a_resume(tmp_path)
     assert histories[0] == histories[1]
 
 
+@pytest.mark.validation
 def test_a_clamp_gets_contact_with_itself_and_goes_on_after_a_resume_with_the_same_bits(tmp_path) -> None:
     model = model_of(CLAMP, tmp_path)
     whole = run_model(model, tmp_path / "whole", threads=1)

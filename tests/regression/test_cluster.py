@@ -52,6 +52,7 @@ def read_rows(folder: Path) -> list[dict[str, str]]:
         return [{key: value for key, value in row.items() if key != "wall_seconds"} for row in csv.DictReader(file)]
 
 
+@pytest.mark.validation
 def test_killed_worker_costs_no_row_and_no_bit_of_a_sweep(cluster: DaskCluster, case_file, tmp_path):
     vary = {"tools.punch.m": [0.05, 0.1, 0.15, 0.2, 0.25, 0.3]}
     run_sweep(case_file, vary, tmp_path / "processes", settings=SMALL, jobs=2)
@@ -78,6 +79,7 @@ def test_killed_worker_costs_no_row_and_no_bit_of_a_sweep(cluster: DaskCluster, 
     assert not list((tmp_path / "cluster").glob(".*"))
 
 
+@pytest.mark.validation
 def test_results_come_from_workers_that_do_not_see_the_folder(cluster: DaskCluster, case_file, tmp_path, monkeypatch):
     """/proc/self/cwd is another folder for every process, so that no worker sees the one that is meant here."""
     monkeypatch.chdir(tmp_path)
@@ -95,6 +97,7 @@ def test_results_come_from_workers_that_do_not_see_the_folder(cluster: DaskClust
     assert not list(Path("out").glob(".*"))
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("is_brought_back", [False, True])
 def test_interrupted_member_goes_on_to_the_same_bits(cluster: DaskCluster, case_file, tmp_path, is_brought_back):
     case = Case.from_toml(case_file, LONG)

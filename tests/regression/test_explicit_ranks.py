@@ -72,6 +72,7 @@ def test_a_cup_with_holder_and_drawbead_has_the_bits_of_one_process_on_two_ranks
     assert "4 ranks: " in (tmp_path / "two" / "run.log").read_text()
 
 
+@pytest.mark.validation
 @pytest.mark.usefixtures("needs_mpi")
 def test_a_hot_block_under_a_pushed_die_has_the_bits_of_one_process_on_two_ranks_and_when_three_go_on(tmp_path):
     case = tmp_path / "block.toml"

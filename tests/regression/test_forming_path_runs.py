@@ -86,6 +86,7 @@ def test_the_verdict_and_the_measures_say_that_the_path_has_split_the_part(stret
     assert numbers["cracked_cells_by_path"] == cells
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("procedure", ["implicit", "explicit"])
 def test_a_run_that_is_stopped_on_its_second_path_goes_on_with_the_same_bits(procedure: str, tmp_path: Path) -> None:
     model = build_model(make_case(procedure))

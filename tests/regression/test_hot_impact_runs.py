@@ -42,6 +42,7 @@ def test_a_run_leaves_temperatures_of_body_and_die(model: Model, tmp_path: Path)
     assert {"temperature_time.png", "contours_nodal_temperature_004.png"} <= names, names
 
 
+@pytest.mark.validation
 def test_a_resumed_run_and_two_threads_give_the_same_bits(model: Model, tmp_path: Path) -> None:
     run_to_end(model, tmp_path / "whole")
     run_in_two_parts(model, tmp_path / "cut", 23)

@@ -127,6 +127,7 @@ def test_both_procedures_agree(tmp_path) -> None:
     assert implicit["heat_plastic"] == pytest.approx(explicit["heat_plastic"], rel=0.08)
 
 
+@pytest.mark.validation
 def test_implicit_increments_follow_the_change_of_temperature(tmp_path) -> None:
     """The tools cool the strip by 200 K."""
     softens = ("materials.steel.heating", {"reference": 650, "melting": 1480, "exponent": 0.8})
@@ -141,6 +142,7 @@ def test_implicit_increments_follow_the_change_of_temperature(tmp_path) -> None:
     assert counts[1] > counts[0]
 
 
+@pytest.mark.validation
 def test_an_implicit_run_resumes_to_the_same_bits(tmp_path) -> None:
     case = bent_strip(("procedure", "implicit"))
 

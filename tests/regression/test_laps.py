@@ -136,6 +136,7 @@ def forge_rib(remesh=None):
     return pressed(tools, way, lambda x, y: (np.abs(x - 12) > 1.5) & (y > 5), remesh=remesh, lean=(1, 0))
 
 
+@pytest.mark.validation
 def test_a_u_pressed_shut_touches_itself_without_being_told(tmp_path):
     """The arms meet and press on each other: no metal passes through the other arm."""
     result = run_model(press_u_shut(), tmp_path / "run", threads=1).result
@@ -153,6 +154,7 @@ def test_a_u_pressed_shut_touches_itself_without_being_told(tmp_path):
     assert abs(result.summary["energy"]["error_percent"]) < 1.0
 
 
+@pytest.mark.validation
 def test_a_run_resumed_after_a_fold_gives_the_same_bits(tmp_path):
     model = press_u_shut(3.5)
     assert run_model(model, tmp_path / "whole", threads=1).status == "completed"
@@ -174,6 +176,7 @@ def check_rib(remesh, folder: Path) -> None:
     mpl.pyplot.close("all")
 
 
+@pytest.mark.validation
 def test_a_rib_that_folds_onto_its_web_is_forged_and_marked(tmp_path):
     """On its first mesh; validation/test_laps.py has new ones."""
     check_rib(None, tmp_path / "run")

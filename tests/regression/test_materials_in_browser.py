@@ -35,6 +35,7 @@ def open_chooser(person: Person, place: str) -> None:
     person.page.tab.wait_for_selector("#chooser[open] canvas")
 
 
+@pytest.mark.validation
 def test_hot_material_is_chosen_by_its_curves_and_completed(browser: Any, site: Server, tmp_path: Path) -> None:
     site_case = copy_example("hot_disc", tmp_path)
     page = Tab(browser, f"{site.address}edit?case=hot_disc.toml")
@@ -85,6 +86,7 @@ def test_a_tensile_test_becomes_the_material_within_eight_clicks(browser: Any, s
     assert hardening["n"] == pytest.approx(N, rel=0.01)
 
 
+@pytest.mark.validation
 def test_hot_compression_tests_become_a_hot_material(browser: Any, site: Server, tmp_path: Path) -> None:
     copy_example("hot_disc", tmp_path)
     (tmp_path / "lab").mkdir()
@@ -105,6 +107,7 @@ def test_hot_compression_tests_become_a_hot_material(browser: Any, site: Server,
     assert (tmp_path / "mould steel.toml").is_file()
 
 
+@pytest.mark.validation
 def test_a_file_that_is_no_test_is_refused_with_its_fault(browser: Any, site: Server, tmp_path: Path) -> None:
     copy_example("square_cup", tmp_path)
     (tmp_path / "lab").mkdir()

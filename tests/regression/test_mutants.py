@@ -43,6 +43,7 @@ def test_a_mutant_is_taken_or_refused_in_words(kind: str, random: Random, reader
     assert verdict == "taken" or said.strip()
 
 
+@pytest.mark.validation
 def test_a_crash_and_a_hang_are_seen(reader: Reader, monkeypatch: pytest.MonkeyPatch) -> None:
     """The net itself: a worker that dies is a crash, one that does not answer in time a hang."""
     worker = Reader()

@@ -175,6 +175,7 @@ def roll_slab(folder: Path, mu: float, *changes: str, way: int = -1) -> list[str
     return [text for text in found if text.startswith(STOOD)]
 
 
+@pytest.mark.validation
 def test_rolls_that_do_not_bite_or_turn_the_wrong_way_are_named_in_space(tmp_path: Path) -> None:
     """A rolled slab moves by 6 degrees of a radius of 100 mm, 10 mm; the back of one that does not is on the pusher."""
     keys = ["solver.max_increment=0.1"]
@@ -183,6 +184,7 @@ def test_rolls_that_do_not_bite_or_turn_the_wrong_way_are_named_in_space(tmp_pat
     assert not roll_slab(tmp_path / "bites", 0.3, *keys)
 
 
+@pytest.mark.validation
 def test_rolls_that_do_not_bite_are_named_in_explicit_space(tmp_path: Path) -> None:
     keys = ["procedure=explicit", "workpiece.mesh.cells=[15, 1, 2]"]
     keys += ["stages.0.duration=0.5 ms", "stages.1.duration=2 ms"]

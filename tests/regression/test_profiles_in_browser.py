@@ -89,6 +89,7 @@ def test_one_button_takes_a_profile_from_a_drawing(browser: Any, site: Server, t
     page.close()
 
 
+@pytest.mark.validation
 def test_one_button_takes_a_tool_from_stl(browser: Any, site: Server, tmp_path: Path) -> None:
     copy_example("hot_square_flange", tmp_path)
     (tmp_path / "cad").mkdir()
@@ -103,6 +104,7 @@ def test_one_button_takes_a_tool_from_stl(browser: Any, site: Server, tmp_path: 
     page.close()
 
 
+@pytest.mark.validation
 def test_operations_and_stages_have_their_names(browser: Any, site: Server, tmp_path: Path) -> None:
     copy_example("press_line", tmp_path)
     page = Tab(browser, f"{site.address}edit?case=press_line.toml")

@@ -56,6 +56,7 @@ def result(model, tmp_path_factory):
     return run_model(model, tmp_path_factory.mktemp("out"), threads=1).result
 
 
+@pytest.mark.validation
 def test_a_run_leaves_history_fields_and_pictures(result, tmp_path) -> None:
     history, summary = result.history, result.summary
     assert history["die.force_z"][-1] == pytest.approx(-history["anvil.force_z"][-1], rel=2e-3)

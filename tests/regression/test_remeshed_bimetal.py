@@ -87,6 +87,7 @@ def test_heat_closes_where_one_body_keeps_its_mesh(model) -> None:
     assert found == pytest.approx(wanted, rel=2e-3)
 
 
+@pytest.mark.validation
 def test_a_resumed_run_gives_the_same_bits(model, whole: Path, tmp_path: Path) -> None:
     run_in_two_parts(model, tmp_path / "halves", lambda progress: progress.text.startswith("upset: increment 25,"))
     assert (whole / "history.csv").read_bytes() == (tmp_path / "halves/history.csv").read_bytes()

@@ -182,6 +182,7 @@ def test_triangles_become_quadrilaterals_with_the_same_force():
     assert forces["tri3"][late].mean() == pytest.approx(forces["quad4_1pt"][late].mean(), rel=0.02)
 
 
+@pytest.mark.validation
 def test_the_error_asked_for_changes_the_cells():
     cells = {}
     for error in (0.0, 0.05):
@@ -206,6 +207,7 @@ def hot(remesh):
     )  # fmt: skip
 
 
+@pytest.mark.validation
 def test_hot_runs_keep_their_heat_on_new_meshes(tmp_path):
     """Heat stored is heat come in, and temperatures are those of the run on its first mesh."""
     once, often = (begin(build_model(hot(keys)), 1) for keys in ({"enabled": False}, {"every": 0.2, "size": 1.2}))

@@ -113,6 +113,7 @@ def test_bodies_that_strike_each_other_keep_momentum_and_energy_on_new_meshes(tm
     assert abs(rows[-1]["energy_error_percent"]) < 1.0
 
 
+@pytest.mark.validation
 def test_a_marked_point_beside_a_joint_stays_in_its_body(tmp_path: Path) -> None:
     marks = "[points]\nlower = [1.0, 1.0, 4.999]\nupper = [1.0, 1.0, 5.001]\n"
     run = start(tmp_path, OFTEN, 0, STACK + marks)
@@ -125,11 +126,13 @@ def test_a_marked_point_beside_a_joint_stays_in_its_body(tmp_path: Path) -> None
     assert run.epoch >= 2
 
 
+@pytest.mark.validation
 def test_a_restart_and_threads_give_the_same_bits(tmp_path: Path) -> None:
     model = build_model(read_case(write(tmp_path, OFTEN)))
     compare_with_restart(model, 5, 2, until=7)
 
 
+@pytest.mark.validation
 def test_results_have_the_meshes_of_all_bodies(tmp_path: Path) -> None:
     result = run_model(build_model(read_case(write(tmp_path, OFTEN))), tmp_path / "out", threads=1).result
     assert result.summary["remeshes"] >= 2

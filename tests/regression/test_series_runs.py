@@ -67,6 +67,7 @@ def test_dies_stay_warm_from_part_to_part_and_a_resumed_run_gives_the_same_bits(
     assert np.array_equal(*dies)
 
 
+@pytest.mark.validation
 def test_a_longer_pause_leaves_the_dies_colder(case, tmp_path) -> None:
     peaks = []
     for pause in (2, 60):

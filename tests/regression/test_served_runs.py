@@ -176,6 +176,7 @@ def begin_long_run(folder: Path, name: str) -> str:
     return name
 
 
+@pytest.mark.validation
 def test_each_member_of_a_sweep_is_a_click_from_its_part(browser: Any, site: Server, folder: Path) -> None:
     vary = {"stages.0.tools.punch.stroke": [2.0, 4.0, 6.0]}
     case = folder / "upsetting_q4.toml"

@@ -84,6 +84,7 @@ def test_hot_die_from_a_drawing_is_set_up(browser: Any, site: Server, tmp_path: 
     assert data["stages"][-1]["tools"]["upper_die"]["stroke"] == 9
 
 
+@pytest.mark.validation
 def test_forging_in_space_from_stl_is_set_up(browser: Any, site: Server, tmp_path: Path) -> None:
     (tmp_path / "cad").mkdir()
     write_stl(tmp_path / "cad" / "upper.stl", revolve(DIE))
@@ -99,6 +100,7 @@ def test_forging_in_space_from_stl_is_set_up(browser: Any, site: Server, tmp_pat
     assert data["workpiece"]["mesh"]["angle"] == 90
 
 
+@pytest.mark.validation
 def test_two_operations_are_set_up(browser: Any, site: Server, tmp_path: Path) -> None:
     job = Job(browser, site, "cup_line")
     job.person.key("120", "Tab", "1.2", "Tab", "Tab", "60", "Tab", "8", "Tab", "15", "Tab", "105", "Tab", "30")
@@ -108,6 +110,7 @@ def test_two_operations_are_set_up(browser: Any, site: Server, tmp_path: Path) -
     assert data["operations"][1]["trim"]["hole"]["diameter"] == 30
 
 
+@pytest.mark.validation
 def test_panel_from_tools_of_cad_is_set_up(browser: Any, site: Server, tmp_path: Path) -> None:
     (tmp_path / "cad").mkdir()
     write_cup_tools(tmp_path / "cad")

@@ -136,6 +136,7 @@ kinematic = { law = "yoshida_uemori", B = 300, C = 200, m = 12, b = 40, Rsat = 1
 """
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize(("sheet", "laws"), [("numisheet93_mild_steel", CHABOCHE), ("aa6016_t4", YOSHIDA_UEMORI)])
 def test_back_stresses_and_rates_resume_to_the_same_bits(tmp_path: Path, sheet: str, laws: str) -> None:
     """Stopped in the second stage, whose answer hangs on the back stresses of the first."""

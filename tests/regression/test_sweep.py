@@ -88,6 +88,7 @@ def test_sweep_survives_members_that_give_up_or_are_bad_input(case_file, tmp_pat
     assert not (tmp_path / "out/member_002").exists()
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize(("vary", "status"), [("tools.punch.m=0.2,2", 2), ("solver.force_tolerance=1e-4,1e-30", 3)])
 def test_exit_status_tells_the_worst_that_befell_a_member(case_file, tmp_path, vary, status):
     settings = [*SMALL, "solver.max_iterations=5", "solver.min_increment=1e-3"]
@@ -97,6 +98,7 @@ def test_exit_status_tells_the_worst_that_befell_a_member(case_file, tmp_path, v
     assert read_table(tmp_path / "out")[0]["status"] == "completed"
 
 
+@pytest.mark.validation
 def test_ctrl_c_stops_a_sweep_and_resume_goes_on_to_the_same_bits(case_file, tmp_path):
     settings = ["output.checkpoint_every=3", "stages.0.tools.punch.stroke=1.5"]
     arguments = ["sweep", case_file, "--vary", "tools.punch.m=0.1,0.2,0.3", *sets(settings), "--jobs", 1]
@@ -127,6 +129,7 @@ def test_ctrl_c_stops_a_sweep_and_resume_goes_on_to_the_same_bits(case_file, tmp
         assert (out / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
 
 
+@pytest.mark.validation
 def test_calibrate_by_coulombs_law_finds_its_coefficient(case_file, tmp_path):
     """A run with mu = 0.08 from the same program: the coefficient comes back, and m would not stand for it."""
     settings = ["workpiece.mesh.cells=[6,3]"]
@@ -146,6 +149,7 @@ def test_calibrate_by_coulombs_law_finds_its_coefficient(case_file, tmp_path):
     assert fit["mu"] == pytest.approx(0.08, abs=0.004)
 
 
+@pytest.mark.validation
 def test_a_member_that_cracks_says_so_in_table_picture_and_terminal(case_file, tmp_path):
     out = tmp_path / "out"
     vary = ["--vary", "materials.steel.damage.critical=0.001,10"]

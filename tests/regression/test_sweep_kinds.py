@@ -59,6 +59,7 @@ def test_a_stamping_sweeps_by_both_procedures_to_the_closed_form(tmp_path) -> No
         assert row["max:displacement"] >= pulled * 0.999
 
 
+@pytest.mark.validation
 def test_a_drawn_strip_has_force_draw_in_margin_and_springback_in_its_row(tmp_path) -> None:
     case = copy_example("draw_bending", tmp_path)
     settings = ["blank.element_size=[4,17.5]", "stages.0.tools.punch.stroke=8", "output.rows=20", "output.steps=2"]
@@ -82,6 +83,7 @@ def test_a_drawn_strip_has_force_draw_in_margin_and_springback_in_its_row(tmp_pa
     assert (tmp_path / "out/force_stroke.png").is_file()
 
 
+@pytest.mark.validation
 def test_heat_alone_sweeps(tmp_path) -> None:
     billet = copy_example("billet_cooling", tmp_path)
     settings = ["workpiece.mesh.cells=[3,6]", "solver.tolerance=50", "output.steps=1"]
@@ -189,6 +191,7 @@ def test_columns_that_no_member_will_have_are_told_before_anything_is_run(tmp_pa
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.validation
 def test_a_column_that_some_members_have_is_taken(tmp_path) -> None:
     """Only an explicit run tells its kinetic energy; the implicit one, which comes first, leaves the place empty."""
     case = write(STRIP, tmp_path / "strip.toml")

@@ -15,7 +15,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 TUTORIALS = ROOT / "docs/tutorials"
 PAGES = sorted(page.stem for page in TUTORIALS.glob("*.md") if page.stem != "index")
-SHORT = {"blank_of_a_part", "upset_a_cylinder"}
+SHORT = {"blank_of_a_part"}
 """Those that run with every test; the others are validations, since they take up to a minute."""
 
 

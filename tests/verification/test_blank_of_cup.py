@@ -105,6 +105,7 @@ def test_what_it_leaves(found) -> None:
     assert np.abs(last).max() == pytest.approx(np.abs(found.best.fit.blank).max(), abs=1e-3)
 
 
+@pytest.mark.validation
 def test_a_search_that_was_stopped_goes_on(found, tmp_path) -> None:
     """Its first draw is kept, and the second, without a checkpoint, is drawn anew to the same bits."""
     folder = tmp_path / "out"
@@ -153,6 +154,7 @@ def search(case: Path, *words: object):
     )
 
 
+@pytest.mark.validation
 def test_a_search_that_does_not_arrive_says_how_far_it_is(tmp_path) -> None:
     stages = cup()["stages"]
     stages[0]["tools"]["punch"]["stroke"] = 1.0

@@ -49,6 +49,7 @@ def channel(tmp_path_factory):
     return case, compensate_springback(case, folder / "out", tolerance=0.01, most=1, threads=1)
 
 
+@pytest.mark.validation
 def test_one_loop_halves_the_deviation_of_a_channel(channel) -> None:
     _, found = channel
     first, second = found.loops

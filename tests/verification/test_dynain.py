@@ -49,6 +49,7 @@ def redraw_alone(drawn: Result, folder: Path, **changes: Any) -> dict[str, Any]:
     }  # fmt: skip
 
 
+@pytest.mark.validation
 def test_the_second_operation_alone_is_as_in_the_line(drawn_twice, tmp_path) -> None:
     """By the numbers of the file, ten digits, and of the log, six digits of where tools stand."""
     alone = run_stamping(redraw_alone(drawn_twice, tmp_path), tmp_path / "alone")

@@ -36,6 +36,7 @@ def test_a_part_keeps_its_energy_after_lift_off(analysis: str, seed: int) -> Non
     assert max(e.kinetic for e in let_go) == max(e.kinetic for e in let_go[: half // 2])
 
 
+@pytest.mark.validation
 def test_a_shorter_step_mends_the_balance_of_crushed_cells() -> None:
     """What the warning recommends: the error goes by the square of the step."""
     rng = np.random.default_rng(0)

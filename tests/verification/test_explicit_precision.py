@@ -2,6 +2,7 @@
 """Single precision against double in a motion like deep drawing: many cycles, large strokes, plastic bending."""
 
 import numpy as np
+import pytest
 
 from presswork.explicit.shells import ExplicitShells, Precision
 from tests.problems.explicit_shells import DENSITY, Array, grid, mises
@@ -71,6 +72,7 @@ def stretch_slowly(precision: Precision, cycles: int) -> tuple[float, float]:
     return float(np.abs(shells.stress[..., :2] - expected).max()), float(expected[0])
 
 
+@pytest.mark.validation
 def test_a_million_small_increments_of_stress_are_not_lost_in_single_precision() -> None:
     """2e-9 of strain a cycle: some 15 units in the last place of the stress at the end, and all are rounded alike."""
     error, stress = stretch_slowly("single", 1_000_000)

@@ -74,6 +74,7 @@ def test_derivatives_go_through_new_meshes() -> None:
         assert largest_error(*both) < 1e-6, names
 
 
+@pytest.mark.validation
 def test_derivatives_go_through_new_meshes_in_space() -> None:
     """The same of tetrahedra. Whole runs lie closer together: values are carried within a range that has corners."""
     by = {"tools.punch.mu": 0.1, "workpiece.mesh.size.0": 10.0}

@@ -142,6 +142,7 @@ def pull_notched(folder, cells: str, length: float) -> np.ndarray:
     return np.interp([0.2, 0.4, 0.5, 0.6, 0.7, 0.8], *np.transpose(rows))
 
 
+@pytest.mark.validation
 def test_the_force_of_a_notched_strip_follows_the_length_and_not_the_mesh(tmp_path) -> None:
     """Cells of half the size: the force changes by 2 % at most with a length of 1 mm; without one it breaks earlier."""
     averaged, local = (

@@ -260,6 +260,7 @@ def test_a_hydraulic_press_slows_down_at_its_limit_of_power(tmp_path: Path) -> N
     assert time == pytest.approx(work / 2.8e6, rel=1e-2)
 
 
+@pytest.mark.validation
 def test_a_blow_that_moves_no_metal_is_a_warning(tmp_path: Path) -> None:
     data = deepcopy(CASE)
     data["presses"]["hammer"]["energy"] = 1e-7
@@ -277,6 +278,7 @@ def test_energy_left_at_the_end_of_the_way_is_a_warning(tmp_path: Path) -> None:
     assert done.result.summary["press"][0]["final_speed_mm_s"] > 0.0
 
 
+@pytest.mark.validation
 def test_an_interrupted_forging_resumes_to_the_same_bits(tmp_path: Path) -> None:
     data = deepcopy(CASE)
     data["stages"][0]["press"] = {"name": "hammer", "blows": 2}

@@ -66,6 +66,7 @@ def test_a_body_in_space_that_is_not_meshed_anew_keeps_its_mesh_and_state_to_the
     assert len(after.model.bodies[0].points) != len(before.model.bodies[0].points)
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("size", [1.25, 3.0])
 def test_pressure_and_shear_pass_to_the_surface_that_is_the_slave_now(size):
     """With coarser cells the upper block is the master from then on; what the joint passes stays, and its direction."""

@@ -78,6 +78,7 @@ def test_cooks_membrane_in_space_does_not_lock() -> None:
     assert np.log(errors[0] / errors[1]) / np.log(1.5) > 1.3  # their order
 
 
+@pytest.mark.validation
 def test_cooks_membrane_of_a_neo_hookean_body_rises_as_published(umat_laws) -> None:
     """8.477 to 8.500 by converged quadratic tetrahedra of that law; 8 x 8 x 2, 12 x 12 x 3 give 8.472."""
     young, poisson = 240.565, 0.4999

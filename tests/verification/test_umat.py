@@ -86,6 +86,7 @@ plastic_strain = 1"""
     assert_same_run(upset(tmp_path, "user", lines), upset(tmp_path, "own", LINEAR), "SDV1")
 
 
+@pytest.mark.validation
 def test_a_resumed_run_with_state_variables_gives_the_same_bits(tmp_path, umat_laws):
     lines = f"""umat = "{umat_laws}"
 props = [3, 200e3, 0.3, 700, 300]

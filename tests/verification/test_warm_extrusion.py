@@ -30,6 +30,7 @@ def extrude(folder: Path, speed: str, *more: str) -> tuple[Case, Result]:
     return case, outcome.result
 
 
+@pytest.mark.validation
 def test_without_losses_the_product_takes_the_pressure_with_it(tmp_path) -> None:
     """Work p A v comes in, heat A v rho c dT leaves: the mean of rho c dT over the product is p.
 

@@ -217,6 +217,7 @@ def test_derivative_ends_where_neighbours_are_cut_into_other_cells(
     assert any("derivative by tools.die.mu was not found" in warning for warning in found.summary["warnings"])
 
 
+@pytest.mark.validation
 def test_hot_stamping_resumed_in_a_dwell_has_the_same_derivatives_to_the_bit(tmp_path: Path) -> None:
     data = stamp_hot()
     data["implicit"] = {"initial_increment": 0.25, "max_increment": 0.5, "force_tolerance": 1e-9}

@@ -27,6 +27,7 @@ def test_fit_recovers_friction_between_the_curves(curves, m):
     assert fit_friction(curves, points(m)).friction == pytest.approx(m, abs=3e-3)
 
 
+@pytest.mark.validation
 def test_interval_holds_the_true_friction_19_times_in_20(curves):
     fits = [fit_friction(curves, points(0.12, 0.01, seed=seed)) for seed in range(300)]
     hits = sum(fit.interval[0] <= 0.12 <= fit.interval[1] for fit in fits)

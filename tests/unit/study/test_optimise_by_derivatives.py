@@ -72,6 +72,7 @@ def look(folder: Path, slopes: str) -> Optimum:
     return search(study, path, open_study_folder(folder / "out", False, False), columns, InThisProcess(), slopes=found)
 
 
+@pytest.mark.validation
 def test_derivatives_of_runs_find_the_optimum_of_differences_in_half_the_runs(tmp_path: Path) -> None:
     exact, differences = look(tmp_path / "exact", "auto"), look(tmp_path / "differences", "differences")
     assert exact.best is not None

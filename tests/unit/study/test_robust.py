@@ -96,6 +96,7 @@ def g_function(u: np.ndarray) -> np.ndarray:
     return np.asarray(np.prod((np.abs(4.0 * u - 2.0) + a) / (1.0 + a), axis=1))
 
 
+@pytest.mark.validation
 def test_indices_of_ishigami_s_function_are_found_by_128_runs(tmp_path: Path) -> None:
     """Within 0.06 of the whole variance; how often 8 is passed within 1 % of all; by more runs in docs."""
     found = judge(ishigami, tmp_path).data["limits"][0]
@@ -139,6 +140,7 @@ def test_a_run_that_gives_up_is_counted_as_beyond(tmp_path: Path) -> None:
     assert entry["share_beyond"] == lost / 40 < entry["share_beyond_at_most"]
 
 
+@pytest.mark.validation
 def test_the_input_that_makes_the_scatter_is_the_one_to_hold_tighter(tmp_path: Path) -> None:
     """A linear function of normal inputs: the share beyond is that of the normal distribution."""
     inputs = [
