@@ -3,6 +3,7 @@
 import { SCALES } from "./colours.js";
 import { saveFilm, savePicture } from "./save.js";
 import { make, makeButton, makeSelect, makeToggle } from "./elements.js";
+import { keepUnits, readUnits, UNITS } from "./units.js";
 
 const find = (id) => document.getElementById(id);
 const FRAME = 180, FRAME_OF_MOTION = 70; // ms a step when playing, at least
@@ -41,10 +42,16 @@ export function makeToolbar(runs, store) {
   parts.push(makeCut(store));
   parts.push(group(...[["Fit", "iso"], ["Front", "front"], ["Top", "top"], ["Side", "side"]].map(([word, direction]) =>
     makeButton(word, () => set({ direction, looks: state.looks + 1 }), word === "Fit" ? "Show all of the part" : `Look at the part from ${{ front: "the front", top: "above", side: "the side" }[direction]}`))));
+  parts.push(makeSelect("Units", UNITS, readUnits(), async (units) => {
+    keepUnits(units);
+    for (const one of runs) one.useUnits();
+    await set({ units, range: null });
+  }));
   bar.replaceChildren(...parts);
   store.listen((changed) => {
     const field = bar.querySelector("select");
-    if (changed.includes("field")) field.value = store.state.field;
+    if (changed.includes("units")) field.replaceChildren(...makeSelect("Field", groupFields(run), store.state.field, () => {}).querySelector("select").children);
+    if (changed.includes("field") || changed.includes("units")) field.value = store.state.field;
   });
 }
 

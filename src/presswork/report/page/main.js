@@ -43,7 +43,7 @@ const isDrawing = Boolean(header.is_drawing);
 const state = {
   run: 0, other: Math.min(1, runs.length - 1), step: isDrawing ? 0 : runs[0].steps.length - 1, isDrawing, layout: runs.length > 1 ? "side" : "one",
   field: isDrawing ? "" : runs[0].fields[0].name, view: "section", direction: "iso", looks: 0, isSmooth: true, hasLines: isDrawing || runs[0].meshes[0].faces < 6000, hasIsolines: false, hasFlow: false,
-  hasBands: false, hasExtremes: true, scale: "auto", rangeOf: "step", range: null, tools: "transparent", clip: { axis: "", part: 0.5, isFlipped: false }, picked: null, measure: null,
+  hasBands: false, hasExtremes: true, scale: "auto", rangeOf: "step", range: null, tools: "transparent", clip: { axis: "", part: 0.5, isFlipped: false }, picked: null, measure: null, notes: [],
 };
 
 async function start() {

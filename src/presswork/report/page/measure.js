@@ -5,6 +5,7 @@ import { formatNumber, withUnit, LINES } from "./colours.js";
 import { make, makeButton, makeSelect } from "./elements.js";
 import { crossed, crossLines, crossTriangles, cutTriangles, findAngle, findDistance, findRadius, findThrough } from "./measurements.js";
 import { saveText } from "./save.js";
+import { fromLength, lengthUnit, toLength } from "./units.js";
 
 const KINDS = {
   distance: { word: "Distance", count: 2, told: "Pick two points on the part." },
@@ -23,10 +24,10 @@ export class MeasurePanel {
     parent.append(
       make("div", { class: "row" }, makeSelect("Quantity", kinds, "distance", (kind) => store.set({ measure: { kind, points: [] } })), makeButton("Clear", () => store.set({ measure: { ...store.state.measure, points: [] } }), "Remove the points")),
       this.answer, this.list, make("h2", {}, "Section"));
-    this.place = make("input", { type: "number", step: "any", "aria-label": "Position of the section [mm]", onchange: () => this.#moveSection() });
+    this.place = make("input", { type: "number", step: "any", "aria-label": `Position of the section [${lengthUnit()}]`, onchange: () => this.#moveSection() });
     this.axis = makeSelect("Across", [["", "None"], ["x", "x"], ["y", "y"], ["z", "z"]], store.state.clip.axis, (axis) => store.set({ clip: { ...store.state.clip, axis } }));
     this.save = makeButton("Save CSV", () => this.#saveSection(), "Save the section's curve as CSV");
-    parent.append(make("div", { class: "row" }, this.axis, make("label", {}, "at", this.place, "mm"), this.save));
+    parent.append(make("div", { class: "row" }, this.axis, make("label", {}, "at", this.place, lengthUnit()), this.save));
     this.chart = new Chart(parent, { label: "Field along the section", xLabel: "length along the section [mm]", yLabel: "value", height: 260 });
     this.note = make("p", { class: "soft" });
     parent.append(this.note);
@@ -49,22 +50,27 @@ export class MeasurePanel {
     const { count, told, word } = KINDS[measure.kind];
     const found = places.length < count || places.includes(null) ? null : await this.#measure(measure, places);
     this.answer.textContent = found === null ? told : `${word} ${found}`;
-    this.list.textContent = places.map((place, i) => `${i + 1}: ${place ? place.map((value) => formatNumber(value, DIGITS)).join(", ") : "not in the mesh of this step"}`).join("   ");
+    this.list.textContent = places.map((place, i) => `${i + 1}: ${place ? place.map((value) => formatNumber(toLength(value), DIGITS)).join(", ") : "not in the mesh of this step"}`).join("   ");
   }
 
   async #measure({ kind, points }, places) {
     if (kind === "distance") {
-      const parts = places[1].map((value, i) => formatNumber(value - places[0][i], DIGITS)).join(", ");
-      return `${formatNumber(findDistance(...places), DIGITS)} mm (${parts})`;
+      const parts = places[1].map((value, i) => formatNumber(toLength(value - places[0][i]), DIGITS)).join(", ");
+      return `${formatNumber(toLength(findDistance(...places)), DIGITS)} ${lengthUnit()} (${parts})`;
     }
     if (kind === "angle") return `${formatNumber(findAngle(...places), DIGITS)}°`;
-    if (kind === "radius") return `${formatNumber(findRadius(...places), DIGITS)} mm`;
+    if (kind === "radius") return `${formatNumber(toLength(findRadius(...places)), DIGITS)} ${lengthUnit()}`;
     const value = await this.#findThickness(points[0], places[0]);
-    return value === null ? "unknown here: pick a point on the surface" : `${formatNumber(value, DIGITS)} mm`;
+    return value === null ? "unknown here: pick a point on the surface" : `${formatNumber(value, DIGITS)} ${lengthUnit()}`;
   }
 
-  /** Return the thickness of a sheet's shell at a point, of a solid the way through it along its normal. */
+  /** Return the thickness of a sheet's shell at a point, of a solid the way through it along its normal, in the unit of lengths. */
   async #findThickness(point, place) {
+    const found = await this.#findWayThrough(point, place);
+    return found === null || this.runs[point.number].sheet ? found : toLength(found); // a field is in that unit already
+  }
+
+  async #findWayThrough(point, place) {
     const run = this.runs[point.number], step = this.stage.stepOf(point.number), at = run.findField("thickness");
     if (run.sheet) return at < 0 ? null : (await run.values(step, at))[run.fields[at].kind === "cell" ? point.face : point.node];
     if (!point.corners) return null; // on the face of a cut
@@ -88,7 +94,7 @@ export class MeasurePanel {
   // --- section -----------------------------------------------------------------------------------------------------
 
   #moveSection() {
-    const { clip } = this.store.state, range = this.stage.clipRange(clip.axis || "x"), value = Number(this.place.value);
+    const { clip } = this.store.state, range = this.stage.clipRange(clip.axis || "x"), value = fromLength(Number(this.place.value));
     if (!clip.axis || !Number.isFinite(value)) return;
     this.store.set({ clip: { ...clip, part: Math.min(Math.max((value - range[0]) / (range[1] - range[0] || 1), 0), 1) } });
   }
@@ -106,15 +112,15 @@ export class MeasurePanel {
     }
     const axis = "xyz".indexOf(clip.axis), range = this.stage.clipRange(clip.axis), offset = range[0] + clip.part * (range[1] - range[0]);
     const own = run.symmetry.includes(clip.axis) ? Math.abs(offset) : offset; // of the part as computed, whose mirror image is cut
-    if (document.activeElement !== this.place) this.place.value = String(Number(offset.toPrecision(6)));
+    if (document.activeElement !== this.place) this.place.value = String(Number(toLength(offset).toPrecision(6)));
     const [mesh, points, values] = await Promise.all([run.mesh(step), run.points(step), run.nodeValues(step, index)]);
     if (turn !== this.turn) return;
     this.lines = axis < run.dimension ? cutTriangles({ triangles: mesh.triangles, points, k: run.dimension }, values, [0, 1, 2].map((i) => Number(i === axis)), own) : [];
     this.section = { offset: own, axis: clip.axis, field: run.fields[index], run, step };
     const { label, unit } = run.fields[index];
-    this.chart.options.yLabel = withUnit(label, unit);
-    this.chart.setSeries(this.lines.map((line, i) => ({ x: line.way, y: line.values.map((value) => (Math.abs(value) > 1e29 ? NaN : value)), colour: LINES[i % LINES.length], label: this.lines.length > 1 ? `line ${i + 1}` : "" })));
-    this.note.textContent = this.lines.length ? `Section ${clip.axis} = ${formatNumber(own, DIGITS)} mm of the part as computed, ${run.dimension === 2 ? "along the line" : "along its surface"}.` : "The section misses the part.";
+    Object.assign(this.chart.options, { xLabel: `length along the section [${lengthUnit()}]`, yLabel: withUnit(label, unit) });
+    this.chart.setSeries(this.lines.map((line, i) => ({ x: line.way.map(toLength), y: line.values.map((value) => (Math.abs(value) > 1e29 ? NaN : value)), colour: LINES[i % LINES.length], label: this.lines.length > 1 ? `line ${i + 1}` : "" })));
+    this.note.textContent = this.lines.length ? `Section ${clip.axis} = ${formatNumber(toLength(own), DIGITS)} ${lengthUnit()} of the part as computed, ${run.dimension === 2 ? "along the line" : "along its surface"}.` : "The section misses the part.";
   }
 
   #saveSection() {

@@ -59,6 +59,7 @@ export function makePanels(runs, store, stage) {
     if (build()) show(Math.max(kinds.indexOf(kinds.find(([name]) => name === at?.[0])), 0));
   };
   store.listen((changed) => {
+    if (changed.includes("units")) return show(kinds.findIndex(([, Panel]) => open instanceof Panel));
     if (changed.includes("rows")) grow();
     open?.update(changed);
   });

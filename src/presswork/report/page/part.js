@@ -4,6 +4,7 @@ import { formatNumber, withUnit } from "./colours.js";
 import { make, makeTable, makeButton, makeLink } from "./elements.js";
 import { findExtremes } from "./fields.js";
 import { faceMiddles } from "./run.js";
+import { lengthUnit, toLength } from "./units.js";
 import { MISSING } from "./unpack.js";
 
 const FIELDS_FIRST = 12;
@@ -18,12 +19,12 @@ export class PartPanel {
   }
 
   async update(changed) {
-    if (changed.length && !changed.some((name) => ["step", "run", "layout", "picked"].includes(name))) return;
+    if (changed.length && !changed.some((name) => ["step", "run", "layout", "picked", "notes"].includes(name))) return;
     this.turn = (this.turn ?? 0) + 1;
     const { turn } = this, { state } = this.store, run = this.runs[state.run];
     const tables = await Promise.all([this.#describePin(), this.#listExtremes(run, state.step)]);
     if (turn !== this.turn) return;
-    this.pin.replaceChildren(...tables[0]);
+    this.pin.replaceChildren(...tables[0], ...this.#listNotes());
     this.extremes.replaceChildren(...tables[1]);
   }
 
@@ -33,18 +34,32 @@ export class PartPanel {
     const run = this.runs[picked.run], step = this.stage.stepOf(picked.run), mesh = await run.mesh(step);
     if (picked.face >= mesh.faces) return [make("p", { class: "soft" }, "The pinned place is not in the mesh of this step.")];
     const points = await run.points(step), k = run.dimension, rows = [["Field at the pin", "Value"]];
-    rows.push(["place [mm]", Array.from(points.subarray(k * picked.node, k * picked.node + k), (value) => formatNumber(value, 5)).join(", ")]);
+    rows.push([`place [${lengthUnit()}]`, Array.from(points.subarray(k * picked.node, k * picked.node + k), (value) => formatNumber(toLength(value), 5)).join(", ")]);
     for (const [i, field] of run.fields.entries()) {
       if (!this.all && i >= FIELDS_FIRST) break;
       const values = await run.values(step, i), value = values[field.kind === "cell" ? picked.face : picked.node];
       rows.push([withUnit(field.label, field.unit), field.zones?.[value]?.name ?? (value >= MISSING ? "–" : formatNumber(value))]);
     }
-    return [makeTable(rows, `Face ${picked.face}`), makeButton("Remove the pin", () => this.store.set({ picked: null }))];
+    return [makeTable(rows, `Face ${picked.face}`), makeButton("Remove the pin", () => this.store.set({ picked: null })), this.#makeNoteField(picked)];
+  }
+
+  /** Return a field for a note at the pin, which then stands in the view and on saved pictures. */
+  #makeNoteField(picked) {
+    const input = make("input", { type: "text", maxlength: "80", "aria-label": "Note at the pin", placeholder: "crack found here in try-out" });
+    const add = () => { if (input.value.trim()) this.store.set({ notes: [...this.store.state.notes, { ...picked, text: input.value.trim() }], picked: null }); };
+    input.addEventListener("keydown", (event) => { if (event.key === "Enter") add(); });
+    return make("div", { class: "row note-row" }, input, makeButton("Add note", add));
+  }
+
+  /** Return the notes, each with a button that removes it. */
+  #listNotes() {
+    const { notes } = this.store.state, remove = (note) => this.store.set({ notes: notes.filter((one) => one !== note) });
+    return notes.length ? [make("h2", {}, "Notes"), make("ul", { class: "zones" }, ...notes.map((note) => make("li", {}, `${note.text} `, make("button", { type: "button", class: "link", "aria-label": `Remove the note ${note.text}`, onclick: () => remove(note) }, "Remove"))))] : [];
   }
 
   async #listExtremes(run, step) {
     const rows = [["Field", "Smallest", "Largest"]], mesh = await run.mesh(step), points = await run.points(step), k = run.dimension;
-    const middles = faceMiddles(mesh, points, k), place = (from, i) => `at (${Array.from(from.subarray(k * i, k * i + k), (value) => formatNumber(value, 4)).join(", ")})`;
+    const middles = faceMiddles(mesh, points, k), place = (from, i) => `at (${Array.from(from.subarray(k * i, k * i + k), (value) => formatNumber(toLength(value), 4)).join(", ")})`;
     const count = this.all ? run.fields.length : Math.min(FIELDS_FIRST, run.fields.length);
     for (let i = 0; i < count; i++) {
       const field = run.fields[i], values = await run.values(step, i), found = findExtremes(values), from = field.kind === "cell" ? middles : points;

@@ -2,6 +2,7 @@
 // A run of the report: its arrays, unpacked when they are first asked for.
 import { averageToNodes, makeInterpolation, measureAreas, measureVolumes } from "./fields.js";
 import { makePlainShape, makeRevolvedShape } from "./shapes.js";
+import { convert } from "./units.js";
 import { ask, MISSING, unpack } from "./unpack.js";
 
 export class Run {
@@ -10,7 +11,8 @@ export class Run {
   constructor(header, number) {
     const { history, ...rest } = header;
     Object.assign(this, rest);
-    this.curves = history;
+    this.given = { fields: header.fields, curves: history }; // in mm and °C
+    this.useUnits();
     this.number = number;
     this.isSolid = header.dimension === 3 && !header.sheet;
   }
@@ -19,6 +21,14 @@ export class Run {
   #once(name, make) {
     if (!this.#kept.has(name)) this.#kept.set(name, make());
     return this.#kept.get(name);
+  }
+
+  /** Take up the units that are chosen; what was read in others is read anew. */
+  useUnits() {
+    const change = (one) => ({ ...one, ...pick(convert(one.unit)) }), pick = ({ unit, ...scale }) => ({ unit, scale });
+    this.fields = this.given.fields.map(change).map((field) => ({ ...field, range: field.range.map((value) => rescale(value, field.scale)) }));
+    this.curves = { ...this.given.curves, columns: this.given.curves.columns.map(change) };
+    for (const name of this.#kept.keys()) if (/^(values|history|range) /.test(name)) this.#kept.delete(name);
   }
 
   findField(name) {
@@ -51,7 +61,7 @@ export class Run {
 
   /** Return a field's values at a step: of nodes or faces, by its kind. */
   values(step, field) {
-    return this.#once(`values ${step} ${field}`, () => unpack(this.steps[step].fields[field]));
+    return this.#once(`values ${step} ${field}`, async () => rescaleAll(await unpack(this.steps[step].fields[field]), this.fields[field].scale));
   }
 
   /** Return a field's values at the nodes: themselves, or means of the faces around. */
@@ -81,8 +91,8 @@ export class Run {
   /** Return a field's least and largest value over all steps; a served page asks for it, once a number of steps. */
   async range(field) {
     if (!this.address) return this.fields[field].range;
-    const { name } = this.fields[field], count = this.steps.length;
-    return this.#once(`range ${count} ${name}`, () => ask(`range?${this.address}&field=${encodeURIComponent(name)}&steps=${count}`));
+    const { name, scale } = this.fields[field], count = this.steps.length;
+    return this.#once(`range ${count} ${name}`, async () => (await ask(`range?${this.address}&field=${encodeURIComponent(name)}&steps=${count}`)).map((value) => rescale(value, scale)));
   }
 
   /** Take up what a run has written since the page last asked. */
@@ -90,14 +100,14 @@ export class Run {
     this.steps.push(...steps);
     Object.assign(this, { meshes, summary, verdict });
     if (curves) {
-      this.curves = curves;
-      for (const name of this.#kept.keys()) if (name.startsWith("history ")) this.#kept.delete(name);
+      this.given.curves = curves;
+      this.useUnits();
     }
   }
 
   history(name) {
     const column = this.findColumn(name);
-    return column ? this.#once(`history ${name}`, () => unpack(column.values)) : null;
+    return column ? this.#once(`history ${name}`, async () => rescaleAll(await unpack(column.values), column.scale)) : null;
   }
 
   findColumn(name) {
@@ -125,6 +135,13 @@ export class Run {
       return { points, triangles };
     });
   }
+}
+
+const rescale = (value, { factor, offset }) => (Math.abs(value) >= MISSING ? value : value * factor + offset);
+
+/** Return numbers in another unit; those that are none stay. */
+function rescaleAll(values, scale) {
+  return scale.factor === 1 && scale.offset === 0 ? values : values.map((value) => rescale(value, scale));
 }
 
 /** Return the middles of a mesh's faces (n_faces, k), by their triangles, and of the cells inside that follow them. */

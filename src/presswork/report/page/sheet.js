@@ -5,6 +5,7 @@ import { formatNumber, withUnit, LINES } from "./colours.js";
 import { make, makeButton, makeSelect } from "./elements.js";
 import { cutTriangles } from "./measurements.js";
 import { saveText } from "./save.js";
+import { fromLength, lengthUnit, toLength } from "./units.js";
 
 const FIRST = ["thickness", "thinning", "thickness_strain"];
 const ASIDE = 1e-6; // of the part's size: how far a plane moves off the nodes that lie on a symmetry plane
@@ -35,7 +36,7 @@ export class SheetPanel {
     this.box.replaceChildren();
     if (!run.sheet) return this.box.append(make("p", { class: "soft" }, "This run is no sheet."));
     this.box.append(make("h2", {}, "Outline from above"));
-    this.outline = this.#addChart({ label: "Outline of the sheet from above: blank, trim line, and now", xLabel: "x [mm]", yLabel: "y [mm]", height: 300 });
+    this.outline = this.#addChart({ label: "Outline of the sheet from above: blank, trim line, and now", xLabel: `x [${lengthUnit()}]`, yLabel: `y [${lengthUnit()}]`, height: 300 });
     this.#addSection(run);
     this.#addDrawIn(run);
   }
@@ -57,7 +58,7 @@ export class SheetPanel {
     const series = [{ ...traceEdges(first.boundary, first.reference), label: "blank", colour: LINES[7], dash: [5, 4], width: 1.2 }];
     if (isTrimmed) series.push({ ...traceEdges(mesh.boundary, mesh.reference), label: "trim line on the blank", colour: LINES[1], dash: [2, 3], width: 1.4 });
     if (drawn) series.push({ ...traceEdges(first.boundary, drawn), label: "before trimming", colour: LINES[2], dash: [5, 4], width: 1.2 });
-    for (const [x, y] of run.draw_in.beads ?? []) series.push({ x, y, label: series.some(({ label }) => label === "drawbead") ? "" : "drawbead", colour: LINES[6], isPoints: true });
+    for (const [x, y] of run.draw_in.beads ?? []) series.push({ x: x.map(toLength), y: y.map(toLength), label: series.some(({ label }) => label === "drawbead") ? "" : "drawbead", colour: LINES[6], isPoints: true });
     this.outline.setSeries([...series, { ...traceEdges(mesh.boundary, points), label: "now", colour: LINES[0] }], { isEqual: true });
   }
 
@@ -65,11 +66,11 @@ export class SheetPanel {
     const { angle, way, step, course } = run.draw_in;
     if (!angle?.length) return;
     this.box.append(make("h2", {}, "Draw-in around the part"), make("p", { class: "soft" }, step));
-    this.#addChart({ label: "Draw-in of the blank's edge over the angle from x", xLabel: "angle from x [degrees]", yLabel: "draw-in [mm]", height: 220 }).setSeries([{ x: angle, y: way, colour: LINES[0] }]);
+    this.#addChart({ label: "Draw-in of the blank's edge over the angle from x", xLabel: "angle from x [degrees]", yLabel: `draw-in [${lengthUnit()}]`, height: 220 }).setSeries([{ x: angle, y: way.map(toLength), colour: LINES[0] }]);
     if (!course.tool) return;
     this.box.append(make("h2", {}, "Draw-in over the stroke"));
-    const chart = this.#addChart({ label: `Draw-in of the blank's edge over the stroke of ${course.tool}`, xLabel: `${course.tool.replaceAll("_", " ")} stroke [mm]`, yLabel: "draw-in [mm]", height: 220 });
-    chart.setSeries(course.curves.map(({ label, way: comeIn }, i) => ({ x: course.stroke, y: comeIn, label, colour: LINES[i] })));
+    const chart = this.#addChart({ label: `Draw-in of the blank's edge over the stroke of ${course.tool}`, xLabel: `${course.tool.replaceAll("_", " ")} stroke [${lengthUnit()}]`, yLabel: `draw-in [${lengthUnit()}]`, height: 220 });
+    chart.setSeries(course.curves.map(({ label, way: comeIn }, i) => ({ x: course.stroke.map(toLength), y: comeIn.map(toLength), label, colour: LINES[i] })));
   }
 
   // --- section -----------------------------------------------------------------------------------------------------
@@ -85,10 +86,10 @@ export class SheetPanel {
     this.box.append(make("h2", {}, "Along a section"), make("div", { class: "row" },
       makeSelect("Value", options, this.field, (field) => { this.field = field; this.update([]); }),
       make("span", { class: "soft" }, "at ", input("Angle of the section from x [degrees]", this.angle, (value) => { this.angle = value; }),  " °"),
-      make("span", { class: "soft" }, "through ", input("x of the section [mm]", this.start[0], (value) => { this.start[0] = value; }), input("y of the section [mm]", this.start[1], (value) => { this.start[1] = value; }), " mm"),
+      make("span", { class: "soft" }, "through ", input(`x of the section [${lengthUnit()}]`, toLength(this.start[0]), (value) => { this.start[0] = fromLength(value); }), input(`y of the section [${lengthUnit()}]`, toLength(this.start[1]), (value) => { this.start[1] = fromLength(value); }), ` ${lengthUnit()}`),
       makeButton("Save CSV", () => this.#saveSection(), "Save the section as CSV")));
-    this.profile = this.#addChart({ label: "The sheet along the section, between its tools", xLabel: "distance along the section [mm]", yLabel: "z [mm]", height: 240 });
-    this.along = this.#addChart({ label: "Field along the section", xLabel: "length along the sheet [mm]", yLabel: "", height: 220 });
+    this.profile = this.#addChart({ label: "The sheet along the section, between its tools", xLabel: `distance along the section [${lengthUnit()}]`, yLabel: `z [${lengthUnit()}]`, height: 240 });
+    this.along = this.#addChart({ label: "Field along the section", xLabel: `length along the sheet [${lengthUnit()}]`, yLabel: "", height: 220 });
     this.note = make("p", { class: "soft" });
     this.box.append(this.note);
   }
@@ -100,12 +101,12 @@ export class SheetPanel {
     const angle = (this.angle * Math.PI) / 180, out = [Math.cos(angle), Math.sin(angle)], normal = [-out[1], out[0], 0], offset = normal[0] * this.start[0] + normal[1] * this.start[1];
     const size = measureSize(points), cut = (body, field) => [ASIDE, -ASIDE].map((aside) => cutTriangles(body, field, normal, offset + aside * size)).find((lines) => lines.length) ?? [];
     const lines = cut({ triangles: mesh.triangles, points, k: 3 }, values), { label, unit } = run.fields[index], distance = ([x, y]) => (x - this.start[0]) * out[0] + (y - this.start[1]) * out[1];
-    const toSeries = (found) => ({ x: found.flatMap(({ places }) => [...places.map(distance), NaN]), y: found.flatMap(({ places }) => [...places.map(([, , z]) => z), NaN]) });
+    const toSeries = (found) => ({ x: found.flatMap(({ places }) => [...places.map((place) => toLength(distance(place))), NaN]), y: found.flatMap(({ places }) => [...places.map(([, , z]) => toLength(z)), NaN]) });
     const sheet = { ...toSeries(lines), label: "sheet", colour: LINES[0], width: 2.4 }, places = lines.flatMap((line) => line.places), margin = 0.1 * size;
     const around = tools.map((tool, i) => tool && { ...toSeries(cut(tool, new Float32Array(tool.points.length / 3))), label: run.tools[i].name.replaceAll("_", " "), colour: LINES[(i + 1) % LINES.length], width: 1.2, isBeside: true });
-    this.profile.setSeries([...around.filter((one) => one?.x.length), sheet], lines.length ? { isEqual: true, yRange: findEnds(places.map(([, , z]) => z), margin) } : {});
+    this.profile.setSeries([...around.filter((one) => one?.x.length), sheet], lines.length ? { isEqual: true, yRange: findEnds(places.map(([, , z]) => toLength(z)), toLength(margin)) } : {});
     this.along.options.yLabel = withUnit(label, unit);
-    this.along.setSeries(lines.map((line, i) => ({ x: line.way, y: line.values.map((value) => (Math.abs(value) > 1e29 ? NaN : value)), colour: LINES[i % LINES.length], label: lines.length > 1 ? `piece ${i + 1}` : "" })));
+    this.along.setSeries(lines.map((line, i) => ({ x: line.way.map(toLength), y: line.values.map((value) => (Math.abs(value) > 1e29 ? NaN : value)), colour: LINES[i % LINES.length], label: lines.length > 1 ? `piece ${i + 1}` : "" })));
     const all = lines.flatMap((line) => line.values).filter((value) => Math.abs(value) < 1e29);
     this.note.textContent = all.length ? `${label} from ${formatNumber(Math.min(...all))} to ${formatNumber(Math.max(...all))} ${unit === "–" ? "" : unit}, of the part as computed.` : "The section misses the part as computed.";
     this.section = { lines, distance, run, step, name: this.field, unit };
@@ -140,8 +141,8 @@ function traceEdges(boundary, points) {
   const x = [], y = [];
   boundary.forEach((node, i) => {
     if (i && i % 2 === 0) { x.push(NaN); y.push(NaN); }
-    x.push(points[3 * node]);
-    y.push(points[3 * node + 1]);
+    x.push(toLength(points[3 * node]));
+    y.push(toLength(points[3 * node + 1]));
   });
   return { x, y };
 }

@@ -6,6 +6,7 @@ import { averageToNodes, findExtremes } from "./fields.js";
 import { Legend } from "./legend.js";
 import { makeTexture } from "./materials.js";
 import { RunScene } from "./run_scene.js";
+import { lengthUnit, toLength } from "./units.js";
 import { MISSING } from "./unpack.js";
 import { Viewer } from "./viewer.js";
 import { paintTriad } from "./triad.js";
@@ -177,6 +178,10 @@ export class Stage {
       if (state.picked && state.picked.run === number && state.picked.face < scene.mesh.faces)
         this.#addMark(this.#describePick(state.picked), scene.facePlace(state.picked.face), at, "pin");
     });
+    for (const { run, face, text } of state.notes) {
+      const view = numbers.indexOf(run), scene = this.scenes[run];
+      if (view >= 0 && face < scene.mesh.faces) this.#addMark(text, scene.facePlace(face), state.layout === "overlay" ? 0 : view, "note");
+    }
     if (state.isDrawing) this.#makeNames(numbers[0]);
     if (this.runs.length > 1)
       numbers.forEach((number, view) => {
@@ -339,8 +344,8 @@ export class Stage {
     const run = this.runs[hit.number], k = run.dimension, points = await run.points(this.stepOf(hit.number)), coloured = this.values[hit.number];
     const mix = (values, size, i) => hit.corners.reduce((sum, node, c) => sum + hit.weights[c] * values[size * node + i], 0);
     const cutPlace = k === 2 ? [Math.hypot(hit.place[0], hit.place[2]), hit.place[1]] : hit.place;
-    const place = Array.from({ length: k }, (_, i) => `${run.axisymmetric ? "rz"[i] : "xyz"[i]} ${(hit.cut ? cutPlace[i] : mix(points, k, i)).toFixed(3)}`);
-    const lines = [`${place.join("   ")} mm`];
+    const place = Array.from({ length: k }, (_, i) => `${run.axisymmetric ? "rz"[i] : "xyz"[i]} ${toLength(hit.cut ? cutPlace[i] : mix(points, k, i)).toFixed(lengthUnit() === "mm" ? 3 : 4)}`);
+    const lines = [`${place.join("   ")} ${lengthUnit()}`];
     if (coloured) {
       const { field, raw } = coloured, value = field.kind === "cell" ? raw[hit.face] : hit.cut ? hit.value : mix(raw, 1, 0);
       const zone = field.zones?.[value]?.name;
