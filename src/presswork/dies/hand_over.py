@@ -22,10 +22,14 @@ from presswork.geometry.pose import to_tool_frame, turn_vectors
 from presswork.mesh.edges import edge_shape_functions
 from presswork.model import FloatArray, IndexArray, IntArray
 from presswork.post.interface import order_along_boundary
+from presswork.post.tool_profile import distance_to_profile, trace_profile
 from presswork.results import Result
 
 POINTS = np.polynomial.legendre.leggauss(4)
 """Places and weights by which a piece of an edge is integrated."""
+
+NEAR = 0.01
+"""Distance of a node from a tool that presses on it in an explicit run, over the size of the workpiece, at most."""
 
 
 @dataclass(frozen=True)
@@ -43,21 +47,40 @@ class ToolLoad:
 def find_tool_load(result: Result, tool: str, step: int) -> ToolLoad:
     """Return the forces on a tool at a saved step: the saved contact traction times the area of each node.
 
-    Raises ResultError for an unknown tool or step, or where the run holds no contact traction.
+    Explicit runs save no traction: their contact forces are taken, each for the nearest tool. Raises ResultError for
+    an unknown tool or step, or where the run holds neither.
     """
-    single = len(result.tools) == 1
-    traction = result.field("contact_traction" if single else f"contact_traction_{tool}", step)[:, :2]
-    mesh, points = result.mesh_at(step), result.points(step)
-    held = result.field("contact_status", step) > 0
-    depth = None if result.info["analysis"] == "axisymmetric" else float(result.info["depth"])
-    gap = result.field("gap", step)
-    surface = ContactSurface(mesh.boundary_edges.astype(np.int32), points, held, gap, depth=depth)
-    force = -surface.nodal_area[:, None] * traction
+    points, edges = result.points(step), result.mesh_at(step).boundary_edges
+    find = _find_forces if "contact_status" in result.field_names else _take_nearest
+    force = find(result, tool, step, points, edges.astype(np.int32))
     pose = result.tool_pose(tool, step)
-    parts = order_along_boundary(points, mesh.boundary_edges, np.asarray((force != 0.0).any(axis=1)))
+    parts = order_along_boundary(points, edges, np.asarray((force != 0.0).any(axis=1)))
     nodes = np.concatenate([np.zeros(0, dtype=np.int64), *parts])
     patch = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
     return ToolLoad(to_tool_frame(points[nodes], pose), turn_vectors(force[nodes], -pose.angle), patch)
+
+
+def _find_forces(result: Result, tool: str, step: int, points: FloatArray, edges: IntArray) -> FloatArray:
+    """Return the forces on a tool at the nodes (n_points, 2) [N], whose traction is saved."""
+    single = len(result.tools) == 1
+    traction = result.field("contact_traction" if single else f"contact_traction_{tool}", step)[:, :2]
+    held, gap = result.field("contact_status", step) > 0, result.field("gap", step)
+    depth = None if result.info["analysis"] == "axisymmetric" else float(result.info["depth"])
+    area = ContactSurface(edges, points, held, gap, depth=depth).nodal_area
+    return np.asarray(-area[:, None] * traction)
+
+
+def _take_nearest(result: Result, tool: str, step: int, points: FloatArray, edges: IntArray) -> FloatArray:
+    """Return the contact forces at the nodes (n_points, 2) [N] of the boundary that are nearest to a tool."""
+    force = np.zeros(points.shape)
+    boundary = np.unique(edges)
+    names = list(result.tools)
+    profiles = [trace_profile(result.placed_tool(name, step)) for name in names]
+    away = np.array([distance_to_profile(points[boundary], profile) for profile in profiles])
+    near = away.min(axis=0) < NEAR * float(np.ptp(points, axis=0).max())  # beyond it bodies press on each other
+    own = boundary[near & (np.argmin(away, axis=0) == names.index(tool))]
+    force[own] = -result.field("contact_force", step)[own, :2]
+    return force
 
 
 def hand_over(load: ToolLoad, points: FloatArray, profile: IntArray, *, is_ring: bool) -> tuple[FloatArray, float]:

@@ -10,11 +10,13 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from presswork import build_model
 from presswork.case import CaseError
 from presswork.case.plane.die_body import DieBody, read_bodies
 from presswork.case.plane.schema import Case
 from presswork.cli import app
 from presswork.dies.study import study_die
+from presswork.recorder import run_model
 from presswork.results import Result, ResultError
 from tests.problems.die_bodies import BODY, upset
 
@@ -176,6 +178,18 @@ def test_a_run_of_a_case_with_a_body_prints_whether_it_holds(tmp_path) -> None:
         assert done.exit_code == 0, done.output
         assert expected in done.output
         assert (case.with_suffix("") / "dies_punch.csv").is_file() == (outer == 40.0)
+
+
+def test_an_impact_has_the_contact_forces_of_its_explicit_run(tmp_path) -> None:
+    example = Path(__file__).parents[3] / "src/presswork/examples/taylor_bar.toml"
+    settings = ["workpiece.mesh.cells=[4,20]", "stages.0.duration=4e-6", "output.steps=4"]
+    result = run_model(build_model(Case.from_toml(example, settings)), tmp_path / "run").result
+    keys = {"outer": 20.0, "top": None, "bottom": -20.0, "held": ["bottom"], "size": 0.5}
+    study = study_die(result, "anvil", build(**keys), every=True)
+    for now in study.instants[1:]:
+        np.testing.assert_allclose(now.force, -result.field("contact_force", now.step)[:, :2].sum(axis=0), rtol=1e-12)
+    assert study.instants[-1].force[1] < -1e4
+    assert now.answer.stress[:, 1].min() < -100.0
 
 
 def test_a_case_may_have_a_body(tmp_path) -> None:
