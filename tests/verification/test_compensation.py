@@ -16,7 +16,6 @@ from presswork.mesh.files.stl_file import pack_stl
 from presswork.post.released_part import ReleasedPart
 from presswork.results import OutputError
 from presswork.study import compensate_springback
-from presswork.study.anderson import Anderson
 from presswork.study.compensated_tools import PressedTool, find_undercut
 from presswork.study.compensation_goal import set_goal
 from tests.problems.compensation import DIE, WANTED, arc, channel_face, fit_radius, release, write_channel
@@ -29,13 +28,13 @@ def test_the_die_of_a_bent_strip_has_the_radius_of_the_closed_form() -> None:
     """Part of R 50 mm, 1 mm, 300 MPa, 210 GPa: die of R 41.2101; the deviation falls to a ten-thousandth."""
     points, triangles = arc(WANTED)
     goal = set_goal(release(points, triangles), (points, triangles), (), 1.0, (True, False))
-    correction, anderson, worst = np.zeros_like(points), Anderson(goal.weight), []
+    correction, steps, worst = np.zeros_like(points), goal.begin_steps(1.0), []
     for _ in range(5):
         formed = goal.make_warp(correction).carry(points)
         misfit = goal.measure(release(formed, triangles), correction, np.zeros(3))
         worst.append(np.abs(misfit.deviation).max())
         radius = fit_radius(formed)
-        correction = goal.spread(anderson.step(correction, misfit.off))
+        correction = goal.advance(steps, correction, misfit.off)
     assert worst[0] > 1.0
     assert worst[1] < 0.1 * worst[0]
     assert worst[-1] < 3e-4 * worst[0]

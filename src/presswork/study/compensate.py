@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Dies corrected for springback: form, release, move the tools against the deviation, form again.
 
-Displacement adjustment (Gan and Wagoner 2004, Die design method for sheet springback, Int. J. Mech. Sci. 46, 1097) with
-Anderson's acceleration. DIR/loop_00 ... are the runs, DIR/case_00.toml and DIR/tools_00 ... their cases and tools;
-table.csv and deviation.png show the course; the best tools are left as TOOL.stl and compensated.toml.
+Displacement adjustment (Gan and Wagoner 2004, Die design method for sheet springback, Int. J. Mech. Sci. 46, 1097),
+then by how each place's curvature answers (`curvature_steps`). DIR/loop_00 ... are the runs, DIR/case_00.toml and
+DIR/tools_00 ... their cases and tools; table.csv and deviation.png show the course; the best tools are left as TOOL.stl
+and compensated.toml.
 """
 
 from __future__ import annotations
@@ -24,14 +25,13 @@ from presswork.case.errors import Problem
 from presswork.case.reader import read_tables
 from presswork.case.stamping.target_part import read_target_part
 from presswork.mesh.files.stl_file import pack_stl
-from presswork.model import FloatArray, IntArray
+from presswork.model import FloatArray, IntArray, Model
 from presswork.post.released_part import Misfit, ReleasedPart, read_released
 from presswork.post.springback import find_formed_step
 from presswork.recorder import Progress
 from presswork.results import Result, open_output_folder
 from presswork.results.folder import delete_folder, find_members
 from presswork.results.whole_file import write_whole
-from presswork.study.anderson import Anderson
 from presswork.study.compensated_tools import (
     PressedTool,
     Undercut,
@@ -43,18 +43,23 @@ from presswork.study.compensated_tools import (
     place_tools,
 )
 from presswork.study.compensation_goal import Goal, NotThePartError, set_goal
+from presswork.study.curvature_steps import CurvatureSteps
 from presswork.study.one_member import compute_member, open_search_folder
 from presswork.study.open_runner import open_runner
 from presswork.study.runner import Runner
 from presswork.study.table import read_summary, write_table
 
 TABLE, CASE = "table.csv", "compensated.toml"
-_STUCK = 0.9
-"""Largest deviation over the best before it, from which on a loop has not helped; two of them end the search."""
+_STUCK, _PATIENCE = 0.9, 3
+"""Largest deviation over the best before it, from which on a loop has not helped; so many of them end the search."""
 _LONGEST = 1.0
 """Edges of the tools' triangles over those of the blank's cells: at 1.5 facets move the part by 0.01 mm."""
 _LEANS = 0.1
 """Undercut that is no facets' noise [degree]."""
+_SLAMS_REFUSED = 0.5
+"""Thicknesses of free travel from which on a holder is closed by distance, where a case has been refused."""
+_LEANS_MOST, _HALVINGS = 6.0, 3
+"""Undercut up to which tools with too little room are run [degree], and how often steps to more are cut."""
 _NEAR = 3.0
 """Gap between tools over the thickness within which it counts."""
 
@@ -187,16 +192,12 @@ class _Search:
         from presswork.study.compensation_plot import draw_deviation
 
         correction: FloatArray | None = None
-        anderson: Anderson | None = None
+        steps: CurvatureSteps | None = None
         for number in range(most + 1):
-            tools = self.drawn
-            if self.goal is not None and correction is not None:
-                thickness, warp = self.case.blank.thickness, self.goal.make_warp(correction)
-                tools = bend_tools(self.drawn, warp, thickness, fix_holders=self.fix_binder)
+            tools = self.drawn if correction is None else self.bend(correction)
             folder = self.folder / f"loop_{number:02d}"
             try:
-                case, lower = self.write_case(number, tools)
-                model = build(case)
+                model, lower = self.build_loop(number, tools)
             except CaseError as error:
                 return "gave_up", f"loop {number} cannot be started: {self.explain_undercut(tools)}{error}"
             show = None if on_progress is None else lambda now, n=number: on_progress(n, now)
@@ -211,9 +212,9 @@ class _Search:
             if self.goal is None:
                 tools = self.drawn = find_closed(self.drawn, result, find_formed_step(result))
                 self.goal = self.set_goal(part, points, triangles)
-                correction, anderson = np.zeros_like(points), Anderson(self.goal.weight)
+                correction, steps = np.zeros_like(points), self.goal.begin_steps(self.case.blank.thickness)
             assert correction is not None
-            assert anderson is not None
+            assert steps is not None
             misfit = self.goal.measure(part, correction, lower)
             self.add_loop(number, folder, misfit, tools)
             row = self.row(self.loops[-1])
@@ -224,13 +225,27 @@ class _Search:
             worst = [loop.worst for loop in self.loops]
             if worst[-1] <= self.tolerance:
                 return "completed", ""
-            if len(worst) > 2 and min(worst[-2:]) > _STUCK * min(worst[:-2]):
+            if len(worst) > _PATIENCE and min(worst[-_PATIENCE:]) > _STUCK * min(worst[:-_PATIENCE]):
                 return "gave_up", self.explain_no_help()
-            correction = self.goal.spread(anderson.step(correction[self.goal.is_part], misfit.off))
+            correction = self.shorten(correction, self.goal.advance(steps, correction, misfit.off))
         return "gave_up", (
             f"the part is still {self.loops[-1].worst:.3g} mm off after {most} corrections, "
             f"near {self.place_of_worst()}"
         )
+
+    def bend(self, correction: FloatArray) -> tuple[PressedTool, ...]:
+        """Return the tools as drawn with a correction (n_points, 3) [mm]."""
+        assert self.goal is not None
+        warp = self.goal.make_warp(correction)
+        return bend_tools(self.drawn, warp, self.case.blank.thickness, fix_holders=self.fix_binder)
+
+    def shorten(self, before: FloatArray, after: FloatArray) -> FloatArray:
+        """Return the next correction, halfway to it where its tools would lean over so far that they tear the wall."""
+        for _ in range(_HALVINGS):
+            if self.find_undercut(self.bend(after)).angle <= _LEANS_MOST:
+                break
+            after = 0.5 * (before + after)
+        return after
 
     def set_goal(self, part: ReleasedPart, points: FloatArray, triangles: IntArray) -> Goal:
         """Return the goal by the part of the tools as drawn. Raises CaseError for a target that is not this part."""
@@ -262,7 +277,8 @@ class _Search:
 
     def find_undercut(self, tools: tuple[PressedTool, ...]) -> Undercut:
         """Return where tools lean over farthest against the part."""
-        assert self.goal is not None
+        if self.goal is None:
+            return Undercut("", 0.0, np.zeros(3))
         sheet = self.goal.points
         corners = sheet[self.goal.triangles]
         longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
@@ -270,13 +286,13 @@ class _Search:
 
     def explain_undercut(self, tools: tuple[PressedTool, ...]) -> str:
         """Explain tools that lean over so far that others cannot pass; empty where there are none."""
-        return "" if self.goal is None else _explain_undercut(self.find_undercut(tools))
+        return _explain_undercut(self.find_undercut(tools))
 
     def explain_no_help(self) -> str:
         """Return why the search ends after corrections that did not help."""
         undercut = max((loop.undercut for loop in self.loops), key=lambda found: found.angle)
         return (
-            f"the last two corrections did not help: {_explain_undercut(undercut)}the part is still "
+            f"the last {_PATIENCE} corrections did not help: {_explain_undercut(undercut)}the part is still "
             f"{min(loop.worst for loop in self.loops):.3g} mm off, near {self.place_of_worst()}. Smaller elements, "
             "slower tools or a larger tolerance may"
         )
@@ -287,14 +303,34 @@ class _Search:
         x, y, z = self.goal.wanted[int(np.argmax(np.abs(self.loops[-1].misfit.deviation)))]
         return f"({x:.4g}, {y:.4g}, {z:.4g})"
 
-    def write_case(self, number: int, tools: tuple[PressedTool, ...]) -> tuple[StampingCase, FloatArray]:
+    def build_loop(self, number: int, tools: tuple[PressedTool, ...]) -> tuple[Model, FloatArray]:
+        """Return the model of a loop, and by how much its tools close lower.
+
+        Bent tools may leave less than the thickness beside the sheet or, by their facets, on it. As the next loop
+        corrects that, too, they are run with a warning. Raises CaseError.
+        """
+        case, lower = self.write_case(number, tools)
+        try:
+            return build(case), lower
+        except CaseError:
+            if not number or not self.case.limits.stop or self.find_undercut(tools).angle > _LEANS_MOST:
+                raise
+        case, lower = self.write_case(number, tools, runs_anyway=True)
+        return build(case), lower
+
+    def write_case(
+        self, number: int, tools: tuple[PressedTool, ...], *, runs_anyway: bool = False
+    ) -> tuple[StampingCase, FloatArray]:
         """Write case and tools of a loop, and read the case back; return by how much its tools close lower, too."""
         folder = self.folder / f"tools_{number:02d}"
         folder.mkdir(exist_ok=True)
         for tool in tools:
             write_whole(folder / f"{tool.name}.stl", pack_stl(tool.kind, tool.shape))
         paths = {tool.name: f"{folder.name}/{tool.name}.stl" for tool in tools}
-        data, lower = place_tools(self.case, self.data, tools, self.drawn, paths)
+        closes = {"slams": _SLAMS_REFUSED} if runs_anyway else {}
+        data, lower = place_tools(self.case, self.data, tools, self.drawn, paths, **closes)
+        if runs_anyway:
+            data["limits"] = {**data.get("limits", {}), "stop": False}
         path = self.folder / f"case_{number:02d}.toml"
         write_whole(path, tomli_w.dumps(data).encode())
         return StampingCase.from_toml(path), lower

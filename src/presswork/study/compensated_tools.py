@@ -218,12 +218,13 @@ def find_gap_change(
 
 def place_tools(
     case: StampingCase, data: Mapping[str, Any], tools: Sequence[PressedTool], drawn: Sequence[PressedTool],
-    paths: Mapping[str, str],
+    paths: Mapping[str, str], *, slams: float = _SLAMS,
 ) -> tuple[dict[str, Any], FloatArray]:  # fmt: skip
     """Return the case's data with tools from files, and by how much they close lower than as drawn (3,) [mm].
 
     A tool that reaches farther towards the blank than it did starts so much earlier, and strokes are as much longer. A
-    die that stands still is lowered with everything else. paths: of the tools' files by name.
+    die that stands still is lowered with everything else. paths: of the files by name. slams: free travel over the
+    thickness, from which on a holder is closed by distance before a force.
     """
     ahead = {}
     for tool, before in zip(tools, drawn, strict=True):
@@ -247,11 +248,13 @@ def place_tools(
         stroke = (case.stages[number].tools[tool.name].stroke or 0.0) + ahead[tool.name] - tool.upwards * down
         stage = given["stages"][number]
         stage["tools"] = {**stage["tools"], tool.name: {**stage["tools"][tool.name], "stroke": stroke}}
-    given["stages"] = _close_first(case, given["stages"], {name: rise + down for name, rise in ahead.items()})
+    given["stages"] = _close_first(case, given["stages"], {name: rise + down for name, rise in ahead.items()}, slams)
     return given, np.array([0.0, 0.0, -down])
 
 
-def _close_first(case: StampingCase, stages: list[dict[str, Any]], extra: Mapping[str, float]) -> list[dict[str, Any]]:
+def _close_first(
+    case: StampingCase, stages: list[dict[str, Any]], extra: Mapping[str, float], slams: float
+) -> list[dict[str, Any]]:
     """Return the stages, and before the first force of a holder that was bent one that closes it on the blank.
 
     extra: by how much farther from the die each tool starts than as drawn [mm]; a force would slam it.
@@ -259,7 +262,7 @@ def _close_first(case: StampingCase, stages: list[dict[str, Any]], extra: Mappin
     thickness, found, placed = case.blank.thickness, [], set[str]()
     for stage, data in zip(case.stages, stages, strict=True):
         pushed = [name for name, action in stage.tools.items() if action.force and case.tools[name].kind == "holder"]
-        far = [name for name in pushed if name not in placed and extra[name] > _SLAMS * thickness]
+        far = [name for name in pushed if name not in placed and extra[name] > slams * thickness]
         if far and case.procedure != "implicit":
             closing = {"name": f"{stage.name}_closing", "tools": {n: {"close": _WRAPS * thickness} for n in far}}
             found.append(closing | {key: data[key] for key in ("velocity",) if key in data})

@@ -16,6 +16,7 @@ from presswork.geometry.tool_surface import make_surface
 from presswork.model import BoolArray, FloatArray, IntArray, Triangulation
 from presswork.post.released_part import Misfit, ReleasedPart, measure_misfit
 from presswork.study.compensated_tools import PressedTool
+from presswork.study.curvature_steps import CurvatureSteps
 
 _ON_PART = 0.05
 """Distance of a node of the whole sheet from the trimmed part, over the edge, within which it belongs to the part."""
@@ -62,6 +63,20 @@ class Goal:
         whole[self.is_part] = correction
         whole[self.is_fixed] = 0.0
         return extend_smoothly(whole, self.is_steered | self.is_fixed, self.triangles)
+
+    def begin_steps(self, thickness: float) -> CurvatureSteps:
+        """Return the search for the correction of what is steered; thickness: of the sheet [mm]."""
+        number = np.cumsum(self.is_steered) - 1
+        inside = self.is_steered[self.triangles].all(axis=1)
+        weight = self.weight[self.is_steered[self.is_part]]
+        cells = number[self.triangles[inside]]
+        return CurvatureSteps(self.points[self.is_steered], cells, weight, self.planes, thickness)
+
+    def advance(self, steps: CurvatureSteps, correction: FloatArray, off: FloatArray) -> FloatArray:
+        """Return the next correction (n_points, 3) from one and how far it leaves the part off (n_part, 3) [mm]."""
+        part, steered = correction[self.is_part], self.is_steered[self.is_part]
+        part[steered] = steps.step(part[steered], off[steered])
+        return self.spread(part)
 
     def make_warp(self, correction: FloatArray) -> RigidWarp:
         """Return the map of space that takes tools along with a correction (n_points, 3) [mm]."""

@@ -11,10 +11,11 @@ import pytest
 import tomli_w
 
 from presswork.api import build
-from presswork.case import StampingCase
+from presswork.case import CaseError, StampingCase
 from presswork.geometry.foot_on_triangles import split_long
 from presswork.geometry.rigid_warp import RigidWarp
 from presswork.model import FloatArray, ToolKind, Triangulation
+from presswork.study.compensate import _Search
 from presswork.study.compensated_tools import (
     PressedTool,
     bend_tools,
@@ -108,14 +109,34 @@ def test_a_holder_that_starts_farther_off_is_closed_by_distance_first(tmp_path) 
     """Bent binders stand farther from each other than the flat blank is thick; a force would slam them."""
     case = load_hat(tmp_path)
     drawn = cut_into_triangles(build(case), 4.0, 1.0)
-    for bent, names in ((0.5, ["draw"]), (2.0, ["draw_closing", "draw"])):
+    after, before = ["draw"], ["draw_closing", "draw"]
+    for bent, slams, names in ((0.6, {}, after), (0.6, {"slams": 0.5}, before), (2.0, {}, before)):
         ends = [np.where(np.abs(t.shape.points[:, :1]) > 40.0, [0.0, 0.0, -bent], 0.0) for t in drawn]
         shapes = [replace(t.shape, points=t.shape.points + end) for t, end in zip(drawn, ends, strict=True)]
         moved = [replace(t, shape=shape) for t, shape in zip(drawn, shapes, strict=True)]
-        given, _ = place_tools(case, tomllib.loads(case.text), moved, drawn, {t.name: f"{t.name}.stl" for t in drawn})
+        paths = {t.name: f"{t.name}.stl" for t in drawn}
+        given, _ = place_tools(case, tomllib.loads(case.text), moved, drawn, paths, **slams)
         assert [stage["name"] for stage in given["stages"]] == names
     assert given["stages"][0]["tools"] == {"holder": {"close": pytest.approx(1.05)}}
     assert given["stages"][1]["tools"]["holder"] == {"force": 1000.0}
+
+
+def test_bent_tools_with_too_little_room_are_run_anyway(tmp_path, caplog) -> None:
+    """A punch widened by 1 mm a side leaves 0.2 mm beside a sheet of 1 mm: refused as drawn, warned of when bent."""
+    load_hat(tmp_path)
+    search = _Search(tmp_path / "hat.toml", (), 0.1, None, "mm", fix_binder=False)
+    search.open_folder(tmp_path / "out", resume=False, overwrite=False)
+    wide = np.array([26.0 / 25.0, 1.0, 1.0])
+    tools = tuple(
+        replace(t, shape=replace(t.shape, points=t.shape.points * wide)) if t.kind == "punch" else t
+        for t in search.drawn
+    )
+    with pytest.raises(CaseError, match="leaves less than the blank's 1 mm"):
+        search.build_loop(0, tools)
+    assert "leaves less than" not in caplog.text
+    model, _ = search.build_loop(1, tools)
+    assert not model.limits.stop
+    assert "leaves less than the blank's 1 mm" in caplog.text
 
 
 def load_hat(folder):
