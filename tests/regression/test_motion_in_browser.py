@@ -96,6 +96,24 @@ def test_section_is_mirrored_and_a_clash_is_marked_where_it_is(browser: Any, sit
     page.close()
 
 
+def test_a_cut_opens_the_cavity_of_tools_in_space(browser: Any, site: Server, tmp_path: Path) -> None:
+    """The plane cuts tools with the blank, so that the inside of a die is seen; the views turn to it."""
+    copy_example("square_cup", tmp_path)
+    page = Tab(browser, f"{site.address}edit?case=square_cup.toml")
+    drawing = Drawing(page)
+    controls = drawing.frame.locator("#timeline")
+    controls.get_by_label("Cut", exact=True).select_option("y")
+    controls.get_by_role("button", name="Look at the part from the front").click()
+    drawing.frame.wait_for_function("() => !presswork.stage.isBusy")
+    script = """() => { const { uniforms } = presswork.stage.scenes[0].tools[0].surface.material;
+      return [uniforms.isClipped.value, uniforms.clip.value.toArray()]; }"""
+    is_cut, plane = drawing.frame.evaluate(script)
+    assert is_cut
+    assert plane[:3] == [0, 1, 0]
+    assert plane[3] == pytest.approx(0.0, abs=1e-3), "through the middle of the blank"
+    page.close()
+
+
 @pytest.mark.parametrize("width", [1280, 390])
 def test_drawing_has_no_serious_finding(browser: Any, site: Server, tmp_path: Path, width: int) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason='pip install "presswork[test]"')

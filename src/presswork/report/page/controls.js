@@ -40,8 +40,7 @@ export function makeToolbar(runs, store) {
   if (run.tools.length)
     parts.push(makeSelect("Tools", [["transparent", "Transparent"], ["solid", "Solid"], ["hidden", "Hidden"]], state.tools, (tools) => set({ tools })));
   parts.push(makeCut(store));
-  parts.push(group(...[["Fit", "iso"], ["Front", "front"], ["Top", "top"], ["Side", "side"]].map(([word, direction]) =>
-    makeButton(word, () => set({ direction, looks: state.looks + 1 }), word === "Fit" ? "Show all of the part" : `Look at the part from ${{ front: "the front", top: "above", side: "the side" }[direction]}`))));
+  parts.push(makeViews(store));
   parts.push(makeSelect("Units", UNITS, readUnits(), async (units) => {
     keepUnits(units);
     for (const one of runs) one.useUnits();
@@ -53,6 +52,13 @@ export function makeToolbar(runs, store) {
     if (changed.includes("units")) field.replaceChildren(...makeSelect("Field", groupFields(run), store.state.field, () => {}).querySelector("select").children);
     if (changed.includes("field") || changed.includes("units")) field.value = store.state.field;
   });
+}
+
+/** Return buttons that look at the part from its sides. */
+function makeViews(store) {
+  const words = { front: "the front", top: "above", side: "the side" };
+  return make("div", { class: "group" }, ...[["Fit", "iso"], ["Front", "front"], ["Top", "top"], ["Side", "side"]].map(([word, direction]) =>
+    makeButton(word, () => store.set({ direction, looks: store.state.looks + 1 }), word === "Fit" ? "Show all of the part" : `Look at the part from ${words[direction]}`)));
 }
 
 function makeComparison(runs, store) {
@@ -120,7 +126,7 @@ export function makeTimeline(runs, store, stage) {
   }, "Save a film of all steps (WebM)");
   const print = makeButton("Print", () => document.dispatchEvent(new Event("print-all")), "Print the view and all tabs");
   const clash = store.state.isDrawing ? makeClashJump(run(), (step) => { stop(); go(step); }) : null;
-  find("timeline").replaceChildren(...[play, jump(-1, "Step before", "◀"), slider, jump(1, "Step after", "▶"), label, ...(store.state.isDrawing ? [clash] : [picture, film, print])].filter(Boolean));
+  find("timeline").replaceChildren(...[play, jump(-1, "Step before", "◀"), slider, jump(1, "Step after", "▶"), label, ...(store.state.isDrawing ? [clash, ...(run().dimension === 3 ? [makeCut(store), makeViews(store)] : [])] : [picture, film, print])].filter(Boolean));
   document.addEventListener("keydown", (event) => {
     if (event.target.closest("input, select, textarea, [role=slider], [role=tab]")) return;
     const change = { ArrowLeft: -1, ArrowRight: 1, Home: -Infinity, End: Infinity }[event.key];
