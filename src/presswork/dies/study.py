@@ -19,6 +19,8 @@ from presswork.results import Result, ResultError
 
 OFF = 0.5
 """Distance of a loaded place from the profile of the body's mesh, over the size of cells, up to which it belongs."""
+LIFTS = 0.05
+"""Part of a joint that may open without a warning."""
 MISSED = 0.05
 """Part by which a force of the history may exceed the largest at a saved step without a warning."""
 
@@ -107,6 +109,14 @@ class DieStudy:
             found.append(PartStress(name_part(number), part.steel, *peaks))
         return found
 
+    def find_joint(self, answer: Answer, ring: int) -> tuple[float, float]:
+        """Return the mean pressure between a ring, 1, 2, ..., and the part inside [MPa], and the open part of it."""
+        structure = self.structure
+        own = np.isin(structure.pairs[:, 1], np.arange(*structure.part_of(ring).indices(len(structure.points))))
+        x, y = structure.points[structure.pairs[own, 0]].T
+        push = answer.push[own]
+        return float(push.sum() / (2.0 * np.pi * x[0] * np.ptp(y))), float((push == 0.0).mean())
+
     def find_deflection(self, instant: DieInstant) -> Peak:
         """Return how far the load moves the profile [mm], at most, from where the joined die has it."""
         profile = self.structure.profile
@@ -169,7 +179,11 @@ def study_die(result: Result, tool: str, body: DieBody, *, at: Sequence[float] =
         time = float(result.times[step])
         instants.append(DieInstant(step, time, time / end if end else 1.0, loads[step], structure.answer(forces)))
     study = DieStudy(tool, str(result.info["title"]), structure, joined, tuple(instants), ())
-    warnings = [*_check_interference(study), *_check_force(result, tool, pushed, every=every, at=at)]
+    warnings = [
+        *_check_interference(study),
+        *_check_joints(study),
+        *_check_force(result, tool, pushed, every=every, at=at),
+    ]
     return DieStudy(study.tool, study.title, structure, joined, study.instants, tuple(warnings))
 
 
@@ -199,6 +213,17 @@ def _check_interference(study: DieStudy) -> list[str]:
                 f"{study.tool}, {part.name}: the interference alone gives {stress:.4g} MPa, beyond its yield stress of "
                 f"{limit:.4g} MPa, so the fit is looser than computed; {remedy}"
             )
+    return found
+
+
+def _check_joints(study: DieStudy) -> list[str]:
+    """Return the warnings of rings that lift off the part inside under load."""
+    found = []
+    for ring in range(1, len(study.structure.body.parts)):
+        opened = max(study.find_joint(now.answer, ring)[1] for now in study.instants)
+        if opened > LIFTS:
+            text = f"lifts off {100 * opened:.0f} % of the part inside under load; give it more interference"
+            found.append(f"{study.tool}: {name_part(ring)} {text}")
     return found
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from presswork.dies.life import judge_life
-from presswork.dies.study import DieInstant, DieStudy, PartStress
+from presswork.dies.study import DieInstant, DieStudy, PartStress, name_part
 from presswork.results.whole_file import write_whole
 
 
@@ -35,6 +35,8 @@ def describe(study: DieStudy) -> list[str]:
     lines = []
     if len(study.structure.body.parts) > 1:
         lines += [f"{study.tool}, joined: {_describe(part, part, '', '')}" for part in study.judge(study.joined)]
+        joints = [study.find_joint(study.joined, ring)[0] for ring in range(1, len(study.structure.body.parts))]
+        lines += [f"{study.tool}, joined: {name_part(n)} presses by {p:.4g} MPa" for n, p in enumerate(joints, 1)]
     hardest = max(study.instants, key=lambda now: float(np.linalg.norm(now.force)))
     x, y = hardest.force / 1e3
     moved = study.find_deflection(hardest).value

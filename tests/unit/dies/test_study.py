@@ -81,6 +81,19 @@ def test_a_ring_that_its_interference_alone_brings_to_yield_is_warned_of(pressed
     assert not study_die(pressed, "punch", build(rings=[RING | {"interference": 0.999 * allowed}])).warnings
 
 
+def test_a_ring_that_is_not_pressed_on_lifts_off_and_is_warned_of(pressed) -> None:
+    """Above the pressed face the core is drawn in; with interference it is held."""
+    loose = study_die(pressed, "punch", build(rings=[RING | {"interference": 0.0}]))
+    assert any("ring 1 lifts off" in text for text in loose.warnings)
+    tight = study_die(pressed, "punch", build(rings=[RING | {"interference": 0.05}]))
+    assert not tight.warnings
+    joined, opened = tight.find_joint(tight.joined, 1)
+    a, c, b, young = 0.0, 40.0, 60.0, 210e3
+    lame = young * 0.05 / c * (c**2 - a**2) * (b**2 - c**2) / (2.0 * c**2 * (b**2 - a**2))
+    assert joined == pytest.approx(lame, rel=1e-3)
+    assert opened == 0.0
+
+
 def test_a_tool_that_touches_nothing_is_refused(tmp_path) -> None:
     far = {"profile": [[20.0, 0.0], [20.0, 30.0]], "contact": "frictionless", "free_side": "left"}
     result = upset(tmp_path / "run", ring=far)
@@ -145,6 +158,7 @@ def test_the_command_writes_a_table_and_a_picture_and_prints_what_holds(pressed)
     done = CliRunner().invoke(app, ["dies", str(pressed.folder), "--every", "--body", str(body)])
     assert done.exit_code == 0, done.output
     assert "punch, joined: ring 1 von Mises" in done.output
+    assert "punch, joined: ring 1 presses by" in done.output
     assert "punch: largest force (" in done.output
     assert "kN at 100 %, profile moved by" in done.output
     assert ": FAILS)" in done.output
