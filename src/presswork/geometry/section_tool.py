@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Tools of any closed section: its corners, rounded, carried straight along y or round z."""
+"""Tools of any closed section: its corners, rounded, carried straight along y, or round z or x."""
 
 from __future__ import annotations
 
@@ -42,9 +42,7 @@ def draw_one_sided(corners: Sequence[tuple[float, float]], radii: Sequence[float
 
     half_length: how far it goes straight along y to either side [mm]; its ends are open. Raises SectionError.
     """
-    segments = np.array(_round_off(*_order(corners, radii), open_at_middle=False))
-    sizes = np.linalg.norm(segments[:, :2] - segments[:, 4:6], axis=1).tolist()  # of arcs their radii
-    line = np.concatenate([sample_arc(each, CHORD * size)[:-1] for each, size in zip(segments, sizes, strict=True)])
+    line = _sample_ring(corners, radii)
     n = len(line)
     points = np.empty((2 * n, 3))
     points[:, [0, 2]] = np.vstack([line, line])
@@ -52,6 +50,43 @@ def draw_one_sided(corners: Sequence[tuple[float, float]], radii: Sequence[float
     near, after = np.arange(n), np.roll(np.arange(n), -1)
     halves = [np.stack([near, after, after + n], axis=1), np.stack([near, after + n, near + n], axis=1)]
     return Triangulation(points, np.concatenate(halves).astype(np.int32), is_closed=False)
+
+
+def draw_round_x(corners: Sequence[tuple[float, float]], radii: Sequence[float]) -> Triangulation:
+    """Draw the surface of a tool of a closed section that goes all round the axis x: a die round a tube, a mandrel.
+
+    corners: (x, z) in order [mm], z from the axis; a side on z = 0 is no surface. Raises SectionError.
+    """
+    if min(z for _, z in corners) < 0.0:
+        raise SectionError(f"a corner lies at z = {min(z for _, z in corners):g}, beyond the axis")
+    line = _sample_ring(corners, radii)
+    n, turns = len(line), 4 * math.ceil(0.5 * math.pi / (2.0 * math.acos(1.0 - CHORD)))
+    angle = 2.0 * math.pi / turns * np.arange(turns)
+    ring = np.column_stack([np.zeros(turns), np.sin(angle), np.cos(angle)])
+    ring[np.abs(ring) < 1e-12] = 0.0  # exact on the symmetry planes
+    points = line[None, :, 1, None] * ring[:, None]
+    points[..., 0] = line[:, 0]
+    here, after = np.arange(n), np.roll(np.arange(n), -1)
+    off_axis = (line[:, 1] > 0.0) | (line[after, 1] > 0.0)
+    one, other = (k[:, None] * n for k in (np.arange(turns), np.roll(np.arange(turns), -1)))
+    a, b, c, d = (
+        np.broadcast_to(each, (turns, n))[:, off_axis].ravel()
+        for each in (one + here, one + after, other + after, other + here)
+    )
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    corner = points.reshape(-1, 3)[triangles]
+    area = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    used, number = np.unique(triangles[area > 0.0], return_inverse=True)
+    return Triangulation(
+        points.reshape(-1, 3)[used], number.reshape(-1, 3).astype(np.int32), is_closed=bool((line[:, 1] > 0.0).all())
+    )
+
+
+def _sample_ring(corners: Sequence[tuple[float, float]], radii: Sequence[float]) -> FloatArray:
+    """Return the section as points (n, 2) clockwise, arcs by chords. Raises SectionError."""
+    segments = np.array(_round_off(*_order(corners, radii), open_at_middle=False))
+    sizes = np.linalg.norm(segments[:, :2] - segments[:, 4:6], axis=1).tolist()  # of arcs their radii
+    return np.concatenate([sample_arc(each, CHORD * size)[:-1] for each, size in zip(segments, sizes, strict=True)])
 
 
 def _order(corners: Sequence[tuple[float, float]], radii: Sequence[float]) -> tuple[FloatArray, FloatArray]:

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from presswork.geometry.polygon import contains, list_sides, measure_distance
-from presswork.geometry.section_tool import SectionError, draw_one_sided, draw_section
+from presswork.geometry.section_tool import SectionError, draw_one_sided, draw_round_x, draw_section
 from presswork.geometry.tool_surface import make_surface
 
 STEEL = [(30.0, 3.0), (40.0, 3.0), (40.0, 12.0), (31.0, 12.0)]
@@ -57,6 +57,29 @@ def test_a_one_sided_tool_stands_where_it_is_drawn_alone() -> None:
     assert shape.nearest(np.array([[-20.0, 0.0, -1.0]]))[0] == pytest.approx(-1.0)
 
 
+def volume(shape) -> float:
+    a, b, c = np.moveaxis(shape.points[shape.triangles], 1, 0)
+    return float((a * np.cross(b, c)).sum() / 6.0)
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_die_round_a_tube_is_closed_and_has_the_volume_of_guldin(backwards: bool) -> None:
+    """2 pi r A of a ring of 30 x 10 mm, its normals out of the metal; chords of 5 degrees take 1.2e-3."""
+    corners = [(-15.0, 20.0), (15.0, 20.0), (15.0, 30.0), (-15.0, 30.0)]
+    shape = draw_round_x(corners[::-1] if backwards else corners, [0.0] * 4)
+    assert shape.is_closed
+    assert volume(shape) == pytest.approx(np.pi * (30.0**2 - 20.0**2) * 30.0, rel=2e-3)
+    x = np.array([[3.0, 0.0, 15.0], [3.0, 15.0, 0.0], [3.0, -25.0, 0.0], [20.0, 0.0, -25.0]])
+    assert make_surface(shape).nearest(x)[0] == pytest.approx([5.0, 5.0, -5.0, 5.0], abs=0.02)
+
+
+def test_a_mandrel_round_x_ends_on_the_axis() -> None:
+    shape = draw_round_x([(-15.0, 0.0), (15.0, 0.0), (15.0, 10.0), (-15.0, 10.0)], [0.0, 0.0, 2.0, 2.0])
+    assert volume(shape) == pytest.approx(np.pi * 10.0**2 * 30.0, rel=0.02)
+    gap = make_surface(shape).nearest(np.array([[0.0, 0.0, 11.0], [17.0, 0.0, 0.0], [0.0, 0.0, 0.0]]))[0]
+    assert gap == pytest.approx([1.0, 2.0, -10.0], abs=0.05)
+
+
 @pytest.mark.parametrize(("corners", "radii", "told"), [
     ([(1, 0), (2, 0), (3, 0)], [0, 0, 0], "enclose no area"),
     ([(-1, 0), (2, 0), (2, 3)], [0, 0, 0], "beyond the middle"),
@@ -66,3 +89,8 @@ def test_a_one_sided_tool_stands_where_it_is_drawn_alone() -> None:
 def test_sections_that_cannot_be_are_refused(corners, radii, told) -> None:
     with pytest.raises(SectionError, match=told):
         draw_section(corners, radii, is_round=False)
+
+
+def test_a_section_round_x_lies_on_one_side_of_the_axis() -> None:
+    with pytest.raises(SectionError, match="z = -1, beyond the axis"):
+        draw_round_x([(0.0, -1.0), (5.0, -1.0), (5.0, 4.0)], [0.0] * 3)

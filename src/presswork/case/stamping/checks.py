@@ -160,7 +160,7 @@ def check_tools(case: StampingCase) -> list[Problem]:
 
 def _stands_free(tool: CaseTool) -> bool:
     """Return whether a tool stands where it is drawn alone, with no image on the other side of the middle."""
-    return isinstance(tool, ToolFile) or (isinstance(tool, SectionTool) and tool.is_one_sided)
+    return isinstance(tool, ToolFile) or (isinstance(tool, SectionTool) and tool.stands_free)
 
 
 def _check_direction(case: StampingCase, key: str, tool: CaseTool) -> list[Problem]:

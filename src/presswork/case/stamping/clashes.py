@@ -82,6 +82,8 @@ def _check_reach(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     gap = _gap(case, mesh, tool)
     strokes = {name: max([0.0, *list_strokes(case, name)]) for name in case.tools}
     lifted = sum(abs(e.value) for s in case.stages for e in s.displacement if e.component == "z")
+    if case.pressure:  # moves the blank to its tools, by no more than its own size
+        lifted += float(np.ptp(mesh.points, axis=0).max())
     if gap <= sum(strokes.values()) + lifted:
         return None
     fault = (

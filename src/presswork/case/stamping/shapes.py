@@ -13,7 +13,7 @@ from presswork.case.stamping.tools import (
     RoundTool,
     SectionTool,
 )
-from presswork.geometry.section_tool import draw_one_sided, draw_section
+from presswork.geometry.section_tool import draw_one_sided, draw_round_x, draw_section
 from presswork.geometry.swept_tool import (
     draw_closed_die,
     draw_die,
@@ -33,8 +33,10 @@ def draw_shape(
     depth: height of its wall beyond the radius [mm]. face_width: of a die or holder, half the length of a tool on one
     side [mm].
     """
-    if isinstance(tool, SectionTool) and tool.is_one_sided:
+    if isinstance(tool, SectionTool) and tool.plan == "one_sided":
         return draw_one_sided(tool.corners, tool.radii(), face_width)
+    if isinstance(tool, SectionTool) and tool.plan == "round_x":
+        return draw_round_x(tool.corners, tool.radii())
     if isinstance(tool, SectionTool):
         return draw_section(tool.corners, tool.radii(), is_round=tool.plan == "round")
     if isinstance(tool, RingTool):

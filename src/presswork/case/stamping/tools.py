@@ -12,7 +12,7 @@ from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.stamping.plan_line import Trim
 from presswork.case.units import Direction3, Length, Number, Point, Point3, fault
-from presswork.geometry.section_tool import SectionError, draw_one_sided, draw_section
+from presswork.geometry.section_tool import SectionError, draw_one_sided, draw_round_x, draw_section
 from presswork.mesh.files.cad import is_cad
 from presswork.model import ToolKind
 
@@ -230,13 +230,13 @@ class RingTool(_Tool):
 
 
 class SectionTool(_Tool):
-    """A tool of any closed section, straight along y or round z: steels, anvils and inner panels of a hem."""
+    """A tool of any closed section, straight along y or round z or x: steels and panels of a hem, dies of a tube."""
 
-    shape: Literal["section"] = Field(description="any closed section, straight along y or round the axis z")
-    plan: Literal["strip", "one_sided", "round"] = Field(
+    shape: Literal["section"] = Field(description="any closed section, straight along y or round the axis z or x")
+    plan: Literal["strip", "one_sided", "round", "round_x"] = Field(
         default="strip",
         description="strip: straight along y without end, on both sides of x = 0; one_sided: where its corners are "
-        "alone; round: round z",
+        "alone; round: round z; round_x: round x, as a tube lies, its corners with z from the axis",
     )
     corners: tuple[Point, ...] = Field(
         min_length=3,
@@ -251,7 +251,10 @@ class SectionTool(_Tool):
         """Return the radius of each corner [mm]."""
         if isinstance(self.radius, tuple):
             return self.radius
-        return tuple(0.0 if x == 0.0 and not self.is_one_sided else self.radius for x, _ in self.corners)
+        middle = 1 if self.plan == "round_x" else 0
+        return tuple(
+            0.0 if corner[middle] == 0.0 and self.plan != "one_sided" else self.radius for corner in self.corners
+        )
 
     @model_validator(mode="after")
     def _check_section(self) -> Self:
@@ -261,6 +264,8 @@ class SectionTool(_Tool):
         try:
             if self.plan == "one_sided":
                 draw_one_sided(self.corners, self.radii(), 1.0)
+            elif self.plan == "round_x":
+                draw_round_x(self.corners, self.radii())
             else:
                 draw_section(self.corners, self.radii(), is_round=self.plan == "round")
         except SectionError as error:
@@ -271,9 +276,9 @@ class SectionTool(_Tool):
         return self
 
     @property
-    def is_one_sided(self) -> bool:
-        """Whether it stands on one side alone."""
-        return self.plan == "one_sided"
+    def stands_free(self) -> bool:
+        """Whether it stands where it is drawn alone, with no image on the other side of the middle."""
+        return self.plan in ("one_sided", "round_x")
 
 
 class ToolFile(_Tool):
