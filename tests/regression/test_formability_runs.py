@@ -18,6 +18,8 @@ from presswork.post import judge_cells, judge_part
 from presswork.recorder import run_model
 from presswork.results import ResultError
 from presswork.view.all_plots import plot_all
+from presswork.view.plots.shell_plot import plot_shell
+from presswork.view.style import bare_figure
 
 KEELER = {"law": "keeler", "thickness": 1, "n": 0.2589}
 SHEET = {"young": "206 GPa", "poisson": 0.3,
@@ -157,3 +159,12 @@ def test_shells_under_loads_are_judged_too(tmp_path: Path) -> None:
     np.testing.assert_allclose(result.field("forming_limit_margin"), 1 - np.log(1.1) / 0.08, rtol=1e-6)
     assert result.summary["formability"]["failing_cells"] == 2
     assert any("2 of 2 elements lie above the forming limit" in warning for warning in result.summary["warnings"])
+
+
+def test_pictures_of_limits_say_what_the_run_was_judged_to_be(drawn: Result, torn: Result) -> None:
+    for result in (drawn, torn):
+        verdict = result.summary["formability"]["verdict"].partition(";")[0]
+        for field in ("formability_zone", "forming_limit_margin"):
+            assert plot_shell(result, field, figure=bare_figure()).get_supxlabel().split("\n")[-1] == verdict
+        assert verdict not in plot_shell(result, "forming_limit_margin", 0, figure=bare_figure()).get_supxlabel()
+    assert plot_shell(drawn, "fold_ratio", figure=bare_figure()).get_supxlabel().endswith("of the whole part")

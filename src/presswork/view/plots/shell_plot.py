@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswork.fields.table import describe_field
-from presswork.formability import ZONES
+from presswork.formability import PATH_MARGINS, ZONES
 from presswork.model import FloatArray
 from presswork.post import find_skin
 from presswork.post.section import cut_tool
@@ -35,6 +35,8 @@ ZONE_FIELD = "formability_zone"
 DIVERGING = ("thinning", "thickness_strain", "deviation")
 """Fields whose sign matters."""
 DIVERGING_COLOURS = "RdBu_r"
+_JUDGED = (ZONE_FIELD, "forming_limit_margin", *PATH_MARGINS, "fold_ratio")
+"""Fields whose picture says what the run was judged to be."""
 _LIGHT = np.array([0.35, -0.5, 0.8])
 _WIDTH, _SQUARE, _LEFT = 7.0, 5.6, 0.1
 """Width of a figure, side of the axes in space in it, and what is left of them [inch]."""
@@ -115,12 +117,22 @@ def _choose_colours(
 
 
 def _describe_values(result: Result, field: str, step: int, values: FloatArray, outlines: list[FloatArray]) -> str:
-    """Return what stands below the picture of a field: its extremes, and the first crack once there is one."""
-    if field == ZONE_FIELD:
-        return ""
-    extremes = describe_extremes(values, np.concatenate([block.mean(axis=1) for block in outlines]))
+    """Return what stands below the picture of a field: its extremes, the first crack, and the verdict of a limit."""
     crack = find_first_crack(result, field)
-    return "\n".join(filter(None, (extremes, describe_first_crack(crack) if crack else "")))
+    extremes = describe_extremes(values, np.concatenate([block.mean(axis=1) for block in outlines]))
+    lines = ["" if field == ZONE_FIELD else extremes, describe_first_crack(crack) if crack else ""]
+    if field in _JUDGED and step % len(result.times) == len(result.times) - 1:
+        lines.append(_describe_verdict(result, field))
+    return "\n".join(filter(None, lines))
+
+
+def _describe_verdict(result: Result, field: str) -> str:
+    """Return what the run found by the end of forming: of folds or of the forming limit; empty if nothing."""
+    found = result.summary.get("formability", {})
+    if field == "fold_ratio":
+        count = found.get("folds")
+        return "" if count is None else f"{count or 'no'} fold{'' if count == 1 else 's'} of the whole part"
+    return str(found.get("verdict", "")).partition(";")[0]
 
 
 def _mark_first_crack(ax: Axes3D, result: Result, field: str, step: int, points: FloatArray) -> None:
