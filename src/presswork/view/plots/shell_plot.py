@@ -36,7 +36,7 @@ DIVERGING = ("thinning", "thickness_strain", "deviation")
 """Fields whose sign matters."""
 DIVERGING_COLOURS = "RdBu_r"
 _JUDGED = (ZONE_FIELD, "forming_limit_margin", *PATH_MARGINS, "fold_ratio")
-"""Fields whose picture says what the run was judged to be."""
+"""Fields whose picture repeats the verdict of the run."""
 _LIGHT = np.array([0.35, -0.5, 0.8])
 _WIDTH, _SQUARE, _LEFT = 7.0, 5.6, 0.1
 """Width of a figure, side of the axes in space in it, and what is left of them [inch]."""
