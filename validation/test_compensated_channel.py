@@ -15,7 +15,7 @@ pytestmark = pytest.mark.validation
 
 @pytest.fixture(scope="module")
 def formed(tmp_path_factory: pytest.TempPathFactory) -> list[Loop]:
-    """The loops of a crash-formed channel: 0.934 mm, then 0.081, 0.052, 0.023 and 0.015 mm."""
+    """The loops of a crash-formed channel: 0.935 mm, then 0.081, 0.025, 0.017 and 0.019 mm."""
     return list(compensate_channel(tmp_path_factory.mktemp("formed")).loops)
 
 
@@ -45,13 +45,13 @@ def drawn(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
 
 
 def test_a_drawn_channel_comes_within_a_tenth_of_a_millimetre_in_three_loops(drawn: tuple[Way, list[Loop]]) -> None:
-    """0.496 mm, then 0.214, 0.143 and 0.023 mm; bent 0.145, 0.100 and 0.044 mm."""
+    """0.496 mm, then 0.214, 0.156 and 0.064 mm; bent 0.145, 0.058 and 0.039 mm."""
     _, loops = drawn
     assert loops[0].worst > 0.4
     assert loops[-1].worst < 0.1
 
 
 def test_a_drawn_channel_keeps_the_gap_of_its_tools_where_the_part_lies(drawn: tuple[Way, list[Loop]]) -> None:
-    """0.0057 mm; bent 0.0028 mm."""
+    """0.0057 mm; bent 0.0033 mm."""
     way, loops = drawn
     assert max(loop.gap_change for loop in loops) < {"trimmed": 0.02, "bent": 0.005}[way]
