@@ -229,3 +229,13 @@ def test_a_card_that_the_implicit_procedure_would_leave_idle_is_refused():
 ])  # fmt: skip
 def test_drawn_tools_that_stand_beside_each_other_are_refused(tool: str, fault: str) -> None:
     refuse(["stages.0.tools.punch.stroke", fault], ("blank.symmetry", []), (f"tools.{tool}.position", [30, 0, 0.5]))
+
+
+def test_a_holder_that_is_closed_before_it_is_pushed_may_start_off_the_blank() -> None:
+    """By a distance that it closes to, or by a stroke that brings it within a thickness of the blank."""
+    high = ("tools.holder.position", [0, 0, 5])
+    push = {"name": "draw", "tools": {"punch": {"stroke": 20}, "holder": {"force": 1e4}}}
+    build(("stages", [{"name": "close", "tools": {"holder": {"close": 0.9}}}, push]), high)
+    build(("stages", [{"name": "close", "tools": {"holder": {"stroke": 4.4}}}, push]), high)
+    refuse(["tools.holder.position", "pushed by a force, but starts 2.6 mm off the blank"],
+           ("stages", [{"name": "close", "tools": {"holder": {"stroke": 2}}}, push]), high)  # fmt: skip

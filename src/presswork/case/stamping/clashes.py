@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import logging
 
 import numpy as np
@@ -58,10 +59,12 @@ def _check_laid(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
 
 
 def _check_pushed(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
-    """Return a problem where a tool that is pushed starts away from the blank."""
-    if not is_pushed(case, tool.name):
+    """Return a problem where a tool that is pushed starts away from the blank, and no stage before brings it there."""
+    actions = [stage.tools[tool.name] for stage in case.stages if tool.name in stage.tools]
+    before = list(itertools.takewhile(lambda action: action.force is None, actions))
+    if len(before) == len(actions) or any(action.close for action in before):
         return None
-    gap = _gap(case, mesh, tool)
+    gap = _gap(case, mesh, tool) - sum(action.stroke or 0.0 for action in before)
     if gap <= case.blank.thickness:
         return None
     fault = f"the tool is pushed by a force, but starts {gap:.4g} mm off the blank, which it would hit"
