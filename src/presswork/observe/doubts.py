@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from presswork.law.elastic_plastic import first_flow_stress, is_hot
 from presswork.mesh.forgotten_planes import find_forgotten_planes
-from presswork.model import ExplicitSolid, Material, Model, Tool
+from presswork.model import ExplicitSolid, Material, Model, Tool, Triangulation
 from presswork.observe.wall_load import warn_of_wall_load
 
 NOTHING = 1e-11
@@ -59,7 +59,21 @@ def find_doubts(
 def find_never_touched(model: Model, tools: Sequence[Tool], history: Mapping[str, NDArray[Any]]) -> list[str]:
     """Return the tools that the workpiece has never pressed on, by more than round-off."""
     least = _negligible_force(model)
-    return [tool.name for tool in tools if _largest_force(tool.name, history) <= least]
+    pressed = [history[name] for name in history if name.startswith("pressure.") and name.endswith(".contact")]
+    is_touched = any(np.any(column > 0.0) for column in pressed)
+    return [
+        tool.name
+        for tool in tools
+        if _largest_force(tool.name, history) <= least and not (is_touched and _surrounds(tool, model))
+    ]
+
+
+def _surrounds(tool: Tool, model: Model) -> bool:
+    """Return whether a tool goes all round the blank, so that its forces cancel, as those of a die round a tube do."""
+    if not isinstance(tool.shape, Triangulation):
+        return False
+    points, blank = tool.shape.points + np.array(tool.position), model.mesh.points
+    return bool((points.min(axis=0) <= blank.min(axis=0)).all() and (points.max(axis=0) >= blank.max(axis=0)).all())
 
 
 def _negligible_force(model: Model) -> float:

@@ -16,7 +16,7 @@ from presswork.mesh.pressed_cells import find_area_vectors, find_pressed_cells, 
 from presswork.model import FloatArray, IntArray, Model, SheetPressure
 from presswork.observe.contract import History, Observed, Observer, Row
 
-QUANTITIES = ("p", "volume", "height", "radius", "thickness")
+QUANTITIES = ("p", "volume", "height", "radius", "thickness", "contact")
 FITTED = 0.25
 """Distance round the pole over which the sphere is fitted, over the radius of a circle as large as the pressed part."""
 FITTED_EDGES = 2.5
@@ -36,7 +36,7 @@ class PressedSheet(Observer):
         self._pressed = [PressedPart(model, pressure) for pressure in model.sheet_pressures]
 
     def columns(self, run: Observed) -> list[str]:
-        """Return five for each pressure: MPa, mm3 of the whole part, and at the pole mm."""
+        """Return six for each pressure: MPa, mm3 of the whole part, at the pole mm, and the part of it on tools."""
         return [part.name(quantity) for part in self._pressed for quantity in QUANTITIES]
 
     def row(self, run: Observed, *, is_released: bool = False) -> Row:
@@ -45,8 +45,10 @@ class PressedSheet(Observer):
             return {}
         value, row = {} if is_released else run.sheet_pressures(), Row()
         now, strain = run.positions(), run.sheet_fields(with_surface=False)["thickness_strain"]
+        forces = run.show().tool_force
         for part in self._pressed:
-            found = (value.get(part.pressure.name, 0.0), *part.measure(now, strain))
+            on_tools = 0.0 if forces is None else part.find_touched(now, forces)
+            found = (value.get(part.pressure.name, 0.0), *part.measure(now, strain), on_tools)
             row |= {part.name(quantity): each for quantity, each in zip(QUANTITIES, found, strict=True)}
         return row
 
@@ -107,6 +109,12 @@ class PressedPart:
         x = (x - now[pole]) / self._reach
         centre = np.linalg.lstsq(np.column_stack([2.0 * x, np.ones(len(x))]), (x**2).sum(axis=1), rcond=None)[0]
         return self._reach * float(np.sqrt(max(centre[3] + centre[:3] @ centre[:3], 0.0)))
+
+    def find_touched(self, now: FloatArray, forces: FloatArray) -> float:
+        """Return the part of the pressed area that lies on tools. forces: of all tools on nodes (n_points, 3) [N]."""
+        area = np.linalg.norm(find_area_vectors(now[self._cells]), axis=2)
+        touched = (forces[self._cells] != 0.0).any(axis=2)
+        return float(area[touched].sum() / area.sum())
 
     def find_largest(self, history: History) -> dict[str, Any]:
         """Return the largest pressure [MPa], its height [mm] and instant, and whether it fell while the bulge grew."""
