@@ -25,7 +25,7 @@ from presswork.recorder import run_model
 IMPLICIT = 'procedure="implicit"'
 ALIKE = ('explicit.element="shell4_mitc_plus"', "explicit.ironing=false")
 """Explicit shells as the implicit ones are."""
-FINE = ("blank.element_size=1.3",)
+FINE = ("blank.element_size=1.0",)
 """A mesh whose shells turn by less over the die edge of the flange."""
 ANGLES = tuple(np.radians((5.0, 25.0, 45.0, 65.0, 85.0)))
 """Of the rays along which the part is compared, off the symmetry planes [rad]."""

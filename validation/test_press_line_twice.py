@@ -50,7 +50,7 @@ def fine(tmp_path_factory):
 
 @pytest.mark.parametrize("punch", ["draw_punch", "flange_punch"])
 def test_forces_are_alike_on_a_mesh_that_follows_the_bend(fine, punch) -> None:
-    """Shells of 1.3 mm over the die edge of 4 mm, largest and mean force."""
+    """Shells of 1.0 mm over the die edge of 4 mm, largest and mean force: 1.1 and 2.5 % of the flange."""
     for find in (largest_forces, mean_forces):
         explicit, implicit = (find(line)[punch] for line in fine)
         assert explicit == pytest.approx(implicit, rel=0.03)
