@@ -14,7 +14,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from presswork.case.errors import CaseError, Problem, suggest
-from presswork.case.units import ANY_NUMBER
+from presswork.case.units import ANY_LIST, ANY_NUMBER
 from presswork.text_file import UnreadableError, read_text
 
 JsonSchema = Mapping[str, Any]
@@ -201,6 +201,8 @@ def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Probl
         value, remedy = _descend(value, sub_key), context["remedy"]
         if remedy == ANY_NUMBER and isinstance(node.get("default"), int | float):
             remedy = f"write for instance {node['default']:g}"  # which is within the bounds of the key
+        elif remedy.startswith(f"{ANY_LIST}["):
+            remedy = _pick_list(key, node, parent, remedy)
         return _problem(key, context["expected"], remedy, value)
     name = key.rsplit(".", 1)[-1]
     if kind == "extra_forbidden":
@@ -220,6 +222,17 @@ def _translate(entry: dict[str, Any], data: object, schema: JsonSchema) -> Probl
         return _problem(key, "unknown choice", remedy, value)
     expected = _expectation(kind, context, str(entry["msg"]))
     return _problem(key, expected, _meaning(node) or _meaning(parent) or _instance(key, expected), value)
+
+
+def _pick_list(key: str, node: JsonSchema, table: JsonSchema, remedy: str) -> str:
+    """Return a remedy whose list is within the bounds of its key; of a place, what a tool can do without one."""
+    default = node.get("default")
+    if isinstance(default, list | tuple) and all(isinstance(each, int | float) for each in default):
+        return f"{ANY_LIST}[{', '.join(f'{each:g}' for each in default)}]"
+    if key.rsplit(".", 1)[-1] == "position":
+        instead = 'write "touch"' if "position" in table.get("required", ()) else "leave it out"
+        return f"{instead}, or give every value"
+    return remedy
 
 
 def _suggest_key(key: str, name: str, table: JsonSchema, schema: JsonSchema) -> str:

@@ -64,6 +64,10 @@ ENERGY = Dimension("an energy", "kJ", "25 kJ", 1e9)
 POWER = Dimension("a power", "kW", "90 kW", 1e9)
 MASS = Dimension("a mass", "kg", "2 t", 1e9)
 PURE_NUMBER = Dimension("a number without a unit", "", "0.3", 1e30)
+THIN = 1e-9
+"""Least extent of a body over its largest."""
+ANY_LIST = "write for instance "
+"""Beginning of a remedy that ends with a list of values."""
 ANY_NUMBER = f"write for instance {PURE_NUMBER.example}"
 """Remedy of a key that takes a number without a unit."""
 
@@ -187,11 +191,18 @@ def to_entries(values: Sequence[object], *converts: Callable[[object], float]) -
     return tuple(found)
 
 
+def refuse_no_body(size: Sequence[float]) -> None:
+    """Raise a fault of the key `size` where a body has no thickness beside its other extents [mm]."""
+    if min(size) < THIN * max(size):
+        text = f"a body {min(size):g} mm thin beside its {max(size):g} mm is none"
+        raise fault(text, "check the values and their units", key="size")
+
+
 def to_pair(value: object, dimension: Dimension) -> tuple[float, float]:
     """Convert [x, y], each a number or a string with a unit."""
     if not isinstance(value, list | tuple) or len(value) != 2:
         example = "[0, -1]" if dimension is PURE_NUMBER else "[10, 15]"
-        raise fault(f"expected [x, y], two values, each {dimension.name}", f"write for instance {example}")
+        raise fault(f"expected [x, y], two values, each {dimension.name}", f"{ANY_LIST}{example}")
     x, y = to_entries(value, *[functools.partial(to_number, dimension=dimension)] * 2)
     return x, y
 
@@ -218,7 +229,7 @@ def to_triple(value: object, dimension: Dimension) -> tuple[float, float, float]
     """Convert [x, y, z], each a number or a string with a unit."""
     if not isinstance(value, list | tuple) or len(value) != 3:
         example = "[0, 0, -1]" if dimension is PURE_NUMBER else "[10, 15, 20]"
-        raise fault(f"expected [x, y, z], three values, each {dimension.name}", f"write for instance {example}")
+        raise fault(f"expected [x, y, z], three values, each {dimension.name}", f"{ANY_LIST}{example}")
     x, y, z = to_entries(value, *[functools.partial(to_number, dimension=dimension)] * 3)
     return x, y, z
 

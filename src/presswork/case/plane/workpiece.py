@@ -11,7 +11,7 @@ from presswork import model
 from presswork.case.heat.quantities import Temperature
 from presswork.case.names import FileName
 from presswork.case.part import Part, ShortForm
-from presswork.case.units import Direction, Length, Number, Point, VelocityVector, fault
+from presswork.case.units import Direction, Length, Number, Point, VelocityVector, fault, refuse_no_body
 
 Pattern = Literal["quad", "crossed", "left", "right"]
 Count = Annotated[int, Field(strict=True, ge=1, le=100_000)]
@@ -64,6 +64,8 @@ class Rectangle(Part):
             value = getattr(self, name)
             if value is not None and min(value) <= 0:
                 raise fault("expected two values > 0", "give [x, y], both positive", key=name)
+        if self.size is not None:
+            refuse_no_body(self.size)
         for name in zones:
             if not getattr(self, name):
                 raise fault("expected at least one zone", "give [[length, cells, 1]]", key=name)

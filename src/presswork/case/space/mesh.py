@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.plane.workpiece import Count, MeshFile
-from presswork.case.units import Angle, Length, Number, Point, Point3, fault
+from presswork.case.units import Angle, Length, Number, Point, Point3, fault, refuse_no_body
 
 Sector = Annotated[Angle, Field(gt=0, le=360)]
 _ANGLE = "angle of the sector that is meshed, from the x axis towards y [degrees]; 90 is a quarter, 360 the whole"
@@ -33,6 +33,7 @@ class Box(Part):
         for name in ("size", "grading"):
             if min(getattr(self, name)) <= 0:
                 raise fault("expected three values > 0", "give [x, y, z], all positive", key=name)
+        refuse_no_body(self.size)
         return self
 
 
