@@ -94,3 +94,10 @@ def test_sections_that_cannot_be_are_refused(corners, radii, told) -> None:
 def test_a_section_round_x_lies_on_one_side_of_the_axis() -> None:
     with pytest.raises(SectionError, match="z = -1, beyond the axis"):
         draw_round_x([(0.0, -1.0), (5.0, -1.0), (5.0, 4.0)], [0.0] * 3)
+
+
+def test_a_corner_in_the_middle_has_no_radius() -> None:
+    with pytest.raises(SectionError, match=r"corner \(0, 0.8\) lies in the middle of the tool"):
+        draw_section([(0, 0), (30, 0), (30, 0.8), (0, 0.8)], [0, 0.2, 0.2, 0.5], is_round=False)
+    with pytest.raises(SectionError, match=r"corner \(5, 0\) lies in the middle"):
+        draw_round_x([(-5.0, 0.0), (5.0, 0.0), (5.0, 4.0), (-5.0, 4.0)], [0.0, 1.0, 0.0, 0.0])

@@ -82,8 +82,10 @@ class ProfilePoint(ShortForm):
     @model_validator(mode="after")
     def _check_arc(self) -> Self:
         if (self.centre is None) != (self.turn is None):
-            missing = "centre" if self.centre is None else "turn"
-            raise fault("missing key: an arc needs both centre and turn", 'for instance turn = "left"', key=missing)
+            missing, remedy = ("turn", 'for instance turn = "left"')
+            if self.centre is None:
+                missing, remedy = ("centre", "give the arc's centre [x, y], or a straight line without turn")
+            raise fault("missing key: an arc needs both centre and turn", remedy, key=missing)
         return self
 
 
