@@ -122,9 +122,10 @@ class PlasticLaws(Part):
                 remedy = "add it, or leave the key out: a material without hardening is elastic"
                 raise fault(f"missing key, which {key} goes with", remedy, key="hardening")
         softening = self.heating.model_fields_set & {"melting", "exponent", "heat_capacity"} if self.heating else ()
-        for key in sorted(softening):
-            remedy = "leave it out: a material without hardening is elastic"
-            raise fault("has no meaning without hardening", remedy, key=f"heating.{key}")
+        if softening:
+            keys = sorted(softening)
+            remedy = f"leave {' and '.join(keys)} out: a material without hardening is elastic"
+            raise fault("has no meaning without hardening", remedy, key=f"heating.{keys[0]}")
 
     def _usual_flow_stress(self, strain: FloatArray) -> FloatArray:
         """Return the flow stress [MPa] at rest and unsoftened, or in the middle of a hot law's window."""

@@ -54,8 +54,9 @@ class StampingMaterial(HeavyShellMaterial):
 
     @model_validator(mode="after")
     def _check_young(self) -> Self:
-        if not self.is_metal():
-            raise fault("Young's modulus of no metal", 'plain numbers are MPa: "210 GPa" is 210e3', key="young")
+        if self.density is None and not self.is_metal():
+            text = f"missing key: no metal's density goes with a Young's modulus of {self.young:g} MPa"
+            raise fault(text, 'add it, for instance "7850 kg/m^3"', key="density")
         return self
 
 

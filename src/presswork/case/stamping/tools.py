@@ -270,7 +270,7 @@ class SectionTool(_Tool):
                 draw_section(self.corners, self.radii(), is_round=self.plan == "round")
         except SectionError as error:
             remedy = "mend the corners, or take smaller radii"
-            if self.plan == "strip" and min(x for x, _ in self.corners) < 0.0:
+            if self.plan == "strip" and "beyond the middle" in str(error):
                 remedy = 'a strip stands on both sides of x = 0: draw the right one, or take plan = "one_sided"'
             raise fault(str(error), remedy, key="corners") from None
         return self
