@@ -13,7 +13,7 @@ import pytest
 from tests.mutants.crosses import read_cross, write_cross, write_files
 from tests.mutants.remedies import try_remedies
 
-SEEDS, SPOILT = (*range(60), 22044, 31595), (*range(40), 20022, 21076, 30560)
+SEEDS, SPOILT = (*range(60), 2909, 22044, 31595), (*range(40), 20022, 21076, 30560)
 """Beyond the first ones those that once were a fault."""
 
 

@@ -15,6 +15,9 @@ from presswork.model import FloatArray, SweptProfile, Triangulation
 CHORD = 1e-3
 """How far the chords of a tool of triangles may be off, over the radius; 5 degrees each."""
 
+SHARP = 1e-9
+"""Radius over the extent of the section up to which a corner is sharp."""
+
 
 class SectionError(ValueError):
     """A section that no tool can have."""
@@ -122,7 +125,7 @@ def _crosses_itself(ring: FloatArray) -> bool:
 
 def _round_off(ring: FloatArray, radii: FloatArray, *, open_at_middle: bool) -> list[list[float]]:
     """Return the segments of a clockwise ring (n, 2), its corners rounded; perhaps without sides on x = 0."""
-    n = len(ring)
+    n, extent = len(ring), float(np.ptp(ring, axis=0).max())
     before, after = np.zeros((n, 2)), np.zeros((n, 2))
     arcs: list[list[float] | None] = [None] * n
     cut = np.zeros(n)
@@ -130,7 +133,7 @@ def _round_off(ring: FloatArray, radii: FloatArray, *, open_at_middle: bool) -> 
         to, fro = ring[(k + 1) % n] - ring[k], ring[k - 1] - ring[k]
         out, back = to / np.linalg.norm(to), fro / np.linalg.norm(fro)
         before[k] = after[k] = ring[k]
-        if radii[k] <= 0.0:
+        if radii[k] <= SHARP * extent:
             continue
         half = 0.5 * math.acos(float(np.clip(out @ back, -1.0, 1.0)))
         if half > 0.5 * math.pi - 1e-9:

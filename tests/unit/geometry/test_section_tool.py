@@ -101,3 +101,8 @@ def test_a_corner_in_the_middle_has_no_radius() -> None:
         draw_section([(0, 0), (30, 0), (30, 0.8), (0, 0.8)], [0, 0.2, 0.2, 0.5], is_round=False)
     with pytest.raises(SectionError, match=r"corner \(5, 0\) lies in the middle"):
         draw_round_x([(-5.0, 0.0), (5.0, 0.0), (5.0, 4.0), (-5.0, 4.0)], [0.0, 1.0, 0.0, 0.0])
+
+
+def test_a_radius_that_is_none_leaves_the_corner_sharp() -> None:
+    corners = [(-15.0, 20.0), (15.0, 20.0), (15.0, 30.0), (-15.0, 30.0)]
+    assert volume(draw_round_x(corners, [1e-300] * 4)) == volume(draw_round_x(corners, [0.0] * 4))

@@ -104,6 +104,9 @@ class TubeBlank(_MeshedBlank):
         if 2.0 * self.thickness >= self.diameter:
             fault_text = f"a wall of {self.thickness:g} mm leaves no bore in a tube of {self.diameter:g} mm"
             raise fault(fault_text, "give the outside diameter, and the thickness of the wall", key="thickness")
+        if self.length < self.thickness:
+            fault_text = f"a tube of {self.length:g} mm is shorter than its wall is thick, {self.thickness:g} mm"
+            raise fault(fault_text, "give the length of the whole tube; plain numbers are mm", key="length")
         return self
 
     def half_size(self) -> tuple[float, float]:
