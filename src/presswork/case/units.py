@@ -191,11 +191,11 @@ def to_entries(values: Sequence[object], *converts: Callable[[object], float]) -
     return tuple(found)
 
 
-def refuse_no_body(size: Sequence[float]) -> None:
-    """Raise a fault of the key `size` where a body has no thickness beside its other extents [mm]."""
+def refuse_no_body(size: Sequence[float], key: str = "size") -> None:
+    """Raise a fault of a key where a body has no thickness beside its other extents [mm]."""
     if min(size) < THIN * max(size):
         text = f"a body {min(size):g} mm thin beside its {max(size):g} mm is none"
-        raise fault(text, "check the values and their units", key="size")
+        raise fault(text, "check the values and their units", key=key)
 
 
 def to_pair(value: object, dimension: Dimension) -> tuple[float, float]:

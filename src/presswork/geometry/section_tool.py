@@ -30,7 +30,7 @@ def draw_section(corners: Sequence[tuple[float, float]], radii: Sequence[float],
     which, the tool stands; a side on x = 0 is no surface. radii: of the corners [mm]. Raises SectionError.
     """
     ring, rounded = _order(corners, radii)
-    _refuse_round(ring, rounded, ring[:, 0])
+    _refuse_round(corners, radii, middle=0)
     if ring[:, 0].min() < 0.0:
         raise SectionError(f"a corner lies at x = {ring[:, 0].min():g}, beyond the middle")
     widest = float(ring[:, 0].max())
@@ -63,7 +63,7 @@ def draw_round_x(corners: Sequence[tuple[float, float]], radii: Sequence[float])
     """
     if min(z for _, z in corners) < 0.0:
         raise SectionError(f"a corner lies at z = {min(z for _, z in corners):g}, beyond the axis")
-    _refuse_round(np.array(corners, dtype=float), np.array(radii, dtype=float), np.array(corners, dtype=float)[:, 1])
+    _refuse_round(corners, radii, middle=1)
     line = _sample_ring(corners, radii)
     n, turns = len(line), 4 * math.ceil(0.5 * math.pi / (2.0 * math.acos(1.0 - CHORD)))
     angle = 2.0 * math.pi / turns * np.arange(turns)
@@ -87,11 +87,13 @@ def draw_round_x(corners: Sequence[tuple[float, float]], radii: Sequence[float])
     )
 
 
-def _refuse_round(ring: FloatArray, radii: FloatArray, off_middle: FloatArray) -> None:
-    """Raise SectionError for corners (n, 2) on the middle, or the axis, that have a radius."""
-    for (x, z), radius, away in zip(ring, radii, off_middle, strict=True):
-        if away == 0.0 and radius > 0.0:
-            raise SectionError(f"the corner ({x:g}, {z:g}) lies in the middle of the tool: its radius must be 0")
+def _refuse_round(corners: Sequence[tuple[float, float]], radii: Sequence[float], *, middle: int) -> None:
+    """Raise SectionError for corners in the middle that have a radius; middle: coordinate that is 0 there."""
+    for corner, radius in zip(corners, radii, strict=True):
+        if corner[middle] == 0.0 and radius > 0.0:
+            raise SectionError(
+                f"the corner ({corner[0]:g}, {corner[1]:g}) lies in the middle of the tool: its radius must be 0"
+            )
 
 
 def _sample_ring(corners: Sequence[tuple[float, float]], radii: Sequence[float]) -> FloatArray:

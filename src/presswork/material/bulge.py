@@ -37,6 +37,8 @@ NAMES = {
     "strain_2": ("strain_2", "strain 2", "e2", "eps2", "epsilon 2", "minor strain"),
 }
 """Names of columns, in small letters; of a run the last part of `pressure.NAME.p` and so on."""
+TOO_STRONG = 0.02
+"""Stress over Young's modulus that no sheet bears."""
 FEWEST = 5
 """Points of a test."""
 ITERATIONS = 5
@@ -61,8 +63,6 @@ class BulgeTest:
 
     stress: FloatArray
     """Balanced biaxial true stress [MPa]."""
-    thickness_strain: FloatArray
-    """ln(t0 / t) at the pole."""
     plastic_strain: FloatArray
     """Through the thickness, positive as it thins."""
     biaxial_r: float | None
@@ -138,7 +138,11 @@ def read_bulge(path: Path, sizes: BulgeSizes, young: float, poisson: float) -> B
     r = None
     if formed and "thickness" not in columns:
         r = _find_biaxial_r(columns["strain_1"][used], columns["strain_2"][used])
-    return BulgeTest(stress[keep], thinned[keep], plastic[keep], r, tuple(notes))
+    if stress.max() > TOO_STRONG * young:
+        text = f"a stress of {stress.max():.4g} MPa at the pole, {stress.max() / young:.2g} of Young's modulus"
+        remedy = "check the units of the columns: plain numbers are MPa and mm, 1 bar is 0.1 MPa"
+        raise CaseError([Problem("pressure", text, remedy)], path)
+    return BulgeTest(stress[keep], plastic[keep], r, tuple(notes))
 
 
 def _find_biaxial_r(along: FloatArray, across: FloatArray) -> float | None:

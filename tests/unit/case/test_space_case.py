@@ -8,6 +8,7 @@ import pytest
 
 from presswork import CaseError, build_model
 from presswork.case import describe
+from presswork.case.space.mesh import Box, Cylinder, Ring
 from presswork.case.space.schema import SpaceCase
 from presswork.mesh.faces import face_areas
 from tests.problems.sectors import upsetting
@@ -152,3 +153,16 @@ def test_the_press_of_a_sector_forges_all_sectors() -> None:
     drive = build_model(SpaceCase(**case)).stages[0].drive
     assert drive is not None
     assert drive.whole == pytest.approx(2 * 12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "sizes"),
+    [
+        (Cylinder, {"kind": "cylinder", "radius": 1e-300, "height": 5.0, "cells": [2, 8, 2]}),
+        (Ring, {"kind": "ring", "inner_radius": 5.0, "outer_radius": 6.0, "height": 1e-300, "cells": [2, 8, 2]}),
+        (Box, {"size": [1e-300, 8.0, 3.0], "cells": [2, 2, 2]}),
+    ],
+)
+def test_a_body_without_thickness_is_refused(kind: type, sizes: dict) -> None:
+    with pytest.raises(ValueError, match="1e-300 mm thin beside"):
+        kind.model_validate(sizes)

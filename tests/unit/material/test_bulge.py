@@ -116,6 +116,14 @@ def test_what_is_missing_or_cannot_be_is_refused_with_a_remedy(tmp_path, sizes, 
         read_bulge(path, sizes, YOUNG, POISSON)
 
 
+def test_bar_taken_for_megapascals_is_refused_with_the_unit(tmp_path) -> None:
+    made = points()
+    columns = {name: made[name] for name in ("pressure", "height", "radius", "thickness")}
+    path = write(tmp_path / "b.csv", {**columns, "pressure": 10.0 * columns["pressure"]}, list(columns))
+    with pytest.raises(CaseError, match=r"1 bar is 0\.1 MPa"):
+        read_bulge(path, BulgeSizes(THICKNESS), YOUNG, POISSON)
+
+
 def test_a_cell_without_a_number_is_named_by_its_line(tmp_path) -> None:
     path = tmp_path / "b.csv"
     path.write_text("pressure,height,radius,thickness\n1,2,300,1\n1.5,x,200,0.9\n2,5,100,0.8\n")

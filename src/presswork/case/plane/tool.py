@@ -82,10 +82,10 @@ class ProfilePoint(ShortForm):
     @model_validator(mode="after")
     def _check_arc(self) -> Self:
         if (self.centre is None) != (self.turn is None):
-            missing, remedy = ("turn", 'for instance turn = "left"')
+            text, centre = "missing key: an arc needs both centre and turn", "give the arc's centre [x, y], or no turn"
             if self.centre is None:
-                missing, remedy = ("centre", "give the arc's centre [x, y], or a straight line without turn")
-            raise fault("missing key: an arc needs both centre and turn", remedy, key=missing)
+                raise fault(text, centre, key="centre")
+            raise fault(text, 'for instance turn = "left"', key="turn")
         return self
 
 

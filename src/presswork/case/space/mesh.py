@@ -55,6 +55,11 @@ class Cylinder(Part):
     cells: tuple[Count, Count, Count] = Field(description=f"{_AROUND}; around: an even number in each 90 degrees")
     grading: Number = Field(default=1.0, gt=0, description="size of the last cell over the first along z")
 
+    @model_validator(mode="after")
+    def _check_body(self) -> Self:
+        refuse_no_body((self.radius, self.height), key="height")
+        return self
+
 
 class Ring(Part):
     """A ring about z, whole or a sector; its sets are those of a box, rim, hole, first_plane and last_plane."""
@@ -72,6 +77,7 @@ class Ring(Part):
     def _check_radii(self) -> Self:
         if self.inner_radius >= self.outer_radius:
             raise fault(f"expected a value < outer_radius = {self.outer_radius:g}", "swap them", key="inner_radius")
+        refuse_no_body((self.outer_radius - self.inner_radius, self.outer_radius, self.height), key="height")
         return self
 
 

@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -55,8 +55,7 @@ def fit_bulge(
 
 def scale_to_tension(test: BulgeTest, ratio: float) -> BulgeTest:
     """Return the curve in tension that spends the same plastic work: stress over ratio, strain times ratio."""
-    strain = ratio * test.plastic_strain
-    return BulgeTest(test.stress / ratio, test.thickness_strain, strain, test.biaxial_r, test.notes)
+    return replace(test, stress=test.stress / ratio, plastic_strain=ratio * test.plastic_strain)
 
 
 def _make_material(
@@ -69,6 +68,6 @@ def _make_material(
         data["assumed"]["hardening"] = "the biaxial curve is taken as that in tension (von Mises)"
     for i, note in enumerate(test.notes):
         data["assumed"][f"bulge test {i + 1}"] = note
-    if test.biaxial_r is not None and not math.isnan(test.biaxial_r):
+    if test.biaxial_r is not None:
         data["summary"] += f"; r in balanced biaxial tension {test.biaxial_r:.3f}"
     return data

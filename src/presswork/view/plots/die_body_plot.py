@@ -31,7 +31,7 @@ def plot_die(study: DieStudy) -> Figure:
     figure = bare_figure(9.6, panel + (2.8 if has_course else 0.8))
     grid = figure.add_gridspec(2 if has_course else 1, 2, height_ratios=[panel, 2.0] if has_course else [1])
     values = (von_mises(worst.answer.stress), largest_principal(worst.answer.stress))
-    labels = ("von Mises stress [MPa]", "largest principal stress [MPa]")
+    labels = ("von Mises stress [MPa]", "largest principal stress [MPa], zero in white")
     for column, (value, label) in enumerate(zip(values, labels, strict=True)):
         _draw_stress(figure.add_subplot(grid[0, column]), study, value, label)
     if has_course:
@@ -54,6 +54,8 @@ def _draw_stress(ax: Axes, study: DieStudy, values: FloatArray, label: str) -> N
             points[:, 0], points[:, 1], np.concatenate([cells[:, list(corners)] for corners in _TRIANGLES])
         )
         drawn = ax.tricontourf(net, values, levels=levels, cmap=COLOURS, extend="both")
+        if values.min() < 0.0 < values.max():
+            ax.tricontour(net, values, levels=[0.0], colors="white", linewidths=0.9)
     for number in range(len(structure.cells)):
         for edge in structure.outlines[number]:
             ax.plot(*points[edge].T, color="black", linewidth=0.7)
