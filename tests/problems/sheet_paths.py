@@ -86,11 +86,11 @@ def integrate_rates(function, flow, young, poisson, path, steps, C=(), gamma=())
     return stress, p
 
 
-def integrate_yoshida_uemori(law: dict[str, float], young, targets, dp=1e-6):
+def integrate_yoshida_uemori(law: dict[str, float], young, targets, dp=1e-6, every=100):
     """Integrate Yoshida & Uemori's law for tension and compression by small steps in plastic strain.
 
-    targets: total strains between which the load turns. Returns rows (strain, stress) every 100 steps. law: Y, B, C, m,
-    b, Rsat, h, Ea, xi, as in Yoshida & Uemori (2002), for one stress component.
+    targets: total strains between which the load turns. Returns rows (strain, stress), one for `every` steps. law: Y,
+    B, C, m, b, Rsat, h, Ea, xi, as in Yoshida & Uemori (2002), for one stress component.
     """
     Y, B, C, m, b, Rsat, h = (law[k] for k in ("Y", "B", "C", "m", "b", "Rsat", "h"))
     strain = stress = theta = beta = R = q = r = p = 0.0
@@ -117,7 +117,7 @@ def integrate_yoshida_uemori(law: dict[str, float], young, targets, dp=1e-6):
             strain += (new - stress) / E + s * dp
             stress = new
             count += 1
-            if count % 100 == 0:
+            if count % every == 0:
                 rows.append((strain, stress))
         rows.append((strain, stress))
     return np.array(rows)

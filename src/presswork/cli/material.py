@@ -18,6 +18,7 @@ from presswork.case.material.plastic import LIGHT
 from presswork.case.material.yld2000_fit import R_WEIGHT, YieldData
 from presswork.case.units import STRESS, to_number
 from presswork.cli.fit.bulge import fit_bulge
+from presswork.cli.fit.cyclic import fit_reversals
 from presswork.cli.fit.hot import fit_compression, is_hot_compression
 from presswork.cli.fit.tensile import Surface, fit_surface, fit_tensile
 from presswork.cli.terminal import exit_on
@@ -25,6 +26,8 @@ from presswork.law.allowed import allow_library
 from presswork.law.umat import CompileError, compile_law
 from presswork.law.wall import find_drawing_ratio, has_wall
 from presswork.material.bulge import BulgeSizes, is_bulge_test
+from presswork.material.cyclic import is_cyclic
+from presswork.material.cyclic_laws import CYCLIC_LAWS
 from presswork.material.fit_plot import draw_curves
 from presswork.material.hot_plot import draw_hot_law
 from presswork.material.identify import LAWS
@@ -41,6 +44,17 @@ Datum = Annotated[float, typer.Option(show_default=False)]
 Exponent = Annotated[Literal["6", "8"], typer.Option(help="Exponent of Yld2000-2d: 6 for steel, 8 for aluminium.")]
 Size = Annotated[float | None, typer.Option(help="Size of specimens [mm], if no file holds it.", show_default=False)]
 Weight = Annotated[float, typer.Option(help="Weight of r-values beside stresses in the fit of Yld2000-2d.")]
+Angle = Annotated[
+    float | None, typer.Option(help="Angle of the specimens from the rolling direction, if no file holds it.")
+]
+Branches = Annotated[
+    float | None,
+    typer.Option(help="Tests with reversals: branches that are fitted, 1.5 one and a half; the rest is predicted."),
+]
+LAW_HELP = (
+    f"Hardening law: {', '.join(LAWS)}; of hot tests {', '.join(HOT_LAWS)}; of tests with reversals "
+    f"{', '.join(CYCLIC_LAWS)}; all compares them."
+)
 
 
 @app.command("compile")
@@ -116,14 +130,11 @@ def flc(
 def fit(
     files: Annotated[
         list[Path],
-        typer.Argument(help="Tensile and bulge tests as machines write them, or one file of hot compression tests."),
+        typer.Argument(help="Tensile and bulge tests as machines write them, or one of hot compression or reversals."),
     ],
     young: Annotated[str, typer.Option(help='Young\'s modulus, e.g. "206 GPa".', show_default=False)],
     poisson: Annotated[float, typer.Option(help="Poisson's ratio.")] = 0.3,
-    law: Annotated[
-        str,
-        typer.Option(help=f"Hardening law: {', '.join(LAWS)}; of hot tests {', '.join(HOT_LAWS)}; all compares them."),
-    ] = "all",
+    law: Annotated[str, typer.Option(help=LAW_HELP)] = "all",
     yield_function: Annotated[
         Literal["hill1948", "yld2000"],
         typer.Option(help="Fitted to the tests at angles: yld2000 to stresses and r-values, hill1948 to r-values."),
@@ -135,9 +146,8 @@ def fit(
     biaxial_r: Annotated[float, typer.Option(help="Strain across over along in that test.")] = math.nan,
     r_weight: Weight = R_WEIGHT,
     thickness: Size = None, width: Size = None, gauge_length: Size = None,
-    angle: Annotated[
-        float | None, typer.Option(help="Angle of the specimens from the rolling direction, if no file holds it.")
-    ] = None,
+    angle: Angle = None,
+    fit_branches: Branches = None,
     opening: Annotated[float | None, typer.Option(help="Bulge tests: diameter of the die's opening [mm].")] = None,
     die_radius: Annotated[float | None, typer.Option(help="Bulge tests: radius of the die's edge [mm].")] = None,
     density: Annotated[str, typer.Option(help='Hot tests: "7850 kg/m^3"; with it heating in the test counts.')] = "",
@@ -148,7 +158,7 @@ def fit(
 
     Hot compression tests are corrected for friction and for heating; beside the law a table of their curves is written.
     A bulge test (columns pressure and height) gives the flow curve to large strains, beside tensile tests of the same
-    sheet its biaxial yield stress, too.
+    sheet its biaxial yield stress, too. Tension and compression in turn give isotropic and kinematic hardening.
     """
     with exit_on(CaseError, ImportError, OSError, OutputError):
         modulus = _read_stress("--young", young)
@@ -163,6 +173,9 @@ def fit(
             fit_bulge(bulges[0], others, law, (modulus, poisson), BulgeSizes(thickness, opening, die_radius), output)
             return
         sizes = Sizes(thickness=thickness, width=width, gauge_length=gauge_length, angle=angle)
+        if any(is_cyclic(file) for file in files):
+            fit_reversals(files, law, (modulus, poisson), sizes, fit_branches, output)
+            return
         surface = Surface(
             yield_function, int(exponent or (8 if modulus < LIGHT else 6)), biaxial_stress, biaxial_r, r_weight
         )

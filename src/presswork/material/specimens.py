@@ -183,6 +183,9 @@ def _choose(group: dict[int, Quantity], kinds: Sequence[str]) -> int:
     """Return the column of the best of some kinds. Raises ValueError with the names where there are two."""
     for kind in kinds:
         found = [i for i, column in group.items() if column.kind == kind]
+        true = [i for i in found if group[i].true]
+        if len(found) > 1 and len(true) == 1 and all(group[i].true is not None for i in found):
+            return true[0]  # engineering values are beside them
         if len(found) > 1:
             raise ValueError(" and ".join(group[i].title for i in found))
         if found:
