@@ -23,7 +23,7 @@ _SET = re.compile(
 )
 _MEANT = re.compile(r"did you mean `([^`]+)`")
 _CHOICES = re.compile(r"(?:choices|one of): ([\w., ]+)")
-_REMOVE = re.compile(r"^(?:remove it|leave it out|leave (?P<key>\w+) out)")
+_REMOVE = re.compile(r"^(?:remove it|leave it out|leave (?P<key>\w+)(?: or (?P<other>\w+))? out)")
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,8 @@ def _judge(problem: Problem, before: Sequence[Problem], after: Sequence[Problem]
         is_news = str(one) not in known and problem.expected != "unknown key"
         is_instance = "for instance" in problem.remedy or problem.expected.startswith(("expected", "unknown choice"))
         if is_news and is_instance:
-            is_news = one.key == problem.key  # a value for instance need not fit the others
+            # A value for instance need not fit the others; one that shows how a quantity is written, not even its key.
+            is_news = one.key == problem.key and "or with a unit)" not in problem.expected
         if is_same or is_news:
             return str(one)
     return ""
@@ -100,18 +101,26 @@ def do_remedy(problem: Problem, data: dict[str, Any]) -> Iterator[dict[str, Any]
         else:
             yield from changed(lambda here, _: here.pop(last))
     elif found := _REMOVE.search(problem.remedy):
-        yield from changed(lambda here, _: here.pop(_index(here, found["key"] or last)))
+        for key in filter(None, (found["key"] or last, found["other"])):
+            yield from changed(lambda here, _, key=key: here.pop(_index(here, key)))
     elif problem.expected == "unknown choice":
         meant, choices = _MEANT.search(problem.remedy), _CHOICES.search(problem.remedy)
         for choice in [*([meant[1]] if meant else ()), *(choices[1].split(", ") if choices else ())]:
             yield from changed(lambda here, _, choice=choice: here.__setitem__(_index(here, last), choice))
-    elif found := _SET.search(problem.remedy):
-        try:
-            value = tomllib.loads(f"value = {found['value'].rstrip('.')}")["value"]
-        except tomllib.TOMLDecodeError:  # [x, y], for the engineer to fill in
-            return
-        *to, key = (found["key"] or last).split(".")
-        yield from changed(lambda here, whole: (_find(whole, to) if to else here).__setitem__(_index(here, key), value))
+    else:
+        for found in _SET.finditer(problem.remedy):
+            yield from changed(_put(found, last))
+
+
+def _put(found: re.Match[str], last: str) -> Callable[[Any, dict[str, Any]], None]:
+    """Return the change that sets a key to a value, as a remedy spells them."""
+    *to, key = (found["key"] or last).split(".")
+
+    def change(here: Any, whole: dict[str, Any]) -> None:
+        value = tomllib.loads(f"value = {found['value'].rstrip('.')}")["value"]  # ValueError: [x, y], to be filled in
+        (_find(whole, to) if to else here).__setitem__(_index(here, key), value)
+
+    return change
 
 
 def _index(here: Any, key: str) -> Any:

@@ -18,6 +18,7 @@ from presswork.case.kinds import find_kind
 from presswork.case.names import FORMAT, Format
 from presswork.case.part import Part
 from presswork.case.reader import Tables, list_problems, read_tables
+from presswork.case.unknown_tools import name_unknown_tools
 
 
 class CaseFile(Part):
@@ -45,7 +46,8 @@ class CaseFile(Part):
         try:
             return handler(data)
         except ValidationError as error:
-            raise CaseError(list_problems(error, data, _json_schema(cls)), source) from None
+            problems = list_problems(error, data, _json_schema(cls))
+            raise CaseError(name_unknown_tools(problems, data), source) from None
 
     @classmethod
     def from_toml(cls, path: str | Path, overrides: Sequence[str] = ()) -> Self:

@@ -34,7 +34,7 @@ def require_metal(young: float, flow_stress: Callable[[FloatArray], FloatArray] 
     if not SOFTEST < young < STIFFEST:
         raise fault(
             f"Young's modulus is {young:g} MPa, that of no metal",
-            f'plain numbers are MPa; with a unit: "206 GPa", {_ANYWAY}',
+            f'plain numbers are MPa; give it a unit, for instance "206 GPa", {_ANYWAY}',
             key="young",
         )
     if flow_stress is None:

@@ -24,6 +24,7 @@ _OPEN, _CLOSE = r"(?:\s*\()?\s*", r"\s*(?:\)\s*)?"
 _UNIT = re.compile(rf"{_OPEN}{_FACTOR}{_CLOSE}(?:(?:[*/·]|\s){_OPEN}{_FACTOR}{_CLOSE})*")
 """Names of units with powers of one digit, multiplied and divided: all that a unit can be, and short to evaluate."""
 LARGEST_FLOAT = 1.7e308
+LEAST_FLOAT = 1e-100
 """Whole numbers of hundreds of digits have no float."""
 _LONGEST = 60
 """Letters of the longest text that is taken for a quantity or a unit."""
@@ -164,6 +165,8 @@ def to_number(value: object, dimension: Dimension) -> float:
         number = float(value) if abs(value) < LARGEST_FLOAT else math.inf
     if not math.isfinite(number):
         raise fault(f"{expected} that is finite", remedy)
+    if 0.0 < abs(number) < LEAST_FLOAT:
+        raise fault(f"{expected}, and {number:g} is none that a computer can square", "write 0, or check its exponent")
     if abs(number) > dimension.largest:
         raise fault(f"expected {dimension.name} up to {dimension.largest:g} {dimension.unit}".rstrip(), remedy)
     return number

@@ -113,7 +113,7 @@ REFUSED = {
     ),
     "pressure.oil.inside: the holder": (
         [(f"{PLACE}.inside.diameter", 70)],
-        ("the holder holder lies on", "a line inside the opening of the holder", 'face = "bottom"'),
+        ("the holder holder lies on", "a line inside the opening of the holder"),
     ),
     'pressure.oil.face = "inside"': (
         [("pressure", {"oil": {"face": "inside"}})],
@@ -121,7 +121,7 @@ REFUSED = {
     ),
     "pressure.oil.face: ": (
         [("pressure", {"oil": {"face": "bottom"}})],
-        ("the die die lies on", 'face = "top"'),
+        ("the die die lies on", "a line inside the opening of the die"),
     ),
     "pressure.oil.inside: the middle": (
         [(f"{PLACE}.inside", {"shape": "circle", "diameter": 0.5})],

@@ -200,7 +200,7 @@ def test_times_follow_from_velocity_duration_and_ramp() -> None:
     ("stages.0.tools.punsh", {"stroke": 1}, ["stages.0.tools.punsh", "did you mean `punch`"]),
     ("stages.0.tools.punch", {}, ["punch.stroke: no motion given; for instance stroke = 25; leave punch out"]),
     ("stages.0.tools.holder", {}, ["holder.force: no motion given; for instance force = 20000; leave holder"]),
-    ("stages.0.tools.punch", {"stroke": 1, "force": 1}, ["stroke and force are both given; leave force out"]),
+    ("stages.0.tools.punch", {"stroke": 1, "force": 1}, ["stroke and force are both given; leave stroke or force out"]),
     ("stages.0.tools.holder.force", -5, ["forces >= 0"]),
     ("stages.0.tools.holder.force", [[5, 1], [0, 2]], ["strokes of the table do not increase"]),
     ("stages.0.tools", {"holder": {"force": [[0, 1], [5, 2]]}}, ["stages.0.tools.holder.force", "no tool moves"]),

@@ -31,7 +31,7 @@ from presswork.model import COLDEST, HOTTEST, ZERO_CELSIUS, FloatArray
 MOST_ROWS = 1000
 
 _WITH_UNIT = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(°C|degC|K)\s*$", re.ASCII)
-_REMEDY = 'write a plain number in degrees C, or for instance "1200 °C" or "1473 K"'
+_REMEDY = 'write a plain number in degrees C, or for instance "20 °C" or "293 K"'
 
 Rows = tuple[tuple[float, float], ...]
 

@@ -264,7 +264,5 @@ def _check_tools(
         n = int((gap < UNTOUCHED * thickness).sum())
         if n:
             key = f"pressure.{pressure.name}" + (f".{pressure.region.keep}" if pressure.region else ".face")
-            other = "bottom" if pressure.face == "top" else "top"
             fault = f"the {tool.kind} {tool.name} lies on {n} of its shells: no fluid is between a tool and the sheet"
-            remedy = f'bound it by a line inside the opening of the {tool.kind}, or take face = "{other}"'
-            yield Problem(key, fault, remedy)
+            yield Problem(key, fault, f"bound it by a line inside the opening of the {tool.kind}")

@@ -54,7 +54,8 @@ class ToolAction(Part):
     def _check_one_action(self) -> Self:
         present = [key for key in ACTIONS if getattr(self, key) is not None]
         if len(present) > 1:
-            raise fault(f"{present[0]} and {present[1]} are both given", f"leave {present[1]} out", key=present[1])
+            first, second = present[:2]
+            raise fault(f"{first} and {second} are both given", f"leave {first} or {second} out", key=second)
         rows = self.force if isinstance(self.force, tuple) else ((0.0, self.force or 0.0),)
         if not rows or min(force for _, force in rows) < 0:
             raise fault("expected forces >= 0", "a tool pushes, it does not pull", key="force")
