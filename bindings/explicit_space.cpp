@@ -65,7 +65,7 @@ template <class Real>
 void add_shells(SpaceLoop<Real>& self, Ints connectivity, Doubles thickness, Doubles axis, GivenLaw law, double density,
                 std::vector<double> height, std::vector<double> weight, bool tabulate, ShellTreatment treatment,
                 bool viscous, std::array<double, 3> hourglass, std::array<double, 2> elastic, double yield_stress,
-                std::vector<int> number) {
+                std::vector<int> number, std::vector<double> relief) {
   require((std::is_same_v<Real, double>) || std::holds_alternative<const Owned<SheetLaw>*>(law),
           "a law from a shared library computes in double precision");
   require(number.empty() || number.size() == connectivity.shape(0), "number must have shape (n)");
@@ -74,17 +74,19 @@ void add_shells(SpaceLoop<Real>& self, Ints connectivity, Doubles thickness, Dou
   require(each == 3 || each == 4, "connectivity must have shape (n, 3 or 4), n > 0");
   require(thickness.size() == n, "thickness must have shape (n)");
   require(axis.ndim() == 2 && axis.shape(0) == n && axis.shape(1) == 3, "axis must have shape (n, 3)");
+  require(relief.empty() || relief.size() == n, "relief must have shape (n)");
   std::vector<int> cells(connectivity.data(), connectivity.data() + each * n);
   for (int node : cells) require(node >= 0 && node < self.nodes.n, "connectivity names a node that is not there");
   auto section = make_section(law, elastic, density, std::move(height), std::move(weight), tabulate, treatment, viscous,
                               hourglass);
   section.yield_stress = yield_stress, section.number = std::move(number);
-  if (each == 4 && treatment == ShellTreatment::mitc)
-    self.add_sheet(
-        make_mitc_shells<Real>(self.nodes, std::move(section), std::move(cells), thickness.data(), axis.data()));
-  else
-    self.add_sheet(make_one_point_shells<Real>(static_cast<int>(each), self.nodes, std::move(section), std::move(cells),
-                                               thickness.data(), axis.data()));
+  auto block = each == 4 && treatment == ShellTreatment::mitc
+                   ? make_mitc_shells<Real>(self.nodes, std::move(section), std::move(cells), thickness.data(),
+                                            axis.data())
+                   : make_one_point_shells<Real>(static_cast<int>(each), self.nodes, std::move(section),
+                                                 std::move(cells), thickness.data(), axis.data());
+  block->set_relief(std::move(relief));
+  self.add_sheet(std::move(block));
 }
 
 // Positions, state, contact; then the forces there, of elements and tools.
@@ -213,10 +215,11 @@ auto bind_space(nb::module_& m, const char* name, const char* text) {
            nb::arg("tabulate") = true, nb::arg("treatment") = ShellTreatment::plain, nb::arg("viscous") = false,
            nb::arg("hourglass") = std::array<double, 3>{0.03, 0.03, 0.03},
            nb::arg("elastic") = std::array<double, 2>{0.0, 0.0}, nb::arg("yield_stress") = 0.0,
-           nb::arg("number") = std::vector<int>{},
+           nb::arg("number") = std::vector<int>{}, nb::arg("relief") = std::vector<double>{},
            "Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: "
            "Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number "
-           "(n), from 0. yield_stress: half of it is the pressure [MPa] at which a pushed tool begins to squeeze.")
+           "(n), from 0. yield_stress: half of it is the pressure [MPa] at which a pushed tool begins to squeeze. "
+           "relief (n): how much nearer tools are to each other at a shell than they are drawn [mm].")
       .def("set_hanging", &set_hanging<Real>, nb::arg("hanging"),
            "Let nodes follow the ends of sides (n, 7): the node, both ends, two far nodes of the shell that has the "
            "whole side and two of those that have half of it.")

@@ -96,7 +96,7 @@ template <class Loop>
 auto deepest(Loop& self, int i) {
   tool_of(self, i);
   int point = -1;
-  const double depth = self.contact->deepest(i, self.view(0.0), point);
+  const double depth = self.contact->deepest(i, self.view_of_tools(0.0), point);
   return std::make_tuple(depth, point);
 }
 
@@ -130,7 +130,7 @@ void bind_tools(nb::class_<Loop>& loop) {
       .def(
           "start_contact",
           [](Loop& self) {
-            contact_of(self).start(self.view(0.0), self.nodes.internal_force.data());
+            contact_of(self).start(self.view_of_tools(0.0), self.nodes.internal_force.data());
             self.hanging.give_all_forces(self.nodes);
           },
           "Find the forces of tools that are new.")

@@ -1304,9 +1304,9 @@ class SpaceLoop:
     @sheet_sizes.setter
     def sheet_sizes(self, arg: Sequence[float], /) -> None: ...
 
-    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], yield_stress: float = 0.0, number: Sequence[int] = []) -> None:
+    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], yield_stress: float = 0.0, number: Sequence[int] = [], relief: Sequence[float] = []) -> None:
         """
-        Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0. yield_stress: half of it is the pressure [MPa] at which a pushed tool begins to squeeze.
+        Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0. yield_stress: half of it is the pressure [MPa] at which a pushed tool begins to squeeze. relief (n): how much nearer tools are to each other at a shell than they are drawn [mm].
         """
 
     def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:
@@ -1756,9 +1756,9 @@ class SpaceLoopSingle:
     @sheet_sizes.setter
     def sheet_sizes(self, arg: Sequence[float], /) -> None: ...
 
-    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], yield_stress: float = 0.0, number: Sequence[int] = []) -> None:
+    def add_shells(self, connectivity: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)], thickness: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], axis: Annotated[NDArray[numpy.float64], dict(order='C', device='cpu', writable=False)], law: SheetLaw | Umat, density: float, height: Sequence[float], weight: Sequence[float], *, tabulate: bool = True, treatment: ShellTreatment = ShellTreatment.plain, viscous: bool = False, hourglass: Sequence[float] = [0.03, 0.03, 0.03], elastic: Sequence[float] = [0.0, 0.0], yield_stress: float = 0.0, number: Sequence[int] = [], relief: Sequence[float] = []) -> None:
         """
-        Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0. yield_stress: half of it is the pressure [MPa] at which a pushed tool begins to squeeze.
+        Add a block of shells of 3 or 4 nodes; blocks and their elements are numbered as they come. elastic: Young's modulus and Poisson's ratio of a law from a shared library, which is told of the shells by number (n), from 0. yield_stress: half of it is the pressure [MPa] at which a pushed tool begins to squeeze. relief (n): how much nearer tools are to each other at a shell than they are drawn [mm].
         """
 
     def set_hanging(self, hanging: Annotated[NDArray[numpy.int32], dict(order='C', device='cpu', writable=False)]) -> None:

@@ -28,6 +28,10 @@ def fingerprint(model: Model) -> str:
     for block in model.mesh.blocks:
         section = repr(block.section).encode() if block.section else b""
         digest.update(block.element.encode() + section + np.ascontiguousarray(block.connectivity).tobytes())
+        if block.zone or block.rolling:
+            digest.update(f"{block.zone} {block.material} {block.rolling}".encode())
+        if block.own_thickness is not None:
+            digest.update(np.ascontiguousarray(block.own_thickness).tobytes())
     return digest.hexdigest()
 
 

@@ -6,7 +6,7 @@ Strains are true (logarithmic), those of the middle of the sheet. How curves are
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +17,8 @@ IntArray = NDArray[np.int32]
 
 ZONES = ("safe", "risk of cracks", "cracks", "insufficient stretch", "wrinkling tendency", "wrinkles unless held")
 """Names of the zones, by the number that find_zones gives."""
+ZONE = "zone_"
+"""Beginning of what results store of a zone of a welded blank, before its number."""
 CRACKS = ZONES.index("cracks")
 POLAR, STRESS = "forming_limit_margin_polar", "forming_limit_margin_stress"
 PATH_MARGINS = (POLAR, STRESS)
@@ -74,8 +76,8 @@ class Formability:
     note: str = ""
     """What to know of the curve; empty if nothing."""
 
-    def to_info(self) -> dict[str, str | float | FloatArray]:
-        """Return it as a results file keeps it, under names of their own."""
+    def to_info(self, prefix: str = "") -> dict[str, str | float | FloatArray]:
+        """Return it as a results file keeps it, under names of their own that begin with a prefix."""
         info: dict[str, str | float | FloatArray] = {
             "safety_margin": self.safety_margin,
             "normal_anisotropy": self.r,
@@ -83,11 +85,12 @@ class Formability:
         if self.curve is not None:
             info["forming_limit"] = self.curve.method
             info["forming_limit_minor"], info["forming_limit_major"] = self.curve.minor, self.curve.major
-        return info
+        return {f"{prefix}{name}": value for name, value in info.items()}
 
     @classmethod
-    def from_info(cls, info: Info) -> Formability:
+    def from_info(cls, info: Info, prefix: str = "") -> Formability:
         """Read it back from what a results file keeps; of a file without it, what is known of no sheet."""
+        info = {name.removeprefix(prefix): value for name, value in info.items() if name.startswith(prefix)}
         curve = None
         if "forming_limit" in info:
             minor, major = (np.asarray(info[f"forming_limit_{name}"], dtype=float) for name in ("minor", "major"))
@@ -95,6 +98,10 @@ class Formability:
         plain = cls()
         margin, r = info.get("safety_margin", plain.safety_margin), info.get("normal_anisotropy", plain.r)
         return cls(curve, float(np.asarray(margin)), float(np.asarray(r)))
+
+
+Judged = Sequence[tuple[Formability, int]]
+"""What the strains of a sheet's cells are judged by: that of so many cells, then that of so many more."""
 
 
 def find_margin(major: FloatArray, minor: FloatArray, curve: FormingLimitCurve) -> FloatArray:

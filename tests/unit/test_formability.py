@@ -61,7 +61,7 @@ def test_wrinkling_is_zero_in_tension_and_grows_with_compression_across() -> Non
 
 
 def test_fields_of_cells_name_each_zone() -> None:
-    fields = formability_fields(STRAINS, Formability(CURVE))
+    fields = formability_fields(STRAINS, [(Formability(CURVE), 0)])
     assert [ZONES[int(z)] for z in fields["formability_zone"]] == list(ZONES)
     np.testing.assert_allclose(fields["forming_limit_margin"][:3], [0.4, 0.02 / 0.3, -0.2])
     np.testing.assert_allclose(fields["thinning"][4:], -100 * np.expm1([-0.05, 0.05]))
@@ -69,21 +69,21 @@ def test_fields_of_cells_name_each_zone() -> None:
 
 
 def test_margin_and_anisotropy_of_the_material_move_the_zones() -> None:
-    assert formability_fields(STRAINS, Formability(CURVE, 0.05))["formability_zone"][1] == 0
-    assert formability_fields(STRAINS, Formability(CURVE, r=4.0))["formability_zone"][4] == 0
+    assert formability_fields(STRAINS, [(Formability(CURVE, 0.05), 0)])["formability_zone"][1] == 0
+    assert formability_fields(STRAINS, [(Formability(CURVE, r=4.0), 0)])["formability_zone"][4] == 0
 
 
 def test_without_a_curve_nothing_is_said_of_cracks_and_of_solids_nothing_at_all() -> None:
-    assert set(formability_fields(STRAINS, Formability())) == {"thinning", "wrinkling_indicator"}
-    assert formability_fields({"stress": np.zeros((6, 6))}, Formability(CURVE)) == {}
-    verdict = judge_fields(STRAINS, SHELLS, CENTRES, Formability())
+    assert set(formability_fields(STRAINS, [(Formability(), 0)])) == {"thinning", "wrinkling_indicator"}
+    assert formability_fields({"stress": np.zeros((6, 6))}, [(Formability(CURVE), 0)]) == {}
+    verdict = judge_fields(STRAINS, SHELLS, CENTRES, [(Formability(), 0)])
     assert verdict is not None
     assert "no forming_limit, so cracks are not judged" in verdict.text()
     assert verdict.warnings() == []
 
 
 def test_the_verdict_counts_failing_elements_and_names_the_worst_place() -> None:
-    verdict = judge_fields(STRAINS, SHELLS, CENTRES, Formability(CURVE))
+    verdict = judge_fields(STRAINS, SHELLS, CENTRES, [(Formability(CURVE), 0)])
     assert verdict is not None
     assert (verdict.failing, verdict.margin.cell, verdict.margin.place) == (1, 2, (6.0, 7.0, 8.0))
     assert verdict.margin.value == pytest.approx(-0.2)
@@ -96,7 +96,7 @@ def test_the_verdict_counts_failing_elements_and_names_the_worst_place() -> None
 def test_the_verdict_on_a_sound_part_tells_its_least_margin() -> None:
     sound = {name: values[[0, 1]] for name, values in STRAINS.items()}
     shells = [replace(SHELLS[0], connectivity=SHELLS[0].connectivity[:2])]
-    verdict = judge_fields(sound, shells, CENTRES, Formability(CURVE))
+    verdict = judge_fields(sound, shells, CENTRES, [(Formability(CURVE), 0)])
     assert verdict is not None
     assert "no element lies above the forming limit, 1 of 2 elements at risk; least margin 6.7 %" in verdict.text()
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "explicit/contact/body_contact.hpp"
@@ -87,6 +88,15 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   double find_deepest_in_shell(int& node, int& cell);
   void set_contact_stiffness(double dt);
   void join(std::unique_ptr<Neighbours> of) override;
+  // What contact with tools must know of the sheet, after a step of dt: the thickness that relieved tools find.
+  auto view_of_tools(double dt) const {
+    return SheetView{this->nodes.position.data(), this->nodes.motion.data(),
+                     [this](int cell) {
+                       const auto [block, element] = find_sheet(cell);
+                       return block->value(element, block->rows().thickness) + block->relief(element);
+                     },
+                     [this](int cell) { return value(cell, &StateRows::spring); }, dt};
+  }
   // What contact must know of the sheet, after a step of dt.
   auto view(double dt) const {
     return SheetView{this->nodes.position.data(), this->nodes.motion.data(),
@@ -106,9 +116,14 @@ class SpaceLoop final : public Loop<SpaceNodes<Real>> {
   class SheetTools;
   class SheetShells;
   double value(int element, const int StateRows::* row) const {
+    const auto [block, own] = find_sheet(element);
+    return block->value(own, block->rows().*row);
+  }
+  // The block of an element, and its number there.
+  std::pair<const SheetBlock<Real>*, int> find_sheet(int element) const {
     std::size_t b = 0;
     for (; element >= this->blocks[b]->n(); ++b) element -= this->blocks[b]->n();
-    return sheets_[b]->value(element, sheets_[b]->rows().*row);
+    return {sheets_[b], element};
   }
   // The shells' corners, cell by cell (start, node), as contact takes them, solids without any; and their largest and
   // least thickness.

@@ -45,6 +45,11 @@ class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
   double mass(int element) const override { return mass_[element]; }
   double area(int element) const { return area_[element]; }                    // of the undeformed shell [mm2]
   double inertia_ratio(int element) const { return inertia_ratio_[element]; }  // rotary inertia over mass [mm2]
+  // By how much tools are nearer to each other at an element than they are drawn [mm]: dies are stepped for zones of a
+  // blank that are thinner than the rest. Empty: nowhere.
+  void set_relief(std::vector<double> relief) { relief_ = std::move(relief); }
+  double relief(int element) const { return relief_.empty() ? 0.0 : relief_[element]; }
+  bool is_relieved() const { return !relief_.empty(); }
   double true_mass(int element) const override { return true_mass_[element]; }
   double added_mass(int element) const override { return mass_[element] - true_mass_[element]; }
   void scale_mass(int element, double factor) override { mass_[element] *= factor; }
@@ -122,7 +127,7 @@ class SheetBlock : public ElementBlock<SpaceNodes<Real>> {
   }
 
   StateRows rows_;
-  std::vector<double> mass_, true_mass_, inertia_ratio_, area_, stiffest_spring_;
+  std::vector<double> mass_, true_mass_, inertia_ratio_, area_, stiffest_spring_, relief_;
 };
 
 }  // namespace presswork::explicit_dynamics

@@ -96,7 +96,7 @@ class SpaceLoop<Real>::SheetTools final : public Interaction<SpaceNodes<Real>> {
     return round == 0 ? loop_.contact->edge_chunks() : loop_.contact->node_chunks();
   }
   void act(SpaceNodes<Real>& nodes, const Step& step, int, int round, int piece) override {
-    const auto sheet = loop_.view(step.dt);
+    const auto sheet = loop_.view_of_tools(step.dt);
     if (round == 0)
       loop_.contact->visit_edges(piece, sheet);
     else

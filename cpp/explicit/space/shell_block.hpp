@@ -99,6 +99,12 @@ class ShellBlock final : public SheetBlock<Real> {
       gather_motion<each>(nodes, this->pack_nodes(pack), v, w);
       P room[each];
       if (nodes.room) gather_room<each>(nodes, this->pack_nodes(pack), room);
+      if (nodes.room && this->is_relieved()) {
+        P relief;
+        for (int lane = 0; lane < lanes; ++lane)
+          relief.set(lane, static_cast<Real>(this->relief(std::min(pack * lanes + lane, this->n_ - 1))));
+        for (P& of_node : room) of_node = of_node - relief;
+      }
       LayerConditions<P> now{dt, this->pack_temperature(pack)};
       now.slower = this->slower;
       if constexpr (std::is_same_v<Law, UserSheet>) now.places = place_shells(time, pack, x, places);

@@ -128,7 +128,7 @@ class ShellMechanics:
             cells = len(connectivity)
             _, q, internal = _core.shell_sizes(self._model.mesh.blocks[i].element)
             k = section.points
-            shells.thickness.append(np.full((cells, q), section.thickness))
+            shells.thickness.append(np.tile(self._model.mesh.blocks[i].thickness[:, None], q))
             kept = list_sheet_history(law)
             cells_at_rest.kept.append(kept)
             cells_at_rest.history.append(fill_history(kept, (cells, q, k)))
@@ -153,7 +153,7 @@ class ShellMechanics:
         base = np.einsum("qaj,cai->cqji", slopes, self._model.mesh.points[cells.connectivity])
         normal = np.cross(base[:, :, 0], base[:, :, 1])
         normal /= np.linalg.norm(normal, axis=2, keepdims=True)
-        rolling = np.asarray(self._model.rolling_direction)
+        rolling = np.asarray(cells.rolling or self._model.rolling_direction)
         upright = np.abs(normal @ rolling)[..., None] > UPRIGHT
         axis = np.where(upright, np.roll(rolling, 1), rolling)
         axis = axis - (axis * normal).sum(axis=2, keepdims=True) * normal
@@ -281,7 +281,7 @@ class ShellMechanics:
     def force_of_round_off(self) -> float:
         """Nodal force [N] that is nothing even in a workpiece that has never been loaded."""
         size = float(np.ptp(self._model.mesh.points, axis=0).max())
-        thickness = min(s.thickness for s in self._sections)
+        thickness = min(float(block.thickness.min()) for block in self._model.mesh.blocks)
         return NOISE * max(m.young for m in self._model.materials) * thickness**3 / size
 
     def nodal_flow_stress(self, state: State) -> FloatArray:
@@ -328,7 +328,7 @@ class ShellMechanics:
                 slopes=_core.shell_shape(block.element)[1],
                 points=mesh.points,
                 director=self.directors.vectors,
-                thickness=self._sections[i].thickness,
+                thickness=block.thickness,
                 layers=self._rules[i][0],
                 material=self._model.materials[block.material],
             )
@@ -358,7 +358,7 @@ class ShellMechanics:
             reaction=state.nodes.reaction,
             find_sheet=lambda: self.cell_fields(state),
             evolved=find_evolved(state),
-            judged=self._model.materials[self._model.mesh.blocks[0].material].formability,
+            judged=self._model.judged,
         )
 
     def extremes(self, state: State) -> dict[str, FloatArray]:

@@ -139,7 +139,7 @@ def _find_step(built: model.Model, key: str, value: float) -> float:
     if built.dimension == 3 and is_place and built.remeshing is not None and not built.remeshing.keeps_first:
         return NEAR * value
     if built.analysis == "stamping" and is_place:
-        return min(NEAR * value, NEAREST * built.sheet[0].thickness)
+        return min(NEAR * value, NEAREST * built.thickest)
     is_law = key.startswith("materials.") and built.analysis not in ("stamping", "shell")
     return (OF_LAWS if is_law else STEP) * value
 

@@ -38,7 +38,7 @@ LEAST, MOST = 0.1, 5e4
 def warn_of_sheet(case: CaseFile, model: Model) -> Iterator[str]:
     """Yield what looks like another unit of length in a stamping: its thickness, and tools of its operations."""
     size = float(np.linalg.norm(np.ptp(model.mesh.points, axis=0)))
-    yield from warn_of_thickness(model.sheet[0].thickness, size)
+    yield from warn_of_thickness(model.thickest, size)
     operations = getattr(case, "operations", None) or [case]
     for number, operation in enumerate(operations):
         key = f"operations.{number}.tools" if len(operations) > 1 else "tools"

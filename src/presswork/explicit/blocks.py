@@ -31,7 +31,8 @@ class Shells:
     alone; thickness [mm], one or (n); law in plane stress: law.umat.open_sheet_law makes it of a material; density
     [t/mm3]; axis: x of the law (rolling direction), one vector or (n, 3), projected on each shell;
     damage: criteria whose damage grows in the layers; heating: for them, temperature at the start [degrees C] and
-    whether the law heats.
+    whether the law heats. relief: how much nearer tools are to each other at each shell than they are drawn (n) [mm];
+    empty: nowhere.
     """
 
     connectivity: npt.ArrayLike
@@ -41,6 +42,7 @@ class Shells:
     axis: npt.ArrayLike = (1.0, 0.0, 0.0)
     damage: tuple[DamageLaw, ...] = ()
     heating: tuple[float, bool] = (20.0, False)
+    relief: npt.ArrayLike = ()
     options: ShellOptions = field(default_factory=ShellOptions)
 
     @property
@@ -78,7 +80,7 @@ class Shells:
         around: npt.NDArray[np.intp] | None = None,
     ) -> None:
         """Add a part to a loop; place: number there of each node. Raises ValueError."""
-        cells, options = self.cells[part], self.options
+        cells, options, relief = self.cells[part], self.options, np.asarray(self.relief, dtype=float)
         height, weight = layer_rule(options.n_points, options.rule)
         loop.add_shells(
             np.ascontiguousarray(place[cells[:, : 3 if is_triangle(cells)[0] else 4]]),
@@ -95,6 +97,7 @@ class Shells:
             elastic=(self.law.young, self.law.poisson),
             yield_stress=first_yield_stress(self.law),
             number=part.tolist() if isinstance(self.law, SheetUmat) else [],
+            relief=relief[part].tolist() if relief.size else [],
         )
 
 

@@ -24,6 +24,7 @@ class LayersOfRun:
     """What an explicit run knows of its shells through the thickness."""
 
     blocks: list[Shells | Solids]
+    """Those of shells first: one sheet."""
     state: Callable[[], State]
     take_state: Callable[[State], None]
     _loop: _core.SpaceLoop | _core.SpaceLoopSingle
@@ -33,9 +34,11 @@ class LayersOfRun:
     """Shells of each block."""
     _fixed: npt.NDArray[np.uint8]
     _prescribed_temperature: Array | None = None
-    _young: float
+    _young: Array
+    """Young's modulus of each shell (n,) [MPa]."""
     _damage_names: tuple[str, ...] = ()
-    _poisson: float
+    _poisson: Array
+    """Poisson's ratio of each shell (n,)."""
 
     def _by_shell(self, inside: Array) -> Array:
         out = np.empty_like(inside)
@@ -182,7 +185,7 @@ class LayersOfRun:
         """
         nu, pressure = self._poisson, self.pressure_at_points
         stress = self.stress_at_points
-        stress[..., :2] += nu / (1.0 - nu) * pressure[:, :, None, None]
+        stress[..., :2] += (nu / (1.0 - nu))[:, None, None, None] * pressure[:, :, None, None]
         modulus = self._young * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))
         return stress, self.thickness * (1.0 + self.pressure / modulus)
 

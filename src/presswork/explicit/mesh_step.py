@@ -35,10 +35,8 @@ class MeshStep:
 
     def __init__(self, shells: ExplicitShells, precision: Precision) -> None:
         """Make the copy of the sheet that is tried."""
-        block = shells.blocks[0]
-        assert isinstance(block, Shells)
-        undamaged = replace(block, damage=())
-        self._copy = SpaceDynamics(shells.start, [undamaged], precision=precision, hanging=shells.hanging)
+        undamaged = [replace(block, damage=()) for block in shells.blocks if isinstance(block, Shells)]
+        self._copy = SpaceDynamics(shells.start, undamaged, precision=precision, hanging=shells.hanging)
         self.cycles = 0
         """Run so far, each as long as one of the sheet without its tools."""
 

@@ -13,6 +13,7 @@ Units are mm, s, t, N, MPa.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,28 @@ class ExplicitShells(SpaceDynamics):
             options=options or ShellOptions(),
         )
         super().__init__(points, [shells], precision=precision, device=device, hanging=hanging, world=world)
+
+    @classmethod
+    def of_zones(
+        cls,
+        points: npt.ArrayLike,
+        zones: Sequence[Shells],
+        *,
+        precision: Precision = "double",
+        device: Device = "cpu",
+        hanging: npt.ArrayLike = (),
+        world: World | None = None,
+    ) -> ExplicitShells:
+        """Return a sheet of several laws, whose zones share nodes; shells are numbered zone after zone."""
+        made = cls.__new__(cls)
+        SpaceDynamics.__init__(made, points, zones, precision=precision, device=device, hanging=hanging, world=world)
+        return made
+
+    @property
+    def zones(self) -> list[slice]:
+        """Where the shells of each zone are among all."""
+        ends = np.cumsum([len(block.cells) for block in self.blocks]).tolist()
+        return [slice(begin, end) for begin, end in zip([0, *ends[:-1]], ends, strict=True)]
 
     def inherit(
         self,

@@ -72,8 +72,9 @@ class SolidState:
 class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, PressuresOfRun, ShellContactOfRun, Dynamics):
     """Blocks of shells and of solids in explicit dynamics.
 
-    points (n_nodes, 3) [mm]; blocks: at most one of Shells, which the properties of layers, thickness and tools mean,
-    and it comes first. hanging: nodes that follow the ends of sides (n, 7), as SplitMesh.hanging gives them.
+    points (n_nodes, 3) [mm]; blocks: those of Shells, which the properties of layers, thickness and tools mean, come
+    first; several of them are one sheet, whose laws keep the same quantities.
+    hanging: nodes that follow the ends of sides (n, 7), as SplitMesh.hanging gives them.
     precision: "single" computes shells and velocities in single precision, positions and energies in double: about half
     the time and memory; docs/theory/explicit.md states where it is accurate enough. device: "cuda" computes the cycles
     on the first NVIDIA card, "host" runs the card's code on the CPU, for tests; docs/theory/graphics_card.md lists what
@@ -118,11 +119,13 @@ class SpaceDynamics(LayersOfRun, ToolsOfRun, BeadsOfRun, PressuresOfRun, ShellCo
                     self._counts.append(len(part))
         loop = _make_loop(precision, x[nodes], pieces, place)
         self._shells = np.concatenate([np.zeros(0, np.intp), *elements[: len(self._counts)]])
-        if isinstance(blocks[0], Shells):
-            shells = blocks[0]
-            self._young, self._poisson = shells.law.young, shells.law.poisson
-            self._damage_names = tuple(law.name for law in shells.damage)
-            self.connectivity, self.axis, self.options = shells.cells, shells.axes, shells.options
+        if sheet := [block for block in blocks if isinstance(block, Shells)]:
+            of_sheet = [len(block.cells) for block in sheet]
+            self._young = np.repeat([block.law.young for block in sheet], of_sheet)
+            self._poisson = np.repeat([block.law.poisson for block in sheet], of_sheet)
+            self._damage_names = tuple(law.name for law in sheet[0].damage)
+            self.connectivity = np.concatenate([block.cells for block in sheet])
+            self.axis, self.options = np.concatenate([block.axes for block in sheet]), sheet[0].options
         self.hanging = follow = np.array(hanging, dtype=np.int32).reshape(-1, 7)
         if len(follow):
             loop.set_hanging(place[follow])
@@ -262,10 +265,20 @@ def _check(x: Array, blocks: Sequence[Shells | Solids], precision: Precision, de
         raise ExplicitError(f"precision = {precision!r}: give 'double' or 'single'")
     if device not in DEVICES:
         raise ExplicitError(f"device = {device!r}: give {' or '.join(map(repr, DEVICES))}")
-    if not blocks or any(isinstance(block, Shells) for block in blocks[1:]):
-        raise ExplicitError("blocks: give one at least, and Shells at most once, as the first")
-    if precision != "double" and isinstance(blocks[0], Shells) and isinstance(blocks[0].law, SheetUmat):
+    sheet = [block for block in blocks if isinstance(block, Shells)]
+    if not blocks or any(isinstance(block, Shells) for block in blocks[len(sheet) :]):
+        raise ExplicitError("blocks: give one at least, and those of Shells first")
+    if precision != "double" and any(isinstance(block.law, SheetUmat) for block in sheet):
         raise ExplicitError(f"precision = {precision!r}: a UMAT computes in double precision")
+    if (
+        len(
+            {(block.options, list_sheet_history(block.law), tuple(law.name for law in block.damage)) for block in sheet}
+        )
+        > 1
+    ):
+        raise ExplicitError(
+            "blocks of Shells are one sheet: their options, what their laws keep, and damage are the same"
+        )
     check_points(x, 3)
     for block in blocks:
         block.check(x)

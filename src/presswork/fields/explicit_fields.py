@@ -22,7 +22,7 @@ class OnePointFields:
     """Turns positions and layers of a blank's shells into fields.
 
     cells (n, 4): a triangle has its last node twice, which leaves the slopes at its centre what they are. axis: x of
-    the law, in the undeformed sheet.
+    the law, in the undeformed sheet, one or of each cell (n, 3).
     """
 
     def __init__(
@@ -37,11 +37,11 @@ class OnePointFields:
             slopes=SLOPES,
             points=mesh.points,
             director=self._normals(mesh.points),
-            thickness=section.thickness,
+            thickness=np.concatenate([block.thickness for block in mesh.blocks]),
             layers=thickness_rule(section)[0],
         )
         start = self._base(mesh.points)
-        (xx, xy), (yx, yy) = _components(start, *_plane_frame(start, np.asarray(axis)[:, None]))
+        (xx, xy), (yx, yy) = _components(start, *_plane_frame(start, np.atleast_2d(axis).T))
         self._inverse = np.array([[yy, -xy], [-yx, xx]]) / (xx * yy - xy * yx)
 
     def cell_fields(

@@ -14,24 +14,46 @@ from presswork.formability import (
     CRACKS,
     PATH_MARGINS,
     POLAR,
+    ZONE,
     ZONES,
     Formability,
+    Info,
+    Judged,
     find_margin,
     find_thinning,
     find_wrinkling,
     find_zones,
 )
-from presswork.model import FloatArray
+from presswork.model import FloatArray, Model
 
 FORMABILITY_FIELDS = ("thinning", "wrinkling_indicator", "forming_limit_margin", "formability_zone")
 """The last two need a forming limit."""
 NEEDED = ("major_strain_middle", "minor_strain_middle", "thickness_strain")
 
 
-def formability_fields(fields: Mapping[str, FloatArray], judged: Formability) -> dict[str, FloatArray]:
-    """Return FORMABILITY_FIELDS (n_cells,) from the fields NEEDED; without a curve the first two, of solids none."""
+def formability_fields(fields: Mapping[str, FloatArray], judged: Judged) -> dict[str, FloatArray]:
+    """Return FORMABILITY_FIELDS (n_cells,) from the fields NEEDED; without a curve the first two, of solids none.
+
+    Where only some cells have a curve, the last two are NaN in the others.
+    """
     if not set(NEEDED) <= set(fields):
         return {}
+    if len(judged) == 1:
+        return _judge_cells(fields, judged[0][0])
+    ends = np.cumsum([n for _, n in judged])
+    parts = [
+        _judge_cells({name: fields[name][end - n : end] for name in NEEDED}, own)
+        for end, (own, n) in zip(ends, judged, strict=True)
+    ]
+    names = max(parts, key=len)
+    return {
+        name: np.concatenate([p.get(name, np.full(n, np.nan)) for p, (_, n) in zip(parts, judged, strict=True)])
+        for name in names
+    }
+
+
+def _judge_cells(fields: Mapping[str, FloatArray], judged: Formability) -> dict[str, FloatArray]:
+    """Return the fields of cells of one material."""
     major, minor, thickness = (fields[name] for name in NEEDED)
     found = {"thinning": find_thinning(thickness), "wrinkling_indicator": find_wrinkling(major, minor, judged.r)}
     if judged.curve is not None:
@@ -39,6 +61,16 @@ def formability_fields(fields: Mapping[str, FloatArray], judged: Formability) ->
         found["forming_limit_margin"] = find_margin(major, minor, judged.curve)
         found["formability_zone"] = zone.astype(np.float64)
     return found
+
+
+def describe_judged(model: Model) -> Info:
+    """Return what results store of what strains are judged by, of a welded blank each zone's, and names of zones."""
+    info = dict(model.judged[0][0].to_info())
+    if model.zones:
+        info["zones"] = "\n".join(model.zones)
+        for block in model.mesh.blocks:
+            info |= model.materials[block.material].formability.to_info(f"{ZONE}{block.zone}_")
+    return info
 
 
 @dataclass(frozen=True)
@@ -147,7 +179,7 @@ def judge_fields(
     fields: Mapping[str, FloatArray],
     blocks: Sequence[Cells],
     points: FloatArray,
-    judged: Formability,
+    judged: Judged,
     symmetry: tuple[bool, bool] = (False, False),
 ) -> FormingVerdict | None:
     """Return the verdict on a sheet.
@@ -170,12 +202,15 @@ def judge_fields(
     thinnest = extreme(found["thinning"], np.argmax(found["thinning"]))
     fold = extreme(fields[FOLD], np.argmax(fields[FOLD])) if FOLD in fields else None
     folds = count_folds(fields[SIDE], blocks, points, symmetry) if SIDE in fields else 0
-    if judged.curve is None:
+    methods = dict.fromkeys(own.curve.method for own, _ in judged if own.curve is not None)
+    if not methods:
         return FormingVerdict("", {}, None, thinnest, fold=fold, folds=folds)
-    counts = np.bincount(found["formability_zone"].astype(int), minlength=len(ZONES))
+    zone = found["formability_zone"]
+    counts = np.bincount(zone[np.isfinite(zone)].astype(int), minlength=len(ZONES))
+    note = "; ".join(dict.fromkeys(own.note for own, _ in judged if own.note))
     margin = found["forming_limit_margin"]
     zones = {name: int(count) for name, count in zip(ZONES, counts, strict=True)}
     by_path = {name: extreme(fields[name], np.nanargmin(fields[name])) for name in PATH_MARGINS if name in fields}
     failing = int((fields[POLAR] < 0.0).sum()) if POLAR in fields else 0
-    least = extreme(margin, np.argmin(margin))
-    return FormingVerdict(judged.curve.method, zones, least, thinnest, judged.note, by_path, failing, fold, folds)
+    least = extreme(margin, np.nanargmin(margin))
+    return FormingVerdict("; ".join(methods), zones, least, thinnest, note, by_path, failing, fold, folds)

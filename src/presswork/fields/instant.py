@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from presswork.formability import Formability
+from presswork.formability import Formability, Judged
 from presswork.law.history import History
 from presswork.model import FloatArray
 
@@ -92,8 +92,8 @@ class Instant:
     find_sheet: Callable[[], Mapping[str, FloatArray]] | None = None
     """Returns thickness, strains and stresses of a sheet's cells by the names of their fields (n_cells,) or
     (n_cells, k): they are computed together, from the metric of every layer."""
-    judged: Formability = field(default_factory=Formability)
-    """Forming limit by which the strains of a sheet are judged."""
+    judged: Judged = ((Formability(), 0),)
+    """Forming limits by which the strains of a sheet are judged."""
 
     @cached_property
     def contact(self) -> NodalContact | None:

@@ -190,6 +190,13 @@ def _body(now: Instant) -> FloatArray | None:
     return np.concatenate([np.full(n_cells[b], float(i)) for i, body in bodies for b in body.blocks])
 
 
+def _zone(now: Instant) -> FloatArray | None:
+    """Return the zone of a welded blank that each cell belongs to; 0 beside all of them."""
+    if not getattr(now.model, "zones", ()):  # one step has a model of its own
+        return None
+    return np.concatenate([np.full(len(block.connectivity), float(block.zone)) for block in now.model.mesh.blocks])
+
+
 ROWS = (
     Field("displacement", "mm", "point", lambda now: _to_space(now.displacement), components=VECTOR, alias="u"),
     Field("initial_position", "mm", "point", lambda now: _to_space(now.initial_position), components=VECTOR),
@@ -220,6 +227,7 @@ ROWS = (
     Field("temperature_{}", "degrees C", "layer", _temperature_of_layers, "layer"),
     Field("SDV{}", "", "cell", _state_variables, "number"),
     Field("body", "1", "cell", _body),
+    Field("zone", "1", "cell", _zone),
     Field("equivalent_plastic_strain_{}", "1", "layer", _of_layers("equivalent_plastic_strain"), "layer"),
     Field("effective_stress_{}", "MPa", "layer", _of_layers("effective_stress"), "layer"),
     Field("lamina_stress_{}", "MPa", "layer", _of_layers("lamina_stress"), "layer", LAMINA, single=True),

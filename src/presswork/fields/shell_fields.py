@@ -32,7 +32,8 @@ class ShellGeometry:
     """Undeformed (n_points, 3)."""
     director: FloatArray
     """Undeformed (n_directors, 3)."""
-    thickness: float
+    thickness: FloatArray
+    """Thickness of the undeformed shells (n_cells,) [mm]."""
     layers: FloatArray
     """Positions in (-1, 1)."""
     material: Material | None = None
@@ -146,7 +147,7 @@ def layer_fields(
     squeezed = np.zeros(thickness.shape) if pressure is None else pressure
     fields = {
         "thickness": thickness.mean(axis=1),
-        "thickness_strain": np.log(thickness / g.thickness).mean(axis=1),
+        "thickness_strain": np.log(thickness / g.thickness[:, None]).mean(axis=1),
         "effective_stress": sheet_effective_stress(stress).max(axis=2).mean(axis=1),
         "equivalent_plastic_strain": eqps.max(axis=2).mean(axis=1),
     }

@@ -89,8 +89,10 @@ def share_volume(model: Model, block: CellBlock) -> FloatArray:
 
 def _share_sheet(model: Model, block: CellBlock) -> FloatArray:
     """Return the volume of a sheet that each node stands for (n_points,) [mm3]."""
-    assert block.section is not None
-    return block.section.thickness * share_surface(model.mesh.points, block.connectivity)
+    if block.own_thickness is None:
+        assert block.section is not None
+        return block.section.thickness * share_surface(model.mesh.points, block.connectivity)
+    return share_surface(model.mesh.points, block.connectivity, block.own_thickness)
 
 
 def _share_solid(model: Model, block: CellBlock) -> FloatArray:

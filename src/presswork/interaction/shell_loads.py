@@ -35,8 +35,7 @@ class ShellLoads(Interaction):
         self.nodal_volume = np.zeros(len(model.mesh.points))
         for block in model.mesh.blocks:
             N, area = measure_shells(model.mesh.points, block)
-            thickness = block.section.thickness if block.section else 0.0
-            np.add.at(self.nodal_volume, block.connectivity, thickness * area @ N)
+            np.add.at(self.nodal_volume, block.connectivity, block.thickness[:, None] * area @ N)
         self._dead = [self._dead_loads(s) for s in range(len(model.stages))]
 
     def at_rest(self) -> tuple[Arrays, ...]:

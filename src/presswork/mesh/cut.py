@@ -37,6 +37,8 @@ from presswork.model import BoolArray, FloatArray, IntArray, find_cell
 
 NEAR = 0.3
 """Part of an edge within which a node is moved onto the line."""
+HALF = 0.5
+"""The same where a line divides the mesh, and both sides stay."""
 SHARP = float(np.radians(20.0))
 """A line or an outline that turns by more has a corner."""
 TIGHT = float(np.radians(45.0))
@@ -88,8 +90,22 @@ def cut_mesh(points: FloatArray, blocks: tuple[IntArray, ...], line: FloatArray,
     """
     cutter = _Cutter(points, blocks, line, keep)
     cutter.place_corners()
-    cutter.move_near_nodes()
+    cutter.move_near_nodes(NEAR)
     return cutter.split()
+
+
+def divide_mesh(
+    points: FloatArray, blocks: tuple[IntArray, ...], line: FloatArray
+) -> tuple[FloatArray, list[IntArray]]:
+    """Return the points and the cells of each kind of a flat mesh that has its nodes on a closed line.
+
+    Arguments as of cut_mesh. Nodes are moved up to half an edge, so that hardly any are added and no cell is cut small.
+    Raises MeshError where all nodes lie on one side.
+    """
+    cutter = _Cutter(points, blocks, line, "inside")
+    cutter.place_corners()
+    cutter.move_near_nodes(HALF)
+    return cutter.divide()
 
 
 def check_meets(points: FloatArray, line: FloatArray, keep: Keep) -> None:
@@ -192,15 +208,15 @@ class _Cutter:
 
     # --- 2 -----------------------------------------------------------------------------------------------------------
 
-    def move_near_nodes(self) -> None:
-        """Move nodes that the line passes nearby onto it."""
+    def move_near_nodes(self, near: float) -> None:
+        """Move nodes that the line passes nearby, closer than part of an edge, onto it."""
         edges, part = self._crossed_edges()
         ends = np.concatenate([edges, edges[:, ::-1]])
         parts = np.concatenate([part, 1.0 - part])
         own, other = ends.T
         on_outline = np.isin(edge_keys(ends), edge_keys(self.boundary))
         stays = self.is_outline & (self._outline_turns() > SHARP)
-        allowed = ~self.moved[own] & (parts < NEAR) & (~self.is_outline[own] | (on_outline & ~stays[own]))
+        allowed = ~self.moved[own] & (parts < near) & (~self.is_outline[own] | (on_outline & ~stays[own]))
         allowed |= ~self.moved[own] & (parts < _ON)
         chosen: dict[int, int] = {}
         for row in np.flatnonzero(allowed)[np.argsort(parts[allowed])].tolist():
@@ -252,6 +268,18 @@ class _Cutter:
 
     def split(self) -> CutMesh:
         """Keep what lies on the right side, and split the cells that the line crosses."""
+        at, weights = self._add_nodes()
+        return self._finish(self._collect(at), weights)
+
+    def divide(self) -> tuple[FloatArray, list[IntArray]]:
+        """Keep both sides, and split the cells that the line crosses; return points (n, 3) and cells of each kind."""
+        at, _ = self._add_nodes()
+        pieces = self._collect(at)
+        self.side, self.keep = -self.side, "outside" if self.keep == "inside" else "inside"
+        return self.points, [each.connectivity for each in self._collect(at, pieces).cells()]
+
+    def _add_nodes(self) -> tuple[dict[tuple[int, int], tuple[int, float]], scipy.sparse.csr_array]:
+        """Add a node where the line crosses an edge; return it and its place by edge, and the weights of all nodes."""
         edges, part = self._crossed_edges()
         n = len(self.points)
         at: dict[tuple[int, int], tuple[int, float]] = {}
@@ -264,7 +292,11 @@ class _Cutter:
         self.points = np.concatenate([self.points, blend @ self.points])
         weights = scipy.sparse.vstack([self.weights.tocsr(), blend @ self.weights.tocsr()]).tocsr()
         self.side = np.concatenate([self.side, np.zeros(len(edges), dtype=np.int32)])
-        pieces = _Pieces()
+        return at, weights
+
+    def _collect(self, at: dict[tuple[int, int], tuple[int, float]], before: _Pieces | None = None) -> _Pieces:
+        """Return the cells on the side that is kept, whole or split at the new nodes, after others."""
+        pieces = before or _Pieces()
         for b, cells in enumerate(self.blocks):
             side, natural = self.side[cells], find_cell(2, cells).places
             whole = (side > 0).all(axis=1)
@@ -276,7 +308,7 @@ class _Cutter:
                     parts, quality = split_polygon(self.points[loop][own], normal)
                     if quality > _NO_AREA:
                         pieces.add_parts(b, cell, [loop[k] for k in own], places[own], parts)
-        return self._finish(pieces, weights)
+        return pieces
 
     def _separate(self, own: list[int], loop: IntArray) -> list[list[int]]:
         """Split a polygon along the line between nodes on it, and return the pieces that are kept."""

@@ -25,7 +25,7 @@ def find_node_volumes(model: Model, block: CellBlock) -> FloatArray:
     tangents = np.einsum("qaj,eai->eqij", rule.slopes, x)  # of cell coordinates (n_cells, n_qp, d, dimension)
     if block.section:
         normal = np.cross(tangents[..., 0], tangents[..., 1])
-        size = block.section.thickness * np.linalg.norm(normal, axis=-1)
+        size = block.thickness[:, None] * np.linalg.norm(normal, axis=-1)
     else:
         size = np.linalg.det(tangents)
     if model.analysis == "axisymmetric":

@@ -160,7 +160,7 @@ class SplitStep:
         for block in mesh.blocks:
             n, corners = block.connectivity.shape
             own = (self.parent >= first) & (self.parent < first + n)
-            blocks.append(replace(block, connectivity=self.mesh.cells[own, :corners]))
+            blocks.append(block.take(self.parent[own] - first, self.mesh.cells[own, :corners]))
             first += n
         boundary = mesh.boundary_edges
         on_boundary = np.isin(edge_keys(self.made_of[:, :2]), edge_keys(boundary))

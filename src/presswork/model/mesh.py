@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -41,6 +41,25 @@ class CellBlock:
     """Index into Model.materials."""
     section: Section | None = None
     """Section of shells; None for solids."""
+    zone: int = 0
+    """Zone of a welded blank, as an index into Model.zones; 0 of any other mesh."""
+    rolling: tuple[float, float, float] | None = None
+    """Shells: Model.rolling_direction of these alone; None: that."""
+    own_thickness: FloatArray | None = None
+    """Thickness of each undeformed shell (n_cells,) [mm], of a rolled blank; None: that of the section."""
+
+    @property
+    def thickness(self) -> FloatArray:
+        """Thickness of each undeformed shell (n_cells,) [mm]."""
+        assert self.section is not None
+        if self.own_thickness is not None:
+            return self.own_thickness
+        return np.full(len(self.connectivity), self.section.thickness)
+
+    def take(self, cells: IntArray, connectivity: IntArray, element: ElementName | None = None) -> CellBlock:
+        """Return a block of new cells that come from cells of this one (n,), with all that these are made of."""
+        own = None if self.own_thickness is None else self.own_thickness[cells]
+        return replace(self, element=element or self.element, connectivity=connectivity, own_thickness=own)
 
 
 @dataclass(frozen=True)

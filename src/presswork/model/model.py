@@ -4,9 +4,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
+from itertools import groupby
 from typing import Literal
 
-from presswork.model.arrays import IntArray
+import numpy as np
+
+from presswork.formability import Formability, Judged
+from presswork.model.arrays import FloatArray, IntArray
 from presswork.model.contact import Body, BodyContact
 from presswork.model.draw_in import DrawInDirection
 from presswork.model.elements import ELEMENTS
@@ -16,7 +20,7 @@ from presswork.model.heat import Heat, Series
 from presswork.model.limits import Limits
 from presswork.model.marked_point import MarkedPoint
 from presswork.model.material import Material
-from presswork.model.mesh import Mesh, Section
+from presswork.model.mesh import CellBlock, Mesh, Section
 from presswork.model.operation import Operation
 from presswork.model.remeshing import Remeshing
 from presswork.model.settings import LARGE, ExplicitSheet, ExplicitSolid, OutputSettings, SolverSettings
@@ -59,6 +63,10 @@ class Model:
     contacts: tuple[BodyContact, ...] = ()
     rolling_direction: tuple[float, float, float] = (1.0, 0.0, 0.0)
     """Shells: unit vector whose projection into the sheet is x of its laws."""
+    zones: tuple[str, ...] = ()
+    """Shells: names of the zones of a welded blank, the remaining blank first; empty: it has none."""
+    is_relieved: bool = True
+    """Stampings: whether tools are stepped for zones thinner than the thickest, half of the difference on each face."""
     symmetry: tuple[bool, bool] = (False, False)
     """Stampings: whether x = 0 and y = 0 are symmetry planes of the whole part."""
     explicit: ExplicitSolid | ExplicitSheet | None = None
@@ -162,10 +170,41 @@ class Model:
 
     @property
     def sheet(self) -> tuple[Section, Material]:
-        """Section and material of a sheet."""
+        """Section and material of a sheet; of a welded blank those of the first block."""
         block = self.mesh.blocks[0]
         assert block.section is not None
         return block.section, self.materials[block.material]
+
+    @property
+    def thickest(self) -> float:
+        """Largest thickness of an undeformed sheet [mm]: tools leave room for it."""
+        return max(float(block.thickness.max()) for block in self.mesh.blocks if block.section is not None)
+
+    @property
+    def sheet_materials(self) -> tuple[Material, ...]:
+        """Materials of a sheet's blocks, each once."""
+        return tuple(self.materials[i] for i in dict.fromkeys(block.material for block in self.mesh.blocks))
+
+    @property
+    def blocks_of_zones(self) -> list[tuple[CellBlock, ...]]:
+        """Blocks of a sheet's cells, zone after zone."""
+        return [tuple(of_zone) for _, of_zone in groupby(self.mesh.blocks, lambda block: block.zone)]
+
+    @property
+    def judged(self) -> Judged:
+        """What the strains of a sheet are judged by, block after block; of one material once."""
+        found: list[tuple[Formability, int]] = []
+        for block in self.mesh.blocks:
+            own, n = self.materials[block.material].formability, len(block.connectivity)
+            if found and found[-1][0] is own:
+                own, n = found[-1][0], n + found.pop()[1]
+            found.append((own, n))
+        return found
+
+    def find_relief(self) -> list[FloatArray]:
+        """Return by how much tools come nearer to each shell of the blocks than to the thickest (n_cells,) [mm]."""
+        least = self.thickest if self.is_relieved else 0.0
+        return [np.maximum(least - block.thickness, 0.0) for block in self.mesh.blocks]
 
     @property
     def whole(self) -> int:

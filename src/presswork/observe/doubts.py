@@ -84,7 +84,7 @@ def _negligible_force(model: Model) -> float:
     elif model.dimension == 2:
         face = float(extent[0]) * model.depth
     elif model.analysis in ("shell", "stamping"):
-        face = float(extent[-1]) * model.sheet[0].thickness
+        face = float(extent[-1]) * model.thickest
     else:
         face = float(extent[0] * extent[1])
     return NOTHING * min((material.young for material in model.materials), default=0.0) * face

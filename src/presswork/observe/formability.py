@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from presswork.fields.formability_fields import Extreme, FormingVerdict, judge_fields
-from presswork.formability import Formability, Info
+from presswork.fields.formability_fields import Extreme, FormingVerdict, describe_judged, judge_fields
+from presswork.formability import Info
 from presswork.model import Model
 from presswork.observe.contract import History, Measure, Observed, Observer
 
@@ -51,7 +51,7 @@ class FormabilityObserver(Observer):
 
     def info(self, run: Observed) -> Info:
         """Return what the sheet is judged by."""
-        return _find_limit(run).to_info() if self._forms_sheet else {}
+        return describe_judged(run.model) if self._forms_sheet else {}
 
     def _judge_middle(self, run: Observed) -> FormingVerdict | None:
         """Return the verdict by the strains alone; it is found once in an instant."""
@@ -65,9 +65,4 @@ class FormabilityObserver(Observer):
         if not self._forms_sheet:
             return None
         fields, symmetry = run.sheet_fields(with_surface=with_surface), run.model.symmetry
-        return judge_fields(fields, run.mesh.blocks, run.positions(), _find_limit(run), symmetry)
-
-
-def _find_limit(run: Observed) -> Formability:
-    """Return what the strains of a sheet are judged by: it is of one material."""
-    return run.model.sheet[1].formability
+        return judge_fields(fields, run.mesh.blocks, run.positions(), run.model.judged, symmetry)

@@ -21,6 +21,7 @@ from presswork.observe.reactions import Reactions
 from presswork.observe.sheet_depth import SheetDepth
 from presswork.observe.sheet_pressure import PressedSheet
 from presswork.observe.slipping_rolls import SlippingRolls
+from presswork.observe.weld_lines import WeldLines
 
 
 def list_observers(model: Model) -> Observers:
@@ -44,5 +45,6 @@ def list_observers(model: Model) -> Observers:
             FormabilityObserver(model),
             SheetDepth(),
             SlippingRolls(model),
+            WeldLines(model),
         ]
     )

@@ -30,7 +30,7 @@ class Overlap(Observer):
         """Return the overlap, by the thickness of the sheet at the start."""
         if not run.model.self_contact:
             return []
-        depth, thickness = run.overlap(), run.model.sheet[0].thickness
+        depth, thickness = run.overlap(), run.model.thickest
         fact = f"the sheet of {thickness:g} mm overlaps itself by {depth:.3g} mm"
         return [Measure("penetration", depth / thickness, fact)]
 
@@ -42,7 +42,7 @@ class Overlap(Observer):
         """Return a warning where the sheet has sunk into itself."""
         if not run.model.self_contact:
             return []
-        deep, thickness = self.summary(run, history)["overlap_mm"], run.model.sheet[0].thickness
+        deep, thickness = self.summary(run, history)["overlap_mm"], run.model.thickest
         if deep <= WORTH_A_WARNING * thickness:
             return []
         share = 100.0 * deep / thickness

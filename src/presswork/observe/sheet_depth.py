@@ -14,7 +14,7 @@ class SheetDepth(Observer):
         return [
             Measure(
                 "penetration",
-                depth / (thickness := run.model.sheet[0].thickness),
+                depth / (thickness := run.model.thickest),
                 f"the tool {name} is {depth:.3g} mm deep in the surface of the sheet of {thickness:g} mm",
             )
             for name, depth in run.tool_depths().items()

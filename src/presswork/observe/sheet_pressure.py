@@ -71,7 +71,7 @@ class PressedPart:
     def __init__(self, model: Model, pressure: SheetPressure) -> None:
         self.pressure = pressure
         self._points, self._symmetry, self._whole = model.mesh.points, model.symmetry, model.whole
-        self._thickness = model.sheet[0].thickness
+        self._thickness = model.thickest
         self._numbers = find_pressed_cells(model.mesh.points, model.cells, pressure)
         self._cells: IntArray = model.cells[self._numbers]
         self._side = find_side(model.mesh.points, model.cells, pressure.face)

@@ -22,7 +22,7 @@ BEYOND = 1.1
 
 def warn_of_wall_load(model: Model, history: Mapping[str, NDArray[Any]]) -> list[str]:
     """Return a warning for each drawn punch of a stamping whose largest force is near what the wall bears."""
-    if model.analysis != "stamping" or model.heat is not None:
+    if model.analysis != "stamping" or model.heat is not None or model.zones:
         return []
     section, material = model.sheet
     if not has_wall(material):

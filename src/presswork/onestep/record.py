@@ -102,14 +102,14 @@ def _write_results(path: Path, result: OneStepResult) -> None:
         (1.0, result.model.points - mesh.points, result.fields),
     ]
     for time, displacement, cells in steps:
-        now = Instant(result.model, displacement, judged=result.model.material.formability)
+        now = Instant(result.model, displacement, judged=[(result.model.material.formability, 0)])
         now.find_sheet = partial(dict, cells)
         append_step(path, mesh, time, *compute_fields(now), info=info)
 
 
 def _summarise(result: OneStepResult, outline: BlankOutline, warnings: list[str], total: float) -> dict[str, object]:
     model, nesting = result.model, nest(outline)
-    verdict = judge_fields(result.fields, blank_mesh(result).blocks, model.points, model.material.formability)
+    verdict = judge_fields(result.fields, blank_mesh(result).blocks, model.points, [(model.material.formability, 0)])
     assert verdict is not None, "the fields hold principal strains"
     unheld = float(np.linalg.norm(result.held_force[:2]))
     if result.punch_force > 0 and unheld > 0.1 * result.punch_force:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from presswork.fields.formability_fields import NEEDED, FormingVerdict, formability_fields, judge_fields
 from presswork.fields.surface_defects import FOLD, SIDE
-from presswork.formability import PATH_MARGINS, Formability
+from presswork.formability import PATH_MARGINS, Formability, Judged
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
 
@@ -16,7 +16,11 @@ def judge_cells(result: Result, step: int = -1, judged: Formability | None = Non
     judged: the limit to judge by; without it that of the run. Without a curve the first two.
     Raises ResultError for a body that is no sheet.
     """
-    return formability_fields(_strains(result, step), result.formability if judged is None else judged)
+    return formability_fields(_strains(result, step), _find_judged(result, step, judged))
+
+
+def _find_judged(result: Result, step: int, judged: Formability | None) -> Judged:
+    return result.judged_at(step) if judged is None else [(judged, 0)]
 
 
 def judge_part(result: Result, step: int = -1, judged: Formability | None = None) -> FormingVerdict:
@@ -30,7 +34,7 @@ def judge_part(result: Result, step: int = -1, judged: Formability | None = None
         fields,
         result.mesh_at(step).blocks,
         result.points(step),
-        result.formability if judged is None else judged,
+        _find_judged(result, step, judged),
         ("x" in planes, "y" in planes),
     )
     assert verdict is not None

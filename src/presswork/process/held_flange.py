@@ -55,7 +55,7 @@ def _warn_of_wrinkles(
     thickest: float,
 ) -> Iterator[str]:
     """Compare how far a pushed holder has been lifted with what the sheet has thickened."""
-    thickness = model.sheet[0].thickness
+    thickness = model.thickest
     lift = _find_lift(history, pushed, [holder, *dies])
     if not len(lift):
         return
@@ -84,7 +84,7 @@ def summarise_holders(
     for holder in (tool for tool in model.tools if tool.kind == "holder"):
         pushed = _rows_pushed(model, history, [holder, *dies])
         lift = _find_lift(history, pushed, [holder, *dies])
-        heights += [float(lift.max()) - max(thickest - model.sheet[0].thickness, 0.0)] if len(lift) else []
+        heights += [float(lift.max()) - max(thickest - model.thickest, 0.0)] if len(lift) else []
     return {"wrinkles": {"height_mm": max(0.0, *heights)}} if heights else {}
 
 

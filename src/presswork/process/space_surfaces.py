@@ -44,5 +44,5 @@ def draw_tool(tool: Tool, points: FloatArray, chord: float) -> tuple[FloatArray,
 def _chord(model: Model) -> float:
     """Return how far the triangles of a drawn tool may lie off its surface [mm]."""
     if model.mesh.blocks[0].section is not None:
-        return SHEET_CHORD * model.sheet[0].thickness
+        return SHEET_CHORD * model.thickest
     return SOLID_CHORD * float(np.linalg.norm(np.ptp(model.mesh.points, axis=0)))

@@ -14,6 +14,7 @@ from presswork import _core
 from presswork.explicit.motion import DrivenStroke, Motion, SmoothStroke
 from presswork.explicit.shells import ExplicitShells
 from presswork.explicit.tools import RigidTool
+from presswork.fields.formability_fields import describe_judged
 from presswork.formability import Info
 from presswork.geometry.tool_surface import make_surface
 from presswork.mesh.thickness_rule import thickness_rule
@@ -182,13 +183,12 @@ def tool_text(model: Model, row: Row) -> str:
 def describe_stamping(model: Model) -> Info:
     """Return what results store about a stamping."""
     planes = "".join(name for name, is_cut in zip("xy", model.symmetry, strict=True) if is_cut)
-    judged = model.sheet[1].formability
     described: dict[str, str | float | FloatArray] = {"title": model.title, "analysis": "stamping", "symmetry": planes}
     beads = [*model.beads, *(bead for operation in model.following for bead in operation.beads)]
     if beads:
         described["beads"] = "\n".join(bead.name for bead in beads)
         described["bead_points"] = _thin([bead.place for bead in beads])
-    return {**described, **describe_sheet(model), "whole": float(model.whole), **judged.to_info()}
+    return {**described, **describe_sheet(model), "whole": float(model.whole), **describe_judged(model)}
 
 
 def describe_sheet(model: Model) -> Info:
@@ -235,9 +235,7 @@ def find_stops(model: Model) -> dict[str, tuple[str, float]]:
         if not is_pushed(model, tool) or {tool.kind, other.kind} != {"holder", "die"}:
             continue
         between, direction = np.subtract(tool.position, other.position), np.array(tool.working_direction)
-        clearance = find_clearance(
-            tool.surface, other.surface, between, direction, SHEET_CHORD * model.sheet[0].thickness
-        )
+        clearance = find_clearance(tool.surface, other.surface, between, direction, SHEET_CHORD * model.thickest)
         if clearance < found.get(tool.name, ("", math.inf))[1]:
             found[tool.name] = other.name, clearance
     return found

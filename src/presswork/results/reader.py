@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from presswork.fields.formability_fields import FORMABILITY_FIELDS
 from presswork.fields.table import find_aliases, find_row, to_scalar
-from presswork.formability import PATH_MARGINS, Formability
+from presswork.formability import PATH_MARGINS, ZONE, Formability
 from presswork.geometry.pose import ToolPose, find_pose_since, place_points, place_segments
 from presswork.model import FloatArray, IntArray
 from presswork.results.dies import read_dies
@@ -118,6 +118,29 @@ class Result:
     def formability(self) -> Formability:
         """Forming limit of the sheet; it has no curve if the material had none."""
         return Formability.from_info(self.info)
+
+    @property
+    def zones(self) -> list[str]:
+        """Names of the zones of a welded blank, the remaining blank first; empty without."""
+        return str(self.info["zones"]).split("\n") if "zones" in self.info else []
+
+    def judged_at(self, step: int = -1) -> list[tuple[Formability, int]]:
+        """Return what the strains of a saved step are judged by: that of so many cells, then of so many more."""
+        counts = [len(block.connectivity) for block in self.mesh_at(step).blocks]
+        if not self.zones:
+            return [(self.formability, sum(counts))]
+        zone = self.field("zone", step)[np.cumsum([0, *counts[:-1]])]
+        return [(self.limits[int(number)], n) for number, n in zip(zone, counts, strict=True)]
+
+    @cached_property
+    def limits(self) -> dict[int, Formability]:
+        """Forming limits of the zones of a welded blank, by number."""
+        numbers = range(len(self.zones))
+        return {
+            i: Formability.from_info(self.info, f"{ZONE}{i}_")
+            for i in numbers
+            if f"{ZONE}{i}_safety_margin" in self.info
+        }
 
     @cached_property
     def mesh(self) -> ResultMesh:

@@ -168,7 +168,7 @@ class _Search:
         points, cells = model.mesh.points, model.mesh.blocks[0].connectivity
         edge = np.linalg.norm(points[cells[:, 0]] - points[cells[:, 1]], axis=1)
         strokes = sum(abs(a.stroke) for stage in self.case.stages for a in stage.tools.values() if a.stroke)
-        self.drawn = cut_into_triangles(model, _LONGEST * float(np.median(edge)), self.case.blank.thickness, strokes)
+        self.drawn = cut_into_triangles(model, _LONGEST * float(np.median(edge)), self.case.blank.thickest, strokes)
         self.goal: Goal | None = None
         self.loops: list[Loop] = []
 
@@ -212,7 +212,7 @@ class _Search:
             if self.goal is None:
                 tools = self.drawn = find_closed(self.drawn, result, find_formed_step(result))
                 self.goal = self.set_goal(part, points, triangles)
-                correction, steps = np.zeros_like(points), self.goal.begin_steps(self.case.blank.thickness)
+                correction, steps = np.zeros_like(points), self.goal.begin_steps(self.case.blank.thickest)
             assert correction is not None
             assert steps is not None
             misfit = self.goal.measure(part, correction, lower)
@@ -237,7 +237,7 @@ class _Search:
         """Return the tools as drawn with a correction (n_points, 3) [mm]."""
         assert self.goal is not None
         warp = self.goal.make_warp(correction)
-        return bend_tools(self.drawn, warp, self.case.blank.thickness, fix_holders=self.fix_binder)
+        return bend_tools(self.drawn, warp, self.case.blank.thickest, fix_holders=self.fix_binder)
 
     def shorten(self, before: FloatArray, after: FloatArray) -> FloatArray:
         """Return the next correction, halfway to it where its tools would lean over so far that they tear the wall."""
@@ -250,7 +250,7 @@ class _Search:
     def set_goal(self, part: ReleasedPart, points: FloatArray, triangles: IntArray) -> Goal:
         """Return the goal by the part of the tools as drawn. Raises CaseError for a target that is not this part."""
         held = tuple(tool for tool in self.drawn if tool.kind == "holder") if self.fix_binder else ()
-        thickness = self.case.blank.thickness
+        thickness = self.case.blank.thickest
         try:
             return set_goal(part, (points, triangles), held, thickness, self.planes, self.target)
         except NotThePartError as error:
@@ -269,7 +269,7 @@ class _Search:
                 folder,
                 misfit,
                 float(max(moved)),
-                find_gap_change(tools, self.drawn, self.goal.points, _NEAR * self.case.blank.thickness, self.planes),
+                find_gap_change(tools, self.drawn, self.goal.points, _NEAR * self.case.blank.thickest, self.planes),
                 self.find_undercut(tools),
                 read_summary(folder)["wall_seconds"]["total"],
             )
@@ -282,7 +282,7 @@ class _Search:
         sheet = self.goal.points
         corners = sheet[self.goal.triangles]
         longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max())
-        return find_undercut(tools, self.drawn, sheet, _NEAR * self.case.blank.thickness + longest, self.planes)
+        return find_undercut(tools, self.drawn, sheet, _NEAR * self.case.blank.thickest + longest, self.planes)
 
     def explain_undercut(self, tools: tuple[PressedTool, ...]) -> str:
         """Explain tools that lean over so far that others cannot pass; empty where there are none."""

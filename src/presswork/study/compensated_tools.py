@@ -259,7 +259,7 @@ def _close_first(
 
     extra: by how much farther from the die each tool starts than as drawn [mm]; a force would slam it.
     """
-    thickness, found, placed = case.blank.thickness, [], set[str]()
+    thickness, found, placed = case.blank.thickest, [], set[str]()
     for stage, data in zip(case.stages, stages, strict=True):
         pushed = [name for name, action in stage.tools.items() if action.force and case.tools[name].kind == "holder"]
         far = [name for name in pushed if name not in placed and extra[name] > slams * thickness]

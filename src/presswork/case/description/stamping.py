@@ -195,7 +195,7 @@ def _describe_dwell(dwell: Dwell) -> str:
 
 def _describe_closing(problem: Model) -> Iterator[str]:
     """Describe after which stroke tools close on the sheet, and what is left at the end."""
-    thickness, explicit = problem.sheet[0].thickness, problem.explicit
+    thickness, explicit = problem.thickest, problem.explicit
     irons = isinstance(explicit, ExplicitSheet) and explicit.ironing
     for punch, die in itertools.product(problem.tools, problem.tools):
         if (punch.kind, die.kind) != ("punch", "die"):
@@ -217,8 +217,8 @@ def _describe_end(problem: Model, punch: Tool, die: Tool, closing: float) -> str
         return ""
     moves = [np.cumsum([(0.0, 0.0, 0.0) if m is None else m.move for m in each], axis=0) for each in motions]
     nearer = float(((moves[0] - moves[1]) @ np.asarray(punch.working_direction)).max(initial=0.0))
-    left = closing - nearer - (1.0 - CLOSED) * problem.sheet[0].thickness
-    if left <= TOUCHING * problem.sheet[0].thickness:
+    left = closing - nearer - (1.0 - CLOSED) * problem.thickest
+    if left <= TOUCHING * problem.thickest:
         return ""
     return (
         f"; the strokes bring them {nearer:.4g} mm nearer, which leaves the sheet {left:.3g} mm more than it is thick"
@@ -245,7 +245,7 @@ def _hint_at_coarse_mesh(problem: Model) -> Iterator[str]:
                 least = "" if isinstance(tool.shape, SweptProfile) else f", whose least radius is about {radius:.2g} mm"
                 sinks = size**2 / (8.0 * radius) if radius >= SHARPEST * size else 0.0
                 stops = ""
-                if sinks > problem.limits.penetration * problem.sheet[0].thickness:
+                if sinks > problem.limits.penetration * problem.thickest:
                     stops = (
                         f"; chords of {size:.2g} mm sink {sinks:.2g} mm into it: limits.penetration may stop the run"
                     )

@@ -99,10 +99,20 @@ def add_library_materials(data: Mapping[str, Any], part: str = "workpiece") -> d
     added: dict[str, Any] = {}
     changed = dict(data)
     if part in data:
-        changed[part] = _name_material(data[part], materials, added)
+        changed[part] = _name_materials(data[part], materials, added)
     if isinstance(bodies, Mapping) and bodies:
         changed["bodies"] = {name: _name_material(body, materials, added) for name, body in bodies.items()}
     return {**changed, "materials": {**materials, **added}} if added else changed
+
+
+def _name_materials(piece: Any, materials: Mapping[str, Any], added: dict[str, Any]) -> Any:
+    """Add the materials that a part and its zones take of the library or of files, as _name_material."""
+    named = _name_material(piece, materials, added)
+    zones = named.get("zones") if isinstance(named, Mapping) else getattr(named, "zones", None)
+    if not isinstance(zones, list | tuple) or not zones:
+        return named
+    zones = [_name_material(zone, materials, added) for zone in zones]
+    return {**named, "zones": zones} if isinstance(named, Mapping) else named.model_copy(update={"zones": tuple(zones)})
 
 
 def _name_material(piece: Any, materials: Mapping[str, Any], added: dict[str, Any]) -> Any:

@@ -27,15 +27,15 @@ _ELEMENT = 0.15
 def make_strip(case: StampingCase, geometry: BeadGeometry) -> StampingCase:
     """Return the case of a strip of the blank's sheet that is pulled through a bead."""
     blank = case.blank
-    width = geometry.find_groove_width(blank.thickness)
+    width = geometry.find_groove_width(blank.mean_thickness)
     pull = 1.2 * (width + 2.0 * geometry.groove_radius + 2.0 * geometry.depth)
     die = {"shape": "strip", "width": width, "edge_radius": geometry.groove_radius, "mu": geometry.mu}
-    gap = 1.15 * blank.thickness if geometry.gap is None else geometry.gap
+    gap = 1.15 * blank.mean_thickness if geometry.gap is None else geometry.gap
     size = _ELEMENT * min(geometry.bead_radius, geometry.groove_radius)
     return StampingCase.model_validate({
         "title": "strip pulled through a drawbead",
         "analysis": "stamping",
-        "blank": {"shape": "rectangle", "size": [3.0 * pull, _WIDTH], "thickness": blank.thickness,
+        "blank": {"shape": "rectangle", "size": [3.0 * pull, _WIDTH], "thickness": blank.mean_thickness,
                   "element_size": [size, _WIDTH], "points": max(blank.points, 7), "material": blank.material,
                   "symmetry": ["y"]},
         "materials": case.materials,

@@ -55,7 +55,7 @@ def _find_stroke(
         if np.isnan(gone[name] + gone[die.name]) or _acts(stage.tools.get(die.name)):
             fault = f"where {name} and {die.name} stand to each other is not known, as a force or the stage moves them"
             return Problem(key, fault, "give the stroke, or let the die stand still", close)
-        found = find_meeting(tool, die, close, case.blank.thickness)
+        found = find_meeting(tool, die, close, case.blank.thickest)
         if found is not None:
             travels.append(found.travel - find_approach(tool, die, gone))
     if not travels or min(travels) <= 0.0:
@@ -77,7 +77,7 @@ def check_binders(case: StampingCase, tools: tuple[Tool, ...]) -> list[Problem]:
 
 def _check_binder(case: StampingCase, holder: Tool, die: Tool) -> Problem | None:
     """Return a problem of strokes that press through the sheet or hold nothing, and of a force that slams."""
-    thickness, gone = case.blank.thickness, {holder.name: 0.0, die.name: 0.0}
+    thickness, gone = case.blank.thickest, {holder.name: 0.0, die.name: 0.0}
     pressed = find_meeting(holder, die, SQUEEZED * thickness, thickness)
     farthest = 0.0
     for index, stage in enumerate(case.stages):
@@ -109,7 +109,7 @@ def _is_pushed(stage: StampingStage, name: str) -> bool:
 
 def _check_slam(case: StampingCase, index: int, name: str, holder: Tool, die: Tool, before: float) -> Problem | None:
     """Return a problem of a force that closes a binder over a long distance, in explicit dynamics."""
-    thickness = case.blank.thickness
+    thickness = case.blank.thickest
     near = find_meeting(holder, die, IDLE * thickness, thickness)
     if case.procedure == "implicit" or near is None or near.travel <= before:
         return None
@@ -129,7 +129,7 @@ def _explain_pressed(
     """Explain a stroke after which die and holder leave too little room."""
     name = holder.name if holder.name in case.stages[index].tools else die.name
     x, y, z = pressed.place + np.asarray(die.position)
-    thickness = case.blank.thickness
+    thickness = case.blank.thickest
     fault = (
         f"the holder leaves less than {SQUEEZED:g} of the blank's {thickness:g} mm to the die at ({x:.4g}, {y:.4g}, "
         f"{z:.4g}) mm, and goes {after - pressed.travel:.4g} mm further"

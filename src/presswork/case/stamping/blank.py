@@ -12,6 +12,7 @@ from presswork import model
 from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.units import Angle, Length, Point, Sides, fault
+from presswork.case.zones.schema import Zoned
 
 _SECTION = model.Section(1.0)
 
@@ -28,10 +29,9 @@ class Refine(Part):
     )
 
 
-class _Blank(Part):
+class _Blank(Zoned):
     """What blanks of any outline have."""
 
-    thickness: Length = Field(gt=0, description="thickness [mm]")
     material: FileName = Field(
         description='name of one of the [materials], or of the library, or "my_steel.toml", a material file of your own'
     )
@@ -101,11 +101,16 @@ class TubeBlank(_MeshedBlank):
 
     @model_validator(mode="after")
     def _check_bore(self) -> Self:
-        if 2.0 * self.thickness >= self.diameter:
-            fault_text = f"a wall of {self.thickness:g} mm leaves no bore in a tube of {self.diameter:g} mm"
+        if not self.is_uniform:
+            fault_text = "a tube has one thickness and one material"
+            raise fault(
+                fault_text, "give one thickness, and leave zones out", key="zones" if self.zones else "thickness"
+            )
+        if 2.0 * self.thickest >= self.diameter:
+            fault_text = f"a wall of {self.thickest:g} mm leaves no bore in a tube of {self.diameter:g} mm"
             raise fault(fault_text, "give the outside diameter, and the thickness of the wall", key="thickness")
-        if self.length < self.thickness:
-            fault_text = f"a tube of {self.length:g} mm is shorter than its wall is thick, {self.thickness:g} mm"
+        if self.length < self.thickest:
+            fault_text = f"a tube of {self.length:g} mm is shorter than its wall is thick, {self.thickest:g} mm"
             raise fault(fault_text, "give the length of the whole tube; plain numbers are mm", key="length")
         return self
 

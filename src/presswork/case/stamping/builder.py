@@ -16,7 +16,6 @@ from presswork.case.errors import CaseError, Problem
 from presswork.case.gravity import find_gravity
 from presswork.case.held_stages import check_held_stages
 from presswork.case.marked_points import build_points
-from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.material.umat import UmatMaterial
 from presswork.case.plane.references import check_set_names
 from presswork.case.shell.schema import FREEDOMS, HOLDS
@@ -52,6 +51,8 @@ from presswork.case.stamping.stage_builder import build_stages
 from presswork.case.stamping.symmetry import check_line_symmetry, check_tool_symmetry
 from presswork.case.tool_sizes import check_thickness
 from presswork.case.units import LENGTH, unit_factor
+from presswork.case.zones.build import check_table, divide_blank, draw_regions, find_weld_lines, is_made, lay_zones
+from presswork.case.zones.materials import Sheets, build_zone_sheets, check_zones, plan_sheets
 from presswork.geometry.polygon import polygon_area
 from presswork.mesh import MeshError
 from presswork.mesh.cut import check_meets
@@ -105,7 +106,7 @@ def _sum_strokes(case: StampingCase) -> float:
 def _check_first(case: StampingCase) -> tuple[model.Stage, ...]:
     """Raise CaseError for what shows without geometry; return the stages."""
     _stop_at(check_names(case) + check_bead_stages(case) + check_pressures(case), case)
-    _stop_at(check_sheet_heat(case), case)
+    _stop_at(check_sheet_heat(case) + check_zones(case), case)
     _stop_at(check_tools(case) + check_travel(case) + check_closings(case), case)
     stages, problems = build_stages(case)
     _stop_at(problems, case)
@@ -122,7 +123,7 @@ def _build_parts(
         uses += [(f"stages.{index}.displacement.{i}.set", e.set, False) for i, e in enumerate(stage.displacement)]
     names = [stage.name for stage in case.stages]
     _stop_at(check_set_names(uses, mesh) + check_held_stages(case.boundary, names), case)
-    thin = check_thickness(case.blank.thickness, float(np.linalg.norm(np.ptp(mesh.points, axis=0))))
+    thin = check_thickness(case.blank.thickest, float(np.linalg.norm(np.ptp(mesh.points, axis=0))))
     _stop_at([thin] if thin is not None else [], case)
     tools, problems = build_tools(case, mesh, before)
     _stop_at(problems, case)
@@ -168,20 +169,23 @@ def _build_parts(
 
 def _build_first(case: StampingCase, stages: tuple[model.Stage, ...], run_user_code: bool) -> model.Model:
     """Build the Model of one operation."""
-    mesh = _build_mesh(case)
+    planned = plan_sheets(case)
+    mesh = _build_mesh(case, planned)
     parts = _build_parts(case, stages, mesh, None, is_moved=False)
     taken = {*case.tools, *SYMMETRY_SETS, *case.boundary, *(e.set for stage in case.stages for e in stage.displacement)}
     points, problems = build_points(case.points, mesh, taken)
     _stop_at(problems + _check_draw_in(case, mesh), case)
     blank = case.blank
-    sheets = build_sheets(case.materials, blank.material, blank.thickness, case.source, run_user_code)
+    sheets = build_zone_sheets(case, planned, run_user_code)
     angle = radians(blank.rolling_direction)
     return model.Model(
         title=case.title,
         analysis="stamping",
         mesh=mesh,
         rolling_direction=(cos(angle), sin(angle), 0.0),
-        materials=tuple(add_heat(sheet, case) for sheet in sheets),
+        materials=tuple(add_heat(sheet, case) if case.heat else sheet for sheet in sheets),
+        zones=("", *(zone.name for zone in blank.zones)) if blank.zones else (),
+        is_relieved=blank.relief,
         symmetry=("x" in case.blank.symmetry, "y" in case.blank.symmetry),
         explicit=model.ExplicitSheet(**case.explicit.model_dump()) if case.procedure == "explicit" else None,
         solver=case.implicit.build(),
@@ -218,23 +222,41 @@ def _stop_at(problems: list[Problem], case: StampingCase) -> None:
         raise CaseError(problems, case.source)
 
 
-def _build_mesh(case: StampingCase) -> model.Mesh:
-    """Mesh the blank, or read its mesh."""
+def _build_mesh(case: StampingCase, planned: Sheets) -> model.Mesh:
+    """Mesh the blank, or read its mesh, and give its cells what zones and tables have."""
     blank = case.blank
-    section = model.Section(blank.thickness, blank.points, blank.rule)
-    material = list(case.materials).index(blank.material)
+    folder = case.source.parent if case.source is not None else Path()
     symmetry = ["x" in blank.symmetry, "y" in blank.symmetry]
+    mesh = _mesh_sheet(case, planned.of_zone[0], symmetry)
+    if blank.is_uniform:
+        return mesh
+    regions, problems = draw_regions(blank, folder, 2.0 * float(np.abs(mesh.points[:, :2]).max()))
+    _stop_at(problems + check_table(blank, mesh), case)
+    if is_made(blank) and any(regions):
+        section = mesh.blocks[0].section
+        assert section is not None
+        mesh = assign_section(divide_blank(mesh, regions, symmetry), _elements(case), section, planned.of_zone[0])
+    mesh, problems = lay_zones(mesh, blank, regions, planned.of_zone)
+    _stop_at(problems, case)
+    return mesh
+
+
+def _mesh_sheet(case: StampingCase, material: int, symmetry: list[bool]) -> model.Mesh:
+    """Mesh the blank, or read its mesh, as one sheet."""
+    blank = case.blank
+    section = model.Section(blank.mean_thickness, blank.points, blank.rule)
     if isinstance(blank, BlankFile):
         return _read_mesh(case, blank, section, material, symmetry)
     if isinstance(blank, OutlinedBlank):
         mesh = _mesh_outline(case, blank, symmetry)
     elif isinstance(blank, TubeBlank):
-        radius, triangles = 0.5 * (blank.diameter - blank.thickness), blank.cells == "triangles"
+        radius, triangles = 0.5 * (blank.diameter - blank.thickest), blank.cells == "triangles"
         mesh = mesh_tube(radius, blank.length, blank.element_size, symmetry, triangles=triangles)
     elif isinstance(blank, CircularBlank):
         mesh = mesh_circular_blank(blank.diameter, blank.element_size, symmetry, triangles=blank.cells == "triangles")
     else:
-        mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry, triangles=blank.cells == "triangles")
+        welds, triangles = find_weld_lines(blank), blank.cells == "triangles"
+        mesh = mesh_rectangular_blank(blank.size, blank.element_size, symmetry, triangles=triangles, welds=welds)
     return assign_section(mesh, _elements(case), section, material)
 
 

@@ -52,9 +52,9 @@ def check_names(case: StampingCase) -> list[Problem]:
         elif material.grain is not None:
             knows = case.heat is not None or material.heating is not None
             problems += check_grain(f"materials.{name}", material.grain, knows_temperature=knows, stages=case.stages)
-    if case.blank.thickness < THINNEST:
+    if case.blank.mean_thickness < THINNEST:
         fault, remedy = "thinner than any rolled metal", 'plain numbers are mm: 0.8, or "0.8 mm"'
-        problems.append(Problem("blank.thickness", fault, remedy, case.blank.thickness))
+        problems.append(Problem("blank.thickness", fault, remedy, case.blank.mean_thickness))
     if isinstance(case.blank, RectangularBlank | CircularBlank | TubeBlank):
         problems += _check_element_size(case.blank)
     units = {f"tools.{name}.unit": tool.unit for name, tool in case.tools.items() if isinstance(tool, ToolFile)}
@@ -76,7 +76,8 @@ def check_names(case: StampingCase) -> list[Problem]:
     problems += _check_device(case)
     problems += _check_step_bound(case)
     problems += check_stages(case)
-    return [*problems, *check_needs(case.materials, [case.blank.material], case.stages, heated=case.heat is not None)]
+    used = [case.blank.material, *(zone.material for zone in case.blank.zones if zone.material in case.materials)]
+    return [*problems, *check_needs(case.materials, used, case.stages, heated=case.heat is not None)]
 
 
 def _check_self_contact(case: StampingCase) -> list[Problem]:
@@ -113,7 +114,7 @@ def explain_too_many(n_cells: float, element_size: float) -> Problem:
 def check_tools(case: StampingCase) -> list[Problem]:
     """Return the problems of tools beside each other and beside the blank."""
     problems = []
-    thickness = case.blank.thickness
+    thickness = case.blank.thickest
     for name, tool in case.tools.items():
         key = f"tools.{name}"
         for axis, plane in enumerate("xy"):
@@ -185,7 +186,7 @@ def _check_direction(case: StampingCase, key: str, tool: CaseTool) -> list[Probl
 
 
 def _explain_clearance(case: StampingCase, punch: str, die: str, kind: str, gap: float) -> Problem:
-    thickness = case.blank.thickness
+    thickness = case.blank.thickest
     if gap < 0:
         text = f"the clearance is negative: {punch} is {-gap:.4g} mm larger than the opening of {die}"
         swapped = "; or are their kinds swapped?"
@@ -345,10 +346,10 @@ def _check_extent(tool: ToolFile, placed: Tool, corner: FloatArray) -> list[Prob
 
 def _check_clear(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     """Return a problem where the tool starts in the blank."""
-    half = 0.5 * case.blank.thickness
+    half = 0.5 * case.blank.thickest
     gap = make_surface(tool.surface).nearest(mesh.points - np.asarray(tool.position))[0] - half
     worst = int(np.argmin(gap))
-    if gap[worst] >= -CLEAR * case.blank.thickness:
+    if gap[worst] >= -CLEAR * case.blank.thickest:
         return None
     x, y, z = mesh.points[worst]
     text = (

@@ -65,7 +65,7 @@ def _check_pushed(case: StampingCase, mesh: Mesh, tool: Tool) -> Problem | None:
     if len(before) == len(actions) or any(action.close for action in before):
         return None
     gap = _gap(case, mesh, tool) - sum(action.stroke or 0.0 for action in before)
-    if gap <= case.blank.thickness:
+    if gap <= case.blank.thickest:
         return None
     fault = f"the tool is pushed by a force, but starts {gap:.4g} mm off the blank, which it would hit"
     remedy = "leave position out: then it just touches the blank"
@@ -108,7 +108,7 @@ def _gap(case: StampingCase, mesh: Mesh, tool: Tool) -> float:
     gap = surface.nearest(mesh.points - place)[0]
     if not np.isfinite(gap).any():  # a tool may lie between the nodes
         gap = surface.nearest(_sample_cells(mesh) - place)[0]
-    return float(gap.min()) - 0.5 * case.blank.thickness
+    return float(gap.min()) - 0.5 * case.blank.thickest
 
 
 def _sample_cells(mesh: Mesh) -> FloatArray:

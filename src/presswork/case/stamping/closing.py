@@ -44,7 +44,7 @@ def check_pairs(case: StampingCase, tools: Sequence[Tool]) -> list[Problem]:
             continue
         if is_pushed(case, one.name) or (other.kind == "die" and is_pushed(case, other.name)):
             continue
-        closing = find_closing_stroke(one, other, case.blank.thickness, irons=case.irons)
+        closing = find_closing_stroke(one, other, case.blank.thickest, irons=case.irons)
         if closing is None:
             continue
         problem = _check_pair(case, one, other, moved, closing)
@@ -61,7 +61,7 @@ def _check_dwells(
     case: StampingCase, one: Tool, other: Tool, moved: dict[str, list[float]], closing: Closing
 ) -> list[Problem]:
     """Return the problems of stages in which tools press the sheet that have not closed on it."""
-    thickness, problems = case.blank.thickness, []
+    thickness, problems = case.blank.thickest, []
     for index, stage in enumerate(case.stages):
         if stage.dwell is None or not stage.dwell.pressure:
             continue
@@ -116,7 +116,7 @@ def _check_pair(
         mover = one.name if one.name in case.stages[index].tools else other.name
         x, y, z = closing.place + np.asarray(other.position) + travel[other.name] * np.asarray(other.working_direction)
         beyond = end - closing.travel
-        room = "strikes" if other.kind != "die" else f"leaves less than the blank's {case.blank.thickness:g} mm to"
+        room = "strikes" if other.kind != "die" else f"leaves less than the blank's {case.blank.thickest:g} mm to"
         fault = (
             f"after {abs(travel[one.name]):.4g} mm of stroke {one.name} {room} {other.name} at ({x:.4g}, {y:.4g}, "
             f"{z:.4g}) mm, and goes {beyond:.3g} mm further"

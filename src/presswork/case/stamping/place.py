@@ -45,7 +45,7 @@ def build_tools(
     """
     radius = float(np.linalg.norm(mesh.points[:, :2], axis=1).max())
     strokes = [abs(a.stroke) for stage in case.stages for a in stage.tools.values() if a.stroke]
-    depth = sum(strokes) + 10.0 * case.blank.thickness + (before or 0.0)
+    depth = sum(strokes) + 10.0 * case.blank.thickest + (before or 0.0)
     folder = case.source.parent if case.source is not None else Path()
     tools, problems = [], []
     for name, tool in case.tools.items():
@@ -119,15 +119,15 @@ def _place(
     if tool.position is not None:
         return tool.position
     z = mesh.points[:, 2]
-    if np.ptp(z) > 1e-6 * case.blank.thickness:
+    if np.ptp(z) > 1e-6 * case.blank.thickest:
         remedy = f"give tools.{name}.position = [x, y, z]"
         return Problem(f"tools.{name}", "the blank is not flat, so the tool cannot be laid on it", remedy)
     side = -1.0 if tool.kind == "die" else 1.0
-    height = float(z[0]) + side * 0.5 * case.blank.thickness - find_face(tool, shape)
+    height = float(z[0]) + side * 0.5 * case.blank.thickest - find_face(tool, shape)
     if tool.gap is not None:
-        height += tool.gap - case.blank.thickness
+        height += tool.gap - case.blank.thickest
     elif isinstance(shape, Triangulation):
-        height -= side * _find_distance_to_blank(shape, height, side, mesh, case.blank.thickness)
+        height -= side * _find_distance_to_blank(shape, height, side, mesh, case.blank.thickest)
     return (0.0, 0.0, height)
 
 

@@ -171,7 +171,7 @@ def build_pressures(
     problems += [problem for each in pressures for problem in _check_inflow(each.name, mesh, cells, case)]
     middles = find_middles(mesh.points, cells)
     for each in pressures if is_flat else ():
-        problems += _check_tools(each, middles[pressed[each.name]], tools, case.blank.thickness)
+        problems += _check_tools(each, middles[pressed[each.name]], tools, case.blank.thickest)
     return tuple(pressures), problems
 
 

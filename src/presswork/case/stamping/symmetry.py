@@ -105,7 +105,7 @@ def _find_window(mesh: Mesh, half: HalfSpace) -> tuple[FloatArray, FloatArray]:
 
 def _tolerance(case: StampingCase, mesh: Mesh) -> float:
     size = float(np.linalg.norm(np.ptp(mesh.points[:, :2], axis=0)))
-    return max(UNLIKE * size, UNLIKE_OF_THICKNESS * case.blank.thickness)
+    return max(UNLIKE * size, UNLIKE_OF_THICKNESS * case.blank.thickest)
 
 
 def _explain(key: str, what: str, plane: str, found: Asymmetry) -> Problem:

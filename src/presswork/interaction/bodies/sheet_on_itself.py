@@ -70,7 +70,7 @@ class SheetOnItself(Interaction):
     def __init__(self, model: Model, mechanics: ShellMechanics) -> None:
         assert model.self_contact is not None
         self._model, self._mechanics, self._mu = model, mechanics, model.self_contact.mu
-        thickest = max(b.section.thickness for b in model.mesh.blocks if b.section is not None)
+        thickest = model.thickest
         corners = [
             np.ascontiguousarray(take_corners(block.connectivity), dtype=np.int32) for block in model.mesh.blocks
         ]

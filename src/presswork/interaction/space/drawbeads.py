@@ -65,8 +65,8 @@ class SheetBeads:
         self._tool = [names.index(b.tool) if b.tool is not None else -1 for b in beads]
         blocks = [take_corners(b.connectivity) for b in model.mesh.blocks]
         self._sheet = _core.SheetUnder([np.ascontiguousarray(b, dtype=np.int32) for b in blocks])
-        sections = [b.section.thickness for b in model.mesh.blocks if b.section is not None]
-        self._slip = SLIP * min(sections, default=1.0)
+        thinnest = [float(b.thickness.min()) for b in model.mesh.blocks if b.section is not None]
+        self._slip = SLIP * min(thinnest, default=1.0)
         n = len(self._place)
         self._cell: IntArray = np.full(n, -1, dtype=np.int32)
         self._inside: BoolArray = np.zeros(n, dtype=bool)

@@ -38,7 +38,7 @@ class SheetContact(SpaceContact):
     """The tools in space of a sheet, and its drawbeads; what persists lies in the State."""
 
     def __init__(self, model: Model, cells: ShellMechanics) -> None:
-        super().__init__(model, DEPTH * max((b.section.thickness for b in model.mesh.blocks if b.section), default=0.0))
+        super().__init__(model, DEPTH * model.thickest)
         self._cells = cells
         self._nodes = SheetNodes(model)
         self.beads = SheetBeads(model)
@@ -142,7 +142,7 @@ class SheetContact(SpaceContact):
         """Return how deep the sheet's surface is in each tool at a converged state (n_tools,) [mm]."""
         self.begin_increment(state)
         x = self._model.mesh.points + state.nodes.displacement[:, :3]
-        half = 0.5 * self._nodes.thickness
+        half = 0.5 * (self._nodes.thickness + self._nodes.relief)
         found = np.zeros(len(self._model.space_tools))
         for t in range(len(self._surfaces)):
             gap, _ = self.placed(t, state[SpaceToolArrays]).nearest(x, float(half.max()))
@@ -163,6 +163,11 @@ class SheetNodes:
         self._stiffness = model.solver.contact_stiffness * max(m.young for m in model.materials)
         self.thickness = np.zeros(n)
         """When the increment begins (n_points,) [mm]."""
+        self.relief = np.zeros(n)
+        """How much nearer tools are to each other than they are drawn (n_points,) [mm]."""
+        for block, relief in zip(model.mesh.blocks, model.find_relief(), strict=True):
+            np.add.at(self.relief, block.connectivity, relief[:, None])
+        self.relief /= np.maximum(self._cells, 1.0)
 
     def begin_increment(self, state_n: State) -> None:
         """Take the thickness at the nodes as it is when the increment begins."""
@@ -173,7 +178,8 @@ class SheetNodes:
 
     def touching(self) -> TouchingNodes:
         """Return what contact must know of the nodes."""
-        return sheet_nodes(self._area, self.thickness, self._stiffness)
+        nodes = sheet_nodes(self._area, self.thickness, self._stiffness)
+        return replace(nodes, reach=nodes.reach + 0.5 * self.relief) if self.relief.any() else nodes
 
 
 def sheet_nodes(area: FloatArray, thickness: FloatArray, stiffness: float) -> TouchingNodes:
@@ -185,10 +191,10 @@ def sheet_nodes(area: FloatArray, thickness: FloatArray, stiffness: float) -> To
     return TouchingNodes(stiffness * area / thickness, 0.5 * thickness, ROUNDING * thickness)
 
 
-def share_surface(points: FloatArray, connectivity: IntArray) -> FloatArray:
-    """Return each node's share of the surface (n_points,) [mm2]: the same of each node of a cell."""
+def share_surface(points: FloatArray, connectivity: IntArray, weight: FloatArray | float = 1.0) -> FloatArray:
+    """Return each node's share of the surface (n_points,) [mm2], times a weight of cells: of each node the same."""
     share = np.zeros(len(points))
-    np.add.at(share, connectivity, (_cell_areas(points, connectivity) / connectivity.shape[1])[:, None])
+    np.add.at(share, connectivity, (weight * _cell_areas(points, connectivity) / connectivity.shape[1])[:, None])
     return share
 
 

@@ -20,7 +20,13 @@ def dump_mesh(mesh: Mesh) -> dict[str, NDArray[Any]]:
     """Return the arrays of a mesh, and its other data as the bytes of a text."""
     text = {
         "blocks": [
-            {"element": b.element, "material": b.material, "section": asdict(b.section) if b.section else None}
+            {
+                "element": b.element,
+                "material": b.material,
+                "section": asdict(b.section) if b.section else None,
+                "zone": b.zone,
+                "rolling": b.rolling,
+            }
             for b in mesh.blocks
         ],
         **{kind: list(getattr(mesh, kind)) for kind in SETS},
@@ -34,6 +40,7 @@ def dump_mesh(mesh: Mesh) -> dict[str, NDArray[Any]]:
     if mesh.normals is not None:
         arrays["normals"] = mesh.normals
     arrays |= {f"connectivity.{i}": block.connectivity for i, block in enumerate(mesh.blocks)}
+    arrays |= {f"thickness.{i}": b.own_thickness for i, b in enumerate(mesh.blocks) if b.own_thickness is not None}
     for kind in SETS:
         arrays |= {f"{kind}.{i}": values for i, values in enumerate(getattr(mesh, kind).values())}
     return arrays
@@ -49,6 +56,9 @@ def load_mesh(arrays: Mapping[str, NDArray[Any]]) -> Mesh:
             arrays[f"connectivity.{i}"],
             b["material"],
             Section(**b["section"]) if b["section"] else None,
+            b.get("zone", 0),
+            tuple(b["rolling"]) if b.get("rolling") else None,
+            arrays.get(f"thickness.{i}"),
         )
         for i, b in enumerate(text["blocks"])
     )

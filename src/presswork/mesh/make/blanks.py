@@ -9,6 +9,7 @@ x = 0 and y = 0 where the blank is cut by them; left, right, bottom, top, the ou
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from math import ceil
 
@@ -29,15 +30,20 @@ def mesh_rectangular_blank(
     symmetry: Sequence[bool],
     *,
     triangles: bool = False,
+    welds: tuple[Sequence[float], Sequence[float]] = ((), ()),
 ) -> Mesh:
     """Mesh a rectangle of size [mm] about the origin; symmetry: whether the planes x = 0 and y = 0 cut it.
+
+    welds: x and y at which the grid has lines [mm].
 
     element_size: largest side of a cell, or largest along x and along y [mm]. A side that is not cut has one cell or an
     even number of them, so that the whole blank is meshed as its half and its mirror image are.
     """
     half = 0.5 * np.array(size)
     low = np.where(symmetry, 0.0, -half)
-    points, cells = _draw_grid(low, half, _count_cells(half - low, np.asarray(element_size), symmetry))
+    counts, sides = _count_cells(half - low, np.asarray(element_size), symmetry), np.broadcast_to(element_size, 2)
+    each = zip(low, half, counts, sides, welds, strict=True)
+    points, cells = _draw_grid([_place_lines(begin, end, n, side, at) for begin, end, n, side, at in each])
     return name_sets(points, [cells], symmetry, triangles)
 
 
@@ -47,9 +53,19 @@ def _count_cells(length: FloatArray, size: FloatArray, symmetry: Sequence[bool])
     return np.where(symmetry, counts, np.where(counts > 1, counts + counts % 2, counts))
 
 
-def _draw_grid(low: FloatArray, high: FloatArray, counts: IntArray) -> tuple[FloatArray, IntArray]:
-    """Return points (n, 2) and quadrilaterals of a rectangle of so many cells along x and y."""
-    lines = [np.linspace(begin, end, n + 1) for begin, end, n in zip(low, high, counts, strict=True)]
+def _place_lines(begin: float, end: float, n: int, size: float, welds: Sequence[float]) -> FloatArray:
+    """Return the lines of n equal cells, or of cells up to a size that end at welds between both ends."""
+    inside = sorted({at for at in welds if begin < at < end})
+    lines = np.linspace(begin, end, n + 1)
+    if all(np.abs(lines - at).min() <= 1e-9 * (end - begin) for at in inside):
+        return lines
+    ends = [begin, *inside, end]
+    parts = [np.linspace(a, b, max(1, ceil((b - a) / size - 1e-9)) + 1) for a, b in itertools.pairwise(ends)]
+    return np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
+
+
+def _draw_grid(lines: Sequence[FloatArray]) -> tuple[FloatArray, IntArray]:
+    """Return points (n, 2) and quadrilaterals between lines along x and along y."""
     x, y = (grid.ravel() for grid in np.meshgrid(*lines))
     n = len(lines[0])
     first = (np.arange(n - 1)[None, :] + n * np.arange(len(lines[1]) - 1)[:, None]).ravel()

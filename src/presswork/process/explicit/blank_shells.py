@@ -7,7 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-from presswork.evolution.damage import DamageLaw
+from presswork.evolution.damage import make_damage
+from presswork.explicit.blocks import Shells
 from presswork.explicit.device import refuse
 from presswork.explicit.options import ShellOptions
 from presswork.explicit.shells import ExplicitShells
@@ -15,6 +16,7 @@ from presswork.explicit.space import choose_precision
 from presswork.law.elastic_plastic import heats
 from presswork.law.umat import open_sheet_law
 from presswork.mesh.pressed_cells import find_pressed_cells, find_side
+from presswork.mesh.topology import with_four_nodes
 from presswork.model import ExplicitSheet, IntArray, Model
 from presswork.process.explicit.intervals import weigh_nodes
 from presswork.process.mesh_change.transfer import ShellStart
@@ -25,7 +27,10 @@ from presswork.ranks.world import World
 def find_precision(model: Model) -> Literal["double", "single"]:
     """Return the precision of the shells: that of the case, or the one that suits their law."""
     assert isinstance(model.explicit, ExplicitSheet)
-    return model.explicit.precision or choose_precision(open_sheet_law(model.sheet[1]))
+    if model.explicit.precision:
+        return model.explicit.precision
+    found = {choose_precision(open_sheet_law(material)) for material in model.sheet_materials}
+    return "single" if found == {"single"} else "double"
 
 
 def add_pressures(model: Model, shells: ExplicitShells) -> None:
@@ -40,37 +45,54 @@ def add_pressures(model: Model, shells: ExplicitShells) -> None:
         shells.add_pressure(pressure.name, pressed, find_side(points, cells, pressure.face), (times, values), fluid)
 
 
+def _list_zones(model: Model, settings: ExplicitSheet, start: ShellStart | None) -> list[Shells]:
+    """Return the shells of each zone of the blank, in the order of its cells."""
+    zones, first, every_relief = [], 0, np.concatenate(model.find_relief())
+    for blocks in model.blocks_of_zones:
+        section, material = blocks[0].section, model.materials[blocks[0].material]
+        assert section is not None
+        assert section.rule != "simpson"
+        cells = np.concatenate([with_four_nodes(block.connectivity) for block in blocks])
+        own = slice(first, first + len(cells))
+        first = own.stop
+        zones.append(
+            Shells(
+                connectivity=cells,
+                thickness=np.concatenate([b.thickness for b in blocks]) if start is None else start.thickness[own],
+                law=open_sheet_law(material),
+                density=material.density,
+                axis=np.asarray(blocks[0].rolling or model.rolling_direction) if start is None else start.axis[own],
+                damage=make_damage(material.damage, material.umat, is_solid=False),
+                heating=(material.heating.start if material.heating else 20.0, heats(material)),
+                relief=every_relief[own] if every_relief.any() else (),
+                options=ShellOptions(
+                    element=settings.element, n_points=section.points, rule=section.rule, ironing=settings.ironing
+                ),
+            )
+        )
+    return zones
+
+
 def make_shells(
     model: Model,
     start: ShellStart | None,
     hanging: IntArray,
-    damage: tuple[DamageLaw, ...],
     world: World | None,
 ) -> ExplicitShells:
     """Return the shells of the undeformed mesh as it is split now.
 
     start: where they begin; None: as the blank. hanging: nodes as SplitMesh has them.
-    damage: laws that follow it; world: ranks that share the cycles.
+    world: ranks that share the cycles.
     """
     settings = model.explicit
     assert isinstance(settings, ExplicitSheet)
-    section, material = model.sheet
-    assert section.rule != "simpson"
     if model.refinement:
         refuse(settings.device, "refined sheets")
-    rolling = np.asarray(model.rolling_direction)
-    shells = ExplicitShells(
+    if model.zones:
+        refuse(settings.device, "zones of a blank")
+    shells = ExplicitShells.of_zones(
         model.mesh.points if start is None else start.position,
-        model.cells,
-        section.thickness if start is None else start.thickness,
-        open_sheet_law(material),
-        material.density,
-        axis=rolling if start is None else start.axis,
-        damage=damage,
-        heating=(material.heating.start if material.heating else 20.0, heats(material)),
-        options=ShellOptions(
-            element=settings.element, n_points=section.points, rule=section.rule, ironing=settings.ironing
-        ),
+        _list_zones(model, settings, start),
         precision=find_precision(model),
         device=settings.device,
         hanging=hanging,

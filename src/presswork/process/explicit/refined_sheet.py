@@ -83,7 +83,7 @@ class RefinedSheet(MeshChange):
         run.make_shells_again()
         run.begin_stage()
         run.shells.inherit(old, position, step.node_parents(), step.parent)
-        run.layers.split(step.parent)
+        run.layers.split(step.parent, old)
 
     def split_evenly(self) -> None:
         """Split all shells as often as those split most, so that no node hangs."""

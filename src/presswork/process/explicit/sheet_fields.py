@@ -21,8 +21,12 @@ class SheetFields:
     def __init__(self, model: Model, shells: ExplicitShells, layers: SheetHistory, *, begins_flat: bool) -> None:
         """begins_flat: the shells begin as the blank, whose axes follow from the undeformed mesh."""
         section, self._material = model.sheet
+        blocks = model.mesh.blocks
         self._model, self._shells, self._layers, self._begins_flat = model, shells, layers, begins_flat
         rolling = np.asarray(model.rolling_direction)
+        if any(block.rolling for block in blocks):
+            each = [np.tile(block.rolling or rolling, (len(block.connectivity), 1)) for block in blocks]
+            rolling = np.concatenate(each)
         self.of_shells = OnePointFields(model.mesh, model.cells, section, rolling, model.symmetry)
 
     def find_evolved(self) -> dict[str, list[FloatArray]]:

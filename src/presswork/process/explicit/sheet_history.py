@@ -19,12 +19,13 @@ from presswork.process.mesh_change.transfer import SheetBlock, at_points
 
 
 class SheetHistory:
-    """Windows and evolution laws of the one material of a sheet."""
+    """Windows and evolution laws of a sheet, zone after zone."""
 
     def __init__(self, model: Model, shells: ExplicitShells) -> None:
-        self._material = model.sheet[1]
-        self._knows = self._material.heating is not None or model.heat is not None
-        self._rows = PointHistory([self._material], [0], is_solid=False)
+        self._materials = model.sheet_materials
+        self._numbers = [self._materials.index(model.materials[own[0].material]) for own in model.blocks_of_zones]
+        self._knows_heat = model.heat is not None
+        self._rows = PointHistory(self._materials, self._numbers, is_solid=False)
         self.start(shells)
 
     def start(self, shells: ExplicitShells) -> None:
@@ -32,19 +33,27 @@ class SheetHistory:
         self._rows.start(self._look(shells))
 
     def _look(self, shells: ExplicitShells) -> list[BlockPoints]:
-        """Return stress, plastic strain and temperature at the layers (n_cells, q, k)."""
-        history, kept = shells.history_at_points, shells.kept_in_layers
-        degrees = temperature(self._material, kept, history, shells.prescribed_temperature) if self._knows else None
-        kinematic = self._material.kinematic is not None
-        back = back_stress(kept, history, 3) if kinematic else None
-        return [BlockPoints(shells.flow_stress_at_points, kept.of(EQPS, history), degrees, back)]
+        """Return stress, plastic strain and temperature at the layers (n_cells, q, k) of each zone."""
+        history, stress, kept = shells.history_at_points, shells.flow_stress_at_points, shells.kept_in_layers
+        given, found = shells.prescribed_temperature, []
+        for number, own in zip(self._numbers, shells.zones, strict=True):
+            material, degrees, values = self._materials[number], None, history[own]
+            if material.heating is not None or self._knows_heat:
+                degrees = temperature(material, kept, values, None if given is None else given[own])
+            back = back_stress(kept, values, 3) if material.kinematic is not None else None
+            found.append(BlockPoints(stress[own], kept.of(EQPS, values), degrees, back))
+        return found
 
-    def take(self, blocks: Sequence[SheetBlock]) -> None:
-        """Take the quantities of a sheet, a block of triangles after one of quadrilaterals, where it has them."""
-        for name, (own,) in self._rows.values.items():
-            if all(name in block.evolved for block in blocks):
-                q = own.shape[1]
-                own[:] = np.concatenate([at_points(block.evolved[name], q) for block in blocks])
+    def take(self, blocks: Sequence[SheetBlock], shells: ExplicitShells) -> None:
+        """Take the quantities of a sheet, block after block, where it has them."""
+        for name, of_zones in self._rows.values.items():
+            if not all(name in block.evolved for block in blocks):
+                continue
+            q = of_zones[0].shape[1]
+            values = np.concatenate([at_points(block.evolved[name], q) for block in blocks])
+            for own, of_zone in zip(shells.zones, of_zones, strict=True):
+                if len(of_zone):
+                    of_zone[:] = values[own]
 
     def begin_row(self, shells: ExplicitShells) -> None:
         """Keep what a row of cycles begins with."""
@@ -54,23 +63,29 @@ class SheetHistory:
     def end_row(self, shells: ExplicitShells, dt: float) -> None:
         """Take up what a row has led to in dt [s] of the process."""
         if self._rows.is_needed:
-            (hardens,) = self._rows.end_row(self._look(shells), dt)
+            hardens = self._rows.end_row(self._look(shells), dt)
             if self._rows.softens:
-                shells.recover(hardens)
+                shells.recover(np.concatenate(hardens))
 
-    def split(self, parent: NDArray[np.integer[Any]]) -> None:
-        """Give shells that were split the values of those that they come from (n_cells,)."""
-        self._rows.split([parent])
+    def split(self, parent: NDArray[np.integer[Any]], before: ExplicitShells) -> None:
+        """Give shells that were split the values of those that they come from (n_cells,), before that."""
+        inside = [(parent >= own.start) & (parent < own.stop) for own in before.zones]
+        self._rows.split([parent[i] - own.start for i, own in zip(inside, before.zones, strict=True)])
 
-    @property
-    def values(self) -> dict[str, FloatArray]:
-        """The quantities at the layers (n_cells, q, k)."""
-        return {name: values for name, (values,) in self._rows.values.items()}
+    def find_values(self, shells: ExplicitShells) -> dict[str, FloatArray]:
+        """Return the quantities at the layers (n_cells, q, k); NaN in zones whose material has no such law."""
+        found = {}
+        for name, of_zones in self._rows.values.items():
+            each = zip(shells.zones, of_zones, strict=True)
+            found[name] = np.concatenate(
+                [of if len(of) else np.full((own.stop - own.start, *of.shape[1:]), np.nan) for own, of in each]
+            )
+        return found
 
     def show(self, shells: ExplicitShells, mesh: Mesh) -> dict[str, list[FloatArray]]:
         """Return these and damage by quantity and block of the mesh (n_cells, q k)."""
         ends = np.cumsum([len(block.connectivity) for block in mesh.blocks])[:-1]
-        kept = {**shells.damage, **self.values}
+        kept = {**shells.damage, **self.find_values(shells)}
         return {name: np.split(values.reshape(len(values), -1), ends) for name, values in kept.items()}
 
     @property

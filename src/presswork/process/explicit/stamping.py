@@ -80,16 +80,15 @@ class ExplicitStamping(IntervalRun):
         self.begins_flat = begin is None
         self.refined = RefinedSheet(self, None if begin is None else ShellStart.of(begin), level)
         self.add_mesh_change(self.refined)
-        self._damage_laws = make_damage(model.sheet[1].damage, model.sheet[1].umat, is_solid=False)
         self._precision = find_precision(model)
-        self.shells = make_shells(model, self.refined.start, self.refined.find_hanging(), self._damage_laws, world)
+        self.shells = make_shells(model, self.refined.start, self.refined.find_hanging(), world)
         self._mesh_step: MeshStep | None = None
         if begin is not None:
             fill_layers(self.shells, begin)
         self.blank_mass = float(self.shells.mass[:, 0].sum())
         self._reaction = np.zeros((len(model.mesh.points), 6))
-        material = model.sheet[1]
-        self._formed = YIELD_OFFSET * first_flow_stress(material) * self.blank_mass / material.density
+        each = model.sheet_materials
+        self._formed = min(YIELD_OFFSET * first_flow_stress(m) * self.blank_mass / m.density for m in each)
         if self.settings.target_step is not None:
             self._scale_mass(self.settings.target_step)
         check_damping(self.settings.damping, self._longest_step())
@@ -101,7 +100,7 @@ class ExplicitStamping(IntervalRun):
         self.layers = SheetHistory(model, self.shells)
         self._fields = SheetFields(model, self.shells, self.layers, begins_flat=self.begins_flat)
         if begin is not None:
-            self.layers.take(begin.blocks)
+            self.layers.take(begin.blocks, self.shells)
         self.loose = LooseRows(model)
         self.begin_stage()
         self.shells.find_contact()
@@ -180,7 +179,7 @@ class ExplicitStamping(IntervalRun):
     def make_shells_again(self) -> None:
         """Make shells and tools anew for the present mesh; pushed tools keep their masses."""
         start, hanging = self.refined.start, self.refined.find_hanging()
-        self.shells = make_shells(self.model, start, hanging, self._damage_laws, self._world)
+        self.shells = make_shells(self.model, start, hanging, self._world)
         self._mesh_step = None
         self.progress.mesh_factor = 0.0
         self._reaction = np.zeros((len(self.mesh.points), 6))
@@ -223,7 +222,9 @@ class ExplicitStamping(IntervalRun):
 
     def sheet(self) -> SheetState:
         """Return the present state of the sheet."""
-        return replace(sheet_of_explicit(self.shells, self.layers.values), heated=keep_heated(self.show()))
+        return replace(
+            sheet_of_explicit(self.shells, self.layers.find_values(self.shells)), heated=keep_heated(self.show())
+        )
 
     # --- what is recorded --------------------------------------------------------------------------------------------
 
@@ -305,8 +306,12 @@ class ExplicitStamping(IntervalRun):
 
     def evolved(self) -> Evolved:
         """Return what evolution laws keep at the layers."""
-        n = len(self.model.mesh.blocks)
-        critical = {law.name: [law.critical.get(law.name)] * n for law in self._damage_laws}
+        blocks = [self.model.materials[block.material] for block in self.model.mesh.blocks]
+        laws = [make_damage(material.damage, material.umat, is_solid=False) for material in blocks]
+        critical = {
+            name: [law.critical.get(name) for of in laws for law in of if law.name == name]
+            for name in self.shells.damage
+        }
         return Evolved(self._fields.find_evolved(), critical)
 
     def show(self) -> Instant:
@@ -318,7 +323,7 @@ class ExplicitStamping(IntervalRun):
             tool_force=self.shells.contact_force,
             find_sheet=self._fields.find,
             evolved=self._fields.find_evolved(),
-            judged=self.model.sheet[1].formability,
+            judged=self.model.judged,
             **(self.heat.show() if self.heat else {}),
         )
         self.observers.show(self, now)

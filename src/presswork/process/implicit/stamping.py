@@ -84,6 +84,8 @@ def make_shell_model(model: Model) -> Model:
         title=model.title,
         analysis="shell",
         mesh=model.mesh,
+        zones=model.zones,
+        is_relieved=model.is_relieved,
         materials=model.materials,
         supports=model.supports,
         stages=stages,
@@ -198,9 +200,9 @@ class ImplicitStamping(IncrementRun):
 
     def _measure_thinning(self) -> float:
         """Return by how many per cent the thinnest cell is thinner than it was."""
-        first = self.model.sheet[0].thickness
-        blocks = self.procedure.state[ShellArrays].thickness
-        return max(float(find_thinning(np.log(block / first).mean(axis=1)).max()) for block in blocks)
+        now = self.procedure.state[ShellArrays].thickness
+        each = zip(now, self.model.mesh.blocks, strict=True)
+        return max(float(find_thinning(np.log(t / b.thickness[:, None]).mean(axis=1)).max()) for t, b in each)
 
     def overlap(self) -> float:
         """Return by how much the sheet overlaps itself [mm]."""
@@ -224,7 +226,7 @@ class ImplicitStamping(IncrementRun):
         """Return what the fields of the converged state are computed from."""
         state = self.procedure.state
         now = self.procedure.mechanics.show(state)
-        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.sheet[1].formability
+        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.judged
         if SpaceToolArrays in state:
             now.tool_force = state[SpaceToolArrays].force.sum(axis=0)
         if (heat := self.procedure.sheet_heat) is not None:

@@ -33,7 +33,7 @@ def make_formed(state: SheetState, mesh: Mesh, before: FormedSheet | None) -> Fo
     n_cells = sum(len(block.connectivity) for block in state.blocks)
     first = np.zeros((n_cells, 6)) if before is None else before.strain
     knows_strain = first is not None and len(first) == n_cells
-    for block in state.blocks:
+    for block, undeformed in zip(state.blocks, mesh.blocks, strict=True):
         cells = with_four_nodes(block.connectivity)
         axis, across = _frames(state.position, cells, block.axis.mean(axis=1))
         s = block.stress.mean(axis=1)
@@ -44,7 +44,7 @@ def make_formed(state: SheetState, mesh: Mesh, before: FormedSheet | None) -> Fo
         thickness = block.thickness.mean(axis=1)
         done = sum(len(part[0]) for part in parts)
         start = first[done : done + len(cells)] if first is not None and knows_strain else np.zeros((len(cells), 6))
-        strain = _strain(mesh.points, state.position, cells, start, np.log(thickness / section.thickness))
+        strain = _strain(mesh.points, state.position, cells, start, np.log(thickness / undeformed.thickness))
         plastic = block.history[..., 0].mean(axis=1)
         parts.append([cells, thickness, axis, np.asarray(tensor)[:, :, TO[0], TO[1]], plastic, strain])
     cells, thickness, axis, stress, plastic, strain = (np.concatenate(each) for each in zip(*parts, strict=True))

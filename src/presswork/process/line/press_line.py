@@ -105,7 +105,7 @@ class PressLine(ModelRun):
         if part is not None:
             operation, with_edges = self.model.following[number - 1], own.explicit is not None
             tools = lay_tools(operation, part.state, with_edges=with_edges)
-            stages = close_tools(operation, tools, own.sheet[0].thickness)
+            stages = close_tools(operation, tools, own.thickest)
             check_reach(operation, tools, stages, part.state)
             own = replace(own, mesh=mesh, tools=tools, stages=stages)
         return ReleasedStamping(

@@ -76,6 +76,7 @@ def make_springback_model(model: Model, mesh: Mesh, turned: FloatArray | None = 
         title=model.title,
         analysis="shell",
         mesh=replace(mesh, blocks=blocks, node_sets=node_sets),
+        zones=model.zones,
         materials=model.materials,
         supports=tuple(supports),
         stages=(Stage(NAME, duration=model.stages[-1].duration),),

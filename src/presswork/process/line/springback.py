@@ -319,7 +319,7 @@ class ReleasedStamping(ModelRun):
         """Return what the fields of the released part are computed from."""
         assert self.released is not None
         now = self.released.implicit.mechanics.show(self.released.implicit.state)
-        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.sheet[1].formability
+        now.tool_force, now.judged = np.zeros_like(self.mesh.points), self.model.judged
         now.heated, now.temperature = self.released.heated, self.released.heated.get(TEMPERATURE)
         return now
 

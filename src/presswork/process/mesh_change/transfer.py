@@ -13,6 +13,7 @@ lacks is held by forces that fade over the first stage, as the reactions of one 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
@@ -75,7 +76,7 @@ class SheetState:
     position: FloatArray
     """Position of the nodes (n_points, 3) [mm]."""
     blocks: tuple[SheetBlock, ...]
-    """Quadrilaterals, then triangles: those that there are."""
+    """Quadrilaterals, then triangles of each zone: those that there are."""
     heated: Mapping[str, FloatArray] = field(default_factory=dict)
     """Fields at the nodes of a sheet that conducts heat (n_points,), as of Instant; `temperature` is the mean."""
 
@@ -98,7 +99,9 @@ def sheet_of_explicit(shells: ExplicitShells, evolved: Mapping[str, FloatArray] 
     degrees = shells.prescribed_temperature
     blocks = []
     three = is_triangle(shells.connectivity)
-    for n_nodes, own in ((4, ~three), (3, three)):
+    for zone, (n_nodes, kind) in itertools.product(shells.zones, ((4, ~three), (3, three))):
+        own = kind.copy()
+        own[: zone.start] = own[zone.stop :] = False
         if own.any():
             stress, history = (values[own] if n_nodes == 4 else values[own][:, :1] for values in layers)
             cells = shells.connectivity[own][:, :n_nodes]
@@ -176,7 +179,8 @@ def begin_with(sheet: SheetState, procedure: ImplicitProcedure) -> None:
         state.cells.stress[i].reshape(cells, q, k, 3)[:] = at_points(block.stress, q)
         state.cells.eqps[i].reshape(cells, q, k)[:] = state.cells.find_kept(i, EQPS)
         for name, values in block.evolved.items():
-            state[EvolvedArrays].values[name][i][:] = at_points(values, q).reshape(cells, q * k)
+            if len(into := state[EvolvedArrays].values[name][i]):
+                into[:] = at_points(values, q).reshape(cells, q * k)
         if state.cells.temperature[i].size and block.temperature is not None:
             state.cells.temperature[i].reshape(cells, q, k)[:] = at_points(block.temperature, q)
 
@@ -203,6 +207,8 @@ def carry_to_explicit(
     Raises TransferError for a model of other than 3- and 4-node shells, or a rule that explicit shells lack.
     """
     section = _shells_of(procedure)[1]
+    if len({block.zone for block in procedure.model.mesh.blocks}) > 1:
+        raise TransferError("a welded blank is not carried to explicit shells: give it as a stamping")
     if section.rule == "simpson":
         raise TransferError('explicit shells have no Simpson rule: give the section rule = "lobatto" or "gauss"')
     sheet, material = sheet_of_implicit(procedure), procedure.model.materials[procedure.model.mesh.blocks[0].material]
@@ -267,13 +273,15 @@ def law_axes(shells: ExplicitShells) -> FloatArray:
 def _shells_of(procedure: ImplicitProcedure) -> tuple[ShellMechanics, Section]:
     """Return mechanics and section of a model of 3- and 4-node shells."""
     mechanics, blocks = procedure.mechanics, procedure.model.mesh.blocks
-    kinds = [find_cell(2, block.connectivity).name for block in blocks]
-    fits = kinds in (["quad4"], ["tri3"], ["quad4", "tri3"])
-    one_sheet = len({(block.material, block.section) for block in blocks}) == 1
+    kinds: dict[int, list[str]] = {}
+    for block in blocks:
+        kinds.setdefault(block.zone, []).append(find_cell(2, block.connectivity).name)
+    fits = all(of_zone in (["quad4"], ["tri3"], ["quad4", "tri3"]) for of_zone in kinds.values())
+    one_sheet = len({(block.zone, block.material, block.section) for block in blocks}) == len(kinds)
     if not isinstance(mechanics, ShellMechanics) or not fits or not one_sheet:
         raise TransferError(
             "the model must have one block of 4-node or of 3-node shells, of shell4_mitc_plus and shell3_mitc_plus for "
-            "instance, or one of each, in this order, of one sheet"
+            "instance, or one of each, in this order, of one sheet, or of each zone of a welded blank"
         )
     section = blocks[0].section
     assert section is not None  # ShellMechanics asks for it

@@ -9,8 +9,8 @@ its distance from that point, at most half an element.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from presswork.mesh.beside import Beside, find_beside
 from presswork.mesh.checks import MeshError
 from presswork.mesh.cut import CutCells, CutMesh, cut_mesh
 from presswork.mesh.topology import find_boundary_edges
-from presswork.model import CellBlock, FloatArray, IndexArray, Mesh, ShellElement, TrimLine, find_cell
+from presswork.model import FloatArray, IndexArray, Mesh, ShellElement, TrimLine, find_cell
 from presswork.process.mesh_change.transfer import SheetBlock, SheetState, at_points
 
 
@@ -92,7 +92,7 @@ def trim_sheet(
         off_line = max(off_line, cut.off_line)
         edges = (cut.weights @ state.position)[cut.cut_edges]
         sizes.append(float(np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1).mean()))
-        state = _cut_state(state, cut, elements)
+        state = _cut_state(state, cut, mesh, elements)
         mesh = _cut_mesh(mesh, cut, elements)
     return TrimmedSheet(mesh, state, Cut(off_line, float(np.mean(sizes)), beside))
 
@@ -109,11 +109,14 @@ def explain_beside(cut: Cut) -> list[str]:
 
 def _cut_mesh(mesh: Mesh, cut: CutMesh, elements: Mapping[str, ShellElement]) -> Mesh:
     """Return the undeformed mesh after a cut."""
-    first = mesh.blocks[0]
-    blocks = tuple(
-        CellBlock(elements[find_cell(2, c.connectivity).name], c.connectivity, first.material, first.section)
-        for c in cut.cells
-    )
+    thickness = np.concatenate([block.thickness for block in mesh.blocks])
+    first = np.cumsum([0, *(len(block.connectivity) for block in mesh.blocks)])
+    blocks = []
+    for cells in _sort_by_zone(cut, mesh):
+        parent = mesh.blocks[cells.parent[0, 0]]
+        own = thickness[first[cells.parent[:, 0]] + cells.parent[:, 1]] if parent.own_thickness is not None else None
+        element = elements[find_cell(2, cells.connectivity).name]
+        blocks.append(replace(parent, element=element, connectivity=cells.connectivity, own_thickness=own))
     share = (cut.weights > 1e-12).astype(np.float64)
     node_sets = {}
     for name, nodes in mesh.node_sets.items():
@@ -121,12 +124,22 @@ def _cut_mesh(mesh: Mesh, cut: CutMesh, elements: Mapping[str, ShellElement]) ->
         outside[nodes] = 0.0
         node_sets[name] = np.flatnonzero(share @ outside == 0.0).astype(np.int32)
     boundary = find_boundary_edges([block.connectivity for block in blocks])
-    return Mesh(cut.weights @ mesh.points, blocks, node_sets, {"boundary": boundary}, boundary)
+    return Mesh(cut.weights @ mesh.points, tuple(blocks), node_sets, {"boundary": boundary}, boundary)
 
 
-def _cut_state(state: SheetState, cut: CutMesh, elements: Mapping[str, ShellElement]) -> SheetState:
-    """Return the state after a cut."""
-    blocks = tuple(_cut_block(state, cells, elements) for cells in cut.cells)
+def _sort_by_zone(cut: CutMesh, mesh: Mesh) -> Iterator[CutCells]:
+    """Yield the cells of a cut zone after zone, quadrilaterals before triangles."""
+    of_block = np.array([block.zone for block in mesh.blocks])
+    for zone in dict.fromkeys(of_block.tolist()):
+        for cells in cut.cells:
+            own = of_block[cells.parent[:, 0]] == zone
+            if own.any():
+                yield CutCells(cells.connectivity[own], cells.parent[own], cells.natural[own])
+
+
+def _cut_state(state: SheetState, cut: CutMesh, mesh: Mesh, elements: Mapping[str, ShellElement]) -> SheetState:
+    """Return the state after a cut; mesh: before."""
+    blocks = tuple(_cut_block(state, cells, elements) for cells in _sort_by_zone(cut, mesh))
     heated = {name: np.asarray(cut.weights @ values) for name, values in state.heated.items()}
     return SheetState(cut.weights @ state.position, blocks, heated)
 

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.formability import ZONES, Formability
+from presswork.formability import ZONES, Formability, FormingLimitCurve
 from presswork.post.formability import judge_cells, judge_part
 from presswork.results import Result
 from presswork.view.style import ZONE_COLOURS, clean_axes, describe_step, new_figure
@@ -30,8 +31,9 @@ def plot_forming_limit(
     Raises ResultError for a body that is no sheet.
     """
     figure = new_figure(7.0, 5.2) if figure is None else figure
-    judged = result.formability if judged is None else judged
     verdict, cells = judge_part(result, step, judged), judge_cells(result, step, judged)
+    others = [] if judged is not None else _list_others(result)
+    judged = result.formability if judged is None else judged
     major, minor = result.field("major_strain_middle", step), result.field("minor_strain_middle", step)
     ax = figure.subplots()
     if "formability_zone" in cells:
@@ -47,6 +49,9 @@ def plot_forming_limit(
         _draw_curve(ax, judged, left, right)
         beside = float(judged.curve.limit(np.array([max(float(minor.max()), 0.0)]))[0])
         top = max(top, 1.35 * judged.curve.lowest()[1], 1.1 * beside)
+    for style, (name, other) in zip(itertools.cycle((":", "-.")), others, strict=False):
+        ax.plot(other.minor, other.major, "k", linestyle=style, linewidth=1.2, label=f"limit of {name}")
+        top = max(top, 1.35 * other.lowest()[1])
     r = judged.r
     for height, slope, text in (
         (0.97, -(1 + r) / r, f"tension, r = {r:.3g}"),
@@ -69,6 +74,20 @@ def plot_forming_limit(
     ax.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5), title=wording)
     clean_axes(ax)
     return figure
+
+
+def _list_others(result: Result) -> list[tuple[str, FormingLimitCurve]]:
+    """Return the curves of zones of a welded blank that are not that of the first one, with their names."""
+    first, found = result.formability.curve, list[tuple[str, FormingLimitCurve]]()
+    for number, limit in result.limits.items():
+        known = [first, *(curve for _, curve in found)]
+        if limit.curve is not None and not any(_are_same(limit.curve, curve) for curve in known):
+            found.append((result.zones[number] or "the blank", limit.curve))
+    return found
+
+
+def _are_same(one: FormingLimitCurve, other: FormingLimitCurve | None) -> bool:
+    return other is not None and np.array_equal(one.minor, other.minor) and np.array_equal(one.major, other.major)
 
 
 def _draw_curve(ax: Axes, judged: Formability, left: float, right: float) -> None:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from presswork.fields.table import describe_field
 from presswork.formability import PATH_MARGINS, ZONES
-from presswork.model import FloatArray
+from presswork.mesh.weld_edges import find_weld_edges
+from presswork.model import FloatArray, IntArray
 from presswork.post import find_skin
 from presswork.post.section import cut_tool
 from presswork.results import Result, ResultMesh
@@ -37,6 +38,8 @@ DIVERGING = ("thinning", "thickness_strain", "deviation")
 DIVERGING_COLOURS = "RdBu_r"
 _JUDGED = (ZONE_FIELD, "forming_limit_margin", *PATH_MARGINS, "fold_ratio")
 """Fields whose picture repeats the verdict of the run."""
+_WELD = "#c2007a"
+"""Colour of weld lines."""
 _LIGHT = np.array([0.35, -0.5, 0.8])
 _WIDTH, _SQUARE, _LEFT = 7.0, 5.6, 0.1
 """Width of a figure, side of the axes in space in it, and what is left of them [inch]."""
@@ -97,6 +100,7 @@ def plot_shell(
     fill_figure(figure, ax, head, foot, below=_ZONES_HEIGHT if by_zone else 0.0)
     blocks = [block * sign for sign in signs for block in outlines]
     draw_faces(ax, blocks, np.tile(colours, (len(signs), 1)), width, _cut_tools(result, step, low, high))
+    _draw_welds(ax, result, step, [points * sign for sign in signs])
     if by_zone and values is not None:
         _add_zone_legend(figure, values)
     elif field is not None and values is not None and scaled is not None:
@@ -104,6 +108,28 @@ def plot_shell(
         add_colour_bar(figure, ax, ends, scaled, label_field(result, field))
         _mark_first_crack(ax, result, field, step, points)
     return figure
+
+
+def _draw_welds(ax: Axes3D, result: Result, step: int, images: Sequence[FloatArray]) -> None:
+    """Draw the weld lines of a welded blank on top of all; images: of its points, whole and mirrored (n_points, 3)."""
+    if not result.zones:
+        return
+    from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+    edges = _find_welds(result, step)
+    ax.computed_zorder = False  # else the faces around hide them
+    for points in images:
+        for colour, line in (("white", 3.0), (_WELD, 1.6)):
+            ax.add_collection3d(Line3DCollection(points[edges], colors=colour, linewidths=line, zorder=15))
+
+
+def _find_welds(result: Result, step: int) -> IntArray:
+    """Return the edges along weld lines (n, 2)."""
+    blocks = result.mesh_at(step).blocks
+    first = np.cumsum([0, *(len(block.connectivity) for block in blocks[:-1])])
+    zones = result.field("zone", step)[first].astype(int).tolist()
+    kinds = [block.connectivity.astype(np.int32) for block in blocks]
+    return np.concatenate([find_weld_edges(kinds, zones, zone) for zone in sorted({*zones} - {0})])
 
 
 def _choose_colours(

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Zones of a welded blank, and thickness of a rolled one."""
