@@ -80,11 +80,11 @@ void add_shells(SpaceLoop<Real>& self, Ints connectivity, Doubles thickness, Dou
   auto section = make_section(law, elastic, density, std::move(height), std::move(weight), tabulate, treatment, viscous,
                               hourglass);
   section.yield_stress = yield_stress, section.number = std::move(number);
-  auto block = each == 4 && treatment == ShellTreatment::mitc
-                   ? make_mitc_shells<Real>(self.nodes, std::move(section), std::move(cells), thickness.data(),
-                                            axis.data())
-                   : make_one_point_shells<Real>(static_cast<int>(each), self.nodes, std::move(section),
-                                                 std::move(cells), thickness.data(), axis.data());
+  auto block =
+      each == 4 && treatment == ShellTreatment::mitc
+          ? make_mitc_shells<Real>(self.nodes, std::move(section), std::move(cells), thickness.data(), axis.data())
+          : make_one_point_shells<Real>(static_cast<int>(each), self.nodes, std::move(section), std::move(cells),
+                                        thickness.data(), axis.data());
   block->set_relief(std::move(relief));
   self.add_sheet(std::move(block));
 }

@@ -37,20 +37,22 @@ class WeldLines(Observer):
         return {f"{name}.weld_movement": value for name, (value, _) in self._measure(run).items()}
 
     def summary(self, run: Observed, history: History) -> dict[str, Any]:
-        """Return the largest movement of each zone's weld line, and where it is."""
-        found = self._measure(run)
-        if not found:
-            return {}
-        return {"weld_lines": {name: {"movement_mm": value, "place": place} for name, (value, place) in found.items()}}
+        """Return the largest movement of each zone's weld line and the largest each way, with their places."""
+        found = {}
+        for name, (value, ends) in self._measure(run).items():
+            ways = zip(("out_of_zone", "into_zone"), ends, strict=True)
+            found[name] = {"movement_mm": value} | {way: {"mm": mm, "place": place} for way, (mm, place) in ways}
+        return {"weld_lines": found} if found else {}
 
-    def _measure(self, run: Observed) -> dict[str, tuple[float, list[float]]]:
-        """Return the largest movement of each line [mm], and the place of its node now [mm]."""
+    def _measure(self, run: Observed) -> dict[str, tuple[float, list[tuple[float, list[float]]]]]:
+        """Return the largest movement of each line, then least and largest with the places of their nodes now [mm]."""
         if not self._lines:
             return {}
         now, found = run.positions(), {}
         moved = now[:, :2] - run.model.mesh.points[:, :2]
         for name, nodes, normals in self._lines:
             along = (moved[nodes] * normals).sum(axis=1)
-            worst = int(np.argmax(np.abs(along)))
-            found[name] = float(along[worst]), [float(x) for x in now[nodes[worst]]]
+            rows = [int(np.argmin(along)), int(np.argmax(along))]
+            ends = [(float(along[row]), [float(x) for x in now[nodes[row]]]) for row in rows]
+            found[name] = max(along[rows].tolist(), key=abs), ends
         return found

@@ -12,7 +12,7 @@ from presswork import model
 from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.units import Angle, Length, Point, Sides, fault
-from presswork.case.zones.schema import Zoned
+from presswork.case.zones.schema import OneSheet, Zoned
 
 _SECTION = model.Section(1.0)
 
@@ -29,7 +29,7 @@ class Refine(Part):
     )
 
 
-class _Blank(Zoned):
+class _Blank(Part):
     """What blanks of any outline have."""
 
     material: FileName = Field(
@@ -59,7 +59,7 @@ class _MeshedBlank(_Blank):
     )
 
 
-class RectangularBlank(_MeshedBlank):
+class RectangularBlank(Zoned, _MeshedBlank):
     """A rectangle about the origin."""
 
     shape: Literal["rectangle"] = Field(description="a rectangle about the origin")
@@ -79,7 +79,7 @@ class RectangularBlank(_MeshedBlank):
         return 0.5 * self.size[0], 0.5 * self.size[1]
 
 
-class CircularBlank(_MeshedBlank):
+class CircularBlank(Zoned, _MeshedBlank):
     """A circle about the origin."""
 
     shape: Literal["circle"] = Field(description="a circle about the origin")
@@ -91,7 +91,7 @@ class CircularBlank(_MeshedBlank):
         return 0.5 * self.diameter, 0.5 * self.diameter
 
 
-class TubeBlank(_MeshedBlank):
+class TubeBlank(OneSheet, _MeshedBlank):
     """A straight tube about the axis x."""
 
     shape: Literal["tube"] = Field(description="a straight tube about the axis x, in place of a sheet")
@@ -101,16 +101,11 @@ class TubeBlank(_MeshedBlank):
 
     @model_validator(mode="after")
     def _check_bore(self) -> Self:
-        if not self.is_uniform:
-            fault_text = "a tube has one thickness and one material"
-            raise fault(
-                fault_text, "give one thickness, and leave zones out", key="zones" if self.zones else "thickness"
-            )
-        if 2.0 * self.thickest >= self.diameter:
-            fault_text = f"a wall of {self.thickest:g} mm leaves no bore in a tube of {self.diameter:g} mm"
+        if 2.0 * self.thickness >= self.diameter:
+            fault_text = f"a wall of {self.thickness:g} mm leaves no bore in a tube of {self.diameter:g} mm"
             raise fault(fault_text, "give the outside diameter, and the thickness of the wall", key="thickness")
-        if self.length < self.thickest:
-            fault_text = f"a tube of {self.length:g} mm is shorter than its wall is thick, {self.thickest:g} mm"
+        if self.length < self.thickness:
+            fault_text = f"a tube of {self.length:g} mm is shorter than its wall is thick, {self.thickness:g} mm"
             raise fault(fault_text, "give the length of the whole tube; plain numbers are mm", key="length")
         return self
 
@@ -119,7 +114,7 @@ class TubeBlank(_MeshedBlank):
         return 0.5 * self.length, 0.5 * pi * self.diameter
 
 
-class OutlinedBlank(_MeshedBlank):
+class OutlinedBlank(Zoned, _MeshedBlank):
     """What lies inside an outline from a file; of a part with symmetry planes the file has the whole outline."""
 
     shape: Literal["outline"] = Field(description="what lies inside an outline from a file")
@@ -134,7 +129,7 @@ class OutlinedBlank(_MeshedBlank):
     element_size: Length = Field(gt=0, description="largest side of an element, about [mm]")
 
 
-class BlankFile(_Blank):
+class BlankFile(Zoned, _Blank):
     """A mesh of quadrilaterals or triangles from a file; with symmetry planes it is the part at x, y >= 0."""
 
     shape: Literal["file"] = Field(description="a mesh of quadrilaterals or triangles from a file")

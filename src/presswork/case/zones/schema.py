@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
@@ -100,8 +100,28 @@ class BlankZone(Part):
         return self
 
 
+class OneSheet(Part):
+    """The thickness of a blank without zones."""
+
+    thickness: Length = Field(gt=0, description="thickness [mm]")
+
+    zones: ClassVar[tuple[BlankZone, ...]] = ()
+    relief: ClassVar[bool] = True
+    is_uniform: ClassVar[bool] = True
+
+    @property
+    def thickest(self) -> float:
+        """Its thickness [mm]."""
+        return self.thickness
+
+    @property
+    def mean_thickness(self) -> float:
+        """Its thickness [mm]."""
+        return self.thickness
+
+
 class Zoned(Part):
-    """What a blank of any outline has of thickness and zones."""
+    """Thickness and zones of a flat blank."""
 
     thickness: Thickness = Field(
         description="thickness [mm]; of a rolled blank a table [[distance, thickness], ...], linear between its rows"
@@ -124,12 +144,6 @@ class Zoned(Part):
         """Largest thickness of the blank [mm]."""
         own = [self.thickness] if isinstance(self.thickness, float) else [t for _, t in self.thickness]
         return max([*own, *(zone.thickness for zone in self.zones if zone.thickness is not None)])
-
-    @property
-    def thinnest(self) -> float:
-        """Least thickness of the blank [mm]."""
-        own = [self.thickness] if isinstance(self.thickness, float) else [t for _, t in self.thickness]
-        return min([*own, *(zone.thickness for zone in self.zones if zone.thickness is not None)])
 
     @property
     def mean_thickness(self) -> float:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from presswork.fields.table import describe_field
 from presswork.formability import PATH_MARGINS, ZONES
-from presswork.mesh.weld_edges import find_weld_edges
-from presswork.model import FloatArray, IntArray
+from presswork.model import FloatArray
 from presswork.post import find_skin
 from presswork.post.section import cut_tool
+from presswork.post.weld_lines import find_welds
 from presswork.results import Result, ResultMesh
 from presswork.view.cells import outline_blocks
 from presswork.view.crack_mark import describe_first_crack, find_centre, find_first_crack
@@ -116,20 +116,11 @@ def _draw_welds(ax: Axes3D, result: Result, step: int, images: Sequence[FloatArr
         return
     from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
-    edges = _find_welds(result, step)
+    edges = find_welds(result, step)
     ax.computed_zorder = False  # else the faces around hide them
     for points in images:
         for colour, line in (("white", 3.0), (_WELD, 1.6)):
             ax.add_collection3d(Line3DCollection(points[edges], colors=colour, linewidths=line, zorder=15))
-
-
-def _find_welds(result: Result, step: int) -> IntArray:
-    """Return the edges along weld lines (n, 2)."""
-    blocks = result.mesh_at(step).blocks
-    first = np.cumsum([0, *(len(block.connectivity) for block in blocks[:-1])])
-    zones = result.field("zone", step)[first].astype(int).tolist()
-    kinds = [block.connectivity.astype(np.int32) for block in blocks]
-    return np.concatenate([find_weld_edges(kinds, zones, zone) for zone in sorted({*zones} - {0})])
 
 
 def _choose_colours(
