@@ -40,8 +40,8 @@ class WeldLines(Observer):
         """Return the largest movement of each zone's weld line and the largest each way, with their places."""
         found = {}
         for name, (value, ends) in self._measure(run).items():
-            ways = zip(("out_of_zone", "into_zone"), ends, strict=True)
-            found[name] = {"movement_mm": value} | {way: {"mm": mm, "place": place} for way, (mm, place) in ways}
+            named = zip(("out_of_zone", "into_zone"), ends, strict=True)
+            found[name] = {"movement_mm": value} | {key: {"mm": mm, "place": place} for key, (mm, place) in named}
         return {"weld_lines": found} if found else {}
 
     def _measure(self, run: Observed) -> dict[str, tuple[float, list[tuple[float, list[float]]]]]:
