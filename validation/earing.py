@@ -145,10 +145,15 @@ def draw_cup(sheet: str, cup: Cup = ESAFORM, size: float | None = None) -> Rim:
         material = {**(STEEL if sheet == "steel" else ALUMINIUM), "yield_function": {"law": "hill1948", **r}}
     elif sheet == "isotropic":
         material = ALUMINIUM
-    model = build_model(StampingCase.model_validate(make_case(cup, material, size or cup.size)))
+    return draw_material(material, cup, size or cup.size)
+
+
+def draw_material(material: dict[str, Any] | str, cup: Cup, size: float) -> Rim:
+    """Draw a cup of a material, by its table or by its name in the library; size: of the shells [mm]."""
+    model = build_model(StampingCase.model_validate(make_case(cup, material, size)))
     with tempfile.TemporaryDirectory() as scratch:
-        outcome = run_model(model, Path(scratch) / sheet)
-        assert outcome.status == "completed", f"{sheet}: {outcome.reason}"
+        outcome = run_model(model, Path(scratch) / "cup")
+        assert outcome.status == "completed", outcome.reason
         result = outcome.result
         start, now, cells = model.mesh.points, result.points(-1), model.mesh.blocks[0].connectivity
         strain = result.field("thickness_strain", -1)
