@@ -67,7 +67,7 @@ from presswork.model.model import Analysis, Model
 from presswork.model.onestep import OneStepModel, PartBead
 from presswork.model.operation import Closing, Operation, PartPlace
 from presswork.model.press import Blow, Crank, Drive, SpeedTable
-from presswork.model.remeshing import Remeshing, SizeWindow
+from presswork.model.remeshing import Remeshing, Separation, SizeWindow
 from presswork.model.settings import (
     LARGE,
     Displacements,
@@ -227,6 +227,7 @@ __all__ = [
     "Refinement",
     "Remeshing",
     "Section",
+    "Separation",
     "Series",
     "SheetPressure",
     "SheetSelfContact",

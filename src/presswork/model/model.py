@@ -22,7 +22,7 @@ from presswork.model.marked_point import MarkedPoint
 from presswork.model.material import Material
 from presswork.model.mesh import CellBlock, Mesh, Section
 from presswork.model.operation import Operation
-from presswork.model.remeshing import Remeshing
+from presswork.model.remeshing import Remeshing, Separation
 from presswork.model.settings import LARGE, ExplicitSheet, ExplicitSolid, OutputSettings, SolverSettings
 from presswork.model.sheet import Hem, Refinement, SheetPressure, SheetSelfContact, Springback, TrimLine
 from presswork.model.stage import CyclicSector, Stage, Support
@@ -105,6 +105,8 @@ class Model:
     """Solids in space: the sector that is modelled of a body of cyclic symmetry; None: it is whole, or mirrored."""
     remeshing: Remeshing | None = None
     """Solids in the plane or in axisymmetry: new meshes in the run; None: one mesh to the end."""
+    separation: Separation | None = None
+    """Explicit solids in the plane or in axisymmetry: cracks that are cut into the mesh; None: cracks are reported."""
     gradients: Gradients | None = None
     """Derivatives that an implicit run finds as it goes; None: none."""
     case_text: str = ""

@@ -18,6 +18,14 @@ class SizeWindow:
 
 
 @dataclass(frozen=True)
+class Separation:
+    """Cracks that are cut into the mesh where the mean damage is critical."""
+
+    size: float | None = None
+    """Largest edge of cells where cracks grow [mm]; None: half of the length over which damage is averaged."""
+
+
+@dataclass(frozen=True)
 class Remeshing:
     """Sizes and triggers."""
 

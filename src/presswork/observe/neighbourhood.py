@@ -11,6 +11,8 @@ means of the whole.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,6 +20,9 @@ from presswork import _core
 from presswork.mesh.faces import face_areas
 from presswork.mesh.make.box import node_volumes
 from presswork.model import ELEMENTS, FloatArray, IndexArray, Mesh, Model, find_held_side, take_corners
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 CELLS = 2.0
 """Radius of the neighbourhood in a sheet whose material gives no length, in sizes of the shell in its middle."""
@@ -46,29 +51,45 @@ class FormedBlock:
         damage: of the cells (n_cells, layers), one layer in solids; length: radius of the neighbourhood [mm], None:
         CELLS sizes of the cell. Only cells that are damaged more than the mean that is found are middles.
         """
-        from scipy.spatial import cKDTree
-
-        cells = self.mesh.blocks[self.number].connectivity
-        middles = self.mesh.points[cells].mean(axis=1)
-        tree, order = cKDTree(middles), np.argsort(-damage, axis=None, kind="stable")
+        order = np.argsort(-damage, axis=None, kind="stable")
         best, cell, radius = -np.inf, 0, 0.0
         for first in range(0, len(order), _AT_ONCE):
             chosen, layer = np.unravel_index(order[first : first + _AT_ONCE], damage.shape)
             if damage[chosen[0], layer[0]] <= best * (1.0 + ENOUGH):
                 break
             radii = CELLS * self._sizes(chosen) if length is None else np.full(len(chosen), length)
-            total, weighted = np.zeros(len(chosen)), np.zeros(len(chosen))
-            for image in self._mirror(middles[chosen]):
-                found = tree.query_ball_point(image, radii)
-                whose = np.repeat(np.arange(len(chosen)), [len(near) for near in found])
-                near = np.concatenate([np.zeros(0), *found]).astype(np.intp)
-                weight = self._weigh(image[whose], middles[near], radii[whose]) * self._volumes(near)
-                total += np.bincount(whose, weight, len(chosen))
-                weighted += np.bincount(whose, weight * damage[near, layer[whose]], len(chosen))
-            at = int(np.argmax(weighted / total))
-            if weighted[at] / total[at] > best:
-                best, cell, radius = float(weighted[at] / total[at]), int(chosen[at]), float(radii[at])
+            means = self.average(damage, chosen, layer, radii)
+            at = int(np.argmax(means))
+            if means[at] > best:
+                best, cell, radius = float(means[at]), int(chosen[at]), float(radii[at])
         return best, cell, radius
+
+    def average(self, damage: FloatArray, chosen: IndexArray, layer: IndexArray, radii: FloatArray) -> FloatArray:
+        """Return the means over the neighbourhoods of chosen cells (n,) at layers (n,), of radii (n,) [mm] (n,).
+
+        damage: of the cells (n_cells, layers).
+        """
+        total, weighted = np.zeros(len(chosen)), np.zeros(len(chosen))
+        for image in self._mirror(self._middles[chosen]):
+            found = self._tree.query_ball_point(image, radii)
+            whose = np.repeat(np.arange(len(chosen)), [len(near) for near in found])
+            near = np.concatenate([np.zeros(0), *found]).astype(np.intp)
+            weight = self._weigh(image[whose], self._middles[near], radii[whose]) * self._volumes(near)
+            total += np.bincount(whose, weight, len(chosen))
+            weighted += np.bincount(whose, weight * damage[near, layer[whose]], len(chosen))
+        return np.asarray(weighted / total)
+
+    @cached_property
+    def _middles(self) -> FloatArray:
+        """Where the middles of the cells were when the run began (n_cells, d) [mm]."""
+        return np.asarray(self.mesh.points[self.mesh.blocks[self.number].connectivity].mean(axis=1))
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        """The middles to be looked for."""
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self._middles)
 
     @property
     def _is_ring(self) -> bool:

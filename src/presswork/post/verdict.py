@@ -102,6 +102,7 @@ def judge_summary(summary: Summary, safety_margin: float = 0.1, dimension: int =
         _judge_laps,
         _judge_contact_pressure,
         _judge_cracks,
+        _judge_separation,
         lambda found: _judge_forming_limit(found, safety_margin),
         _judge_thinning,
         _judge_wrinkles,
@@ -239,7 +240,7 @@ def _judge_contact_pressure(summary: Summary) -> Iterator[Line]:
 
 def _judge_cracks(summary: Summary) -> Iterator[Line]:
     """Judge damage by its critical value, where the material gives one."""
-    for name, known in summary.get("damage", {}).items():
+    for name, known in ({} if "separation" in summary else summary.get("damage", {})).items():
         first, most, critical = known.get("first_exceeded"), known["largest_mean"], known["critical"]
         word, shown = name.removeprefix("damage_").replace("_", " "), "" if critical is None else _number(critical)
         worst = first or most
@@ -256,6 +257,20 @@ def _judge_cracks(summary: Summary) -> Iterator[Line]:
             at,
             worst["time_s"],
         )
+
+
+def _judge_separation(summary: Summary) -> Iterator[Line]:
+    """Judge whether a body that is to part has parted, and show the zones of its edges."""
+    found = summary.get("separation")
+    if found is None:
+        return
+    parted = found.get("parted")
+    note = f"punch at {parted['stroke_mm']:.4g} mm" if parted else "the stroke is too short, or no crack goes through"
+    yield Line("separation", "ok" if parted else "risk", f"{found['pieces']} pieces", "at least 2", note)
+    for edge in found.get("edges", []):
+        for zone in ("rollover", "sheared", "fracture", "burr"):
+            share = edge[f"{zone}_mm"] / edge["thickness_mm"]
+            yield Line(f"{zone} of the {edge['piece']}", "figure", _percent(share), "", f"{edge[f'{zone}_mm']:.3g} mm")
 
 
 def _judge_forming_limit(summary: Summary, margin: float) -> Iterator[Line]:

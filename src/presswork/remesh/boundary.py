@@ -36,6 +36,8 @@ MOST_LAPS = 8
 """Loops that one new line leaves out at most."""
 _CLOSE = 0.35
 """Distance over the size of cells within which another hard place replaces a corner."""
+_CLOSE_ON_CRACKS = 1.0
+"""The same where there are cracks, which have many."""
 _BULGE = 0.3
 """How far a cubic may leave an edge, over its chord; the edge stays straight where the cubic would leave it by more."""
 _STEEP = 0.5
@@ -63,6 +65,8 @@ class OldLine:
     """Whether volumes are those of revolution about x = 0."""
     lost: float = 0.0
     """Part of the volume that the old meshes have lost, and the new line gives back."""
+    is_cracked: bool = False
+    """Whether its sides may cross each other in the new line: faces of cracks, which are parted later."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +114,7 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
     """
     curve = _Curve(old)
     place, w = curve.measure(size)
-    hard = _choose_hard(curve.hard_places(), place, w)
+    hard = _choose_hard(curve.hard_places(), place, w, _CLOSE_ON_CRACKS if old.is_cracked else _CLOSE)
     spread = [
         _spread(place, w, first, last, curve.soft_places())
         for first, last in zip(hard, [*hard[1:], hard[0] + len(old.points)], strict=True)
@@ -120,8 +124,8 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
     curve.extend_contact(places, points, is_free)
     target = enclosed_volume(old.points, ring=old.ring) * (1.0 + old.lost)
     points, is_free, offset = restore_volume(points, is_free, target, old.profiles, ring=old.ring)
-    seams = []
-    for _ in range(MOST_LAPS):
+    seams: list[FloatArray] = []
+    for _ in range(0 if old.is_cracked else MOST_LAPS):
         folds = find_folds(list_sides(points))
         if not len(folds):
             break
@@ -130,7 +134,8 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
         places = places[kept]
         points, is_free, offset = restore_volume(points[kept], is_free[kept], target, old.profiles, ring=old.ring)
     else:
-        refuse_fold(list_sides(points))
+        if not old.is_cracked:
+            refuse_fold(list_sides(points))
     return NewLine(points, places, is_free, offset, tuple(seams))
 
 
@@ -343,14 +348,14 @@ class _Curve:
         return places, np.concatenate([[0.0], np.cumsum(step / wanted)])
 
 
-def _choose_hard(hard: tuple[FloatArray, FloatArray], place: FloatArray, w: FloatArray) -> list[float]:
+def _choose_hard(hard: tuple[FloatArray, FloatArray], place: FloatArray, w: FloatArray, close: float) -> list[float]:
     """Return the hard places in order: all firm ones, and corners not too close to others."""
     firm, corners = hard
     chosen = firm.tolist()
     whole = float(w[-1])
     for corner in corners.tolist():
         apart = np.abs(np.interp(corner, place, w) - np.interp(np.array(chosen), place, w)) if chosen else np.array([])
-        if not (np.minimum(apart, whole - apart) < _CLOSE).any():
+        if not (np.minimum(apart, whole - apart) < close).any():
             chosen.append(corner)
     return sorted(chosen) or [0.0]
 

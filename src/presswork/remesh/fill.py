@@ -22,6 +22,7 @@ from presswork import _core
 from presswork.geometry.polygon import contains, measure_distance
 from presswork.mesh.checks import MeshError, corner_jacobians
 from presswork.model import BoolArray, FloatArray, IndexArray, IntArray, find_cell
+from presswork.remesh.forced_sides import force_sides
 
 SizeField = Callable[[FloatArray], FloatArray]
 """Edge length of cells [mm] at points (n, 2)."""
@@ -45,20 +46,21 @@ def close_loops(lengths: Sequence[int]) -> IndexArray:
 
 
 def fill_with_quadrilaterals(
-    line: FloatArray, size: SizeField, after: IndexArray | None = None
+    line: FloatArray, size: SizeField, after: IndexArray | None = None, *, has_slits: bool = False
 ) -> tuple[FloatArray, IndexArray]:
     """Return points (n, 2) and quadrilaterals (m, 4), counter-clockwise, inside a closed line.
 
     line: nodes (k, 2) [mm], counter-clockwise, the first not repeated; loops round holes, clockwise, come behind it.
     They come first among the points, as they are. Corners belong at even places, every loop has an even number. after:
-    the node that follows each (k,); None: there are no holes. Raises MeshError where the line is too coarse.
+    the node that follows each (k,); None: there are no holes. has_slits: gaps narrower than their sides are meant to
+    be. Raises MeshError where the line is too coarse.
     """
     if len(line) % 2 or len(line) < 8:
         raise MeshError(f"a boundary of {len(line)} nodes", "an even number of them, at least eight")
     after = close_loops([len(line)]) if after is None else after
     coarse = line[::2]
     along = after[after[::2]] // 2
-    vertices, triangles = _triangulate(coarse, along, lambda p: 2.0 * size(p))
+    vertices, triangles = _triangulate(coarse, along, lambda p: 2.0 * size(p), has_slits)
     points, cells = _split(vertices, triangles, _join(vertices, triangles), line, along)
     points = _smooth(points, cells, len(line))
     worst = measure_quality(points, cells)
@@ -99,10 +101,12 @@ def _list_sides(line: FloatArray, after: IndexArray) -> FloatArray:
     return np.stack([line, line[after]], axis=1)
 
 
-def _triangulate(line: FloatArray, after: IndexArray, size: SizeField) -> tuple[FloatArray, IndexArray]:
+def _triangulate(
+    line: FloatArray, after: IndexArray, size: SizeField, has_slits: bool
+) -> tuple[FloatArray, IndexArray]:
     """Return vertices, those of the line first, and triangles counter-clockwise that fill it."""
     inner = _place_vertices(line, after, size)
-    sides = _list_sides(line, after)
+    sides, wanted = _list_sides(line, after), np.column_stack([np.arange(len(line)), after])
     whole: tuple[IntArray, IntArray] | None = None
     triangles = np.zeros((0, 3), dtype=np.intp)
     for round_ in range(_TRIANGLE_ROUNDS + 1):
@@ -110,6 +114,7 @@ def _triangulate(line: FloatArray, after: IndexArray, size: SizeField) -> tuple[
         whole = _core.restore_delaunay(points, *whole) if whole is not None else None
         whole = whole or _triangulate_anew(points)
         found = whole[0].astype(np.intp)
+        found = force_sides(points, found, wanted) if has_slits else found
         between = (found < len(line)).all(axis=1)  # others have a vertex inside
         inside = np.asarray(~between)
         inside[between] = contains(sides, points[found[between]].mean(axis=1))

@@ -27,7 +27,8 @@ from presswork.model import (
 )
 from presswork.remesh.boundary import NewLine, OldLine, refuse_fold, resample
 from presswork.remesh.carrier import SurfacePlaces
-from presswork.remesh.fill import close_loops, fill_with_quadrilaterals
+from presswork.remesh.crack_faces import part_faces
+from presswork.remesh.fill import close_loops, fill_with_quadrilaterals, measure_quality
 from presswork.remesh.landing import draw_outline, find_landings
 from presswork.remesh.narrow_gaps import find_corners_ahead
 from presswork.remesh.size_field import (
@@ -40,12 +41,17 @@ from presswork.remesh.size_field import (
     metal_thickness,
     tool_curvature,
 )
+from presswork.remesh.slit import Outline
 from presswork.remesh.volume import enclosed_volume
 
 LEAST_ACROSS = 1.5
 """Cells across the metal below which a budget is too small."""
 _NOTHING = 1e-12
 """Area of a body over the square of its diagonal, at or below which it has none."""
+CRACKED_PARTS = (1.0, 0.95, 1.05, 0.9, 1.1, 0.85)
+"""Factors on the size of cells, tried one after the other where there are cracks."""
+GOOD_CRACKED = 0.15
+"""Quality of the worst cell with which such a mesh is taken at once."""
 _ATTEMPTS, _FINER = 3, 0.8
 """Where the boundary cannot be kept, or filled, cells are made smaller by a factor, and tried again."""
 
@@ -102,6 +108,14 @@ class OldSection:
     land cells are small; None: nowhere."""
     share: FloatArray | None = None
     """Part of the largest force of a tool that tools push each node with (n_points,); None: none."""
+    loops: Sequence[IndexArray] | None = None
+    """Loops of the boundary with cracks cut into it, whose points come after those of the mesh; None: as the mesh."""
+    is_cracked: bool = False
+    """Whether it has cracks, or is about to get some."""
+    firm: Sequence[int] = ()
+    """Mouths and tips of cracks, which stay nodes."""
+    cracks: SizeSources | None = None
+    """Sizes of cells wanted where cracks grow; None: no crack."""
 
     def corners(self) -> IndexArray:
         """Return the corners of the cells (n_cells, 3 | 4)."""
@@ -113,6 +127,8 @@ class OldSection:
 
         Raises MeshError where loops are not closed, or share a node.
         """
+        if self.loops is not None:
+            return list(self.loops)
         edges = chain_edges(halve_edges(self.mesh.boundary_edges), self.position)
         loops = _split_loops(edges)
         if any(loop[-1, 1] != loop[0, 0] for loop in loops) or len(np.unique(edges[:, 0])) < len(edges):
@@ -148,6 +164,30 @@ class OldSection:
         return np.concatenate([list_sides(self.position[chain]) for chain in self.chains])
 
 
+def with_cracks(old: OldSection, cut: Outline) -> OldSection:
+    """Return a section with cracks cut into its outline, as it is without them; the new mesh gives the volume back."""
+    more = len(cut.points) - len(old.position)
+    volume_n, volume = (
+        sum(enclosed_volume(points[loop], ring=old.ring) for loop in loops)
+        for points, loops in ((old.position, old.chains), (cut.points, cut.loops))
+    )
+    none = np.zeros(more, dtype=bool)
+    return replace(
+        old,
+        position=cut.points,
+        on_tool=np.concatenate([old.on_tool, np.zeros((len(old.on_tool), more), dtype=bool)], axis=1),
+        fixed=np.concatenate([old.fixed, np.zeros((more, 2), dtype=bool)]),
+        closing=None
+        if old.closing is None
+        else np.concatenate([old.closing, np.tile(none, (len(old.closing), 1))], axis=1),
+        share=None if old.share is None else np.concatenate([old.share, np.zeros(more)]),
+        lost=(1.0 + old.lost) * volume_n / volume - 1.0,
+        loops=cut.loops,
+        is_cracked=True,
+        firm=cut.firm,
+    )
+
+
 @dataclass(frozen=True)
 class NewSection:
     """The new mesh in the deformed place."""
@@ -159,6 +199,8 @@ class NewSection:
     """Nodes of the old boundary, to which places on the line refer (k,)."""
     following: IndexArray
     """Number of the one that follows each (k,)."""
+    n_old: int
+    """Nodes of the old mesh; beyond them are those of cracks cut into it."""
 
     def surface(self, first_old: int, first_new: int) -> SurfacePlaces:
         """Return where its boundary nodes lie on the old boundary; first: node of the body in all of the mesh."""
@@ -166,7 +208,10 @@ class NewSection:
         after, preceding = self.following[before], np.argsort(self.following)
         old, part = self.chain + first_old, np.asarray(self.line.place - before)
         node = first_new + np.arange(len(before))
-        return SurfacePlaces(node, old[before], old[after], part, old[preceding[before]], old[self.following[after]])
+        around = np.stack([before, after, preceding[before], self.following[after]])
+        own = (self.chain[around] < self.n_old).all(axis=0)  # faces of a crack take what the metal has there
+        before, after, earlier, later = old[around[:, own]]
+        return SurfacePlaces(node[own], before, after, part[own], earlier, later)
 
 
 def measure_sizes(old: OldSection, settings: Remeshing, *, part: float = 1.0) -> GradedSize:
@@ -192,6 +237,7 @@ def _ask_for_sizes(old: OldSection, settings: Remeshing) -> GradedSize:
         find_corners_ahead(*before, smallest=settings.smallest_size, largest=settings.size)
         for before in old.before_others
     ]
+    sources += [old.cracks] if old.cracks is not None else []
     landings, others = _find_landings(old, settings), join_sources(*sources)
     least = min(settings.smallest_size, float(landings.size.min(initial=np.inf)))
     joined = join_sources(landings, SizeSources(others.place, np.maximum(others.size, settings.smallest_size)))
@@ -277,15 +323,18 @@ def remesh_section(old: OldSection, settings: Remeshing, *, part: float = 1.0) -
     _keep_budget(settings, size, part, expected)
     old_lines = [
         OldLine(
-            old.position[chain], old.on_tool[:, chain], old.fixed[chain], find_set_ends(old.mesh, chain), old.profiles,
-            old.ring, lost,
+            old.position[chain], old.on_tool[:, chain], old.fixed[chain],
+            find_set_ends(old.mesh, chain) | np.isin(chain, old.firm), old.profiles,
+            old.ring, lost, old.is_cracked,
         )
         for chain, lost in zip(chains, _share_lost(old, chains), strict=True)
     ]  # fmt: skip
     for attempt in range(_ATTEMPTS):
         try:
-            line, after = _join_lines([resample(old_line, size) for old_line in old_lines], chains)
-            points, cells = fill_with_quadrilaterals(line.points, size, after)
+            line, after = _join_lines(
+                [resample(old_line, size) for old_line in old_lines], chains, is_cracked=old.is_cracked
+            )
+            points, cells = fill_with_quadrilaterals(line.points, size, after, has_slits=old.is_cracked)
         except MeshError:
             if attempt == _ATTEMPTS - 1:
                 raise
@@ -297,7 +346,31 @@ def remesh_section(old: OldSection, settings: Remeshing, *, part: float = 1.0) -
         line,
         np.concatenate(chains),
         _follow(chains),
+        len(old.mesh.points),
     )
+
+
+def remesh_with_cracks(old: OldSection, settings: Remeshing, *, part: float = 1.0, tries: int = 0) -> NewSection:
+    """Return a new mesh as remesh_section: of sections with cracks the first one good enough of several sizes, or else
+    the best one. tries: meshes that were made of it before, and have failed. Raises MeshError.
+    """
+    best, found, fault = -np.inf, None, None
+    first = tries % len(CRACKED_PARTS)
+    for size in CRACKED_PARTS[first:] + CRACKED_PARTS[:first]:
+        try:
+            new = remesh_section(old, settings, part=part * size)
+        except MeshError as error:
+            fault = fault or error
+            continue
+        worst = float(measure_quality(new.mesh.points, new.mesh.blocks[0].connectivity.astype(np.intp)).min())
+        if worst > best:
+            best, found = worst, new
+        if best > GOOD_CRACKED:
+            break
+    if found is None:
+        assert fault is not None
+        raise fault
+    return found
 
 
 def _share_lost(old: OldSection, chains: Sequence[IndexArray]) -> list[float]:
@@ -313,8 +386,12 @@ def _follow(chains: Sequence[IndexArray]) -> IndexArray:
     return close_loops([len(chain) for chain in chains])
 
 
-def _join_lines(lines: Sequence[NewLine], chains: Sequence[IndexArray]) -> tuple[NewLine, IndexArray]:
+def _join_lines(
+    lines: Sequence[NewLine], chains: Sequence[IndexArray], *, is_cracked: bool
+) -> tuple[NewLine, IndexArray]:
     """Return new loops as one line whose places count through all loops, and the node that follows each.
+
+    is_cracked: faces of cracks that cross each other are parted.
 
     Raises MeshError where sides cross each other.
     """
@@ -327,7 +404,9 @@ def _join_lines(lines: Sequence[NewLine], chains: Sequence[IndexArray]) -> tuple
         tuple(seam for line in lines for seam in line.seams),
     )
     after = close_loops([len(line.points) for line in lines])
-    if len(lines) > 1:
+    if is_cracked:
+        joined = replace(joined, points=part_faces(joined.points, after, joined.is_free))
+    if is_cracked or len(lines) > 1:
         refuse_fold(np.stack([joined.points, joined.points[after]], axis=1))
     return joined, after
 
@@ -355,7 +434,7 @@ def find_set_ends(mesh: Mesh, chain: IndexArray) -> BoolArray:
     ends = np.zeros(len(chain), dtype=bool)
     for inside, sides in _edges_in(mesh.node_sets, chain, _follow([chain])).values():
         ends |= inside & ~(sides & np.roll(sides, 1))
-    following = np.full(len(mesh.points), -1)
+    following = np.full(max(len(mesh.points), 1 + int(chain.max())), -1)
     following[chain] = np.roll(chain, -1)
     for edges in map(halve_edges, mesh.edge_sets.values()):
         sides = _mark(edges[following[edges[:, 0]] == edges[:, 1], 0], chain)[chain]

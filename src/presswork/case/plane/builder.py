@@ -9,7 +9,7 @@ modelled.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -28,6 +28,7 @@ from presswork.case.plane.reach import check_reach, check_room
 from presswork.case.plane.references import check_references, check_sets
 from presswork.case.plane.remesh import OF_SMALLEST
 from presswork.case.plane.remesh_builder import build_remeshing, check_places, check_sizes, check_tools
+from presswork.case.plane.separation import build_separation
 from presswork.case.press.builder import build_drive, find_halves, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver
 from presswork.case.tool_sizes import warn_of_tools
@@ -69,17 +70,16 @@ def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model
     held = ((name, entry.set, ("x" in entry.fix, "y" in entry.fix)) for name, entry in case.boundary.items())
     supports = tuple(model.Support(node_set, fix, name) for name, node_set, fix in held)
     problems = problems or check_room(tools, stages, supports, mesh)
-    taken = {*case.tools, *case.contacts, *case.boundary, *(p.node_set for stage in stages for p in stage.prescribed)}
-    points, point_problems = build_points(case.points, mesh, taken)
+    points, point_problems = build_points(case.points, mesh, _list_taken(case, stages))
     problems += point_problems
     dies, die_problems = build_dies(case, tools, _folder(case))
     _stop_at(problems + die_problems, case)
     remeshing = build_remeshing(case, mesh, bodies, tools)
+    separation, faces = build_separation(case, remeshing, materials[mesh.blocks[0].material])
     if remeshing is not None and not remeshing.keeps_first:
         tools = round_outer_corners(tools, OF_SMALLEST * remeshing.smallest_size)
     for text in close:
         logger.warning("%s", text)
-    has_coulomb = any(tool.contact.startswith("coulomb") for tool in case.tools.values())
     return model.Model(
         title=case.title,
         analysis=case.analysis,
@@ -89,10 +89,10 @@ def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model
         tools=tools,
         supports=supports,
         stages=stages,
-        solver=build_solver(case.solver, with_coulomb=has_coulomb, with_body_contact=bool(contacts)),
+        solver=build_solver(case.solver, with_coulomb=_has_coulomb(case), with_body_contact=bool(contacts)),
         output=build_output(case.output),
         bodies=bodies,
-        contacts=contacts,
+        contacts=contacts + faces,
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
         heat=build_heat(case, bodies, dies),
         series=case.series.to_model() if case.series else None,
@@ -100,8 +100,19 @@ def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model
         limits=case.limits.build(),
         points=points,
         remeshing=remeshing,
+        separation=separation,
         case_text=case.text,
     )
+
+
+def _list_taken(case: schema.Case, stages: Sequence[model.Stage]) -> set[str]:
+    """Return the names that columns of the history have."""
+    return {*case.tools, *case.contacts, *case.boundary, *(p.node_set for stage in stages for p in stage.prescribed)}
+
+
+def _has_coulomb(case: schema.Case) -> bool:
+    """Return whether a tool has Coulomb's friction."""
+    return any(tool.contact.startswith("coulomb") for tool in case.tools.values())
 
 
 def _stop_at(problems: list[Problem], case: schema.Case) -> None:

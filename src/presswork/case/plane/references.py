@@ -17,6 +17,7 @@ from presswork.case.plane.die_body import check_rings
 from presswork.case.plane.explicit_checks import check_procedure
 from presswork.case.plane.law_checks import check_laws
 from presswork.case.plane.remesh_builder import check_remesh
+from presswork.case.plane.separation import check_separation
 from presswork.case.plane.workpiece import MeshFile, Rectangle, Workpiece
 from presswork.case.press.builder import check_timing
 from presswork.case.settings import check_small_displacements
@@ -33,6 +34,7 @@ def check_references(case: schema.Case) -> list[Problem]:
         *check_bodies(case),
         *check_procedure(case),
         *check_remesh(case),
+        *check_separation(case),
         *check_heat(case),
         *check_series(case),
     ]

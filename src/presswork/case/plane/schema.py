@@ -46,6 +46,7 @@ from presswork.case.part import Part
 from presswork.case.plane.contact import Contact
 from presswork.case.plane.explicit import ExplicitSolver
 from presswork.case.plane.remesh import Remesh
+from presswork.case.plane.separation import Separation
 from presswork.case.plane.tool import Axis, Tool, check_motion, require_direction, unit_vector
 from presswork.case.plane.workpiece import Workpiece
 from presswork.case.press.builder import Timing
@@ -309,6 +310,10 @@ class Case(CaseFile):
         default=None,
         description="mesh the workpiece anew where its mesh would fail, and how; left out: where an increment fails on "
         "the first mesh, or a tool cuts deep into it",
+    )
+    separation: Separation | None = Field(
+        default=None,
+        description="explicit: cut cracks into the mesh where the mean damage is critical; left out: they are reported",
     )
     points: dict[Name, Point] = Field(default={}, description=POINTS)
     output: Output = Field(default=Output(), description="what is saved, and when")

@@ -46,7 +46,7 @@ class DieFillInPlane(DieFill):
 
 
 def _find_dies(model: Model) -> Iterator[Die]:
-    if not model.plane_tools:
+    if not model.plane_tools or model.separation is not None:
         return
     middle, sides = model.mesh.points.mean(axis=0), find_sides(model)
     profiles = {tool.name: start_profile(tool) for tool in model.plane_tools}

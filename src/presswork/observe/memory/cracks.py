@@ -17,7 +17,9 @@ class Cracks(Memory):
 
     name = "damage"
 
-    def __init__(self) -> None:
+    def __init__(self, *, are_cut: bool = False) -> None:
+        """are_cut: cracks are cut into the mesh, and no fault."""
+        self._are_cut = are_cut
         self._damage: dict[str, dict[str, Any]] = {}
         self._news: list[str] = []
 
@@ -48,12 +50,16 @@ class Cracks(Memory):
         return news
 
     def warnings(self) -> list[str]:
-        """Return the cracks."""
-        return [
-            _explain_crack(name, known["first_exceeded"])
-            for name, known in self._damage.items()
-            if "first_exceeded" in known
-        ]
+        """Return the cracks, unless they are meant."""
+        return (
+            []
+            if self._are_cut
+            else [
+                _explain_crack(name, known["first_exceeded"])
+                for name, known in self._damage.items()
+                if "first_exceeded" in known
+            ]
+        )
 
     def summary(self, history: History) -> dict[str, Any]:
         """Return the largest damage, and the cracks."""

@@ -14,4 +14,5 @@ from presswork.observe.memory.limits import LimitsPassed
 
 def list_memories(model: Model) -> Memories:
     """Return what a recording of a model remembers; a new memory is a line here."""
-    return Memories([FirstCrack(), Cracks(), LimitsPassed(model.limits), LargestForces(), FieldExtremes()])
+    cracks = Cracks(are_cut=model.separation is not None)
+    return Memories([FirstCrack(), cracks, LimitsPassed(model.limits), LargestForces(), FieldExtremes()])

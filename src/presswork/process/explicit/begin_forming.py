@@ -17,12 +17,21 @@ def begin_explicit_forming(model: Model, *, threads: int = 0, world: World | Non
     from presswork.process.explicit.solids_in_plane import SolidsInPlane
 
     run = ExplicitForming(model, SolidsInPlane(model.explicit, world), threads=threads)
-    if may_remesh and len(model.bodies) < 2 and not model.contacts:
+    if may_remesh and len(model.bodies) < 2 and (not model.contacts or model.separation):
         from presswork.process.explicit.moving_section import MovingSection
         from presswork.process.explicit.new_meshes import IntervalMeshes
 
         assert model.remeshing is not None
-        run.add_mesh_change(IntervalMeshes(run, MovingSection(run, model.remeshing, world)))
+        section = MovingSection(run, model.remeshing, world)
+        meshes = IntervalMeshes(run, section)
+        if model.separation is not None:
+            from presswork.process.explicit.separation import CrackGrowth, DamageOfRow
+
+            row = DamageOfRow(run)
+            run.add_mesh_change(CrackGrowth(run, model.separation, meshes, section, row))
+        run.add_mesh_change(meshes)
+        if model.separation is not None:
+            run.add_mesh_change(row)
     return run
 
 

@@ -53,6 +53,8 @@ if TYPE_CHECKING:
     from presswork.evolution.porosity import NonlocalPorosity
 
 STEPS_OF_A_ROW = 10  # in each of which the ram of a blow keeps its speed
+TRIES_WITH_CRACKS = 6
+"""How often a row that fails is computed again on another mesh, where cracks make poor cells."""
 EXTENTS = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")
 """Extents of the workpiece [mm]; the last two in space."""
 
@@ -132,17 +134,24 @@ class ExplicitForming(IntervalRun):
             return self._compute_cycles(number, row)
         for change in self.mesh_changes:
             change.look()
-        before = self.to_arrays()
-        try:
-            found = self._compute_cycles(number, row)
-        except ExplicitError as error:
-            self.load_arrays(before)
-            if not any(change.look(str(error)) for change in self.mesh_changes):
-                raise
-            found = self._compute_cycles(number, row)
+        for left in range(self._most_tries(), -1, -1):
+            before = self.to_arrays()
+            try:
+                found = self._compute_cycles(number, row)
+                break
+            except ExplicitError as error:
+                if not left:
+                    raise
+                self.load_arrays(before)
+                if not any(change.look(str(error)) for change in self.mesh_changes):
+                    raise
         for change in self.mesh_changes:
             change.end_step()
         return found
+
+    def _most_tries(self) -> int:
+        """Return how often a row that fails is computed again on another mesh."""
+        return 1 if self.model.separation is None else TRIES_WITH_CRACKS
 
     def _compute_cycles(self, number: int, row: int) -> tuple[int, float, EnergyBalance]:
         """Compute a row of a stage on the present mesh, as _compute_interval does."""

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The two faces of a crack that has closed are parted where a new outline lets them cross each other.
+
+Contact keeps faces apart but for a small penetration, and a new line leaves the old one by the bend of an edge. So
+nodes that lie in the metal of the other face move back out of it. There a ray leaves the outline an even number of
+times, which it does not on the far side of thin metal.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from presswork.geometry.polygon import contains
+from presswork.model import BoolArray, FloatArray, IndexArray
+from presswork.remesh.fill import measure_thickness
+
+DEEPEST = 0.5
+"""Deepest penetration that is taken back, over the edges beside the node."""
+APART = 0.02
+"""Gap that is left, over the edges beside the node."""
+_ROUNDS = 12
+
+
+def part_faces(points: FloatArray, after: IndexArray, is_free: BoolArray) -> FloatArray:
+    """Return the nodes of loops (n, 2) [mm] with those that lie in the metal of another part of them moved out.
+
+    after: the node that follows each (n,); is_free: nodes that may move (n,).
+    """
+    points, before = points.copy(), np.argsort(after)
+    for _ in range(_ROUNDS):
+        along = points[after] - points[before]
+        reach = np.linalg.norm(along, axis=1)
+        outwards = np.column_stack([along[:, 1], -along[:, 0]]) / np.maximum(reach, 1e-300)[:, None]
+        sides = np.stack([points, points[after]], axis=1)
+        depth = measure_thickness(sides, points, -outwards)
+        near = is_free & (depth < DEEPEST * 0.5 * reach)
+        near[near] = ~contains(sides, points[near] - 0.5 * depth[near, None] * outwards[near])
+        if not near.any():
+            break
+        points[near] -= (0.6 * depth + APART * 0.5 * reach)[near, None] * outwards[near]
+    return points
