@@ -66,6 +66,19 @@ def test_a_quarter_has_a_quarter_of_the_line() -> None:
     assert "bead_1: 251.3 mm, 80 N/mm, in draw" in describe(model)
 
 
+@pytest.mark.parametrize("width", [3.0, 6.0, 7.0])
+def test_a_line_beyond_a_narrow_strip_is_as_long_as_the_strip_is_wide(width: float) -> None:
+    """Lines of pieces that do not end at the edge, and one that leaves the strip aslant, at 45 degrees."""
+    blank = {**CUP["blank"], "shape": "rectangle", "size": [200, width], "element_size": [2, width], "symmetry": ["x"]}
+    del blank["diameter"]
+    beads = [{"points": points, "force": 60} for points in ([[40, -9], [40, 8]], [[31, -9], [48, 8]])]
+    model = build(beads, blank=blank)
+    for bead, length in zip(model.beads, (width, np.sqrt(2.0) * width), strict=True):
+        assert bead.length.sum() == pytest.approx(length, rel=0.01)
+    assert model.beads[0].place[:, 1].min() > -width / 2
+    assert model.beads[0].length @ model.beads[0].place[:, 1] == pytest.approx(0.0, abs=0.01 * width**2)
+
+
 def closed_in(model: Model, bead: int = 0) -> list[str]:
     """The stages in which a bead holds with all of its force."""
     name = model.beads[bead].name

@@ -19,6 +19,8 @@ logger = logging.getLogger(__name__)
 
 PER_ELEMENT = 4
 """Points of a line in an element of the blank, about."""
+PARTS = 64
+"""Parts of a piece of a line that passes over the edge of the blank."""
 
 
 def check_bead_stages(case: StampingCase) -> list[Problem]:
@@ -76,7 +78,8 @@ def build_beads(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> tupl
     for index, bead in enumerate(case.beads):
         line = bead.polyline()
         modelled = cut_line(line, spacing, ["x" in case.blank.symmetry, "y" in case.blank.symmetry])
-        over = find_over_mesh(mesh, modelled[0])
+        places, across, lengths = _keep_over_mesh(mesh, *modelled)
+        over = lengths > 0.0
         if not over.any():
             low, high = line.min(axis=0), line.max(axis=0)
             text = (
@@ -85,9 +88,9 @@ def build_beads(case: StampingCase, mesh: Mesh, tools: tuple[Tool, ...]) -> tupl
             )
             problems.append(Problem(f"beads.{index}.points", text, "move it onto the flange"))
             continue
-        place, across, length = (part[over] for part in modelled)
-        if not over.all():
-            beside = modelled[2][~over].sum()
+        place, across, length = places[over], across[over], lengths[over]
+        beside = float(modelled[2].sum() - length.sum())
+        if beside > 0.0:
             logger.warning("beads.%d.points: %.4g mm of the line lie beside the blank and do nothing", index, beside)
         beads.append(
             Drawbead(
@@ -127,11 +130,29 @@ def cut_line(line: FloatArray, spacing: float, symmetry: list[bool]) -> tuple[Fl
     return np.concatenate(places), np.concatenate(normals), np.concatenate(lengths)
 
 
+def _keep_over_mesh(
+    mesh: Mesh, places: FloatArray, normals: FloatArray, lengths: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return pieces of a line with what of each lies over a mesh: middles (m, 2), normals (m, 2), lengths (m,)."""
+    along = np.column_stack([normals[:, 1], -normals[:, 0]]) * lengths[:, None]
+    ends = (along[:, None] * np.array([-0.5, 0.0, 0.5])[:, None] * (1.0 - 1e-9) + places[:, None]).reshape(-1, 2)
+    over = find_over_mesh(mesh, ends).reshape(-1, 3)
+    places, lengths = places.copy(), np.where(over.all(axis=1), lengths, 0.0)
+    for piece in np.flatnonzero(over.any(axis=1) & ~over.all(axis=1)):
+        fractions = (np.arange(PARTS) + 0.5) / PARTS - 0.5
+        covered = fractions[find_over_mesh(mesh, places[piece] + fractions[:, None] * along[piece])]
+        if len(covered):
+            lengths[piece] = np.linalg.norm(along[piece]) * len(covered) / PARTS
+            places[piece] = places[piece] + covered.mean() * along[piece]
+    return places, normals, lengths
+
+
 def find_over_mesh(mesh: Mesh, places: FloatArray) -> BoolArray:
     """Return which places (n, 2) lie over a mesh of shells, seen from above (n,)."""
-    cells = mesh.blocks[0].connectivity
-    sheet = _core.SheetUnder([np.ascontiguousarray(cells, dtype=np.int32)])
-    nearest = scipy.spatial.cKDTree(mesh.points[cells].mean(axis=1)[:, :2]).query(places)[1]
+    cells = [np.ascontiguousarray(block.connectivity, dtype=np.int32) for block in mesh.blocks]
+    sheet = _core.SheetUnder(cells)
+    middles = np.concatenate([mesh.points[each].mean(axis=1)[:, :2] for each in cells])
+    nearest = scipy.spatial.cKDTree(middles).query(places)[1]
     return np.asarray(sheet.find(places, mesh.points, nearest.astype(np.int32))[1], dtype=bool)
 
 
