@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,7 @@ from presswork.formability import (
     find_zones,
 )
 from presswork.model import CellBlock, Section
+from tests.unit.case.round_cup import CUP
 
 CURVE = curve_from_points([(-0.2, 0.5), (0.0, 0.3), (0.3, 0.4)])
 MAJOR = np.array([0.2, 0.28, 0.36, 0.01, 0.2, 0.1])
@@ -148,6 +150,18 @@ def test_the_model_carries_the_curve_the_margin_and_the_normal_anisotropy(materi
 def test_a_limit_that_cannot_be_found_is_refused_by_its_key_in_the_case(material: dict, words: str) -> None:
     with pytest.raises(CaseError, match=words):
         build_model(pulled_strip(**material))
+
+
+def test_a_foil_is_named_by_its_own_key_and_computed_with_another_limit() -> None:
+    """The blank is 0.05 mm thick, which Keeler's formula does not cover; the key is that of the thickness."""
+    cup = copy.deepcopy(CUP)
+    cup["blank"] |= {"thickness": 0.05, "material": "dc04"}
+    cup["tools"] = {"punch": cup["tools"]["punch"], "die": cup["tools"]["die"]}
+    cup["stages"] = [{"name": "draw", "tools": {"punch": {"stroke": 2}}}]
+    with pytest.raises(CaseError, match=r"blank\.thickness = 0\.05.*marciniak_kuczynski"):
+        build_model(StampingCase.model_validate(cup))
+    cup["materials"] = {"dc04": {"library": "dc04", "forming_limit": {"law": "marciniak_kuczynski"}}}
+    assert build_model(StampingCase.model_validate(cup)).sheet[0].thickness == 0.05
 
 
 def test_a_computed_limit_of_the_library_gives_way_to_back_stresses_of_the_case(

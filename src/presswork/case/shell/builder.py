@@ -54,7 +54,12 @@ def build_shell_model(case: ShellCase, *, run_user_code: bool = True) -> model.M
         depth=1.0,
         mesh=mesh,
         materials=build_sheets(
-            case.materials, case.workpiece.material, case.workpiece.section.thickness, case.source, run_user_code
+            case.materials,
+            case.workpiece.material,
+            case.workpiece.section.thickness,
+            case.source,
+            run_user_code,
+            thickness_key="workpiece.section.thickness",
         ),
         tools=(),
         supports=tuple(entry.build(name) for name, entry in case.boundary.items()),

@@ -12,6 +12,7 @@ import numpy as np
 
 from presswork.case.errors import CaseError, Problem
 from presswork.case.material.forming_limit.curves import (
+    BLANK,
     curve_from_points,
     keeler_curve,
     scale_with_thickness,
@@ -75,15 +76,16 @@ def build_sheets(
     thickness: float,
     source: Path | None,
     run_user_code: bool,
+    thickness_key: str = "blank.thickness",
 ) -> tuple[Material, ...]:
     """Return a case's materials for the Model; that which the sheet is of with what its strains are judged by.
 
-    Raises CaseError.
+    thickness_key: where the case has the sheet's thickness, for errors. Raises CaseError.
     """
     judged, sheet = Formability(), materials[used]
     if not isinstance(sheet, UmatMaterial):
         try:
-            judged = build_formability(sheet, f"materials.{used}", thickness)
+            judged = build_formability(sheet, f"materials.{used}", thickness, thickness_key)
         except CaseError as error:
             raise CaseError(error.problems, source) from None
     folder, built, problems = source.parent if source else Path(), [], []
@@ -102,10 +104,13 @@ def build_sheets(
     return tuple(built)
 
 
-def build_formability(material: SheetLaws, key: str, thickness: float) -> Formability:
+def build_formability(
+    material: SheetLaws, key: str, thickness: float, thickness_key: str = "blank.thickness"
+) -> Formability:
     """Return what strains of a material are judged by; without a forming limit it has no curve.
 
-    key: of the material in the case, for errors. thickness: of the blank [mm]. Raises CaseError.
+    key, thickness_key: of the material and of the thickness in the case, for errors. thickness: of the blank [mm].
+    Raises CaseError.
     """
     r = mean_r_value(material)
     limit = material.forming_limit
@@ -114,7 +119,7 @@ def build_formability(material: SheetLaws, key: str, thickness: float) -> Formab
     try:
         curve = build_curve(material, thickness)
     except CaseError as error:
-        raise CaseError([dataclasses.replace(p, key=_place(key, p.key, limit)) for p in error.problems]) from None
+        raise CaseError([_put_into_case(p, key, limit, thickness_key) for p in error.problems]) from None
     usual = 0.08 if material.young < _ALUMINIUM else 0.1
     margin = usual if limit.safety_margin is None else limit.safety_margin
     return Formability(curve, margin, r, _note_of_thickness(limit, key, thickness))
@@ -139,8 +144,12 @@ def mean_r_value(material: SheetLaws) -> float:
     return float(r00 + 2 * r45 + r90) / 4
 
 
-def _place(material: str, key: str, limit: object) -> str:
-    """Return the key in the case of a problem's key: most are of the table of the limit."""
+def _put_into_case(problem: Problem, material: str, limit: object, thickness_key: str) -> Problem:
+    """Return a problem of a forming limit with its key in the case: most are of the table of the limit."""
+    key = problem.key
+    if key == BLANK or (key == "thickness" and getattr(limit, "thickness", None) is None):
+        remedy = f'{problem.remedy}; a foil needs {material}.forming_limit = {{law = "marciniak_kuczynski"}} or points'
+        return dataclasses.replace(problem, key=thickness_key, remedy=remedy)
     if not key or hasattr(limit, key):
-        return f"{material}.forming_limit.{key}".rstrip(".")
-    return f"{material}.{key}"
+        return dataclasses.replace(problem, key=f"{material}.forming_limit.{key}".rstrip("."))
+    return dataclasses.replace(problem, key=f"{material}.{key}")

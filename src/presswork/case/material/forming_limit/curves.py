@@ -19,6 +19,8 @@ from presswork.model import FloatArray
 
 MINOR_RANGE = (-0.5, 0.5)
 """Minor strains over which Keeler's curve is drawn."""
+BLANK = "the blank's thickness"
+"""Name in problems of the thickness that a curve is scaled to."""
 _KEELER = (23.3, 14.13)
 """FLD0 at n = 0.21: per cent, and per cent for each mm of thickness."""
 
@@ -42,7 +44,7 @@ def keeler_curve(thickness: float, n: float) -> FormingLimitCurve:
 
 
 def _thickness_problems(thicknesses: Mapping[str, float]) -> list[Problem]:
-    expected = "expected a thickness from 0.1 to 4 mm: the formula was measured on sheets to 3 mm"
+    expected = "expected a thickness from 0.1 to 4 mm: Keeler's forming limit was measured on sheets to 3 mm"
     return [Problem(key, expected, "give it in mm", t) for key, t in thicknesses.items() if not 0.1 <= t <= 4.0]
 
 
@@ -52,7 +54,7 @@ def scale_with_thickness(curve: FormingLimitCurve, measured: float, thickness: f
     The engineering strain of the lowest point grows as 23.3 + 14.13 t; all major true strains grow by as much as that
     of the lowest point does. Raises CaseError outside the thicknesses of the formula.
     """
-    if problems := _thickness_problems({"thickness": measured, "the blank's thickness": thickness}):
+    if problems := _thickness_problems({"thickness": measured, BLANK: thickness}):
         raise CaseError(problems, "Keeler's rule")
     _, lowest = curve.lowest()
     ratio = (_KEELER[0] + _KEELER[1] * thickness) / (_KEELER[0] + _KEELER[1] * measured)
