@@ -93,7 +93,7 @@ class LawWindow(Arrays):
                     low, high = window[k]
                     found.append(
                         f"{material.name}: its law holds for a {name} from {low:g} to {high:g}{UNITS[k]}, and metal "
-                        f"flowed {word} to {self.reached[i, k, end]:.4g}, {100 * share:.2g} % of points and increments "
+                        f"flowed {word} to {self.reached[i, k, end]:.4g}, {100 * share:.3g} % of points and increments "
                         "outside; there the flow stress was taken as at the end of the window"
                     )
         return found

@@ -48,6 +48,6 @@ class Overlap(Observer):
         share = 100.0 * deep / thickness
         other = "drive them slower" if run.model.explicit else "set implicit.contact_stiffness higher"
         return [
-            f"the sheet overlaps itself by up to {deep:.3g} mm, {share:.2g} % of its thickness: leave tools more room "
+            f"the sheet overlaps itself by up to {deep:.3g} mm, {share:.3g} % of its thickness: leave tools more room "
             f"(less stroke), {other}, or refine the mesh"
         ]

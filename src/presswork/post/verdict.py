@@ -342,7 +342,7 @@ def _judge_windows(summary: Summary) -> Iterator[Line]:
             share, unit = below + found["share_above"], units.get(quantity, "")
             (low, high), (least, most) = found["window"], found["reached"]
             figure, limit = (f"{_number(a)} to {_number(b)}{unit}" for a, b in ((least, most), (low, high)))
-            note = f"{100.0 * share:.2g} % of points and increments outside" if share else ""
+            note = f"{100.0 * share:.3g} % of points and increments outside" if share else ""
             name = f"{words.get(quantity, quantity)} in the law of {material}"
             yield Line(name, "risk" if share >= FEW_OUTSIDE else "ok", figure, limit, note, fields.get(quantity, ""))
 

@@ -235,7 +235,7 @@ def _check_undercut(points: FloatArray, cells: Cells) -> None:
         lean = float(np.degrees(np.arcsin(-areas[worst, 2] / size[worst])))
         share = 100.0 * float(size[over].sum() / size.sum())
         raise UndercutError(
-            f"{share:.2g} % of the part is an undercut: seen along the draw direction it lies under itself, most near "
+            f"{share:.3g} % of the part is an undercut: seen along the draw direction it lies under itself, most near "
             f"{place(points[triangles[worst]].mean(axis=0))} (in the press's axes), where it leans {lean:.0f} degrees "
             "over the vertical",
             "choose another draw direction, or unfold what a later stage bends",
