@@ -15,6 +15,7 @@ the old nodes have; a new cell knows the old one that it lies in.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -95,16 +96,18 @@ def cut_mesh(points: FloatArray, blocks: tuple[IntArray, ...], line: FloatArray,
 
 
 def divide_mesh(
-    points: FloatArray, blocks: tuple[IntArray, ...], line: FloatArray
+    points: FloatArray, blocks: tuple[IntArray, ...], line: FloatArray, *, with_corners: bool = True
 ) -> tuple[FloatArray, list[IntArray]]:
     """Return the points and the cells of each kind of a flat mesh that has its nodes on a closed line.
 
-    Arguments as of cut_mesh. Nodes are moved up to half an edge, so that hardly any are added and no cell is cut small.
+    Arguments as of cut_mesh; with_corners: with nodes on the corners of the line. Nodes are moved up to half an edge,
+    so that hardly any are added and no cell is cut small.
     Raises MeshError where all nodes lie on one side.
     """
     cutter = _Cutter(points, blocks, line, "inside")
-    cutter.place_corners()
-    cutter.move_near_nodes(HALF)
+    if with_corners:
+        cutter.place_corners()
+    cutter.move_near_nodes(HALF, keeps_cells=True)
     return cutter.divide()
 
 
@@ -128,6 +131,7 @@ class _Cutter:
 
     def __init__(self, points: FloatArray, blocks: tuple[IntArray, ...], line: FloatArray, keep: Keep) -> None:
         self.points, self.blocks, self.line, self.keep = points.copy(), blocks, line, keep
+        self.keeps_both = False
         self.sides = list_sides(line)
         self.weights = scipy.sparse.lil_array(scipy.sparse.eye_array(len(points)))
         edges = np.concatenate([list_cell_edges(cells) for cells in blocks])
@@ -208,8 +212,11 @@ class _Cutter:
 
     # --- 2 -----------------------------------------------------------------------------------------------------------
 
-    def move_near_nodes(self, near: float) -> None:
-        """Move nodes that the line passes nearby, closer than part of an edge, onto it."""
+    def move_near_nodes(self, near: float, *, keeps_cells: bool = False) -> None:
+        """Move nodes that the line passes nearby, closer than part of an edge, onto it.
+
+        keeps_cells: no cell comes to lie on the line with all its nodes.
+        """
         edges, part = self._crossed_edges()
         ends = np.concatenate([edges, edges[:, ::-1]])
         parts = np.concatenate([part, 1.0 - part])
@@ -227,6 +234,8 @@ class _Cutter:
             self.points[node] = (1 - t) * before[node] + t * before[other[row]]
         goes = np.isin(np.arange(len(before)), list(chosen))
         goes &= ~self._leaves_its_side(goes)
+        if keeps_cells:
+            self._keep_cells(goes, {node: float(parts[row]) for node, row in chosen.items()})
         self.points[~goes] = before[~goes]
         self.moved |= goes
         self.side[goes] = 0
@@ -234,6 +243,17 @@ class _Cutter:
             row = chosen[node]
             t = float(parts[row])
             self.weights[[node]] = (1 - t) * weights[[node]] + t * weights[[int(other[row])]]
+
+    def _keep_cells(self, goes: BoolArray, parts: Mapping[int, float]) -> None:
+        """Let the farthest node stay of cells all nodes of which would lie on the line.
+
+        goes: nodes that move (n,), changed here; parts: of an edge, how far each moves.
+        """
+        for cells in self.blocks:
+            for cell in cells[(goes | self.moved)[cells].all(axis=1)].tolist():
+                moving = [node for node in cell if goes[node]]
+                if moving and all(goes[node] or self.moved[node] for node in cell):
+                    goes[max(moving, key=lambda node: parts[node])] = False
 
     def _leaves_its_side(self, moved: BoolArray) -> BoolArray:
         """Mark moved nodes from which an edge to a node on one side now runs far on the other (n,)."""
@@ -274,6 +294,7 @@ class _Cutter:
     def divide(self) -> tuple[FloatArray, list[IntArray]]:
         """Keep both sides, and split the cells that the line crosses; return points (n, 3) and cells of each kind."""
         at, _ = self._add_nodes()
+        self.keeps_both = True
         pieces = self._collect(at)
         self.side, self.keep = -self.side, "outside" if self.keep == "inside" else "inside"
         return self.points, [each.connectivity for each in self._collect(at, pieces).cells()]
@@ -319,7 +340,7 @@ class _Cutter:
         if pairs:
             ends = self.points[loop[np.array(own)[pairs]], :2]
             miss = measure_distance(self.sides, ends.mean(axis=1)) / np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-            if mixed or miss.min() < FAR:
+            if mixed or (miss.min() < FAR and not self.keeps_both):
                 i, j = pairs[int(np.argmin(miss))]
                 halves = own[i : j + 1], own[j:] + own[: i + 1]
                 return [piece for half in halves for piece in self._separate(half, loop)]

@@ -40,7 +40,7 @@ def relax_mesh(points: FloatArray, kinds: Sequence[IntArray], on_line: BoolArray
         step = np.where(moves[:, None], 0.5 * (total / count[:, None] - points), 0.0)
         step[slides] = ((step * along).sum(axis=1)[:, None] * along)[slides]
         moved = points + step
-        before, after = ([_find_sines(x, cells) for cells in kinds] for x in (points, moved))
+        before, after = ([find_sines(x, cells) for cells in kinds] for x in (points, moved))
         stays = np.zeros(len(points), dtype=bool)
         for cells, old, new in zip(kinds, before, after, strict=True):
             stays[cells[new < np.minimum(old - 1e-12, POOR)]] = True
@@ -48,7 +48,7 @@ def relax_mesh(points: FloatArray, kinds: Sequence[IntArray], on_line: BoolArray
     return points
 
 
-def _find_sines(points: FloatArray, cells: IntArray) -> FloatArray:
+def find_sines(points: FloatArray, cells: IntArray) -> FloatArray:
     """Return the least sine of the corners of cells (n_cells,), negative where one is turned inside out."""
     side = np.roll(points[cells], -1, axis=1) - points[cells]
     side /= np.linalg.norm(side, axis=2, keepdims=True)

@@ -20,13 +20,16 @@ from presswork.geometry.polygon import contains, list_sides, measure_distance
 from presswork.mesh import MeshError
 from presswork.mesh.cut import divide_mesh
 from presswork.mesh.make.blanks import name_sets
-from presswork.mesh.relax import relax_mesh
+from presswork.mesh.relax import find_sines, relax_mesh
+from presswork.mesh.topology import find_boundary_edges
 from presswork.model import BoolArray, FloatArray, IntArray
 
 logger = logging.getLogger(__name__)
 
 ON_LINE = 1e-6
 """Distance from a weld line over the blank's size within which nodes lie on it."""
+SHARPEST = float(np.sin(np.radians(9.0)))
+"""Sine of the sharpest corner of a cell that a weld line may leave."""
 BEYOND = 1e-6
 """How far a rolled blank may reach beyond its table, over its size."""
 
@@ -93,25 +96,50 @@ def find_weld_lines(blank: Blank) -> tuple[list[float], list[float]]:
 
 
 def divide_blank(mesh: model.Mesh, regions: Sequence[Region | None], symmetry: Sequence[bool]) -> model.Mesh:
-    """Return a blank's mesh with nodes on its weld lines, as far as they cross it."""
-    is_divided = False
+    """Return a blank's mesh with nodes on its weld lines, as far as they cross it and leave cells of a good shape."""
     for region in filter(None, regions):
-        plan = np.column_stack([mesh.points[:, :2], np.zeros(len(mesh.points))])
-        try:
-            points, kinds = divide_mesh(plan, tuple(b.connectivity for b in mesh.blocks), region.polygon)
-        except MeshError:  # the line does not cross the blank, which lay_zones reports
-            continue
-        used = np.unique(np.concatenate([cells.ravel() for cells in kinds]))
-        number = np.full(len(points), -1)
-        number[used] = np.arange(len(used))
-        plan, kinds = points[used, :2], [number[cells] for cells in kinds]
-        is_divided |= len(plan) > len(mesh.points) or bool((plan[: len(mesh.points)] != mesh.points[:, :2]).any())
-        mesh = name_sets(plan, kinds, symmetry, False)
-    if not is_divided:
+        done = [other for other in regions[: regions.index(region) + 1] if other is not None]
+        for with_corners in (True, False):
+            divided = _divide(mesh, region, done, symmetry, with_corners)
+            if divided is not None:
+                mesh = divided
+                break
+    return mesh
+
+
+def _divide(
+    mesh: model.Mesh, region: Region, done: Sequence[Region], symmetry: Sequence[bool], with_corners: bool
+) -> model.Mesh | None:
+    """Return a mesh with nodes on the line of a region, evened out round all that are done; None where that fails.
+
+    with_corners: with a node on each of its corners.
+    """
+    cells = tuple(block.connectivity for block in mesh.blocks)
+    plan = np.column_stack([mesh.points[:, :2], np.zeros(len(mesh.points))])
+    try:
+        points, kinds = divide_mesh(plan, cells, region.polygon, with_corners=with_corners)
+    except MeshError:  # the line does not cross the blank, which lay_zones reports
+        return None
+    if not _has_no_gap(kinds):
+        return None
+    used = np.unique(np.concatenate([each.ravel() for each in kinds]))
+    number = np.full(len(points), -1)
+    number[used] = np.arange(len(used))
+    plan, kinds = points[used, :2], [number[each] for each in kinds]
+    if len(plan) == len(mesh.points) and (plan == mesh.points[:, :2]).all():
         return mesh
-    kinds = [block.connectivity for block in mesh.blocks]
-    plan = relax_mesh(mesh.points[:, :2], kinds, *_find_welds(mesh, regions))
+    made = name_sets(plan, kinds, symmetry, False)
+    kinds = [block.connectivity for block in made.blocks]
+    plan = relax_mesh(made.points[:, :2], kinds, *_find_welds(made, done))
+    if min(float(find_sines(plan, each).min()) for each in kinds) < SHARPEST:
+        return None
     return name_sets(plan, kinds, symmetry, False)
+
+
+def _has_no_gap(kinds: Sequence[IntArray]) -> bool:
+    """Return whether cells share whole edges: their boundary then goes into each of its nodes once, and out of it."""
+    ends = find_boundary_edges(list(kinds))[:, :2]
+    return bool((np.bincount(ends.ravel())[np.unique(ends)] == 2).all())
 
 
 def _find_welds(mesh: model.Mesh, regions: Sequence[Region | None]) -> tuple[BoolArray, FloatArray]:
