@@ -15,6 +15,7 @@ from presswork.case.description.loads import describe_courses, describe_loads_of
 from presswork.case.description.material import describe_forming_limit, describe_material
 from presswork.case.description.press import describe_drive
 from presswork.case.description.supports import name_stages
+from presswork.case.description.zones import describe_zones
 from presswork.case.stamping.closing import CLOSED, find_closing_stroke
 from presswork.geometry.tool_radius import find_least_radius
 from presswork.mesh.make.flange import find_held_area
@@ -66,6 +67,7 @@ def describe_stamping(problem: Model) -> Iterator[str]:
     yield f"analysis: stamping, {'implicit' if explicit is None else 'explicit'} procedure"
     yield f"blank: x {low[0]:g} to {high[0]:g} mm, y {low[1]:g} to {high[1]:g} mm, {part}"
     yield f"sheet: {section.thickness:g} mm of {material.name}, {section.points} {section.rule.capitalize()} points"
+    yield from describe_zones(problem)
     angle = np.degrees(np.arctan2(problem.rolling_direction[1], problem.rolling_direction[0]))
     yield f"rolling direction: {angle:g} degrees from x"
     shortest = float(_measure_sides(problem).min())
@@ -76,8 +78,7 @@ def describe_stamping(problem: Model) -> Iterator[str]:
         degrees = np.degrees(refinement.angle)
         yield f"refined as it is formed: at more than {degrees:g} degrees, down to a side of {shortest * finest:.3g} mm"
     yield f"node sets: {', '.join(f'{name} ({len(nodes)})' for name, nodes in sorted(mesh.node_sets.items()))}"
-    yield from (f"material {m.name}: density {m.density:.3g} t/mm3, {describe_material(m)}" for m in problem.materials)
-    yield from (f"forming limit: {describe_forming_limit(material)}", *describe_drawing_ratio(problem))
+    yield from _describe_materials(problem)
     yield from describe_loads_of_sheet(problem)
     if problem.heat is not None:
         yield from describe_heat_of_forming(problem, problem.heat)
@@ -115,6 +116,15 @@ def describe_stamping(problem: Model) -> Iterator[str]:
     yield f"time: about {cycles:.2g} cycles of {step:.2g} s {how}, {time}"
     if cycles > MANY_CYCLES:
         yield 'hint: that many cycles mean slow tools or small elements; velocities are mm/s, and "2 m/s" is usual'
+
+
+def _describe_materials(problem: Model) -> Iterator[str]:
+    """Describe materials and their forming limits."""
+    yield from (f"material {m.name}: density {m.density:.3g} t/mm3, {describe_material(m)}" for m in problem.materials)
+    for each in problem.sheet_materials:
+        of = f" of {each.name}" if problem.zones else ""
+        yield f"forming limit{of}: {describe_forming_limit(each)}"
+    yield from describe_drawing_ratio(problem)
 
 
 def _estimate_seconds(problem: Model, cycles: float, n_stages: int) -> float:

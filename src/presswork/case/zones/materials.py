@@ -68,7 +68,7 @@ def build_zone_sheets(case: StampingCase, sheets: Sheets, run_user_code: bool) -
         if index < len(names):
             made[index] = own
         else:
-            made.append(replace(own, name=f"{name} of {thickness:g} mm"))
+            made.append(replace(own, name=f"{name} ({thickness:g} mm)"))
     return tuple(made)
 
 
