@@ -25,6 +25,10 @@ WALL = 0.7
 """Sine of the angle between a surface and the motion, below which it is a wall along which tools slide: 45 degrees."""
 
 
+LEVEL = 0.97
+"""Sine of that angle from which on a surface is level: within 14 degrees."""
+
+
 def sample_tool(shape: Surface, within: float) -> FloatArray:
     """Return the corners and middles of a tool's triangles (n, 3) [mm], in its own frame.
 
@@ -198,3 +202,15 @@ def find_closing(
         else:
             before = middle
     return Closing(travel, place)
+
+
+def find_level_gap(one: Surface, other: Surface, between: FloatArray, direction: FloatArray, within: float) -> float:
+    """Return the least gap of a tool to another's level faces [mm], infinite where it has none ahead.
+
+    between: from the other's origin to the one's (3,) [mm], where both stand now. direction, within: as in
+    `find_clearance`.
+    """
+    points = np.ascontiguousarray(sample_tool(one, within) + between)
+    gap, normal = make_surface(other).nearest(points)[:2]
+    is_level = np.isfinite(gap) & (np.abs(normal @ direction) >= LEVEL)
+    return float(gap[is_level].min(initial=math.inf))

@@ -92,7 +92,8 @@ class SheetDepth(Observer):
         depths = run.tool_depths()
         if not depths:
             return
-        thickness, points, moved = run.model.sheet[0].thickness, run.positions(), run.tool_displacements()
+        points, moved = run.positions(), run.tool_displacements()
+        thickness = np.concatenate([block.thickness for block in run.mesh.blocks])
         corners = [points[block.connectivity] for block in run.mesh.blocks]
         middles = np.ascontiguousarray(np.concatenate([c.mean(axis=1) for c in corners]))
         sides = np.concatenate([np.linalg.norm(c - np.roll(c, 1, axis=1), axis=2).max(axis=1) for c in corners])

@@ -31,7 +31,7 @@ def lay_on_a_ball(angle: float, number: int = 10) -> Any:
     return SimpleNamespace(
         model=model, number=number, positions=lambda: points, tool_depths=lambda: {"punch": 0.0},
         tool_displacements=lambda: {"punch": np.zeros(3)},
-        mesh=SimpleNamespace(blocks=[SimpleNamespace(connectivity=np.array([[0, 1, 2, 3]]))]),
+        mesh=SimpleNamespace(blocks=[SimpleNamespace(connectivity=np.array([[0, 1, 2, 3]]), thickness=np.array([THICKNESS]))]),
     )  # fmt: skip
 
 

@@ -4,16 +4,22 @@
 from __future__ import annotations
 
 import itertools
+import logging
 
 import numpy as np
 
 from presswork.case.errors import Problem
-from presswork.case.stamping.closing import find_approach, find_meeting
+from presswork.case.stamping.closing import DRAWN_WITHIN, find_approach, find_meeting
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.stage import StampingStage, ToolAction
-from presswork.mesh.tool_clearance import Closing
+from presswork.mesh.tool_clearance import Closing, find_level_gap
 from presswork.model import Tool
 
+logger = logging.getLogger(__name__)
+
+SHORT, NOT_FORMED = 0.5, 1.5
+"""Thicknesses by which level faces may be farther apart than asked for where tools close on their walls: a warning, and
+an error."""
 IDLE = 2.0
 """Thicknesses between die and holder from which on it holds nothing."""
 SQUEEZED = 0.9
@@ -50,18 +56,42 @@ def _find_stroke(
     stage, close = case.stages[index], case.stages[index].tools[name].close
     assert close is not None
     key, tool = f"stages.{index}.tools.{name}.close", placed[name]
-    travels = []
+    travels: list[tuple[float, Tool, Closing]] = []
     for die in (placed[each] for each, entry in case.tools.items() if entry.kind == "die"):
         if np.isnan(gone[name] + gone[die.name]) or _acts(stage.tools.get(die.name)):
             fault = f"where {name} and {die.name} stand to each other is not known, as a force or the stage moves them"
             return Problem(key, fault, "give the stroke, or let the die stand still", close)
         found = find_meeting(tool, die, close, case.blank.thickest)
         if found is not None:
-            travels.append(found.travel - find_approach(tool, die, gone))
-    if not travels or min(travels) <= 0.0:
+            travels.append((found.travel - find_approach(tool, die, gone), die, found))
+    stroke, die, closing = min(travels, key=lambda each: each[0], default=(0.0, tool, None))
+    if closing is None or stroke <= 0.0:
         fault = "it stands so near already" if travels else "it never comes so near to a die along its path"
         return Problem(key, fault, "mend the place of the tools, or give the stroke", close)
-    return min(travels)
+    problem = _check_level(case, key, tool, die, closing, close)
+    return stroke if problem is None else problem
+
+
+def _check_level(case: StampingCase, key: str, tool: Tool, die: Tool, closing: Closing, close: float) -> Problem | None:
+    """Return a problem where a tool stops at a wall of its die long before it comes to the level faces, or warn."""
+    thickness, direction = case.blank.thickest, np.array(tool.working_direction)
+    between = np.subtract(tool.position, die.position) + closing.travel * direction
+    gap = find_level_gap(tool.surface, die.surface, between, direction, DRAWN_WITHIN * thickness)
+    if not np.isfinite(gap) or gap - close <= SHORT * thickness:
+        return None
+    x, y, z = closing.place + np.asarray(die.position)
+    fault = (
+        f"{tool.name} comes that near to a wall of {die.name} at ({x:.4g}, {y:.4g}, {z:.4g}) mm, and stops there: the "
+        f"level faces are still {gap:.4g} mm apart, and do not form the sheet"
+    )
+    remedy = (
+        f"make {tool.name} smaller (offset = {1.1 * thickness:.3g} where its file has the face of {die.name}), take a "
+        "smaller close, or give the stroke"
+    )
+    if gap - close > NOT_FORMED * thickness and case.limits.stop:
+        return Problem(key, fault, remedy, close)
+    logger.warning("%s: %s; %s", key, fault, remedy)
+    return None
 
 
 def _acts(action: ToolAction | None) -> bool:
