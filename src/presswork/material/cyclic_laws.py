@@ -19,7 +19,7 @@ import numpy as np
 
 from presswork.model import FloatArray
 
-STEPS = 160
+STEPS = 100
 """Steps of a branch, denser where it begins."""
 
 

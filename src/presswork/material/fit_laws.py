@@ -11,6 +11,7 @@ from presswork.case.errors import CaseError, Problem, suggest
 from presswork.case.material.sheet import check_sheet_material
 from presswork.material.compression import CompressionTest
 from presswork.material.identify import LAWS, HardeningFit, fit_hardening
+from presswork.material.identify_cyclic import CyclicFit
 from presswork.material.identify_hot import HOT_LAWS, HotFit, fit_hot
 from presswork.material.tensile import TensileTest
 
@@ -93,4 +94,21 @@ def make_hot_material(source: Path, fit: HotFit, elastic: dict[str, Any], *, is_
         "material": table,
         "sources": {"all": f"{source.name}, {heated}; scatter {fit.scatter:.2f} MPa ({100 * fit.relative:.2f} %)"},
         "assumed": {"young": "as given to the fit", "poisson": "as given to the fit"},
+    }
+
+
+def make_cyclic_material(path: Path, best: CyclicFit, elastic: dict[str, float]) -> dict[str, Any]:
+    """Return a material file of a law fitted to a test with reversals. Raises CaseError."""
+    table = {**elastic, **best.to_tables()}
+    check_sheet_material(table, str(path))
+    parts = [
+        f"{'fitted' if e.is_fitted else 'predicted'} branch {e.branch} {e.scatter:.2f} MPa ({100 * e.relative:.2f} %)"
+        for e in best.errors
+    ]
+    return {
+        "name": path.stem,
+        "summary": f"fitted to {path.name}, tension and compression in turn",
+        "material": table,
+        "sources": {"all": f"{path.name}; {', '.join(parts)}"},
+        "assumed": {"young": "as given to the fit", "poisson": "as given to the fit", "yield_function": "von Mises"},
     }

@@ -2,7 +2,9 @@
 """Identification of isotropic and kinematic hardening from tests with reversals, and errors on what was left out.
 
 Damped least squares from several first guesses. Parameters are fitted as logarithms, so that they stay positive; the
-derivative is a difference of sets of parameters that are integrated together.
+derivative is a difference of sets of parameters that are integrated together. A weak pull towards the mean of the
+guesses keeps what a test does not determine, as Yoshida and Uemori's h before the flow has gone far back, at a usual
+value. It moves parameters that are determined by less than their scatter.
 """
 
 from __future__ import annotations
@@ -22,8 +24,12 @@ LEAST = 1.05
 """Branches from which on a test shows what a reversal does."""
 DIFFERENCE = 1e-5
 """Relative difference of parameters for derivatives."""
-FEW, MANY = 12, 200
+FEW, MANY = 15, 200
 """Evaluations from each first guess, and from the best of these on."""
+PULL = 2e-3
+"""Weight of a parameter's logarithm beside one of a point's stress over the largest one."""
+LOOSE = 0.5
+"""Standard deviation of a parameter's logarithm, and of h, beyond which the test does not determine it."""
 NAMES_OF_YOSHIDA = ("B", "C", "m", "b", "Rsat", "h")
 
 
@@ -60,6 +66,8 @@ class CyclicFit:
     """At the points of each branch [MPa]."""
     fitted_path: float
     """Length of the strain's path to which the law is fitted."""
+    loose: tuple[str, ...] = ()
+    """Parameters that the fitted points do not determine, which are near usual values."""
 
     def find_error(self, *, fitted: bool) -> float:
         """Return the root mean square over the fitted or the predicted parts [MPa]; nan for none."""
@@ -124,19 +132,23 @@ def _fit_one(branches: Sequence[Branch], law: str, young: float, chosen: Sequenc
         moved = residuals(np.vstack([x, x + DIFFERENCE * np.eye(len(x))]))
         return np.asarray((moved[:, 1:] - moved[:, :1]) / DIFFERENCE)
 
-    def search(
-        guess: FloatArray, low: FloatArray, high: FloatArray, evaluations: int
-    ) -> tuple[float, FloatArray, FloatArray]:
+    guesses = _list_guesses(law, top)
+    usual = np.mean([guess for guess, _, _ in guesses], axis=0)
+    pull = PULL * np.eye(len(usual))
+
+    def search(guess: FloatArray, low: FloatArray, high: FloatArray, evaluations: int) -> tuple[float, FloatArray]:
         found = least_squares(
-            lambda x: residuals(x)[:, 0], np.clip(guess, low + 1e-6, high - 1e-6), jac=slopes, bounds=(low, high),
+            lambda x: np.concatenate([residuals(x)[:, 0], pull @ (x - usual)]),
+            np.clip(guess, low + 1e-6, high - 1e-6), jac=lambda x: np.vstack([slopes(x), pull]), bounds=(low, high),
             xtol=1e-10, ftol=1e-10, gtol=1e-10, max_nfev=evaluations,
         )  # fmt: skip
-        return float(found.cost), found.x, found.fun
+        return float(found.cost), found.x
 
-    guesses = _list_guesses(law, top)
     tried = [search(*guess, FEW) for guess in guesses]
     first = min(range(len(tried)), key=lambda i: tried[i][0])
-    _, best, off = search(tried[first][1], *guesses[first][1:], MANY)
+    _, best = search(tried[first][1], *guesses[first][1:], MANY)
+    off = residuals(best)[:, 0]
+    loose = _find_loose(kind.keys, slopes(best), off)
     values = _to_parameters(law, best)
     whole = kind.stress(
         values[None, :], [branch.end for branch in branches], [branch.strain for branch in branches], young, start
@@ -146,7 +158,16 @@ def _fit_one(branches: Sequence[Branch], law: str, young: float, chosen: Sequenc
     criterion = len(measured) * math.log(mean + 1e-30) + len(kind.keys) * math.log(len(measured))
     parameters = dict(zip(kind.keys, (float(value) for value in values), strict=True))
     path = sum(float(np.ptp(branch.strain[mask])) for branch, mask in zip(branches, chosen, strict=True) if mask.any())
-    return CyclicFit(law, parameters, young, criterion, _find_errors(branches, stress, chosen), stress, path)
+    return CyclicFit(law, parameters, young, criterion, _find_errors(branches, stress, chosen), stress, path, loose)
+
+
+def _find_loose(keys: Sequence[str], slopes: FloatArray, off: FloatArray) -> tuple[str, ...]:
+    """Return the parameters whose standard deviation is beyond LOOSE, by slopes (n, k) and differences (n,)."""
+    scale = np.maximum(np.linalg.norm(slopes, axis=0), 1e-12)
+    _, values, rows = np.linalg.svd(slopes / scale, full_matrices=False)
+    inverse = (rows.T / np.maximum(values, 1e-12)) / scale[:, None]
+    deviation = np.linalg.norm(inverse, axis=1) * float(np.sqrt((off**2).mean()))
+    return tuple(key for key, own in zip(keys, deviation, strict=True) if own > LOOSE)
 
 
 def _find_errors(
@@ -190,7 +211,7 @@ def _list_guesses(law: str, top: float) -> list[tuple[FloatArray, FloatArray, Fl
     if law == "yoshida_uemori":
         low, high = [0.05 * top, 0.01 * top, 5.0, 0.5, 1e-3 * top, 1e-3 * top], [top, top, 5e3, 200.0, 2 * top, 5 * top]
         guesses = []
-        for C, m, h in ((200.0, 10.0, 0.3), (800.0, 20.0, 0.3), (80.0, 5.0, 0.7)):
+        for C, m, h in ((200.0, 10.0, 0.3), (800.0, 20.0, 0.3), (80.0, 5.0, 0.3)):
             first = [0.6 * top, 0.2 * top, C, m, 0.1 * top, 0.3 * top]
             guess, least, most = _take_logarithms(first, low, high)
             guesses.append((np.append(guess, h), np.append(least, 0.0), np.append(most, 1.0)))

@@ -11,13 +11,16 @@ import tomli_w
 
 from presswork.case.units import DENSITY, HEAT_CAPACITY, LENGTH, STRESS, Dimension, to_number
 from presswork.material.compression import correct, find_hot_head, read_compression
+from presswork.material.cyclic import is_cyclic, read_cyclic
 from presswork.material.fit_laws import (
     fit_hot_laws,
     fit_laws,
+    make_cyclic_material,
     make_hot_material,
     make_tensile_material,
     pick_rolling_direction,
 )
+from presswork.material.identify_cyclic import fit_cyclic
 from presswork.material.measured_file import read_measured_file
 from presswork.material.specimen_facts import Sizes
 from presswork.material.tensile import read_tensile
@@ -34,7 +37,7 @@ MOST_CURVES = 9
 
 
 def fit_test(path: Path, asked: dict[str, Any], target: Path | None = None) -> dict[str, Any]:
-    """Fit the laws to a file of tensile or hot compression tests; write a material file if a target is given.
+    """Fit the laws to tensile or hot compression tests, or to one with reversals; write a material file to a target.
 
     asked: young, thickness, width, gauge_length, density, specific_heat as texts, and law, the one that is taken; what
     is empty is not given. Returns kind, notes, laws and curves as the page shows them. Raises CaseError,
@@ -43,10 +46,12 @@ def fit_test(path: Path, asked: dict[str, Any], target: Path | None = None) -> d
     is_hot = find_hot_head(read_measured_file(path)) is not None
     young = _read(asked, "young", STRESS)
     elastic = {"young": (HOT_YOUNG if is_hot else YOUNG) if young is None else young, "poisson": POISSON}
-    if not is_hot:
-        found, data = _fit_tensile(path, asked, elastic)
-    else:
+    if is_hot:
         found, data = _fit_hot(path, asked, elastic)
+    elif is_cyclic(path):
+        found, data = _fit_reversals(path, asked, elastic)
+    else:
+        found, data = _fit_tensile(path, asked, elastic)
     if target is not None:
         write_whole(target, tomli_w.dumps(data).encode())
     return found
@@ -95,6 +100,28 @@ def _fit_hot(path: Path, asked: dict[str, Any], elastic: dict[str, float]) -> tu
     laws = [_describe(fit.law, dict(fit.parameters), fit.scatter, fit.relative) for fit in fits]
     data = make_hot_material(path, best, dict(elastic), is_heated=capacity is not None)
     return {"kind": "hot compression", "notes": notes, "laws": laws, "curves": curves}, data
+
+
+def _fit_reversals(
+    path: Path, asked: dict[str, Any], elastic: dict[str, float]
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    test = read_cyclic(
+        path, Sizes(**{key: _read(asked, key, LENGTH) for key in ("thickness", "width", "gauge_length")})
+    )
+    fits = _put_first(fit_cyclic(test, "all", elastic["young"]), asked)
+    strain, stress = (np.concatenate([getattr(b, name) for b in test.branches]) for name in ("strain", "stress"))
+    curves: list[dict[str, Any]] = [
+        {"label": "measured", "x": _thin(strain), "y": _thin(stress), "is_measured": True},
+        *({"label": fit.law, "x": strain.tolist(), "y": np.concatenate(fit.stress).tolist()} for fit in fits),
+    ]
+    top = float(np.abs(stress).max())
+    laws = [
+        _describe(fit.law, dict(fit.parameters), fit.find_error(fitted=True), fit.find_error(fitted=True) / top)
+        for fit in fits
+    ]
+    notes = [test.how, f"{len(test.branches)} branches between reversals"]
+    found = {"kind": "tension and compression", "notes": notes, "laws": laws, "curves": curves}
+    return found, make_cyclic_material(path, fits[0], elastic)
 
 
 def _put_first(fits: list[Any], asked: dict[str, Any]) -> list[Any]:

@@ -20,6 +20,7 @@ from presswork.cli import app
 from presswork.material.cyclic import find_turns, is_cyclic, read_cyclic
 from presswork.material.cyclic_laws import CYCLIC_LAWS
 from presswork.material.identify_cyclic import CyclicFit, fit_cyclic
+from presswork.server.material_fit import fit_test
 from tests.problems.sheet_paths import integrate_yoshida_uemori, pull
 
 YOUNG = 70e3
@@ -93,6 +94,14 @@ def test_parameters_come_back_from_a_test_that_was_integrated(law, made, tmp_pat
     assert fit.find_error(fitted=True) < 0.3
     for name, value in made.items():
         assert fit.parameters[name] == pytest.approx(value, rel=0.02), name
+
+
+def test_parameters_that_the_fitted_part_does_not_determine_are_named(tmp_path) -> None:
+    test = read_cyclic(write(tmp_path / "t.csv", make_rows("chaboche_2")))
+    (early,) = fit_cyclic(test, "chaboche_2", YOUNG, 1.05)
+    (late,) = fit_cyclic(test, "chaboche_2", YOUNG)
+    assert late.loose == ()
+    assert "gamma1" in early.loose, "the fast back stress shows once the flow has turned"
 
 
 def test_branches_that_are_left_out_are_predicted(tmp_path) -> None:
@@ -192,3 +201,14 @@ def test_the_command_writes_a_material_that_a_case_runs_with(tmp_path) -> None:
     stress = outcome.result.field("stress", -1)
     (fit,) = fit_cyclic(read_cyclic(path), "chaboche_1", YOUNG, 2.0)
     assert float(stress.reshape(-1, stress.shape[-1])[0, 1]) == pytest.approx(fit.stress[1][-1], abs=4.0)
+
+
+def test_the_editor_fits_reversals_as_the_command_does(tmp_path) -> None:
+    path = write(tmp_path / "t.csv", make_rows("chaboche_1")[:330])
+    assert is_cyclic(path)
+    found = fit_test(path, {"young": "70 GPa", "law": "chaboche_1"}, tmp_path / "saved.toml")
+    assert found["kind"] == "tension and compression"
+    assert found["laws"][0]["law"] == "chaboche_1"
+    assert found["laws"][0]["relative"] < 0.002
+    assert [curve["label"] for curve in found["curves"]][:2] == ["measured", "chaboche_1"]
+    assert tomllib.loads((tmp_path / "saved.toml").read_text())["material"]["kinematic"]["law"] == "chaboche"

@@ -11,9 +11,9 @@ import tomli_w
 import typer
 
 from presswork.case.errors import CaseError, Problem
-from presswork.case.material.sheet import check_sheet_material
 from presswork.material.cyclic import CyclicTest, read_cyclic
 from presswork.material.cyclic_plot import draw_cyclic
+from presswork.material.fit_laws import make_cyclic_material
 from presswork.material.identify_cyclic import CyclicFit, fit_cyclic
 from presswork.material.specimen_facts import Sizes
 from presswork.results.whole_file import write_whole
@@ -40,12 +40,14 @@ def fit_reversals(
     fits = fit_cyclic(test, law, young, branches)
     for fit in fits:
         typer.echo(f"{fit.law}: {', '.join(f'{key} = {value:.5g}' for key, value in fit.parameters.items())}")
+        if fit.loose:
+            typer.echo(f"{fit.law}: the fitted part does not determine {', '.join(fit.loose)}; later branches would")
     _print_errors(fits)
     best = fits[0]
     if len(fits) > 1:
         typer.echo(f"{best.law} is taken: the least scatter for its number of parameters (Schwarz's criterion)")
     target = output or path.with_suffix(".toml")
-    write_whole(target, tomli_w.dumps(_make_material(path, best, {"young": young, "poisson": poisson})).encode())
+    write_whole(target, tomli_w.dumps(make_cyclic_material(path, best, {"young": young, "poisson": poisson})).encode())
     typer.echo(f"{target}\n{draw_cyclic(test, fits, path.stem, target.with_suffix('.png'))}")
 
 
@@ -68,20 +70,3 @@ def _print_errors(fits: Sequence[CyclicFit]) -> None:
     for fit in fits:
         cells = [f"{e.scatter:.2f} MPa {100 * e.relative:.2f} %, max {e.worst:.1f}" for e in fit.errors]
         typer.echo("".join([f"{fit.law:16s}", *(f"{cell:>30s}" for cell in cells)]))
-
-
-def _make_material(path: Path, best: CyclicFit, elastic: dict[str, float]) -> dict[str, object]:
-    """Return the material file. Raises CaseError."""
-    table = {**elastic, **best.to_tables()}
-    check_sheet_material(table, str(path))
-    parts = [
-        f"{'fitted' if e.is_fitted else 'predicted'} branch {e.branch} {e.scatter:.2f} MPa ({100 * e.relative:.2f} %)"
-        for e in best.errors
-    ]
-    return {
-        "name": path.stem,
-        "summary": f"fitted to {path.name}, tension and compression in turn",
-        "material": table,
-        "sources": {"all": f"{path.name}; {', '.join(parts)}"},
-        "assumed": {"young": "as given to the fit", "poisson": "as given to the fit", "yield_function": "von Mises"},
-    }
