@@ -12,11 +12,14 @@ import pytest
 
 from presswork import build_model
 from presswork.case.stamping.schema import StampingCase
-from presswork.post.formability import judge_cells, judge_part
+from presswork.post import judge_result
+from presswork.post.formability import judge_cells, judge_part, list_other_limits
 from presswork.post.weld_lines import find_welds
 from presswork.process.begin import begin
 from presswork.recorder import run_model
 from presswork.results import Result
+from presswork.view.plots.forming_limit_plot import plot_forming_limit
+from presswork.view.plots.shell_plot import plot_shell
 
 STEEL = {
     "young": "210 GPa", "poisson": 0.3, "density": "7850 kg/m^3",
@@ -80,6 +83,9 @@ def test_weld_line_moves_into_the_thick_half_on_the_punch_and_its_fields_are_sav
     assert result.zones == ["", "thick"]
     x = result.mesh.points[find_welds(result)][..., 0]
     assert x == pytest.approx(5.0)
+    lines = {line.name: line.figure for line in judge_result(result).lines}
+    assert lines["weld line of thick"].startswith("moved by ")
+    assert len(list_other_limits(result)) == 1
     # the page and pictures judge each zone by its own curve, as the run does
     assert judge_cells(result)["forming_limit_margin"] == pytest.approx(result.field("forming_limit_margin"))
     assert judge_part(result).forming_limit.count("Keeler") == 2
@@ -132,3 +138,22 @@ def test_resumed_run_of_a_welded_blank_has_the_same_bits(tmp_path: Path) -> None
     for _ in half.advance():
         pass
     assert np.array_equal(half.positions(), whole.positions())  # type: ignore[attr-defined]
+
+
+def test_zone_without_a_forming_limit_is_drawn_as_not_judged(tmp_path: Path) -> None:
+    plain = {key: value for key, value in STEEL.items() if key != "forming_limit"}
+    zone = {key: value for key, value in THICK.items() if key != "thickness"} | {"material": "plain"}
+    case = cup(stroke=2.0, blank={"zones": [zone]})
+    case["materials"] = {"steel": STEEL, "plain": plain}
+    result = record(case, tmp_path)
+    zones = result.field("formability_zone")
+    assert np.isnan(zones[result.field("zone") == 1]).all()
+    assert np.isfinite(zones[result.field("zone") == 0]).all()
+    for figure in (plot_shell(result, "formability_zone"), plot_forming_limit(result)):
+        texts = [
+            text.get_text()
+            for legend in [*figure.legends, *(ax.get_legend() for ax in figure.axes if ax.get_legend())]
+            for text in legend.get_texts()
+        ]
+        assert any("safe" in text for text in texts)
+    assert any("not judged" in text for text in texts)

@@ -93,7 +93,8 @@ class SheetDepth(Observer):
         if not depths:
             return
         points, moved = run.positions(), run.tool_displacements()
-        thickness = np.concatenate([block.thickness for block in run.mesh.blocks])
+        found = zip(run.mesh.blocks, run.model.find_relief(), strict=True)
+        thickness = np.concatenate([block.thickness + relief for block, relief in found])
         corners = [points[block.connectivity] for block in run.mesh.blocks]
         middles = np.ascontiguousarray(np.concatenate([c.mean(axis=1) for c in corners]))
         sides = np.concatenate([np.linalg.norm(c - np.roll(c, 1, axis=1), axis=2).max(axis=1) for c in corners])

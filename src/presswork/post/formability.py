@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from presswork.fields.formability_fields import NEEDED, FormingVerdict, formability_fields, judge_fields
 from presswork.fields.surface_defects import FOLD, SIDE
-from presswork.formability import PATH_MARGINS, Formability, Judged
+from presswork.formability import PATH_MARGINS, Formability, FormingLimitCurve, Judged
 from presswork.model import FloatArray
 from presswork.results import Result, ResultError
 
@@ -45,3 +47,17 @@ def _strains(result: Result, step: int) -> dict[str, FloatArray]:
     if missing := set(NEEDED) - set(result.field_names):
         raise ResultError(f"{result.folder} holds no sheet: it has no {', '.join(sorted(missing))}")
     return {name: result.field(name, step) for name in NEEDED}
+
+
+def list_other_limits(result: Result) -> list[tuple[str, FormingLimitCurve]]:
+    """Return the curves of zones of a welded blank that are not that of the first one, with their names."""
+    first, found = result.formability.curve, list[tuple[str, FormingLimitCurve]]()
+    for number, limit in result.limits.items():
+        known = [first, *(curve for _, curve in found)]
+        if limit.curve is not None and not any(_are_same(limit.curve, curve) for curve in known):
+            found.append((result.zones[number] or "the blank", limit.curve))
+    return found
+
+
+def _are_same(one: FormingLimitCurve, other: FormingLimitCurve | None) -> bool:
+    return other is not None and np.array_equal(one.minor, other.minor) and np.array_equal(one.major, other.major)

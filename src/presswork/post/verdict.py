@@ -105,6 +105,7 @@ def judge_summary(summary: Summary, safety_margin: float = 0.1, dimension: int =
         _judge_separation,
         lambda found: _judge_forming_limit(found, safety_margin),
         _judge_thinning,
+        _judge_welds,
         _judge_wrinkles,
         _judge_springback,
         _judge_windows,
@@ -213,6 +214,16 @@ def _judge_die_fill(summary: Summary) -> Iterator[Line]:
         yield Line(f"fill of {die}", state, _percent(filled), limit, open_at, field, place)
         if fill.get("flash_thickness_mm") is not None:
             yield Line(f"flash at {die}", "figure", f"{_number(fill['flash_thickness_mm'])} mm thick")
+
+
+def _judge_welds(summary: Summary) -> Iterator[Line]:
+    """Give how far weld lines have moved: a figure."""
+    for name, found in summary.get("weld_lines", {}).items():
+        into, out = found["into_zone"], found["out_of_zone"]
+        most = max(into, out, key=lambda one: abs(one["mm"]))
+        note = f"{_number(max(0.0, into['mm']))} mm into the zone, {_number(max(0.0, -out['mm']))} mm out of it"
+        moved = f"moved by {_number(abs(most['mm']))} mm"
+        yield Line(f"weld line of {name}", "figure", moved, "", note, "zone", tuple(most["place"]))
 
 
 def _judge_laps(summary: Summary) -> Iterator[Line]:

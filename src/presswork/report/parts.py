@@ -13,6 +13,7 @@ from presswork.fields.table import describe_field
 from presswork.formability import ZONES, explain_zones
 from presswork.model import FloatArray
 from presswork.post import judge_result, measure_draw_in_around, trace_interface
+from presswork.post.formability import list_other_limits
 from presswork.report.case_data import list_defaults, read_text
 from presswork.report.choose import Shown
 from presswork.report.surface import Surface
@@ -151,6 +152,10 @@ def _pack_formability(result: Result) -> dict[str, Any]:
         "method": judged.curve.method,
         "margin": judged.safety_margin,
         "r": judged.r,
+        "others": [
+            {"name": name, "minor": round_values(curve.minor), "major": round_values(curve.major)}
+            for name, curve in list_other_limits(result)
+        ],
     }
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from presswork.model import FloatArray
 from presswork.post import trace_profile
+from presswork.post.weld_lines import find_welds
 from presswork.report.choose import Choice, choose
 from presswork.report.history import pack_history
 from presswork.report.pack import Blocks, Packed
@@ -55,7 +56,7 @@ def _pack_steps(
         mesh = result.mesh_at(step)
         number = next((i for i, (known, _) in enumerate(surfaces) if known is mesh), len(surfaces))
         if number == len(surfaces):
-            surfaces.append((mesh, find_surface(mesh, has_inside=choice.has_inside)))
+            surfaces.append((mesh, find_surface(mesh, has_inside=choice.has_inside, welds=find_welds(result, step))))
             meshes.append(_pack_mesh(mesh, surfaces[number][1], blocks))
         surface = surfaces[number][1]
         stored: dict[str, FloatArray] = {}
@@ -87,6 +88,7 @@ def _pack_mesh(mesh: ResultMesh, surface: Surface, blocks: Blocks) -> dict[str, 
         "face": blocks.add_indices(surface.faces),
         "lines": blocks.add_indices(surface.lines),
         "boundary": blocks.add_indices(surface.boundary),
+        "welds": blocks.add_indices(surface.welds),
         "hexahedra": blocks.add_indices(surface.hexahedra),
         "owners": blocks.add_indices(surface.owners),
         "reference": blocks.add_values(surface.take_points(mesh.points)),

@@ -14,6 +14,7 @@ import numpy as np
 
 from presswork.model import FloatArray
 from presswork.post import judge_result
+from presswork.post.weld_lines import find_welds
 from presswork.report.choose import Shown, list_fields
 from presswork.report.history import pack_history
 from presswork.report.pack import Blocks, Packed
@@ -28,7 +29,7 @@ from presswork.report.run_data import pack_tools
 from presswork.report.surface import Surface, find_surface
 from presswork.results import Result, ResultError, ResultMesh
 
-_MESH_ARRAYS = ("triangles", "face", "lines", "boundary", "reference", "hexahedra", "owners")
+_MESH_ARRAYS = ("triangles", "face", "lines", "boundary", "welds", "reference", "hexahedra", "owners")
 
 
 class ServedRun:
@@ -130,7 +131,7 @@ class ServedRun:
         result, mesh = self._result, self._result.mesh_at(step)
         number = next((i for i, (known, _) in enumerate(self._meshes) if known is mesh), len(self._meshes))
         if number == len(self._meshes):
-            self._meshes.append((mesh, find_surface(mesh, has_inside=True)))
+            self._meshes.append((mesh, find_surface(mesh, has_inside=True, welds=find_welds(result, step))))
         return {
             **describe_saved_step(result, step),
             "mesh": number,

@@ -37,6 +37,8 @@ class Surface:
     3 3. None without the inside."""
     owners: Indices
     """The face or cell in `cells` that is each hexahedron, or one of its faces (n_cells,)."""
+    welds: Indices
+    """Ends of the lines along welds of a welded blank (n, 2)."""
 
     def take_points(self, values: FloatArray) -> FloatArray:
         """Return the values of the surface's nodes out of those of all nodes."""
@@ -47,8 +49,11 @@ class Surface:
         return np.asarray(values[self.cells], dtype=np.float64)
 
 
-def find_surface(mesh: ResultMesh, *, has_inside: bool = False) -> Surface:
-    """Return what is seen of a mesh; has_inside: of a solid in space also what a cut would lay open."""
+def find_surface(mesh: ResultMesh, *, has_inside: bool = False, welds: NDArray[np.integer] | None = None) -> Surface:
+    """Return what is seen of a mesh.
+
+    has_inside: of a solid in space also what a cut would lay open. welds: nodes along welds (n, 2), if there are any.
+    """
     skin, owner = find_skin(mesh)
     parts = [triangulate(replace(skin, blocks=(block,))) for block in skin.blocks]
     counts = [len(block.connectivity) for block in skin.blocks]
@@ -82,6 +87,7 @@ def find_surface(mesh: ResultMesh, *, has_inside: bool = False) -> Surface:
         boundary=renumbered[boundary].reshape(-1, 2),
         hexahedra=renumbered[hexahedra],
         owners=owners,
+        welds=renumbered[np.zeros((0, 2), dtype=np.int64) if welds is None else welds].reshape(-1, 2),
     )
 
 

@@ -28,7 +28,7 @@ export class LimitPanel {
     const zone = run.findField("formability_zone"), zones = zone >= 0 && this.layer === "middle" ? await run.values(step, zone) : null;
     Object.assign(this, { major, minor });
     const names = zone >= 0 ? run.fields[zone].zones : [];
-    const points = { x: minor, y: major, label: "faces", colour: GREY, isPoints: true, colours: zones && Array.from(zones, (z) => names[Math.round(z)].colour) };
+    const points = { x: minor, y: major, label: "faces", colour: GREY, isPoints: true, colours: zones && Array.from(zones, (z) => names[Math.round(z)]?.colour ?? GREY) };
     this.zones.replaceChildren(...(zones ? names : []).map(({ name, colour, meaning }) => {
       const patch = make("span", { class: "patch dot", "aria-hidden": "true" });
       patch.style.background = colour;
@@ -58,8 +58,9 @@ export class LimitPanel {
 }
 
 /** Return the limit curve and its safety margin. */
-function makeCurves({ minor, major, method, margin }) {
+function makeCurves({ minor, major, method, margin, others }) {
   return [
+    ...others.map((other, i) => ({ x: other.minor, y: other.major, label: `limit of ${other.name}`, colour: "#1d222a", dash: [2, 3 + 2 * i], width: 1.2 })),
     { x: minor, y: major, label: method, colour: "#1d222a" },
     { x: minor, y: major.map((value) => (1 - margin) * value), label: `safety margin ${100 * margin} %`, colour: "#1d222a", dash: [6, 4], width: 1.2 },
   ];

@@ -38,7 +38,7 @@ export class Run {
   mesh(step) {
     const number = this.steps[step].mesh;
     return this.#once(`mesh ${number}`, async () => {
-      const packed = this.meshes[number], names = ["triangles", "face", "lines", "boundary", "reference", "hexahedra", "owners"];
+      const packed = this.meshes[number], names = ["triangles", "face", "lines", "boundary", "welds", "reference", "hexahedra", "owners"];
       const arrays = await Promise.all(names.map((name) => unpack(packed[name])));
       const mesh = { ...packed, ...Object.fromEntries(names.map((name, i) => [name, arrays[i]])) };
       mesh.areas = measureAreas(mesh, this.dimension);

@@ -55,7 +55,7 @@ export class RunScene {
     this.body.material.uniforms.isLit.value = isRevolved || this.run.dimension === 3;
     this.body.material.uniforms.isClosed.value = isRevolved || this.run.isSolid;
     this.hasLines = false;
-    setLines(this.outline.geometry, this.positions, isRevolved ? new Uint32Array() : mesh.boundary);
+    setLines(this.outline.geometry, this.positions, isRevolved ? new Uint32Array() : new Uint32Array([...mesh.boundary, ...mesh.welds]));
     await this.#placeTools(step, isRevolved);
   }
 

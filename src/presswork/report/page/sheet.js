@@ -59,6 +59,10 @@ export class SheetPanel {
     if (isTrimmed) series.push({ ...traceEdges(mesh.boundary, mesh.reference), label: "trim line on the blank", colour: LINES[1], dash: [2, 3], width: 1.4 });
     if (drawn) series.push({ ...traceEdges(first.boundary, drawn), label: "before trimming", colour: LINES[2], dash: [5, 4], width: 1.2 });
     for (const [x, y] of run.draw_in.beads ?? []) series.push({ x: x.map(toLength), y: y.map(toLength), label: series.some(({ label }) => label === "drawbead") ? "" : "drawbead", colour: LINES[6], isPoints: true });
+    if (mesh.welds.length) {
+      series.push({ ...traceEdges(first.welds, first.reference), label: "weld on the blank", colour: LINES[3], dash: [5, 4], width: 1.2 });
+      series.push({ ...traceEdges(mesh.welds, points), label: "weld now", colour: LINES[3], width: 2 });
+    }
     this.outline.setSeries([...series, { ...traceEdges(mesh.boundary, points), label: "now", colour: LINES[0] }], { isEqual: true });
   }
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from presswork.formability import ZONES, Formability, FormingLimitCurve
-from presswork.post.formability import judge_cells, judge_part
+from presswork.formability import ZONES, Formability
+from presswork.post.formability import judge_cells, judge_part, list_other_limits
 from presswork.results import Result
 from presswork.view.style import ZONE_COLOURS, clean_axes, describe_step, new_figure
 
@@ -32,7 +32,7 @@ def plot_forming_limit(
     """
     figure = new_figure(7.0, 5.2) if figure is None else figure
     verdict, cells = judge_part(result, step, judged), judge_cells(result, step, judged)
-    others = [] if judged is not None else _list_others(result)
+    others = [] if judged is not None else list_other_limits(result)
     judged = result.formability if judged is None else judged
     major, minor = result.field("major_strain_middle", step), result.field("minor_strain_middle", step)
     ax = figure.subplots()
@@ -41,6 +41,8 @@ def plot_forming_limit(
             own = cells["formability_zone"] == number
             label = f"{name} ({own.sum()})"
             ax.plot(minor[own], major[own], "o", color=ZONE_COLOURS[number], markersize=3, label=label)
+        if (own := np.isnan(cells["formability_zone"])).any():
+            ax.plot(minor[own], major[own], "o", color=_GREY, markersize=3, label=f"not judged ({own.sum()})")
     else:
         ax.plot(minor, major, "o", color=_GREY, markersize=3, label="no forming limit given")
     top = 1.1 * max(float(major.max()), 0.1 if judged.curve is None else judged.curve.lowest()[1])
@@ -74,20 +76,6 @@ def plot_forming_limit(
     ax.legend(frameon=False, fontsize="small", loc="center left", bbox_to_anchor=(1.0, 0.5), title=wording)
     clean_axes(ax)
     return figure
-
-
-def _list_others(result: Result) -> list[tuple[str, FormingLimitCurve]]:
-    """Return the curves of zones of a welded blank that are not that of the first one, with their names."""
-    first, found = result.formability.curve, list[tuple[str, FormingLimitCurve]]()
-    for number, limit in result.limits.items():
-        known = [first, *(curve for _, curve in found)]
-        if limit.curve is not None and not any(_are_same(limit.curve, curve) for curve in known):
-            found.append((result.zones[number] or "the blank", limit.curve))
-    return found
-
-
-def _are_same(one: FormingLimitCurve, other: FormingLimitCurve | None) -> bool:
-    return other is not None and np.array_equal(one.minor, other.minor) and np.array_equal(one.major, other.major)
 
 
 def _draw_curve(ax: Axes, judged: Formability, left: float, right: float) -> None:

@@ -38,6 +38,8 @@ DIVERGING = ("thinning", "thickness_strain", "deviation")
 DIVERGING_COLOURS = "RdBu_r"
 _JUDGED = (ZONE_FIELD, "forming_limit_margin", *PATH_MARGINS, "fold_ratio")
 """Fields whose picture repeats the verdict of the run."""
+_NOT_JUDGED = "#ffffff"
+"""Colour of cells whose material has no forming limit."""
 _WELD = "#c2007a"
 """Colour of weld lines."""
 _LIGHT = np.array([0.35, -0.5, 0.8])
@@ -249,7 +251,7 @@ def _colours(
     if values is None or scaled is None:
         colours = np.tile([0.82, 0.87, 0.93, 1.0], (sum(len(block) for block in outlines), 1))
     elif by_zone:
-        colours = to_rgba_array(ZONE_COLOURS)[values.astype(int)]
+        colours = to_rgba_array([*ZONE_COLOURS, _NOT_JUDGED])[np.where(np.isnan(values), -1, values).astype(int)]
     else:
         colours = np.array(scaled.to_rgba(values), dtype=np.float64)
     return shade(colours, np.concatenate([find_normals(block) for block in outlines]))
@@ -293,11 +295,13 @@ def _add_zone_legend(figure: Figure, values: FloatArray) -> None:
     """Name the zones below the sheet, with the number of elements in each."""
     from matplotlib.patches import Patch
 
-    counts = np.bincount(values.astype(int), minlength=len(ZONES))
+    counts = np.bincount(values[np.isfinite(values)].astype(int), minlength=len(ZONES))
     patches = [
         Patch(color=colour, label=f"{name} ({count})")
         for colour, name, count in zip(ZONE_COLOURS, ZONES, counts, strict=True)
     ]
+    if n := int(np.isnan(values).sum()):
+        patches.append(Patch(facecolor=_NOT_JUDGED, edgecolor="0.5", label=f"not judged ({n})"))
     title = "zone (elements)"
     figure.legend(handles=patches, loc="lower center", ncols=3, frameon=False, fontsize="small", title=title)
 
