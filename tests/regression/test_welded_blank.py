@@ -150,10 +150,7 @@ def test_zone_without_a_forming_limit_is_drawn_as_not_judged(tmp_path: Path) -> 
     assert np.isnan(zones[result.field("zone") == 1]).all()
     assert np.isfinite(zones[result.field("zone") == 0]).all()
     for figure in (plot_shell(result, "formability_zone"), plot_forming_limit(result)):
-        texts = [
-            text.get_text()
-            for legend in [*figure.legends, *(ax.get_legend() for ax in figure.axes if ax.get_legend())]
-            for text in legend.get_texts()
-        ]
+        legends = [*figure.legends, *(found for ax in figure.axes if (found := ax.get_legend()))]
+        texts = [text.get_text() for legend in legends for text in legend.get_texts()]
         assert any("safe" in text for text in texts)
-    assert any("not judged" in text for text in texts)
+        assert any("not judged" in text for text in texts)
