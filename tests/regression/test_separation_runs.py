@@ -67,12 +67,16 @@ def cropped(folder):
 
 def test_the_strip_parts_and_the_blade_is_free(cropped):
     history, found = cropped.history, cropped.summary["separation"]
-    force = history["blade.force"]
+    force, stroke = history["blade.force"], history["blade.stroke"]
+    summed = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(stroke))])
     assert found["pieces"] == history["pieces"][-1] == 2
     assert found["cracks"] == history["cracks"][-1] == 2
     assert 0.3 < found["first_crack"]["stroke_mm"] < found["parted"]["stroke_mm"] < 0.85
     assert force.max() == pytest.approx(2 * 0.8 * UTS * 2.0, rel=0.1)  # the rule of thumb, per mm of both halves
     assert force[-1] < 0.05 * force.max()
+    assert found["largest_force_N"] == pytest.approx(force.max(), rel=0.01)
+    parted = found["parted"]["stroke_mm"]
+    assert 1e3 * found["work_J"] == pytest.approx(np.interp(parted, stroke, summed), rel=0.05)
     assert np.isfinite(force).all()
 
 

@@ -278,6 +278,8 @@ def _judge_separation(summary: Summary) -> Iterator[Line]:
     parted = found.get("parted")
     note = f"punch at {parted['stroke_mm']:.4g} mm" if parted else "the stroke is too short, or no crack goes through"
     yield Line("separation", "ok" if parted else "risk", f"{found['pieces']} pieces", "at least 2", note)
+    if "work_J" in found:
+        yield Line("work until it has parted", "figure", f"{found['work_J']:.4g} J", "", "")
     for edge in found.get("edges", []):
         for zone in ("rollover", "sheared", "fracture", "burr"):
             share = edge[f"{zone}_mm"] / edge["thickness_mm"]

@@ -81,6 +81,8 @@ class NewLine:
     """Nodes that neither a tool nor a plane holds (k,)."""
     offset: float
     """Offset by which free nodes were moved outwards to give the volume back [mm]."""
+    in_plane: BoolArray
+    """Nodes that a plane holds (k,)."""
     seams: tuple[FloatArray, ...] = ()
     """Middles of the loops left out in which the line crossed itself, from the mouth to the end of each (m, 2) [mm]."""
 
@@ -136,7 +138,7 @@ def resample(old: OldLine, size: SizeField) -> NewLine:
     else:
         if not old.is_cracked:
             refuse_fold(list_sides(points))
-    return NewLine(points, places, is_free, offset, tuple(seams))
+    return NewLine(points, places, is_free, offset, curve.in_plane(places), tuple(seams))
 
 
 def _fold_error(points: FloatArray, folds: IndexArray) -> MeshError:
@@ -306,6 +308,12 @@ class _Curve:
         edge = places.astype(int) % self.n
         held: BoolArray = np.asarray(self.old.on_tool.any(axis=0) | self.old.in_plane.any(axis=1))
         return np.asarray(np.where(places == edge, ~held[edge], self.kind[edge] == FREE), dtype=bool)
+
+    def in_plane(self, places: FloatArray) -> BoolArray:
+        """Mark places that a plane holds (m,)."""
+        edge = places.astype(int) % self.n
+        held: BoolArray = np.asarray(self.old.in_plane.any(axis=1))
+        return np.asarray(np.where(places == edge, held[edge], self.kind[edge] <= PLANE_X), dtype=bool)
 
     def extend_contact(self, places: FloatArray, points: FloatArray, is_free: BoolArray) -> None:
         """Put free points at places within half an edge of the end of a contact onto the tool, in place.

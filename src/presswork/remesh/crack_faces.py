@@ -12,6 +12,7 @@ import numpy as np
 
 from presswork.geometry.polygon import contains
 from presswork.model import BoolArray, FloatArray, IndexArray
+from presswork.remesh.boundary import find_folds
 from presswork.remesh.fill import measure_thickness
 
 DEEPEST = 0.5
@@ -21,10 +22,10 @@ APART = 0.02
 _ROUNDS = 12
 
 
-def part_faces(points: FloatArray, after: IndexArray, is_free: BoolArray) -> FloatArray:
+def part_faces(points: FloatArray, after: IndexArray, may_move: BoolArray) -> FloatArray:
     """Return the nodes of loops (n, 2) [mm] with those that lie in the metal of another part of them moved out.
 
-    after: the node that follows each (n,); is_free: nodes that may move (n,).
+    after: the node that follows each (n,); may_move: nodes that no plane holds (n,).
     """
     points, before = points.copy(), np.argsort(after)
     for _ in range(_ROUNDS):
@@ -33,9 +34,27 @@ def part_faces(points: FloatArray, after: IndexArray, is_free: BoolArray) -> Flo
         outwards = np.column_stack([along[:, 1], -along[:, 0]]) / np.maximum(reach, 1e-300)[:, None]
         sides = np.stack([points, points[after]], axis=1)
         depth = measure_thickness(sides, points, -outwards)
-        near = is_free & (depth < DEEPEST * 0.5 * reach)
+        near = may_move & (depth < DEEPEST * 0.5 * reach)
         near[near] = ~contains(sides, points[near] - 0.5 * depth[near, None] * outwards[near])
-        if not near.any():
-            break
         points[near] -= (0.6 * depth + APART * 0.5 * reach)[near, None] * outwards[near]
+        folds = find_folds(np.stack([points, points[after]], axis=1))
+        if not near.any() and not len(folds):
+            break
+        for first, second in folds.tolist():
+            _take_back(points, after, may_move, first, second)
     return points
+
+
+def _take_back(points: FloatArray, after: IndexArray, may_move: BoolArray, first: int, second: int) -> None:
+    """Put the end of one of two sides that cross each other, the one that lies least deep, out of the other's metal."""
+    best: tuple[float, int, FloatArray] | None = None
+    for side, other in ((first, second), (second, first)):
+        start, end = points[side], points[after[side]]
+        length = float(np.linalg.norm(end - start))
+        inwards = np.array([start[1] - end[1], end[0] - start[0]]) / max(length, 1e-300)
+        for node in (other, int(after[other])):
+            depth = float((points[node] - start) @ inwards)
+            if may_move[node] and depth >= 0.0 and (best is None or depth < best[0]):
+                best = depth, node, (depth + APART * length) * inwards
+    if best is not None:
+        points[best[1]] -= best[2]

@@ -401,11 +401,12 @@ def _join_lines(
         np.concatenate([first + line.place for first, line in zip(firsts, lines, strict=True)]),
         np.concatenate([line.is_free for line in lines]),
         max((line.offset for line in lines), key=abs),
+        np.concatenate([line.in_plane for line in lines]),
         tuple(seam for line in lines for seam in line.seams),
     )
     after = close_loops([len(line.points) for line in lines])
     if is_cracked:
-        joined = replace(joined, points=part_faces(joined.points, after, joined.is_free))
+        joined = replace(joined, points=part_faces(joined.points, after, ~joined.in_plane))
     if is_cracked or len(lines) > 1:
         refuse_fold(np.stack([joined.points, joined.points[after]], axis=1))
     return joined, after

@@ -47,7 +47,7 @@ class Cracks(Memory):
     def news(self) -> list[str]:
         """Return the cracks that the log does not have yet."""
         news, self._news = self._news, []
-        return news
+        return [] if self._are_cut else news
 
     def warnings(self) -> list[str]:
         """Return the cracks, unless they are meant."""

@@ -106,11 +106,12 @@ class CrackGrowth(MeshChange):
         return {"cracks": self._begun, "pieces": self._pieces}
 
     def summary(self, run: Observed, history: History) -> dict[str, Any]:
-        """Return when cracks begin, when the body parts, and the zones of the edges."""
+        """Return when cracks begin, when the body parts, what that takes, and the zones of the edges."""
         found: dict[str, Any] = {"cracks": self._begun, "pieces": self._pieces}
         for name, (time, stroke) in zip(("first_crack", "parted"), self._instants, strict=True):
             if np.isfinite(time):
                 found[name] = {"time_s": float(time), "stroke_mm": float(stroke)}
+        found |= self._measure_work(history)
         if len(self._edges):
             order = np.argsort(self._edges[:, 5])
             names = ["sheet", *("slug" for _ in order[1:])]
@@ -118,6 +119,18 @@ class CrackGrowth(MeshChange):
                 {"piece": name, **_describe_edge(self._edges[i])} for name, i in zip(names, order, strict=True)
             ]
         return {"separation": found}
+
+    def _measure_work(self, history: History) -> dict[str, float]:
+        """Return the largest force of the tool that has moved farthest, and its work until the body has parted."""
+        if not len(history.get("time", ())) or not any(np.any(wall.displacement) for wall in self._run.walls):
+            return {}
+        tool = max(self._run.walls, key=lambda wall: float(np.linalg.norm(wall.displacement)))
+        direction = np.asarray(tool.displacement) / np.linalg.norm(tool.displacement)
+        force = -sum(history[f"{tool.name}.force_{axis}"] * share for axis, share in zip("xy", direction, strict=True))
+        stroke, parted = history[f"{tool.name}.stroke"], self._instants[1, 0]
+        own = history["time"] <= parted if np.isfinite(parted) else np.ones(len(stroke), dtype=bool)
+        steps = np.diff(stroke, prepend=0.0)  # forces are means over their rows
+        return {"largest_force_N": float(force.max()), "work_J": 1e-3 * float((force * steps)[own].sum())}
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return counts, instants and edges."""
