@@ -74,7 +74,7 @@ ANY_NUMBER = f"write for instance {PURE_NUMBER.example}"
 
 _USUAL = {
     LENGTH: {"mm": 1.0, "cm": 10.0, "m": 1e3, "um": 1e-3, "in": 25.4, "inch": 25.4},
-    STRESS: {"MPa": 1.0, "N/mm^2": 1.0, "GPa": 1e3, "kN/mm^2": 1e3, "Pa": 1e-6},
+    STRESS: {"MPa": 1.0, "N/mm^2": 1.0, "GPa": 1e3, "kN/mm^2": 1e3, "Pa": 1e-6, "HV": 9.80665},
     FORCE: {"N": 1.0, "kN": 1e3},
     VOLUME: {"mm^3": 1.0},
     TIME: {"s": 1.0, "ms": 1e-3, "us": 1e-6},
@@ -166,7 +166,7 @@ def to_number(value: object, dimension: Dimension) -> float:
     if not math.isfinite(number):
         raise fault(f"{expected} that is finite", remedy)
     if 0.0 < abs(number) < LEAST_FLOAT:
-        raise fault(f"{expected}, and {number:g} is none that a computer can square", "write 0, or check its exponent")
+        raise fault(f"{expected}, and {number:g} is none that a computer can square", "check its exponent")
     if abs(number) > dimension.largest:
         raise fault(f"expected {dimension.name} up to {dimension.largest:g} {dimension.unit}".rstrip(), remedy)
     return number

@@ -9,7 +9,7 @@ Directions and boundaries have names, never integer tags. All names are imported
 from presswork.model.arrays import BoolArray, FloatArray, IndexArray, IntArray, MaskArray
 from presswork.model.cells import CELLS, Cell, NamesInFiles, find_cell, take_corners
 from presswork.model.contact import Body, BodyContact
-from presswork.model.die_body import DieBody, DiePart, DieSteel, Fatigue, Side
+from presswork.model.die_body import DieBody, DiePart, DieSteel, Fatigue, Side, ToolWear
 from presswork.model.draw_in import DrawInDirection
 from presswork.model.elements import (
     ELEMENTS,
@@ -255,6 +255,7 @@ __all__ = [
     "ToolHeat",
     "ToolKind",
     "ToolMotion",
+    "ToolWear",
     "Transformation",
     "Triangulation",
     "TrimLine",

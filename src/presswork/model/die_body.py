@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The body of a tool: the part that holds its profile and the rings round it, for the stress of a die after a run."""
+"""What a tool bears: its body, the part that holds its profile and the rings round it, and how its surface wears."""
 
 from __future__ import annotations
 
@@ -67,3 +67,21 @@ class DieBody:
     """Size of cells at the profile [mm]."""
     parts: tuple[DiePart, ...]
     """The part that holds the profile, then its rings."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ToolWear:
+    """Wear by Archard: depth = coefficient times the integral of pressure^a / hardness^c over the path slid."""
+
+    coefficient: float
+    """Pure number for the powers 1 and 1; otherwise in the powers of MPa that make it so."""
+    hardness: tuple[tuple[float, float], ...]
+    """Rows of temperature [degrees C] and hardness [MPa]; one row: it is the same at all temperatures."""
+    pressure_power: float = 1.0
+    """a"""
+    hardness_power: float = 1.0
+    """c"""
+    parts: int = 1
+    """Number of parts whose wear is reported."""
+    limit: float | None = None
+    """Depth that the die may lose [mm]."""

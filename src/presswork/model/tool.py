@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from presswork.model.arrays import FloatArray, IntArray
+from presswork.model.die_body import ToolWear
 
 ContactLaw = Literal["frictionless", "sticking", "shear", "coulomb", "coulomb_capped"]
 ToolKind = Literal["punch", "die", "holder"]
@@ -109,6 +110,8 @@ class Tool:
     mirrored_across: tuple[bool, ...] = (False, False)
     """Plane strain, solids in space: whether the whole tool is twice what is modelled, mirrored by a symmetry plane
     normal to x | y | z."""
+    wear: ToolWear | None = None
+    """How the surface of a tool of solids wears; None: it is not followed."""
     sectors: float = 1.0
     """Solids in space: number of sectors like the one modelled that the whole tool has round z."""
 

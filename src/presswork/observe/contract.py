@@ -206,6 +206,10 @@ class Observer:
     def show(self, run: Observed, now: Instant) -> None:
         """Add to what fields are computed from."""
 
+    def files(self, run: Observed) -> dict[str, str]:
+        """Return the names and texts of further files of the run."""
+        return {}
+
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return what it keeps from one instant to the next, for a checkpoint."""
         return {}
@@ -277,6 +281,10 @@ class Observers:
         for observer in self._observers:
             found |= observer.info(run)
         return found
+
+    def files(self, run: Observed) -> dict[str, str]:
+        """Return the files of all."""
+        return {name: text for observer in self._observers for name, text in observer.files(run).items()}
 
     def arrays(self) -> dict[str, NDArray[Any]]:
         """Return what all of them keep."""

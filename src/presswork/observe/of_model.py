@@ -21,6 +21,7 @@ from presswork.observe.reactions import Reactions
 from presswork.observe.sheet_depth import SheetDepth
 from presswork.observe.sheet_pressure import PressedSheet
 from presswork.observe.slipping_rolls import SlippingRolls
+from presswork.observe.wear import WearOfTools
 from presswork.observe.weld_lines import WeldLines
 
 
@@ -46,5 +47,6 @@ def list_observers(model: Model) -> Observers:
             SheetDepth(),
             SlippingRolls(model),
             WeldLines(model),
+            WearOfTools(model),
         ]
     )

@@ -101,6 +101,7 @@ def judge_summary(summary: Summary, safety_margin: float = 0.1, dimension: int =
         _judge_die_fill,
         _judge_laps,
         _judge_contact_pressure,
+        _judge_wear,
         _judge_cracks,
         _judge_separation,
         lambda found: _judge_forming_limit(found, safety_margin),
@@ -247,6 +248,17 @@ def _judge_contact_pressure(summary: Summary) -> Iterator[Line]:
     figure, shown = f"{_number(largest['value'])} MPa", "" if limit is None else f"{_number(limit)} MPa"
     state, name = _against(largest["value"], limit), "contact pressure on tools"
     yield Line(name, state, figure, shown, "", "contact_pressure", at, largest["time_s"])
+
+
+def _judge_wear(summary: Summary) -> Iterator[Line]:
+    """Judge the wear of tools by the depth that they may lose."""
+    for tool, found in summary.get("wear", {}).items():
+        figure, limit = f"{_number(found['deepest_mm'])} mm after {found['parts']} parts", found.get("limit_mm")
+        until = found.get("parts_until_limit")
+        note = "" if until is None else f"the limit is reached after {until} parts"
+        state = _against(found["deepest_mm"], limit)
+        shown = "" if limit is None else f"{_number(limit)} mm"
+        yield Line(f"wear of {tool}", state, figure, shown, note, at_mm=tuple(found["deepest_at_mm"]))
 
 
 def _judge_cracks(summary: Summary) -> Iterator[Line]:

@@ -45,6 +45,7 @@ from presswork.view.plots.section_plot import is_drawn_in, plot_draw_in, plot_se
 from presswork.view.plots.shell_plot import plot_shell
 from presswork.view.plots.springback_plot import plot_springback
 from presswork.view.plots.temperature_plot import find_widest_step, has_temperatures, plot_temperatures
+from presswork.view.plots.wear_plot import find_worn_tools, plot_wear
 from presswork.view.style import bare_figure, create_folder, is_released, require_matplotlib, save_picture
 
 if TYPE_CHECKING:
@@ -90,13 +91,13 @@ def plot_all(
     dynamics and stampings: energies against time; for a stamping the section along x, the outline from above with the
     draw-in in every direction, also as CSV, draw-in against stroke, and the whole part, mirrored by its symmetry
     planes. For a sheet with a forming limit: the forming limit diagram. For a press: force and speed of the ram over
-    stroke and time. `fields` are by default FIELDS, and TEMPERATURE if it was saved, of a shell SHELL_FIELDS, of a
-    stamping STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS, of heat alone NODAL_TEMPERATURE, at the last step and at
-    the one with the widest range, and damage that has a critical value, and MICROSTRUCTURE; `out_dir` is the folder
-    "plots" in the output folder. sections: x, y of where a section begins [mm], and its angle from x [degree]; each is
-    drawn, and its thickness written as CSV. flow_lines: whether to draw the grain flow of a section; None: of one that
-    got a new mesh in the run. Raises ResultError for an unknown field or step, and for sections of what is no sheet,
-    before anything is written.
+    stroke and time. For a tool that wears: where, and how deep. `fields` are by default FIELDS, and TEMPERATURE if it
+    was saved, of a shell SHELL_FIELDS, of a stamping STAMPING_FIELDS, of a one-step run ONESTEP_FIELDS, of heat alone
+    NODAL_TEMPERATURE, at the last step and at the one with the widest range, and damage that has a critical value, and
+    MICROSTRUCTURE; `out_dir` is the folder "plots" in the output folder. sections: x, y of where a section begins [mm],
+    and its angle from x [degree]; each is drawn, and its thickness written as CSV. flow_lines: whether to draw the
+    grain flow of a section; None: of one that got a new mesh in the run. Raises ResultError for an unknown field or
+    step, and for sections of what is no sheet, before anything is written.
     """
     require_matplotlib()
     from matplotlib import rc_context
@@ -197,6 +198,8 @@ def _plot_histories(result: Result, folder: Path) -> list[Path]:
         figure = bare_figure()
         figure.set_size_inches(9.6, 4.2)
         paths.append(save_picture(plot_ram(result, figure), folder / "press.png"))
+    for tool in find_worn_tools(result):
+        paths.append(save_picture(plot_wear(result, tool), folder / f"wear_{tool}.png"))
     if result.surfaces and len(result.times) > 1 and is_drawn_in(result):
         paths.append(save_picture(plot_draw_in(result, figure=bare_figure()), folder / "draw_in.png"))
     return paths

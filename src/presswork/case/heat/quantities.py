@@ -114,5 +114,6 @@ ConductivityTable = Annotated[Rows, *_table(to_temperature, _of(CONDUCTIVITY, le
 SpecificHeatTable = Annotated[Rows, *_table(to_temperature, _of(HEAT_CAPACITY, least=1e6), "460 J/(kg*K)")]
 HeatTransferTable = Annotated[Rows, *_table(to_temperature, _not_negative, "2000 W/(m^2*K)")]
 HeatTransferByPressure = Annotated[Rows, *_table(_pressure, _not_negative, "10 kW/(m^2*K)")]
+HardnessTable = Annotated[Rows, *_table(to_temperature, _pressure, "560 HV")]
 TemperatureByTime = Annotated[Rows, *_table(_time, to_temperature, "1200 °C")]
 HeatFluxByTime = Annotated[Rows, *_table(_time, _of(HEAT_FLUX), "50 kW/m^2")]

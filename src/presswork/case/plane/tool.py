@@ -14,6 +14,7 @@ from presswork.case.names import FileName
 from presswork.case.part import Part, ShortForm
 from presswork.case.plane.contact import require_friction
 from presswork.case.plane.die_body import DieBody
+from presswork.case.tools.wear import Wear
 from presswork.case.units import (
     Direction,
     Force,
@@ -169,6 +170,7 @@ class Tool(Part):
     body: DieBody | None = Field(
         default=None, description="the tool's body, whose stress `presswork dies` finds after the run"
     )
+    wear: Wear | None = Field(default=None, description="how the tool's surface wears")
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:

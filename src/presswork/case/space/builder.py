@@ -41,6 +41,7 @@ from presswork.case.space.symmetry import Symmetry, build_supports, check_symmet
 from presswork.case.space.tool_builder import build_tool, check_motions, find_first_direction, list_arcs
 from presswork.case.space.tool_checks import mean_edge, warn_of_facets, warn_of_radius, warn_of_widths
 from presswork.case.tool_sizes import warn_of_tools
+from presswork.case.tools.wear import list_wear_problems
 from presswork.mesh.faces import face_areas
 
 logger = logging.getLogger(__name__)
@@ -189,6 +190,7 @@ def _check_materials(case: SpaceCase) -> list[Problem]:
     heated = case.heat is not None
     used = {body.material for _, body in list_space_bodies(case).values()}
     problems = list(check_needs(case.materials, sorted(used), case.stages, heated=heated))
+    problems += list_wear_problems(case.tools, case.stages, heated=heated)
     problems += [*check_space_heat(case), *check_friction_of_elastic(case)]
     for name, material in case.materials.items():
         if isinstance(material, UmatMaterial):

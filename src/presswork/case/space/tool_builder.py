@@ -135,6 +135,7 @@ def _place(name: str, tool: SpaceTool, shape: Surface) -> Tool:
         axis=tool.turning_axis or (0.0, 0.0, 1.0),
         rotation=tool.rotation.build() if tool.rotation is not None else (0.0, 0.0, 0.0),
         spring=spring,
+        wear=None if tool.wear is None else tool.wear.build(),
     )
 
 

@@ -15,6 +15,7 @@ from presswork.case.names import FileName
 from presswork.case.part import Part
 from presswork.case.plane.contact import require_friction
 from presswork.case.plane.tool import ProfilePoint, check_motion
+from presswork.case.tools.wear import Wear
 from presswork.case.units import Angle, Direction3, Force, Length, Number, Place3, Point3, Stiffness, fault
 from presswork.mesh.files.cad import is_cad
 
@@ -88,6 +89,7 @@ class _SpaceTool(Part):
     )
     heat: ToolHeat | None = Field(default=None, description="temperature of the tool; without it: no heat passes")
     spring: SpaceSpring | None = Field(default=None, description="a spring on which the tool rests, as a cushion does")
+    wear: Wear | None = Field(default=None, description="how the tool's surface wears")
 
     @model_validator(mode="after")
     def _check_friction(self) -> Self:

@@ -96,6 +96,7 @@ def build_tool(
         centre=tool.centre or find_centre(drawn) or (0.0, 0.0),
         spring=spring,
         mirrored_across=mirrored,
+        wear=None if tool.wear is None else tool.wear.build(),
     )
 
 

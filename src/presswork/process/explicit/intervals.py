@@ -67,6 +67,10 @@ class IntervalRun(ObservedRun, ModelRun, ABC):
         """Return the run itself."""
         return self
 
+    def files(self) -> dict[str, str]:
+        """Return the files of the observers."""
+        return self.observers.files(self)
+
     @property
     @abstractmethod
     def time(self) -> float:

@@ -74,6 +74,10 @@ class IncrementRun(ObservedRun, ModelRun):
         """Return the run itself."""
         return self
 
+    def files(self) -> dict[str, str]:
+        """Return the files of the observers."""
+        return self.observers.files(self)
+
     @property
     def number(self) -> int:
         """Increments so far."""

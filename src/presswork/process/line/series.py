@@ -83,6 +83,10 @@ class SeriesForming(ModelRun):
         """Name the linear solver and the parts."""
         return f"{self._run.begin_log()}; {self._series.parts} parts"
 
+    def files(self) -> dict[str, str]:
+        """Return the files of the present part."""
+        return self._run.files()
+
     def log_lines(self, report: IncrementReport) -> list[str]:
         """Describe how the increment was found."""
         return [f"part {self._part + 1}: {line}" for line in self._run.log_lines(report)]
