@@ -17,14 +17,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from presswork.fields.instant import Instant
-from presswork.geometry.foot_on_triangles import find_feet, split_long
 from presswork.geometry.pose import find_space_pose
 from presswork.geometry.segments import sample_arc
-from presswork.geometry.swept_tool import triangulate
 from presswork.mesh.faces import split_faces
 from presswork.model import BoolArray, FloatArray, IntArray, Mesh, Model, Plane, SweptProfile, Tool, ToolWear, find_cell
 from presswork.observe.contract import History, Measure, Observed, Observer, Row
@@ -96,8 +93,10 @@ class WornTool:
         if self.before is None or not self.before.rate.any():
             self.before = None
             return
+        from scipy.spatial import cKDTree
+
         touching = np.flatnonzero(self.before.rate)
-        apart, nearest = scipy.spatial.cKDTree(before[touching]).query(position)
+        apart, nearest = cKDTree(before[touching]).query(position)
         old = touching[nearest]
         still = np.zeros(position.shape[1])
         moved = _to_frame(self.tool, position, still) - _to_frame(self.tool, before[old], still)
@@ -247,10 +246,12 @@ def _surface_temperature(run: Observed, tool: Tool, on: NDArray[np.bool_]) -> Fl
         number = [each.name for each in run.model.tools].index(tool.name)
         return np.asarray(arrays.columns[number, on, 0])
     if own.die is not None:
+        from scipy.spatial import cKDTree
+
         points = _to_frame(tool, run.positions()[on], run.tool_displacements()[tool.name])
         start = np.asarray(tool.position)[: points.shape[1]]
         profile = np.unique(own.die.profile)
-        nearest = scipy.spatial.cKDTree(own.die.mesh.points[profile] - start).query(points)[1]
+        nearest = cKDTree(own.die.mesh.points[profile] - start).query(points)[1]
         return np.asarray(forming.die_temperatures(arrays)[tool.name][profile[nearest]])
     return np.asarray(0.5 * (arrays.temperature[on] + own.temperature))
 
@@ -287,6 +288,8 @@ def pass_over(
     if not len(places):
         return np.zeros(0, dtype=bool), np.zeros(0)
     if pieces.shape[1] == 3:
+        from presswork.geometry.foot_on_triangles import find_feet  # slow to load, as is scipy.spatial
+
         feet = find_feet(places, nodes, pieces)
         apart = np.linalg.norm(places - feet.interpolate(nodes, pieces), axis=1)
         return apart <= beside, feet.interpolate(values[:, None], pieces)[:, 0]
@@ -304,6 +307,9 @@ def place_on_surface(tool: Tool, mesh: Mesh, spacing: float) -> tuple[FloatArray
     """Return places on a tool's surface in its own frame (n, 2 | 3) [mm], and normals out of its metal (n, 2 | 3)."""
     if mesh.points.shape[1] == 2:
         return _place_on_profile(tool.profile.segments, spacing)
+    from presswork.geometry.foot_on_triangles import split_long
+    from presswork.geometry.swept_tool import triangulate
+
     size = float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     shape = tool.surface
     if isinstance(shape, Plane):
