@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswork import build_model
+from presswork import CaseError, build_model
+from presswork.case.shell.schema import ShellCase
 from presswork.model import FloatArray
 from presswork.process.begin import begin
-from tests.problems.welded_strips import N, make_strips
+from tests.problems.welded_strips import STEEL, N, make_strips
 
 
 def pull(case: Any) -> tuple[FloatArray, FloatArray, Any]:
@@ -77,3 +78,41 @@ def test_mass_of_zones_on_both_sides_of_a_line_is_that_of_their_areas(shape, ang
     assert run.blank_mass == pytest.approx(7.85e-9 * 1.25 * area, rel=1e-9)  # type: ignore[attr-defined]
     if shape == "rectangle":
         assert area == pytest.approx(60 * 40, rel=1e-12)
+
+
+def shell_strips(**changes: Any) -> ShellCase:
+    """Return a strip of 20 mm by 4 mm as shells under loads; its right half is 1.2 mm thick, the left 1 mm."""
+    zone = {"name": "thick", "line": [[10, 0], [10, 4]], "side": "right", "thickness": 1.2}
+    workpiece = {"material": "steel", "element": "shell4_mitc", "section": {"thickness": 1.0},
+                 "mesh": {"size": [20, 4], "cells": [10, 2]}, "zones": [zone]}  # fmt: skip
+    return ShellCase(
+        title="strips", analysis="shell", workpiece=workpiece | changes.pop("workpiece", {}),
+        materials={"steel": {key: value for key, value in STEEL.items() if key != "density"}},
+        boundary={"wide": {"set": "all", "fix": ["y", "z"]}, "left": {"set": "left", "fix": ["x"]}},
+        stages=[{"name": "pull", "displacement": [{"set": "right", "component": "x", "value": 2.572}]}],
+        solver={"initial_increment": 0.01, "max_increment": 0.05}, output={"steps": 1}, **changes,
+    )  # fmt: skip
+
+
+def test_shells_under_loads_take_zones_too() -> None:
+    """10 (e^0.2 - 1) + 10 (e^0.035271 - 1) = 2.573 mm of pull lead to the same strains."""
+    model = build_model(shell_strips())
+    assert model.zones == ("", "thick")
+    run = begin(model, threads=1)
+    for _ in run.advance():
+        pass
+    x = model.mesh.points[model.cells].mean(axis=1)[:, 0]
+    strain = run.sheet_fields(with_surface=False)["thickness_strain"]  # type: ignore[attr-defined]
+    assert -strain[x > 10].mean() == pytest.approx(0.035271, rel=0.01)
+    assert -strain[x < 10].mean() == pytest.approx(N, rel=0.01)
+
+
+def test_bad_zones_of_shells_are_refused_at_their_keys() -> None:
+    zone = {"name": "z", "line": [[10, 0], [10, 4]], "side": "right", "thickness": 1.2}
+    for change, words in (
+        ({"line": [[30, 0], [30, 4]]}, "workpiece.zones.0.line"),
+        ({"material": "stel"}, "workpiece.zones.0.material"),
+        ({"thickness": 1e-3}, "workpiece.zones.0.thickness"),
+    ):
+        with pytest.raises(CaseError, match=words.replace(".", r"\.")):
+            build_model(shell_strips(workpiece={"zones": [zone | change]}))

@@ -18,6 +18,8 @@ def describe_sheet(problem: model.Model) -> Iterator[str]:
     for block in mesh.blocks:
         what, material = model.ELEMENTS[block.element].description, problem.materials[block.material].name
         yield f"elements: {len(block.connectivity)} {block.element} ({what}) of {material}"
+        if problem.zones:
+            yield f"zone: {problem.zones[block.zone] or 'the sheet beside its zones'}"
         if block.section:
             section = block.section
             yield f"section: {section.thickness:g} mm thick, {section.points} {section.rule.capitalize()} points"

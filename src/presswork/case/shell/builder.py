@@ -14,7 +14,6 @@ from presswork.case.errors import CaseError, Problem
 from presswork.case.gravity import find_gravity
 from presswork.case.held_stages import check_held_stages, list_released, releases
 from presswork.case.marked_points import build_points
-from presswork.case.material.forming_limit.build import build_sheets
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.library import find_material_problem
 from presswork.case.material.umat import UmatMaterial
@@ -24,6 +23,8 @@ from presswork.case.plane.workpiece import MeshFile
 from presswork.case.settings import build_output, build_solver, check_small_displacements
 from presswork.case.shell.schema import FREEDOMS, ShellCase, ShellRectangle, ShellStage
 from presswork.case.units import LENGTH, unit_factor
+from presswork.case.zones.build import draw_regions, lay_zones
+from presswork.case.zones.materials import Sheets, build_zone_sheets, check_tables, plan_sheets
 from presswork.mesh import MeshError
 from presswork.mesh.directors import WARPED, Directors, find_directors
 from presswork.mesh.shells import mesh_shell_rectangle, read_shell_mesh
@@ -40,7 +41,8 @@ def build_shell_model(case: ShellCase, *, run_user_code: bool = True) -> model.M
     run_user_code: try the shared libraries that it names.
     """
     _stop_at(_check_names(case), case)
-    mesh = _build_mesh(case)
+    planned = plan_sheets(case.materials, case.workpiece)
+    mesh = _lay_zones(case, _build_mesh(case), planned)
     _stop_at(_check_sets(case, mesh), case)
     _stop_at(_check_freedoms(case, mesh), case)
     points, problems = build_points(
@@ -53,14 +55,10 @@ def build_shell_model(case: ShellCase, *, run_user_code: bool = True) -> model.M
         analysis="shell",
         depth=1.0,
         mesh=mesh,
-        materials=build_sheets(
-            case.materials,
-            case.workpiece.material,
-            case.workpiece.section.thickness,
-            case.source,
-            run_user_code,
-            thickness_key="workpiece.section.thickness",
+        materials=build_zone_sheets(
+            case.materials, case.workpiece, planned, case.source, run_user_code, "workpiece.section.thickness"
         ),
+        zones=("", *(zone.name for zone in case.workpiece.zones)) if case.workpiece.zones else (),
         tools=(),
         supports=tuple(entry.build(name) for name, entry in case.boundary.items()),
         stages=tuple(_build_stage(stage, case) for stage in case.stages),
@@ -84,6 +82,10 @@ def _check_names(case: ShellCase) -> list[Problem]:
     piece = case.workpiece
     if unknown := find_material_problem("workpiece", piece.material, case.materials):
         problems.append(unknown)
+    problems += check_tables(piece, case.materials, "workpiece")
+    if piece.zones and case.gradients is not None:
+        remedy = "leave them out, and vary the case by a study (sweep, optimise)"
+        problems.append(Problem("gradients", "derivatives are not followed in a welded sheet", remedy))
     if isinstance(piece.mesh, MeshFile):
         try:
             unit_factor(piece.mesh.unit, LENGTH)
@@ -194,6 +196,19 @@ def _check_freedoms(case: ShellCase, mesh: model.Mesh) -> list[Problem]:
             value: object = list(turn) if key.endswith("moment") else first.rotation[int(key.split(".")[1])].axis
             problems.append(Problem(f"stages.0.{key}", fault, remedy, value))
     return problems
+
+
+def _lay_zones(case: ShellCase, mesh: model.Mesh, planned: Sheets) -> model.Mesh:
+    """Return the mesh with the zones of a welded sheet."""
+    piece, folder = case.workpiece, case.source.parent if case.source is not None else Path()
+    if not piece.zones:
+        return mesh
+    size = 2.0 * float(np.abs(mesh.points[:, :2]).max())
+    regions, problems = draw_regions(piece, folder, size, "workpiece")
+    _stop_at(problems, case)
+    mesh, problems = lay_zones(mesh, piece, regions, planned.of_zone, "workpiece")
+    _stop_at(problems, case)
+    return mesh
 
 
 def _build_mesh(case: ShellCase) -> model.Mesh:

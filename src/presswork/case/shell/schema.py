@@ -37,6 +37,8 @@ from presswork.case.units import (
     Time,
     fault,
 )
+from presswork.case.zones.schema import BlankZone
+from presswork.model import FloatArray
 
 Freedom = Literal["x", "y", "z", "rx", "ry", "rz"]
 FREEDOMS: tuple[Freedom, ...] = ("x", "y", "z", "rx", "ry", "rz")
@@ -89,6 +91,17 @@ class ShellWorkpiece(Part):
     mesh: Annotated[ShellRectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(assume_rectangle)] = Field(
         description="the mesh of the mid-surface"
     )
+    zones: tuple[BlankZone, ...] = Field(
+        default=(), description="zones of a welded sheet, which do not overlap; each cell is where its middle lies"
+    )
+
+    @property
+    def mean_thickness(self) -> float:
+        """Thickness beside the zones [mm]."""
+        return self.section.thickness
+
+    def find_thickness(self, places: FloatArray) -> None:
+        """Return nothing: it is one for all places."""
 
 
 class ShellBoundary(StagedBoundary):

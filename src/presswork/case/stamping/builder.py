@@ -169,14 +169,14 @@ def _build_parts(
 
 def _build_first(case: StampingCase, stages: tuple[model.Stage, ...], run_user_code: bool) -> model.Model:
     """Build the Model of one operation."""
-    planned = plan_sheets(case)
+    planned = plan_sheets(case.materials, case.blank)
     mesh = _build_mesh(case, planned)
     parts = _build_parts(case, stages, mesh, None, is_moved=False)
     taken = {*case.tools, *SYMMETRY_SETS, *case.boundary, *(e.set for stage in case.stages for e in stage.displacement)}
     points, problems = build_points(case.points, mesh, taken)
     _stop_at(problems + _check_draw_in(case, mesh), case)
     blank = case.blank
-    sheets = build_zone_sheets(case, planned, run_user_code)
+    sheets = build_zone_sheets(case.materials, blank, planned, case.source, run_user_code)
     angle = radians(blank.rolling_direction)
     return model.Model(
         title=case.title,

@@ -15,7 +15,7 @@ from presswork import model
 from presswork.case.errors import Problem, suggest
 from presswork.case.stamping.blank import Blank, BlankFile
 from presswork.case.stamping.plan_line import draw_line
-from presswork.case.zones.schema import BlankZone
+from presswork.case.zones.schema import BlankZone, ZonedPart
 from presswork.geometry.polygon import contains, list_sides, measure_distance
 from presswork.mesh import MeshError
 from presswork.mesh.cut import divide_mesh
@@ -50,12 +50,17 @@ class Region:
         return np.asarray(contains(list_sides(self.polygon), places) == self.is_inside)
 
 
-def draw_regions(blank: Blank, folder: Path, size: float) -> tuple[list[Region | None], list[Problem]]:
-    """Return the regions of a blank's zones, None of those that are sets of a mesh file; size: of the blank [mm]."""
+def draw_regions(
+    blank: ZonedPart, folder: Path, size: float, part: str = "blank"
+) -> tuple[list[Region | None], list[Problem]]:
+    """Return the regions of a blank's zones, None of those that are sets of a mesh file.
+
+    size: of the blank [mm]; part: its table in the case.
+    """
     found: list[Region | None] = []
     problems = []
     for index, zone in enumerate(blank.zones):
-        key = f"blank.zones.{index}"
+        key = f"{part}.zones.{index}"
         if zone.line is not None:
             found.append(_draw_half_plane(f"{key}.line", zone, size))
         elif zone.set is not None:
@@ -160,14 +165,19 @@ def _find_welds(mesh: model.Mesh, regions: Sequence[Region | None]) -> tuple[Boo
 
 
 def lay_zones(
-    mesh: model.Mesh, blank: Blank, regions: Sequence[Region | None], materials: Mapping[int, int]
+    mesh: model.Mesh,
+    blank: ZonedPart,
+    regions: Sequence[Region | None],
+    materials: Mapping[int, int],
+    part: str = "blank",
 ) -> tuple[model.Mesh, list[Problem]]:
     """Return the mesh with the cells of its zones in blocks of their own, and the problems of zones.
 
-    materials: of each zone by its number, the remaining blank being 0, as indices of the Model's.
+    materials: of each zone by its number, the remaining blank being 0, as indices of the Model's. part: the blank's
+    table in the case.
     """
     middles = [mesh.points[block.connectivity].mean(axis=1)[:, :2] for block in mesh.blocks]
-    of_cells, problems = _choose_zones(mesh, middles, blank, regions)
+    of_cells, problems = _choose_zones(mesh, middles, blank, regions, part)
     if problems:
         return mesh, problems
     blocks = []
@@ -180,7 +190,7 @@ def lay_zones(
             thickness, table = blank.mean_thickness, None
             if zone is not None and zone.thickness is not None:
                 thickness = zone.thickness
-            elif not isinstance(blank.thickness, float):
+            else:
                 table = blank.find_thickness(middle[cells])
             assert block.section is not None
             blocks.append(
@@ -205,13 +215,13 @@ def _find_rolling(zone: BlankZone) -> tuple[float, float, float] | None:
 
 
 def _choose_zones(
-    mesh: model.Mesh, middles: Sequence[FloatArray], blank: Blank, regions: Sequence[Region | None]
+    mesh: model.Mesh, middles: Sequence[FloatArray], blank: ZonedPart, regions: Sequence[Region | None], part: str
 ) -> tuple[list[IntArray], list[Problem]]:
     """Return the zone of each cell of the blocks (n_cells,), 0 beside all of them, and the problems of zones."""
     found, problems = [np.zeros(len(middle), dtype=np.int32) for middle in middles], []
     size = float(np.ptp(mesh.points[:, :2], axis=0).max())
     for number, (zone, region) in enumerate(zip(blank.zones, regions, strict=True), 1):
-        key = f"blank.zones.{number - 1}"
+        key = f"{part}.zones.{number - 1}"
         if region is None:
             assert zone.set is not None
             if zone.set not in mesh.node_sets:

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 from presswork import model
 from presswork.case.errors import CaseError, Problem
@@ -11,8 +13,13 @@ from presswork.case.material.forming_limit.build import build_formability, build
 from presswork.case.material.laws import KeelerLimit, PointsLimit
 from presswork.case.material.library import find_material_problem
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.shell.material import HeavyShellMaterial
 from presswork.case.stamping.checks import THINNEST
-from presswork.case.stamping.schema import StampingCase, StampingTable
+from presswork.case.stamping.schema import StampingCase
+from presswork.case.zones.schema import ZonedPart
+
+Tables = Mapping[str, HeavyShellMaterial | UmatMaterial]
+"""Materials of a case by name."""
 
 
 @dataclass(frozen=True)
@@ -26,15 +33,15 @@ class Sheets:
     those beyond the case's own are copies."""
 
 
-def plan_sheets(case: StampingCase) -> Sheets:
+def plan_sheets(materials: Tables, blank: ZonedPart) -> Sheets:
     """Return which material each zone is of: where the forming limit depends on thickness, each thickness has one."""
-    names, blank = list(case.materials), case.blank
+    names = list(materials)
     of_zone = {0: names.index(blank.material)}
-    known = {_find_key(case.materials[blank.material], blank.material, blank.mean_thickness): of_zone[0]}
+    known = {_find_key(materials[blank.material], blank.material, blank.mean_thickness): of_zone[0]}
     used, judged, n = {blank.material}, [], len(names)
     for number, zone in enumerate(blank.zones, 1):
         name, thickness = zone.material or blank.material, zone.thickness or blank.mean_thickness
-        key = _find_key(case.materials[name], name, thickness)
+        key = _find_key(materials[name], name, thickness)
         if key not in known:
             index = n if name in used else names.index(name)
             n += name in used
@@ -45,7 +52,7 @@ def plan_sheets(case: StampingCase) -> Sheets:
     return Sheets(of_zone, judged)
 
 
-def _find_key(table: StampingTable, name: str, thickness: float) -> tuple[str, float]:
+def _find_key(table: HeavyShellMaterial | UmatMaterial, name: str, thickness: float) -> tuple[str, float]:
     """Return what distinguishes one material of the Model from another."""
     limit = None if isinstance(table, UmatMaterial) else table.forming_limit
     depends = isinstance(limit, KeelerLimit) and limit.thickness is None
@@ -53,18 +60,25 @@ def _find_key(table: StampingTable, name: str, thickness: float) -> tuple[str, f
     return name, thickness if depends else 0.0
 
 
-def build_zone_sheets(case: StampingCase, sheets: Sheets, run_user_code: bool) -> tuple[model.Material, ...]:
-    """Return the Model's materials. Raises CaseError."""
-    blank = case.blank
-    made = list(build_sheets(case.materials, blank.material, blank.mean_thickness, case.source, run_user_code))
-    names = list(case.materials)
+def build_zone_sheets(
+    materials: Tables,
+    blank: ZonedPart,
+    sheets: Sheets,
+    source: Path | None,
+    run_user_code: bool,
+    thickness_key: str = "blank.thickness",
+) -> tuple[model.Material, ...]:
+    """Return the Model's materials; thickness_key: as of build_sheets. Raises CaseError."""
+    thickness = blank.mean_thickness
+    made = list(build_sheets(materials, blank.material, thickness, source, run_user_code, thickness_key))
+    names = list(materials)
     for index, name, thickness in sheets.judged:
-        table, own = case.materials[name], made[names.index(name)]
+        table, own = materials[name], made[names.index(name)]
         if not isinstance(table, UmatMaterial):
             try:
-                own = replace(own, formability=build_formability(table, f"materials.{name}", thickness))
+                own = replace(own, formability=build_formability(table, f"materials.{name}", thickness, thickness_key))
             except CaseError as error:
-                raise CaseError(error.problems, case.source) from None
+                raise CaseError(error.problems, source) from None
         if index < len(names):
             made[index] = own
         else:
@@ -74,17 +88,22 @@ def build_zone_sheets(case: StampingCase, sheets: Sheets, run_user_code: bool) -
 
 def check_zones(case: StampingCase) -> list[Problem]:
     """Return the problems of zones that show without geometry."""
-    problems, names = [], [zone.name for zone in case.blank.zones]
-    for index, zone in enumerate(case.blank.zones):
-        key = f"blank.zones.{index}"
-        if zone.material is not None and (unknown := find_material_problem(key, zone.material, case.materials)):
+    return check_tables(case.blank, case.materials, "blank") or _check_together(case)
+
+
+def check_tables(blank: ZonedPart, materials: Tables, part: str) -> list[Problem]:
+    """Return the problems of the tables of zones; part: the blank's table in the case."""
+    problems, names = [], [zone.name for zone in blank.zones]
+    for index, zone in enumerate(blank.zones):
+        key = f"{part}.zones.{index}"
+        if zone.material is not None and (unknown := find_material_problem(key, zone.material, materials)):
             problems.append(unknown)
         if zone.name in names[:index]:
             problems.append(Problem(f"{key}.name", "two zones have this name", "give each its own", zone.name))
         if zone.thickness is not None and zone.thickness < THINNEST:
             fault, remedy = "thinner than any rolled metal", 'plain numbers are mm: 0.8, or "0.8 mm"'
             problems.append(Problem(f"{key}.thickness", fault, remedy, zone.thickness))
-    return problems or _check_together(case)
+    return problems
 
 
 def _check_together(case: StampingCase) -> list[Problem]:

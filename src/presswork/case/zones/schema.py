@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Protocol, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
@@ -100,6 +100,19 @@ class BlankZone(Part):
         return self
 
 
+class ZonedPart(Protocol):
+    """A sheet of a case that may have zones."""
+
+    @property
+    def material(self) -> str: ...
+    @property
+    def mean_thickness(self) -> float: ...
+    @property
+    def zones(self) -> tuple[BlankZone, ...]: ...
+    def find_thickness(self, places: FloatArray) -> FloatArray | None:
+        """Return the thickness at places (n, 2) (n,) [mm]; None: one for all."""
+
+
 class OneSheet(Part):
     """The thickness of a blank without zones."""
 
@@ -118,6 +131,9 @@ class OneSheet(Part):
     def mean_thickness(self) -> float:
         """Its thickness [mm]."""
         return self.thickness
+
+    def find_thickness(self, places: FloatArray) -> None:
+        """Return nothing: it has one thickness."""
 
 
 class Zoned(Part):
@@ -158,9 +174,10 @@ class Zoned(Part):
         """Whether the blank is one sheet of one thickness."""
         return isinstance(self.thickness, float) and not self.zones
 
-    def find_thickness(self, places: FloatArray) -> FloatArray:
-        """Return the thickness of a rolled blank at places (n, 2) (n,) [mm]."""
-        assert not isinstance(self.thickness, float)
+    def find_thickness(self, places: FloatArray) -> FloatArray | None:
+        """Return the thickness of a rolled blank at places (n, 2) (n,) [mm]; None: it is one for all."""
+        if isinstance(self.thickness, float):
+            return None
         angle = np.radians(self.thickness_direction)
         x, t = np.array(self.thickness).T
         return np.asarray(np.interp(places @ [np.cos(angle), np.sin(angle)], x, t))
