@@ -46,6 +46,27 @@ def test_cells_where_cracks_grow_fit_the_length():
     assert "remesh.smallest_size" in refused(separation={"size": 0.05})
 
 
+def bed(edge):
+    tools = cropping().model_dump(exclude_unset=True)["tools"]
+    profile = [[edge, -8], {"to": [edge, 0], "radius": 0.15}, [9, 0]]
+    return {name: tool | ({"profile": profile} if name == "bed" else {}) for name, tool in tools.items()}
+
+
+@pytest.mark.parametrize("edge", [3.0, 2.9])
+def test_tools_without_clearance_are_refused(edge):
+    assert "no clearance to blade" in refused(tools=bed(edge))["tools.bed"].expected
+
+
+def test_a_clearance_beyond_the_sheet_is_refused():
+    wide = bed(5.2)
+    del wide["clamp"]
+    assert "exceeds the thickness of 2 mm" in refused(tools=wide)["tools.bed"].expected
+
+
+def test_a_usual_clearance_is_taken():
+    assert build_model(cropping(tools=bed(3.1))).separation is not None
+
+
 def test_keys_reach_the_model():
     model = build_model(cropping(separation={"mu": 0.2, "size": 0.07}))
     assert model.separation is not None

@@ -28,7 +28,7 @@ from presswork.case.plane.reach import check_reach, check_room
 from presswork.case.plane.references import check_references, check_sets
 from presswork.case.plane.remesh import OF_SMALLEST
 from presswork.case.plane.remesh_builder import build_remeshing, check_places, check_sizes, check_tools
-from presswork.case.plane.separation import build_separation
+from presswork.case.plane.separation import add_separation
 from presswork.case.press.builder import build_drive, find_halves, list_blows
 from presswork.case.settings import RAMP, build_output, build_solver
 from presswork.case.tool_sizes import warn_of_tools
@@ -75,12 +75,11 @@ def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model
     dies, die_problems = build_dies(case, tools, _folder(case))
     _stop_at(problems + die_problems, case)
     remeshing = build_remeshing(case, mesh, bodies, tools)
-    separation, faces = build_separation(case, remeshing, materials[mesh.blocks[0].material])
     if remeshing is not None and not remeshing.keeps_first:
         tools = round_outer_corners(tools, OF_SMALLEST * remeshing.smallest_size)
     for text in close:
         logger.warning("%s", text)
-    return model.Model(
+    built = model.Model(
         title=case.title,
         analysis=case.analysis,
         depth=case.depth,
@@ -92,7 +91,7 @@ def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model
         solver=build_solver(case.solver, with_coulomb=_has_coulomb(case), with_body_contact=bool(contacts)),
         output=build_output(case.output),
         bodies=bodies,
-        contacts=contacts + faces,
+        contacts=contacts,
         explicit=_build_explicit(case) if case.procedure == "explicit" else None,
         heat=build_heat(case, bodies, dies),
         series=case.series.to_model() if case.series else None,
@@ -100,9 +99,9 @@ def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model
         limits=case.limits.build(),
         points=points,
         remeshing=remeshing,
-        separation=separation,
         case_text=case.text,
     )
+    return add_separation(case, built)
 
 
 def _list_taken(case: schema.Case, stages: Sequence[model.Stage]) -> set[str]:

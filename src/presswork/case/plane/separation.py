@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pydantic import Field
@@ -10,6 +11,7 @@ from pydantic import Field
 from presswork import model
 from presswork.case.errors import CaseError, Problem
 from presswork.case.part import Part
+from presswork.case.plane.clearance import check_clearance
 from presswork.case.units import Length, Number
 
 if TYPE_CHECKING:
@@ -64,14 +66,13 @@ def check_separation(case: Case) -> list[Problem]:
     return problems
 
 
-def build_separation(
-    case: Case, remeshing: model.Remeshing | None, material: model.Material
-) -> tuple[model.Separation | None, tuple[model.BodyContact, ...]]:
-    """Return how cracks are cut, and the contact of their faces; material: of the workpiece. Raises CaseError."""
+def add_separation(case: Case, built: model.Model) -> model.Model:
+    """Return a Model with the separation that its case asks for, and the contact of the faces. Raises CaseError."""
+    remeshing, material = built.remeshing, built.materials[built.mesh.blocks[0].material]
     if case.separation is None or remeshing is None:
-        return None, ()
+        return built
     length = None if material.damage is None else material.damage.length
-    size, problems = case.separation.size, []
+    size, problems = case.separation.size, check_clearance(built.plane_tools, built.stages, built.mesh.points)
     if size is None and length is not None:
         size = OF_LENGTH * length
     if size is not None and length is not None and size > LARGEST * length:
@@ -85,4 +86,4 @@ def build_separation(
     contact = model.BodyContact(NAME, (0, 0), 0, "coulomb", mu=case.separation.mu, keeps_slave=True, by_itself=True)
     if problems:
         raise CaseError(problems, case.source)
-    return model.Separation(size), (contact,)
+    return replace(built, separation=model.Separation(size), contacts=(contact,))
