@@ -22,6 +22,7 @@ from presswork.case.heat.forming_builder import build_heat, start_hot
 from presswork.case.held_stages import list_released
 from presswork.case.marked_points import build_points
 from presswork.case.material.umat import UmatMaterial, build_umat
+from presswork.case.motion.driven_nodes import list_driven_nodes
 from presswork.case.plane import schema
 from presswork.case.plane.bodies import build_bodies, build_contacts, list_bodies
 from presswork.case.plane.reach import check_reach, check_room
@@ -70,6 +71,7 @@ def build_plane_model(case: schema.Case, *, run_user_code: bool = True) -> model
     held = ((name, entry.set, ("x" in entry.fix, "y" in entry.fix)) for name, entry in case.boundary.items())
     supports = tuple(model.Support(node_set, fix, name) for name, node_set, fix in held)
     problems = problems or check_room(tools, stages, supports, mesh)
+    problems = problems or list(list_driven_nodes(tools, stages, supports, mesh))
     points, point_problems = build_points(case.points, mesh, _list_taken(case, stages))
     problems += point_problems
     dies, die_problems = build_dies(case, tools, _folder(case))

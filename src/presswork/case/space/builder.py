@@ -18,6 +18,7 @@ from presswork.case.marked_points import build_points
 from presswork.case.material.law_needs import check_grain, check_needs
 from presswork.case.material.library import find_material_problem
 from presswork.case.material.umat import UmatMaterial
+from presswork.case.motion.driven_nodes import list_driven_nodes
 from presswork.case.plane.builder import build_materials
 from presswork.case.plane.law_checks import check_friction_of_elastic, check_integrator, check_pores
 from presswork.case.plane.reach import check_reach
@@ -77,6 +78,7 @@ def build_space_model(case: SpaceCase, *, run_user_code: bool = True) -> model.M
     ]
     problems = problems or check_motions(case, tools)
     problems = problems or ([] if case.gravity else check_reach(tools, stages, mesh))
+    problems = problems or list(list_driven_nodes(tools, stages, supports, mesh))
     _stop_at(problems, case)
     tools, close = close_fits_in_space(tools, stages, mesh)
     for warning in close:
