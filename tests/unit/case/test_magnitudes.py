@@ -57,7 +57,7 @@ KINDS: dict[str, Callable[[dict[str, Any]], object]] = {
 }
 NO_METAL = {
     "young 210": ({"young": 210}, "Young's modulus is 210 MPa, that of no metal"),
-    "young 1e-300": ({"young": 1e-300}, "that of no metal"),
+    "young 1e-30": ({"young": 1e-30}, "that of no metal"),
     "young 2.1e11": ({"young": 2.1e11}, "Young's modulus is 2.1e+11 MPa"),
     "yield 1e30": ({"hardening": {"law": "linear", "yield_stress": 1e30}}, "expected a stress up to 1e+15"),
     "yield 1e12": ({"hardening": {"law": "linear", "yield_stress": 1e12}}, "the flow stress at a plastic strain"),

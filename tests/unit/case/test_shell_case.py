@@ -191,7 +191,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
     ("stages.0.pressure", [{"set": "left", "value": 1}],
      ["stages.0.pressure.0.set = \"left\"", "no cell has all its nodes", "all"]),
     ("boundary.end", {"set": "left", "fix": ["w"]}, ["boundary.end.fix.0 = \"w\"", "choices: rx, ry, rz, x, y, z"]),
-    ("workpiece.mesh.roll_radius", 1e-308, ["workpiece.mesh.roll_radius = 1e-308", "more than once", "at least"]),
+    ("workpiece.mesh.roll_radius", 1e-30, ["workpiece.mesh.roll_radius = 1e-30", "more than once", "at least"]),
     ("workpiece.mesh.roll_radius", 0.31, ["workpiece.mesh.roll_radius = 0.31", "2 mm along y go round", "0.3183 mm"]),
     ("workpiece.mesh", {"size": [10, 1e-7], "cells": [4, 1]},
      ["workpiece.mesh: ", "cells have no area at a corner", "less long and thin"]),
