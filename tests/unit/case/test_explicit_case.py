@@ -107,7 +107,8 @@ def test_description_says_how_it_starts_and_how_long_it_takes() -> None:
         ({"bodies": {"other": {"material": "steel", "element": "tri3", "mesh": {"size": [1, 1], "cells": [1, 1],
                                                                                  "origin": [50, 0]}}}, "remesh": {}},
          ["bodies", "does not go together with [remesh]", "leave out [remesh]"]),
-        ({"bodies": {"other": {"material": "steel", "mesh": {"size": [1, 1], "cells": [1, 1], "origin": [50, 0]}}}},
+        ({"bodies": {"other": {"material": "steel", "element": "quad4_fbar",
+                               "mesh": {"size": [1, 1], "cells": [1, 1], "origin": [50, 0]}}}},
          ["bodies.other.element", "the explicit procedure has no such element", "take tri3 or quad4_1pt"]),
         ({"workpiece__velocity": None}, ["stages.0", "moves nothing at all"]),
         ({"workpiece__velocity": [0, "5 kg"]}, ["workpiece.velocity", "a velocity"]),
@@ -128,3 +129,10 @@ def test_what_cannot_be_done_is_refused(changes: dict[str, Any], messages: list[
         build(**changes)
     for message in messages:
         assert message in str(caught.value)
+
+
+def test_an_explicit_body_without_element_has_that_of_its_procedure() -> None:
+    """The default of the implicit procedure is refused where it is named, and not taken where nothing is."""
+    assert [block.element for block in build(workpiece__element=None).mesh.blocks] == ["quad4_1pt"]
+    with pytest.raises(CaseError, match=r"workpiece\.element = \"quad4_fbar\": the explicit procedure"):
+        build(workpiece__element="quad4_fbar")

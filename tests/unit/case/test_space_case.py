@@ -158,11 +158,23 @@ def test_the_press_of_a_sector_forges_all_sectors() -> None:
 @pytest.mark.parametrize(
     ("kind", "sizes"),
     [
-        (Cylinder, {"kind": "cylinder", "radius": 1e-300, "height": 5.0, "cells": [2, 8, 2]}),
-        (Ring, {"kind": "ring", "inner_radius": 5.0, "outer_radius": 6.0, "height": 1e-300, "cells": [2, 8, 2]}),
-        (Box, {"size": [1e-300, 8.0, 3.0], "cells": [2, 2, 2]}),
+        (Cylinder, {"kind": "cylinder", "radius": 1e-30, "height": 5.0, "cells": [2, 8, 2]}),
+        (Ring, {"kind": "ring", "inner_radius": 5.0, "outer_radius": 6.0, "height": 1e-30, "cells": [2, 8, 2]}),
+        (Box, {"size": [1e-30, 8.0, 3.0], "cells": [2, 2, 2]}),
     ],
 )
 def test_a_body_without_thickness_is_refused(kind: type, sizes: dict) -> None:
-    with pytest.raises(ValueError, match="1e-300 mm thin beside"):
+    with pytest.raises(ValueError, match="1e-30 mm thin beside"):
         kind.model_validate(sizes)
+
+
+def test_a_plane_that_faces_away_from_the_workpiece_is_named_with_the_normal_that_fits() -> None:
+    """The block is 3 mm high: a plane on it looks down, as its metal lies below; the remedy is accepted."""
+    case = change(tools__top={"shape": "plane", "normal": [0, 0, 1], "position": [0, 0, 3], "contact": "frictionless"})
+    with pytest.raises(CaseError, match=r"tools\.top\.normal = .*; write normal = \[0, 0, -1\]"):
+        build_model(SpaceCase.model_validate(case))
+    case["tools"]["top"]["normal"] = [0, 0, -1]
+    assert build_model(SpaceCase.model_validate(case)).tools[0].name == "top"
+    case["tools"]["top"]["position"] = [0, 0, 2]
+    with pytest.raises(CaseError, match=r"move the tool by \(0, 0, 1\) mm"):
+        build_model(SpaceCase.model_validate(case))

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -239,3 +240,15 @@ def test_a_holder_that_is_closed_before_it_is_pushed_may_start_off_the_blank() -
     build(("stages", [{"name": "close", "tools": {"holder": {"stroke": 4.4}}}, push]), high)
     refuse(["tools.holder.position", "pushed by a force, but starts 2.6 mm off the blank"],
            ("stages", [{"name": "close", "tools": {"holder": {"stroke": 2}}}, push]), high)  # fmt: skip
+
+
+def test_check_hints_at_a_holder_that_leaves_a_sheet_no_room_to_thicken() -> None:
+    """Without a force or a gap the holder stands one thickness off; at a gap of 1.1 thicknesses nothing is said."""
+
+    def find_hint(*changes: tuple[str, Any]) -> bool:
+        drawn = changed(CUP, ("stages", [{"name": "draw", "tools": {"punch": {"stroke": 20}}}]), *changes)
+        return "hint: holder stands still, 0.8 mm from die" in describe(build_model(StampingCase.model_validate(drawn)))
+
+    assert find_hint()
+    assert not find_hint(("tools.holder.gap", 0.88))
+    assert not find_hint(("stages.0.tools.holder", {"force": "10 kN"}))

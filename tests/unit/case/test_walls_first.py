@@ -34,7 +34,8 @@ def press(folder: Path, off: float) -> Any:
     punch = {"kind": "punch", **write_trench(folder / "punch.stl", off)}
     return build_model(StampingCase.model_validate({
         "title": "trench", "analysis": "stamping", "tools": {"die": die, "punch": punch},
-        "blank": {"shape": "rectangle", "size": [90, 20], "thickness": THICKNESS, "element_size": 5, "material": "dc04"},
+        "blank": {"shape": "rectangle", "size": [90, 20], "thickness": THICKNESS, "element_size": 5,
+                  "material": "dc04"},
         "stages": [{"name": "press", "tools": {"punch": {"close": CLOSE}}}],
     }))  # fmt: skip
 
@@ -42,7 +43,7 @@ def press(folder: Path, off: float) -> Any:
 def test_a_punch_that_is_the_die_moved_by_more_than_it_closes_to_goes_to_the_bottom(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """It starts on the blank's top: moved by 1.1 thicknesses it comes down by the depth and one thickness, less `close`."""
+    """Moved by 1.1 thicknesses it comes down from the blank by the depth and one thickness, less `close`."""
     model = press(tmp_path, 1.1 * THICKNESS)
     stroke = -model.stages[0].tool_motion["punch"].move[2]
     assert stroke == pytest.approx(DEPTH + THICKNESS - CLOSE, abs=0.01)
@@ -57,7 +58,7 @@ def test_one_that_is_not_is_told_how_far_the_bottom_is(
     apart = (CLOSE - off) / np.cos(SLOPE) + off
     with caplog.at_level(logging.WARNING):
         if is_refused:
-            with pytest.raises(CaseError, match="offset = 0.88") as fault:
+            with pytest.raises(CaseError, match=r"offset = 0\.88") as fault:
                 press(tmp_path, off)
             text = str(fault.value)
         else:

@@ -28,10 +28,11 @@ def lay_on_a_ball(angle: float, number: int = 10) -> Any:
     aside, down = (RADIUS + THICKNESS / 2) * np.array([np.sin(angle), -np.cos(angle)])
     centre = np.array([0.0, 0.0, model.tools[0].position[2] + RADIUS])
     points = centre + np.column_stack([aside * np.cos(turn), aside * np.sin(turn), np.full(4, down)])
+    block = SimpleNamespace(connectivity=np.array([[0, 1, 2, 3]]), thickness=np.array([THICKNESS]))
     return SimpleNamespace(
         model=model, number=number, positions=lambda: points, tool_depths=lambda: {"punch": 0.0},
         tool_displacements=lambda: {"punch": np.zeros(3)},
-        mesh=SimpleNamespace(blocks=[SimpleNamespace(connectivity=np.array([[0, 1, 2, 3]]), thickness=np.array([THICKNESS]))]),
+        mesh=SimpleNamespace(blocks=[block]),
     )  # fmt: skip
 
 

@@ -45,6 +45,8 @@ OF_ROW, OF_SHELL_AND_ROW = 2e-3, 6e-6
 """Time of one core for a row of the history, and for each shell in it [s]."""
 TOUCHING = 0.01
 """Part of the thickness by which tools that have closed may be off the sheet."""
+ROOM = 1.05
+"""Thicknesses from which on a holder that stands leaves a sheet room to thicken."""
 ELEMENTS_ROUND_AN_EDGE = 3
 """Fewest elements in a quarter turn that bend a sheet round it without large errors."""
 MANY_CYCLES = 5e6
@@ -172,6 +174,7 @@ def _describe_operation(problem: Model, following: Operation | None) -> Iterator
     moved = [(n, motion) for stage in problem.stages for n, motion in stage.tool_motion.items()]
     if any(motion.push is None or name not in holders for name, motion in moved):  # what holds alone bends nothing
         yield from _hint_at_coarse_mesh(problem)
+        yield from _hint_at_standing_holder(problem)
     for support in problem.supports:
         names = (name for name, fixed in zip(("x", "y", "z", "rx", "ry", "rz"), support.fix, strict=True) if fixed)
         yield f"support: {support.node_set} held in {', '.join(names)}{name_stages(support, problem)}"
@@ -238,6 +241,21 @@ def _describe_end(problem: Model, punch: Tool, die: Tool, closing: float) -> str
 def _finest(problem: Model) -> float:
     """Return the side of the smallest shells that there may be, over that at the start."""
     return 0.5**problem.refinement.levels if problem.refinement else 1.0
+
+
+def _hint_at_standing_holder(problem: Model) -> Iterator[str]:
+    """Describe a drawn holder that stands as far from the die as the sheet is thick, which thickens as it is drawn."""
+    moved = {name for stage in problem.stages for name in stage.tool_motion}
+    for holder, die in itertools.product(problem.tools, problem.tools):
+        if (holder.kind, die.kind) != ("holder", "die") or moved & {holder.name, die.name}:
+            continue
+        gap, thickest = holder.position[2] - die.position[2], problem.thickest
+        if isinstance(holder.shape, SweptProfile) and isinstance(die.shape, SweptProfile) and gap < ROOM * thickest:
+            yield (
+                f"hint: {holder.name} stands still, {gap:.4g} mm from {die.name}: a sheet that thickens as it is drawn "
+                f"in is squeezed there; give tools.{holder.name}.gap = {1.1 * thickest:.3g} to {1.2 * thickest:.3g}, "
+                "or push it by a force in the stages"
+            )
 
 
 def _hint_at_coarse_mesh(problem: Model) -> Iterator[str]:

@@ -48,7 +48,7 @@ from presswork.case.plane.explicit import ExplicitSolver
 from presswork.case.plane.remesh import Remesh
 from presswork.case.plane.separation import Separation
 from presswork.case.plane.tool import Axis, Tool, check_motion, require_direction, unit_vector
-from presswork.case.plane.workpiece import Workpiece
+from presswork.case.plane.workpiece import Workpiece, take_explicit_element
 from presswork.case.press.builder import Timing
 from presswork.case.press.schema import Press, Speeds, StagePress, check_speeds
 from presswork.case.settings import Output, Solver
@@ -327,4 +327,4 @@ class Case(CaseFile):
     @model_validator(mode="before")
     @classmethod
     def _add_library_materials(cls, data: Any) -> Any:
-        return add_library_materials(data) if isinstance(data, dict) else data
+        return take_explicit_element(add_library_materials(data)) if isinstance(data, dict) else data

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
@@ -87,6 +87,10 @@ def assume_rectangle(mesh: object) -> object:
     return mesh
 
 
+EXPLICIT: model.SolidElement = "quad4_1pt"
+"""Element of the explicit procedure where a case names none."""
+
+
 class Workpiece(Part):
     """The body that is formed."""
 
@@ -95,7 +99,8 @@ class Workpiece(Part):
     )
     element: model.SolidElement = Field(
         default="quad4_fbar",
-        description="element formulation; without it quad4_fbar, which locks neither in volume nor in a neck",
+        description="element formulation; without it quad4_fbar, which locks neither in volume nor in a neck, and "
+        "quad4_1pt where the procedure is explicit",
     )
     mesh: Annotated[Rectangle | MeshFile, Field(discriminator="kind"), BeforeValidator(assume_rectangle)] = Field(
         description="the mesh of the workpiece"
@@ -106,3 +111,17 @@ class Workpiece(Part):
     initial_temperature: Temperature | None = Field(
         default=None, description="temperature at the start [degrees C]; without it that of [heat]"
     )
+
+
+def take_explicit_element(data: dict[str, Any]) -> dict[str, Any]:
+    """Return a case as data in which bodies of the explicit procedure have its quadrilateral where none is named."""
+    if data.get("procedure") != "explicit":
+        return data
+
+    def name_element(body: Any) -> Any:
+        return {"element": EXPLICIT, **body} if isinstance(body, dict) else body
+
+    taken = {key: name_element(data[key]) for key in ("workpiece",) if key in data}
+    if isinstance(bodies := data.get("bodies"), dict):
+        taken["bodies"] = {name: name_element(body) for name, body in bodies.items()}
+    return {**data, **taken}

@@ -93,7 +93,7 @@ def build_tool(
     start, nearest = find_space_pose(drawn, np.zeros(3)), _look_at(drawn)
     problem = _check_clear(name, mesh, size, nearest)
     if problem is not None:
-        return problem
+        return _turn_plane_over(problem, tool, nearest(nodes, math.inf)[0], size)
     cut = _find_mirrors(drawn, start, mirrors, size)
     for axis in range(3):
         if tool.shape == "round" and cut[axis]:
@@ -177,6 +177,15 @@ def _explain_no_touch(name: str, direction: FloatArray) -> Problem:
     return Problem(key, fault, "draw it in line with the workpiece, or give position = [x, y, z]", "touch")
 
 
+def _turn_plane_over(problem: Problem, tool: SpaceTool, gap: FloatArray, size: float) -> Problem:
+    """Return the problem of a tool in the workpiece; of a plane whose back all of it is at, with the other normal."""
+    if not isinstance(tool, PlaneTool) or gap.max() > TOLERANCE * size:
+        return problem
+    normal = ", ".join(f"{-x + 0.0:g}" for x in tool.normal)
+    fault = "the whole workpiece lies behind the plane: the metal is on the side that its normal points to"
+    return Problem(f"{problem.key}.normal", fault, f"write normal = [{normal}]", list(tool.normal))
+
+
 def _check_clear(name: str, mesh: Mesh, size: float, nearest: Nearest) -> Problem | None:
     """Return a problem where the boundary lies in a tool at the start: a node, or a place on a face.
 
@@ -196,7 +205,7 @@ def _check_clear(name: str, mesh: Mesh, size: float, nearest: Nearest) -> Proble
         return None
     deepest = int(np.argmin(np.where(is_inside, gap, np.inf)))
     place = ", ".join(f"{x:.6g}" for x in places[deepest])
-    away = ", ".join(f"{x + 0.0:.6g}" for x in gap[deepest] * normal[deepest])
+    away = ", ".join(f"{gap[deepest] * x if abs(x) > 1e-6 else 0.0:.6g}" for x in normal[deepest])
     return Problem(
         f"tools.{name}",
         f"the tool starts inside the workpiece: {int(is_inside[:own].sum())} boundary nodes lie in "
