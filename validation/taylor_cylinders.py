@@ -44,6 +44,8 @@ KELVIN, ROOM = 273.15, 20.0
 FLOOR = ((-1.0, 0.0, 1e3, 0.0, 0.0, 0.0, 0.0),)
 """A wall along y = 0 below the cylinder, which cannot pull."""
 NAMES = ("A", "B", "n", "C", "m")
+COLUMNS = ("computed", "usual", "by_source")
+"""What is computed of a shot: with the metal's fitted set, with the usual one, with that of TEMPERS."""
 SPREAD = 0.5
 """Standard deviation of the logarithm of a parameter about the usual one."""
 OF_LENGTH, OF_FOOT = 0.01, 0.03
@@ -69,6 +71,15 @@ METALS = {
     "copper": Metal(124e3, 0.34, 1083.0, 3.83e8, (90.0, 292.0, 0.31, 0.025, 1.09)),
     "6061-T6": Metal(70e3, 0.33, 582.0, 8.75e8, (324.0, 114.0, 0.42, 0.002, 1.34)),
 }
+
+
+TEMPERS = {
+    "CuHouse": "copper, House",
+    "CuGust": "copper, Gust",
+    "CuETPGust": "copper, Gust",
+    "CuWilkins": "copper, Gust",
+}
+"""Sets of copper by source: its tempers differ, and are not in the file. Jones' eight shots contradict one another."""
 
 
 @dataclass(frozen=True)
@@ -166,52 +177,190 @@ def compare(shot: Shot, found: Found) -> list[float]:
     return off
 
 
-def fit(metal: str, shots: Sequence[Shot]) -> list[float]:
+def fit(name: str, shots: Sequence[Shot]) -> list[float]:
     """Return Johnson and Cook's numbers of a metal from shots."""
     from scipy.optimize import least_squares
 
-    usual = np.array(METALS[metal].usual)
+    usual = np.array(METALS[shots[0].metal].usual)
 
     def residuals(x: FloatArray) -> FloatArray:  # x near 1, so that relative differences are of all alike
         numbers = usual * np.exp(x - 1.0)
         off = [value for shot in shots for value in compare(shot, strike(shot, numbers))]
-        print(metal, np.round(numbers, 4), f"{np.sqrt(np.nanmean(np.square(off))):.3f}", flush=True)
+        print(name, np.round(numbers, 4), f"{np.sqrt(np.nanmean(np.square(off))):.3f}", flush=True)
         return np.concatenate([np.nan_to_num(off, nan=3.0), (x - 1.0) / SPREAD])
 
-    found = least_squares(residuals, np.ones(len(usual)), loss="soft_l1", f_scale=2.0, diff_step=0.03, max_nfev=6)
+    found = least_squares(residuals, np.ones(len(usual)), loss="soft_l1", f_scale=2.0, diff_step=0.03, max_nfev=10)
     return [float(f"{value:.4g}") for value in usual * np.exp(found.x - 1.0)]
 
 
 def write_results(shots: Sequence[Shot], fitted: Sequence[bool], sets: dict[str, list[float]]) -> None:
     """Compute every shot with the fitted and with the usual numbers, and write them down."""
-    head = "source,metal,T_K,speed_m_s,L0_mm,D0_mm,fitted,Lf_measured,Lf_computed,Lf_usual,"
-    head += "Df_measured,Df_computed,Df_usual"
-    rows = [f"# python -m validation.taylor_cylinders --fit: numbers of {SETS.name}, and the usual ones", head]
+    kinds = ("measured", *COLUMNS)
+    head = ["source", "metal", "T_K", "speed_m_s", "L0_mm", "D0_mm", "fitted"]
+    head += [f"{size}_{kind}" for size in ("Lf", "Df") for kind in kinds]
+    rows = [f"# python -m validation.taylor_cylinders --fit: numbers of {SETS.name}", ",".join(head)]
     for shot, is_fitted in zip(shots, fitted, strict=True):
-        own, usual = strike(shot, sets[shot.metal]), strike(shot, METALS[shot.metal].usual)
-        foot = "" if shot.foot is None else f"{shot.foot:g}"
-        rows.append(
-            f"{shot.source},{shot.metal},{shot.kelvin:g},{shot.speed:g},{shot.length:g},{shot.diameter:g},"
-            f"{int(is_fitted)},{shot.final_length:g},{own.length:.3f},{usual.length:.3f},{foot},{own.foot:.3f},"
-            f"{usual.foot:.3f}"
-        )
+        own = strike(shot, sets[shot.metal])
+        temper = strike(shot, sets[TEMPERS[shot.source]]) if shot.source in TEMPERS else own
+        found = (own, strike(shot, METALS[shot.metal].usual), temper)
+        facts = [shot.source, shot.metal, *(f"{x:g}" for x in (shot.kelvin, shot.speed, shot.length, shot.diameter))]
+        lengths = [f"{shot.final_length:g}", *(f"{one.length:.3f}" for one in found)]
+        feet = ["" if shot.foot is None else f"{shot.foot:g}", *(f"{one.foot:.3f}" for one in found)]
+        rows.append(",".join([*facts, str(int(is_fitted)), *lengths, *feet]))
     RESULTS.write_text("\n".join(rows) + "\n", encoding="utf-8")
 
 
+@dataclass(frozen=True)
+class Result:
+    """A shot with what was computed of it, of the results as written."""
+
+    source: str
+    metal: str
+    kelvin: float
+    speed: float
+    fitted: bool
+    length: tuple[float, ...]
+    """Lf/L0 measured, and by COLUMNS."""
+    foot: tuple[float, ...] | None
+    """Df/D0, the same."""
+
+
+def read_results() -> list[Result]:
+    """Return what was written by --fit."""
+    rows = [line for line in RESULTS.read_text("utf-8").splitlines() if not line.startswith("#")]
+    results = []
+    for row in csv.DictReader(rows):
+        kinds = ("measured", *COLUMNS)
+        length = tuple(float(row[f"Lf_{kind}"]) / float(row["L0_mm"]) for kind in kinds)
+        foot = tuple(float(row[f"Df_{kind}"]) / float(row["D0_mm"]) for kind in kinds) if row["Df_measured"] else None
+        facts = (row["source"], row["metal"], float(row["T_K"]), float(row["speed_m_s"]), row["fitted"] == "1")
+        results.append(Result(*facts, length, foot))
+    return results
+
+
+def measure(results: Sequence[Result], column: int = 1) -> dict[str, float]:
+    """Return root mean squares and means of what is off, in per cent.
+
+    length: of Lf/L0; shortening: of 1 - Lf/L0, over the measured one; foot: of Df over the measured one. column: of
+    COLUMNS, from 1.
+    """
+    known = [one for one in results if np.isfinite(one.length[column])]
+    if not known:
+        return {"count": 0.0, "failed": float(len(results))}
+    length = np.array([(one.length[0], one.length[column]) for one in known])
+    off = length[:, 1] - length[:, 0]
+    foot = np.array([one.foot[column] / one.foot[0] - 1.0 for one in known if one.foot])
+    found = {
+        "count": float(len(known)),
+        "failed": float(len(results) - len(known)),
+        "length": float(np.sqrt((off**2).mean())),
+        "bias": float(off.mean()),
+        "shortening": float(np.sqrt((off**2).sum() / ((1.0 - length[:, 0]) ** 2).sum())),
+        "worst": float(np.abs(off).max()),
+    }
+    if len(foot):
+        found |= {"feet": float(len(foot)), "foot": float(np.sqrt((foot**2).mean())), "foot bias": float(foot.mean())}
+    return {name: value if name in ("count", "failed", "feet") else 100.0 * value for name, value in found.items()}
+
+
+def print_tables(results: Sequence[Result]) -> None:
+    """Print errors of predicted shots by metal, source, speed and temperature."""
+
+    def show(name: str, chosen: Sequence[Result], column: int = 1) -> None:
+        if chosen:
+            print(f"{name:40s}", ", ".join(f"{key} {value:.4g}" for key, value in measure(chosen, column).items()))
+
+    predicted = [one for one in results if not one.fitted]
+    for metal in METALS:
+        own = [one for one in predicted if one.metal == metal]
+        show(f"{metal}, fitted shots", [one for one in results if one.metal == metal and one.fitted])
+        show(f"{metal}, predicted shots", own)
+        show(f"{metal}, predicted, usual numbers", own, 2)
+        show(f"{metal}, predicted, by source's set", [one for one in own if one.source in TEMPERS], 3)
+        show(f"{metal}, the same, one set", [one for one in own if one.source in TEMPERS])
+        for source in sorted({one.source for one in own}):
+            show(f"  {source}", [one for one in own if one.source == source])
+        for low, high in ((0, 150), (150, 200), (200, 300), (300, 700)):
+            show(f"  {low} to {high} m/s", [one for one in own if low <= one.speed < high])
+        for low, high in ((0, 400), (400, 1000), (1000, 1400)):
+            show(f"  {low} to {high} K", [one for one in own if low <= one.kelvin < high])
+
+
+def draw(path: Path) -> None:
+    """Draw computed over measured lengths and feet; hollow: fitted, full: predicted."""
+    from presswork.view.style import clean_axes, new_figure, save_picture
+
+    figure = new_figure(10.0, 4.8)
+    left, right = figure.subplots(1, 2)
+    results = read_results()
+    for k, metal in enumerate(METALS):
+        own = [one for one in results if one.metal == metal]
+        for ax, pairs in (
+            (left, [(one.length, one) for one in own]),
+            (right, [(one.foot, one) for one in own if one.foot]),
+        ):
+            for fitted in (True, False):
+                points = np.array([pair[:2] for pair, one in pairs if one.fitted == fitted])
+                if len(points):
+                    face = {"markerfacecolor": "none"} if fitted else {}
+                    label = metal if not fitted else None
+                    ax.plot(points[:, 0], points[:, 1], "o", markersize=5, color=f"C{k}", label=label, **face)
+    for ax, title in ((left, "final length over length"), (right, "diameter of the foot over diameter")):
+        low, high = ax.get_xlim()
+        ax.plot([low, high], [low, high], color="0.4", linewidth=0.8)
+        ax.set_xlabel(f"{title}, measured")
+        ax.set_ylabel("computed")
+        clean_axes(ax)
+    left.legend(frameon=False)
+    figure.suptitle("Taylor cylinders: full points predicted, hollow ones fitted", fontsize="medium")
+    save_picture(figure, path)
+
+
+def print_mesh() -> None:
+    """Print two shots on finer and finer meshes, quads and crossed triangles."""
+    shots = read_shots()
+    sets = json.loads(SETS.read_text("utf-8"))
+    for source, speed in (("AlHouse", 263.0), ("CuETPGust", 225.0)):
+        shot = next(one for one in shots if one.source == source and one.speed == speed)
+        numbers = list(sets[shot.metal].values())
+        for mesh in (("quad4_1pt", 4, 1), ("quad4_1pt", 8, 1), ("quad4_1pt", 16, 1), ("tri3", 3, 2), ("tri3", 8, 1)):
+            found = strike(shot, numbers, mesh)
+            print(
+                f"{source}, {speed:g} m/s, {mesh[0]}, {mesh[1]} over the radius, {mesh[2]} as long: "
+                f"Lf/L0 {found.length / shot.length:.4f}, Df/D0 {found.foot / shot.diameter:.4f}"
+            )
+
+
 def main() -> None:
-    """Fit, measure the mesh's error, or draw."""
+    """Fit, print the results, measure the mesh's error, or draw."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--fit", action="store_true")
+    parser.add_argument("--mesh", action="store_true")
+    parser.add_argument("--picture", type=Path)
+    arguments = parser.parse_args()
     shots = read_shots()
-    if parser.parse_args().fit:
+    if arguments.mesh:
+        print_mesh()
+    if arguments.fit:
         fitted = split(shots)
         sets = {}
         for metal in METALS:
             own = [shot for shot, is_own in zip(shots, fitted, strict=True) if is_own and shot.metal == metal]
             sets[metal] = fit(metal, own)
+        for temper in sorted(set(TEMPERS.values())):
+            own = [
+                shot
+                for shot, is_own in zip(shots, fitted, strict=True)
+                if is_own and TEMPERS.get(shot.source) == temper
+            ]
+            sets[temper] = fit(temper, own)
         named = {name: dict(zip(NAMES, one, strict=True)) for name, one in sets.items()}
         SETS.write_text(json.dumps(named, indent=1) + "\n", encoding="utf-8")
         write_results(shots, fitted, sets)
+    if not arguments.mesh:
+        print_tables(read_results())
+    if arguments.picture:
+        draw(arguments.picture)
 
 
 if __name__ == "__main__":
