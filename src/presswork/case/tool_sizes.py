@@ -14,7 +14,7 @@ from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.pose import find_space_pose, start_profile
 from presswork.geometry.segments import sample_points
 from presswork.geometry.tool_surface import list_extreme_points
-from presswork.model import Model, Plane, Profile, Tool
+from presswork.model import FloatArray, Model, Plane, Profile, Tool
 
 if TYPE_CHECKING:
     from presswork.case.case_file import CaseFile
@@ -109,6 +109,15 @@ def _is_off(tool: Tool, share: float, *, is_file: bool, all_small: bool) -> bool
         return share > LARGE_PUNCH or share < SMALL_DRAWN
     is_flat = isinstance(tool.shape, Profile) and len(tool.shape.segments) == 1
     return (share > LARGE_DRAWN and not is_flat) or share < SMALL_DRAWN
+
+
+def doubt_file(key: str, drawn: Any, points: FloatArray, size: float) -> str | None:
+    """Return what is odd about the size of a tool's file before it is moved and cut; None where nothing is.
+
+    points: of its surface, in the unit that it was read in (n, 3) [mm]. size: of the workpiece [mm].
+    """
+    own = float(np.linalg.norm(np.ptp(points, axis=0)))
+    return None if SMALL * size <= own <= LARGE * size else _explain(key, drawn, own, size)
 
 
 def _explain(key: str, drawn: Any, own: float, size: float) -> str:

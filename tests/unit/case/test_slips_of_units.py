@@ -18,6 +18,7 @@ from presswork.examples import copy_example
 from presswork.geometry.swept_tool import draw_block, triangulate
 from presswork.mesh.files.stl_file import pack_stl
 from presswork.model import Triangulation
+from tests.unit.case.round_cup import CUP, changed
 from tests.unit.case.test_resistance import AXIS, BOX, DOWN_IN_SPACE, QUARTER, STEEL, flat, line, plane_case, space_case
 
 UNITS = {"mm": 1.0, "cm": 10.0, "inch": 25.4, "m": 1e3}
@@ -239,3 +240,14 @@ def test_a_closed_die_in_space_is_refused_where_its_room_ends(seed: int, tmp_pat
     build_model(case(0.7 * closes))
     with pytest.raises(CaseError, match="the tools close on the workpiece"):
         build_model(case(closes + 0.25 * (height - closes)))
+
+
+def test_a_binder_of_which_a_line_leaves_nothing_is_told_with_the_unit_of_its_file(tmp_path: Path) -> None:
+    """A face of 120 mm written in inches is 4.72 "mm" wide: nothing of it lies outside of a circle of 60 mm."""
+    path = write_block(tmp_path, 25.4, (60.0, 60.0), 10.0)
+    cut = {"shape": "circle", "diameter": 60, "keep": "outside"}
+    case = changed(CUP, ("tools.holder", {"kind": "holder", "shape": "file", "path": path, "cut": cut}))
+    with pytest.raises(CaseError, match=r"tools\.holder\.cut.*outside of the line.*unit = \"inch\""):
+        build_model(StampingCase.model_validate(case))
+    case["tools"]["holder"]["unit"] = "inch"
+    build_model(StampingCase.model_validate(case))

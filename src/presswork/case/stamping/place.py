@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import logging
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from presswork.case.stamping.plan_line import draw_line
 from presswork.case.stamping.schema import StampingCase
 from presswork.case.stamping.shapes import draw_shape
 from presswork.case.stamping.tools import Tool, ToolFile
+from presswork.case.tool_sizes import doubt_file
 from presswork.case.units import LENGTH, unit_factor
 from presswork.geometry.polygon import contains
 from presswork.geometry.tool_surface import make_surface
@@ -92,7 +94,11 @@ def _make_shape(name: str, tool: Tool, depth: float, radius: float, folder: Path
         return Problem(f"tools.{name}.path", error.fault, error.remedy, tool.path)
     for note in notes:
         logger.warning("tools.%s.path = %s: %s", name, tool.path, note)
-    return _move_and_cut(name, tool, read, folder)
+    made = _move_and_cut(name, tool, read, folder)
+    doubt = doubt_file(f"tools.{name}", tool, read.points, 2.0 * radius) if isinstance(made, Problem) else None
+    if isinstance(made, Problem) and doubt is not None:
+        return replace(made, expected=f"{made.expected}; {doubt}")
+    return made
 
 
 def _move_and_cut(name: str, tool: ToolFile, surface: Triangulation, folder: Path) -> Triangulation | Problem:
