@@ -219,7 +219,7 @@ def change(keys: str, value: object) -> dict[str, Any]:
         (
             "operations.2.stages.0.tools.punch",
             {"close": 1, "stroke": 1},
-            "stroke and close are both given; leave close out",
+            "stroke and close are both given; leave stroke or close out",
         ),
         ("operations.0.stages.0.tools.punch", {"close": 400}, "tools.punch.close = 400.0: it stands so near already"),
         ("operations.2.stages.0.tools.die", {"close": 1}, "tools.die.close = 1.0: a die is what others close on"),
