@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswork import build_model
+from presswork import CaseError, build_model
 from presswork.case.stamping.schema import StampingCase
+from presswork.mesh.files.dynain import read_dynain
 from presswork.post import judge_result
 from presswork.post.formability import judge_cells, judge_part, list_other_limits
 from presswork.post.weld_lines import find_welds
@@ -154,3 +155,15 @@ def test_zone_without_a_forming_limit_is_drawn_as_not_judged(tmp_path: Path) -> 
         texts = [text.get_text() for legend in legends for text in legend.get_texts()]
         assert any("safe" in text for text in texts)
         assert any("not judged" in text for text in texts)
+
+
+def test_part_of_a_welded_blank_is_written_as_dynain_and_takes_no_zones_when_read(tmp_path: Path) -> None:
+    """The file has each element's own thickness; which zone it was of is not in it."""
+    case = cup(stroke=2.0, output={"steps": 1, "rows": 10, "dynain": True})
+    result = record(case, tmp_path / "first")
+    part = read_dynain(tmp_path / "first" / "part.dynain")
+    assert part.thickness == pytest.approx(result.field("thickness"), rel=1e-3)
+    again = cup(blank={"shape": "file", "path": str(tmp_path / "first" / "part.dynain")})
+    del again["blank"]["size"], again["blank"]["element_size"]
+    with pytest.raises(CaseError, match=r"blank\.zones: a formed sheet has the thickness of each element"):
+        build_model(StampingCase.model_validate(again))

@@ -340,6 +340,11 @@ def _read_formed(case: StampingCase) -> model.FormedSheet | None:
         fault = "back stresses of a formed sheet are not in its file"
         remedy = "take a law without kinematic, or compute the operations in one case ([[operations]])"
         raise CaseError([Problem(f"materials.{case.blank.material}.kinematic", fault, remedy)], case.source)
+    if not case.blank.is_uniform:
+        fault = "a formed sheet has the thickness of each element in its file, and one material"
+        remedy = "give one thickness and no zones; form a welded blank in one case ([[operations]])"
+        key = "blank.zones" if case.blank.zones else "blank.thickness"
+        raise CaseError([Problem(key, fault, remedy)], case.source)
     if case.operations or case.blank.refine is not None:
         key = "operations" if case.operations else "blank.refine"
         raise CaseError([Problem(key, "not with a formed sheet", "give it as a case of one operation")], case.source)
