@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from presswork.case.errors import CaseError
 from presswork.case.gravity import check_gravity
 from presswork.case.heat_transfer import warn_of_heat_transfer
+from presswork.case.rates import warn_of_rates
 from presswork.case.resistance import check_resistance
 from presswork.case.temperatures import warn_of_temperatures
 from presswork.case.tool_sizes import warn_of_sheet
@@ -27,7 +28,7 @@ def check_whole_model(case: CaseFile, model: Model) -> None:
     limits.stop = false turns these errors into warnings.
     """
     of_sheet = warn_of_sheet(case, model) if model.analysis == "stamping" else ()
-    for warning in (*of_sheet, *warn_of_temperatures(model), *warn_of_heat_transfer(model)):
+    for warning in (*of_sheet, *warn_of_temperatures(model), *warn_of_rates(model), *warn_of_heat_transfer(model)):
         logger.warning("%s", warning)
     impossible = check_gravity(case, model)
     if impossible:
