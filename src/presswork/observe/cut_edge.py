@@ -21,6 +21,8 @@ NEAR = 0.25
 """Way from the mouth within which a burr may stand, over the height of the crack."""
 OFF_WALL = 0.01
 """How far the edge lies off its wall where the roll-over begins, over the thickness."""
+STRAIGHT = 0.03
+"""How far nodes of a surface may lie off their line, over the height of the crack."""
 LEAST_NODES = 3
 """Nodes of a surface through which its line is drawn, at least."""
 
@@ -95,7 +97,9 @@ def _measure_side(
     flat = np.flatnonzero((along > AWAY[0] * extent) & (along < AWAY[1] * extent))
     if len(flat) < LEAST_NODES or np.ptp(h[flat]) > np.ptp(c[flat]):
         return None
-    _, level = np.polyfit(c[flat] - c[0], h[flat], 1)
+    slope, level = np.polyfit(c[flat] - c[0], h[flat], 1)
+    if np.abs(level + slope * (c[flat] - c[0]) - h[flat]).max() > STRAIGHT * extent:
+        return None
     surface = float(level)
     outwards = np.sign(surface - opposite) or 1.0
     inside = float(outwards * (surface - h[0]))
