@@ -74,7 +74,8 @@ def _judge(problem: Problem, before: Sequence[Problem], after: Sequence[Problem]
         is_instance = "for instance" in problem.remedy or problem.expected.startswith(("expected", "unknown choice"))
         if is_news and is_instance:
             # A value for instance need not fit the others; one that shows how a quantity is written, not even its key.
-            is_news = one.key == problem.key and "or with a unit)" not in problem.expected
+            is_form = "or with a unit)" in problem.expected or problem.expected.startswith("expected [")
+            is_news = one.key == problem.key and not is_form
         if is_same or is_news:
             return str(one)
     return ""

@@ -64,6 +64,9 @@ def test_unit_factor_names_the_dimension_that_is_wrong() -> None:
 def test_factors_of_usual_units_are_those_of_pint() -> None:
     for dimension, factors in _USUAL.items():
         for unit, factor in factors.items():
+            if unit == "HV":  # kgf/mm2, which pint does not have by this name
+                assert factor == _ask_pint("kgf/mm^2", dimension)
+                continue
             assert _ask_pint(unit, dimension) == factor
 
 

@@ -18,6 +18,7 @@ from presswork.case.units import (
     HEAT_CAPACITY,
     HEAT_FLUX,
     HEAT_TRANSFER,
+    LARGEST_FLOAT,
     PURE_NUMBER,
     STRESS,
     TIME,
@@ -43,7 +44,7 @@ def to_temperature(value: object) -> float:
         if match is None:
             raise fault("expected a temperature (in degrees C, or with a unit)", _REMEDY)
         number = float(match.group(1)) - (ZERO_CELSIUS if match.group(2) == "K" else 0.0)
-    elif isinstance(value, bool) or not isinstance(value, int | float):
+    elif isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < LARGEST_FLOAT:
         raise fault("expected a temperature (in degrees C, or with a unit)", _REMEDY)
     else:
         number = to_number(value, PURE_NUMBER)
