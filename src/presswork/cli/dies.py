@@ -29,14 +29,13 @@ def dies(
         list[float] | None,
         typer.Option("--at", help="Part of the run, 0 to 1; the nearest saved step is taken. Several may be given."),
     ] = None,
-    every: Annotated[bool, typer.Option("--every", help="All saved steps.")] = False,
     body: Annotated[
         Path | None, typer.Option(help="TOML file with [tools.NAME.body], instead of the case's own.")
     ] = None,
 ) -> None:
     """Find the stress of a tool's body after a run, with its rings, and whether it holds.
 
-    Without --at or --every at the saved step of the largest force on the tool. Writes dies_NAME.csv to the folder, and
+    Without --at all saved steps are looked at. Writes dies_NAME.csv to the folder, and
     a picture of it beside its others.
     """
     from presswork.case.plane.die_body import read_bodies
@@ -44,7 +43,7 @@ def dies(
     with exit_on(OutputError), reading():
         result = Result(folder)
         for name, own in read_bodies(body or folder / "case.toml", tool).items():
-            _look_at(result, name, own, at=at or (), every=every)
+            _look_at(result, name, own, at=at or ())
 
 
 def look_at_bodies(result: Result) -> None:
@@ -60,17 +59,17 @@ def look_at_bodies(result: Result) -> None:
         return
     try:
         for name, own in read_bodies(path).items():
-            _look_at(result, name, own, every=True)
+            _look_at(result, name, own)
     except (CaseError, OutputError) as error:
         console().print(f"warning: {error}", style="yellow", markup=False)
 
 
-def _look_at(result: Result, tool: str, body: DieBody, *, at: Sequence[float] = (), every: bool) -> None:
+def _look_at(result: Result, tool: str, body: DieBody, *, at: Sequence[float] = ()) -> None:
     """Write table and picture of a die; print warnings and whether it holds."""
     from presswork.dies.study import study_die
     from presswork.dies.table import describe, write_table
 
-    study = study_die(result, tool, body.build(), at=at, every=every)
+    study = study_die(result, tool, body.build(), at=at)
     write_table(study, result.folder / f"dies_{tool}.csv")
     _draw(study, result.folder)
     for warning in study.warnings:

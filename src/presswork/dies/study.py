@@ -146,12 +146,12 @@ def largest_principal(stress: FloatArray) -> FloatArray:
     return np.asarray(np.maximum(0.5 * (x + y) + np.hypot(0.5 * (x - y), shear), z))
 
 
-def study_die(result: Result, tool: str, body: DieBody, *, at: Sequence[float] = (), every: bool = False) -> DieStudy:
+def study_die(result: Result, tool: str, body: DieBody, *, at: Sequence[float] = ()) -> DieStudy:
     """Find the stress of a tool's body at saved steps of a run in the plane.
 
-    at: parts of the run's time, 0 to 1, for each of which the nearest saved step is taken; every: all steps; neither:
-    the step of the largest force. Raises ResultError for an unknown tool, a tool that touches nothing, an outline that
-    does not match its profile, and a body that nothing holds.
+    at: parts of the run's time, 0 to 1, for each of which the nearest saved step is taken; without any: all steps.
+    Raises ResultError for an unknown tool, a tool that touches nothing, an outline that does not match its profile, and
+    a body that nothing holds.
     """
     if tool not in result.tools:
         there_are = ", ".join(result.tools) or "none"
@@ -171,7 +171,7 @@ def study_die(result: Result, tool: str, body: DieBody, *, at: Sequence[float] =
     joined = structure.answer(np.zeros(structure.points.shape))
     end = float(result.times[-1])
     instants = []
-    for step in _choose_steps(result, pushed, at, every=every):
+    for step in _choose_steps(result, at):
         forces, away = hand_over(loads[step], structure.points, structure.profile, is_ring=analysis == "axisymmetric")
         if away > OFF * body.size:
             remedy = "the outline must hold the whole profile that works"
@@ -182,21 +182,19 @@ def study_die(result: Result, tool: str, body: DieBody, *, at: Sequence[float] =
     warnings = [
         *_check_interference(study),
         *_check_joints(study),
-        *_check_force(result, tool, pushed, every=every, at=at),
+        *([] if at else _check_force(result, tool, pushed)),
     ]
     return DieStudy(study.tool, study.title, structure, joined, study.instants, tuple(warnings))
 
 
-def _choose_steps(result: Result, pushed: FloatArray, at: Sequence[float], *, every: bool) -> list[int]:
+def _choose_steps(result: Result, at: Sequence[float]) -> list[int]:
     """Return the saved steps that are looked at."""
     for part in at:
         if not 0.0 <= part <= 1.0:
             raise ResultError(f"--at {part:g}: give a part of the run from 0 to 1")
-    if every:
-        return list(range(len(pushed)))
-    if at:
-        return sorted({int(np.argmin(np.abs(result.times - part * result.times[-1]))) for part in at})
-    return [int(np.argmax(pushed))]
+    if not at:
+        return list(range(len(result.times)))
+    return sorted({int(np.argmin(np.abs(result.times - part * result.times[-1]))) for part in at})
 
 
 def _check_interference(study: DieStudy) -> list[str]:
@@ -227,11 +225,11 @@ def _check_joints(study: DieStudy) -> list[str]:
     return found
 
 
-def _check_force(result: Result, tool: str, pushed: FloatArray, *, every: bool, at: Sequence[float]) -> list[str]:
+def _check_force(result: Result, tool: str, pushed: FloatArray) -> list[str]:
     """Return the warning of a force between saved steps that is larger than at all of them."""
     history = result.history
     names = [f"{tool}.force_{axis}" for axis in "xy"]
-    if at or every or any(name not in history for name in names):
+    if any(name not in history for name in names):
         return []
     largest = float(np.nanmax(np.hypot(*(history[name].astype(float) for name in names))))
     if largest <= (1.0 + MISSED) * pushed.max():

@@ -36,7 +36,7 @@ def test_what_is_pressed_never_cracks() -> None:
 def test_the_life_of_a_die_is_that_of_its_worst_node(tmp_path) -> None:
     result = upset(tmp_path / "run")
     body = DieBody.model_validate(BODY | {"fatigue": KEYS | {"strength": 400.0}}).build()
-    study = study_die(result, "punch", body)
+    study = study_die(result, "punch", body, at=(1.0,))
     (life,) = judge_life(study)
     assert life is not None
     (now,) = study.instants

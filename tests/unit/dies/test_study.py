@@ -33,8 +33,8 @@ def build(**keys):
     return DieBody.model_validate(BODY | keys).build()
 
 
-def test_the_largest_force_is_taken_and_its_column_stands_below_it(pressed) -> None:
-    study = study_die(pressed, "punch", build())
+def test_the_column_of_the_largest_force_stands_below_it(pressed) -> None:
+    study = study_die(pressed, "punch", build(), at=(1.0,))
     (now,) = study.instants
     assert now.step == len(pressed.times) - 1
     assert now.part == 1.0
@@ -49,7 +49,7 @@ def test_the_largest_force_is_taken_and_its_column_stands_below_it(pressed) -> N
 
 def test_instants_are_chosen_by_part_or_all(pressed) -> None:
     assert [now.part for now in study_die(pressed, "punch", build(), at=(0.5, 1.0)).instants] == [0.5, 1.0]
-    every = study_die(pressed, "punch", build(), every=True).instants
+    every = study_die(pressed, "punch", build()).instants
     assert [now.step for now in every] == list(range(len(pressed.times)))
     assert not every[0].answer.stress.any(), "nothing presses at the start"
 
@@ -57,7 +57,7 @@ def test_instants_are_chosen_by_part_or_all(pressed) -> None:
 def test_a_die_in_plane_strain_carries_the_force_on_its_depth(tmp_path) -> None:
     wide = BODY | {"outer": 30.0, "top": 40.0, "clamped": ["top"]}
     result = upset(tmp_path / "run", "plane_strain", wide)
-    study = study_die(result, "punch", DieBody.model_validate(wide).build())
+    study = study_die(result, "punch", DieBody.model_validate(wide).build(), at=(1.0,))
     (now,) = study.instants
     assert now.force[1] == pytest.approx(10.5 * 500.0 * 2 / 3**0.5, rel=0.01)
     stress = now.answer.stress[study.structure.profile]
@@ -155,7 +155,7 @@ def test_the_command_writes_a_table_and_a_picture_and_prints_what_holds(pressed)
     text = "size = 2.0\nouter = 40.0\ntop = 45.0\nheld = ['top']\nyoung = 210e3\npoisson = 0.3\nyield_stress = 250.0\n"
     ring = "[[tools.punch.body.rings]]\nouter = 60\ninterference = 0.02\nyoung = 210e3\npoisson = 0.3\n"
     body.write_text(f"{HEAD}{text}{ring}")
-    done = CliRunner().invoke(app, ["dies", str(pressed.folder), "--every", "--body", str(body)])
+    done = CliRunner().invoke(app, ["dies", str(pressed.folder), "--body", str(body)])
     assert done.exit_code == 0, done.output
     assert "punch, joined: ring 1 von Mises" in done.output
     assert "punch, joined: ring 1 presses by" in done.output
@@ -199,7 +199,7 @@ def test_an_impact_has_the_contact_forces_of_its_explicit_run(tmp_path) -> None:
     settings = ["workpiece.mesh.cells=[4,20]", "stages.0.duration=4e-6", "output.steps=4"]
     result = run_model(build_model(Case.from_toml(example, settings)), tmp_path / "run").result
     keys = {"outer": 20.0, "top": None, "bottom": -20.0, "held": ["bottom"], "size": 0.5}
-    study = study_die(result, "anvil", build(**keys), every=True)
+    study = study_die(result, "anvil", build(**keys))
     for now in study.instants[1:]:
         np.testing.assert_allclose(now.force, -result.field("contact_force", now.step)[:, :2].sum(axis=0), rtol=1e-12)
     assert study.instants[-1].force[1] < -1e4
