@@ -53,6 +53,8 @@ def describe_stages(reader: BlankAndTools, names: dict[int, str], kinds: dict[in
     for part, own in motions.items():
         for motion in own:
             text = f"{names[part]}: strokes of the stages; within each it starts and stops smoothly"
+            if part not in pushes and _is_freed(motion, own, float(reader.times[-1]) / reader.units.time):
+                text += f"; after {motion.end:g}, when its motion ends and the deck frees it, it stands still"
             notes.change(motion.place, motion.keyword, text)
     _note_pushes(reader, names, pushes, is_pushed)
     return stages
@@ -67,6 +69,14 @@ def _is_moved(motions: list[Motion], begin: float, end: float, unit: float) -> b
     """Return whether a motion lasts through a stage; times [s], unit: unit of time in the deck."""
     tiny = 1e-6 * (end - begin)
     return any(unit * m.begin <= begin + tiny and unit * m.end >= end - tiny for m in motions)
+
+
+def _is_freed(motion: Motion, motions: list[Motion], last: float) -> bool:
+    """Return whether a motion ends before the run does, and no other goes on; last: the end, in the deck's time."""
+    tiny = 1e-6 * last
+    return motion.end < last - tiny and not any(
+        other.begin <= motion.end + tiny and other.end > motion.end + tiny for other in motions if other is not motion
+    )
 
 
 def _find_breaks(reader: BlankAndTools, pushes: dict[int, list[Push]], motions: dict[int, list[Motion]]) -> list[float]:

@@ -86,6 +86,16 @@ def test_a_tool_that_closes_by_a_motion_and_is_pushed_then_does_both(tmp_path) -
     ]
 
 
+def test_a_tool_whose_motion_ends_before_the_run_is_listed_as_standing_still_then(tmp_path) -> None:
+    found, listed = import_it(tmp_path, (MOTION, f"{MOTION}                0.01"))
+    assert found.case["stages"][0]["tools"] == {"punch": {"stroke": pytest.approx(2.0)}}
+    assert (
+        sum("after 0.01, when its motion ends and the deck frees it, it stands still" in line for line in listed) == 1
+    )
+    _, whole = import_it(tmp_path)
+    assert not any("frees it" in line for line in whole)
+
+
 def test_a_motion_rules_while_it_lasts_and_forces_add_up(tmp_path) -> None:
     found, listed = import_it(tmp_path, ("*END", PUSH))
     assert [stage["tools"] for stage in found.case["stages"]] == [{"punch": {"stroke": pytest.approx(4.0)}}]
