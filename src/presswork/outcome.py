@@ -114,6 +114,10 @@ class GaveUpError(Exception):
     """The procedure cannot go on; the state of the last report is kept."""
 
 
+class GoalReachedError(Exception):
+    """The run is complete before its last stage ends."""
+
+
 class StartError(Exception):
     """Nothing can be computed from this start; raised before the output folder is touched."""
 

@@ -24,7 +24,7 @@ from presswork.model import Model
 from presswork.observe.doubts import find_doubts
 from presswork.observe.memory.contract import Memories
 from presswork.observe.memory.of_model import list_memories
-from presswork.outcome import GaveUpError, StartError
+from presswork.outcome import GaveUpError, GoalReachedError, StartError
 from presswork.process.begin import begin
 from presswork.process.run import Meta, Report, Run
 from presswork.ranks.world import LeadFailed, World
@@ -200,6 +200,8 @@ class _Run:
         self.progress = ProgressFile(folder)
         self.steps = StepWriter(folder / RESULTS)
         self.recorded = 0
+        self._saved_at = -1
+        """Reports when fields were last saved."""
         self.log = logging.getLogger(f"presswork.{id(self)}")
         self.log.setLevel(logging.INFO)
         self.log.propagate = False
@@ -236,6 +238,8 @@ class _Run:
                     stop.look()
             if self.world is not None:
                 self.log.info("%s", self.world.describe_traffic())
+        except GoalReachedError as goal:
+            self._keep_end(str(goal))
         except GaveUpError as error:
             status, reason = "gave_up", str(error)
         except MemoryError:
@@ -259,12 +263,16 @@ class _Run:
     def _end(self, status: Status, reason: str) -> None:
         """Leave the summary, and of a run that was stopped a checkpoint and the last state."""
         if status != "completed":
-            self.log.info("%s: %s", status, reason)
-            if self.recording.number == self.recorded:  # else it was stopped before all of it was: the last one stands
-                self.save_checkpoint()
-            if not stop.is_urgent():
-                self._save_last_state()
+            self._keep_end(f"{status}: {reason}")
         self._write_summary(status, reason)
+
+    def _keep_end(self, why: str) -> None:
+        """Leave a checkpoint and the last state of a run that ends before its stages do."""
+        self.log.info("%s", why)
+        if self.recording.number == self.recorded:  # else it was stopped before all of it was: the last one stands
+            self.save_checkpoint()
+        if not stop.is_urgent() and self._saved_at != self.recorded:
+            self._save_last_state()
 
     def _look_again(self) -> None:
         """Raise GaveUpError where a run would be resumed beyond a limit that it must not pass."""
@@ -272,6 +280,7 @@ class _Run:
         reason = self.memories.look(self.recording.at_work(), {name: values[-1] for name, values in history.items()})
         if reason is not None:
             raise GaveUpError(reason)
+        self._look_for_goals()
 
     def _record(self, report: Report, on_increment: Callable[[Progress], None] | None) -> None:
         """Write what there is to write after a report. Raises GaveUpError where it is no longer physics."""
@@ -287,6 +296,7 @@ class _Run:
             self.log.warning("warning: %s", line)
         if report.is_save_point:
             self.save_step()
+            self._saved_at = report.number
             for name, text in recording.files().items():
                 write_whole(self.folder / name, text.encode())
         self.recorded = report.number
@@ -299,6 +309,12 @@ class _Run:
             on_increment(now)
         if reason is not None:
             raise GaveUpError(reason)
+        self._look_for_goals()
+
+    def _look_for_goals(self) -> None:
+        """Raise GoalReachedError where the run is complete before its end."""
+        if (goal := self.memories.reached()) and self.recording.remaining() > 0.0:
+            raise GoalReachedError(goal)
 
     # --- files -------------------------------------------------------------------------------------------------------
 

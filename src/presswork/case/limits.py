@@ -3,13 +3,29 @@
 
 from __future__ import annotations
 
-from pydantic import Field
+from typing import Self
+
+from pydantic import Field, model_validator
 
 from presswork import model
 from presswork.case.part import Part
-from presswork.case.units import Force, Number, Stress
+from presswork.case.units import Force, Number, Stress, fault
 
 _LIMITS = model.Limits()
+
+
+class Goal(Part):
+    """A value of a column of history.csv at which the run is complete, before its stages are."""
+
+    column: str = Field(description="name of the column, as die.fill, punch.force, die.flash_thickness, punch.stroke")
+    above: Number | None = Field(default=None, description="the run ends where the column is at least this")
+    below: Number | None = Field(default=None, description="the run ends where the column is at most this")
+
+    @model_validator(mode="after")
+    def _check_one(self) -> Self:
+        if (self.above is None) == (self.below is None):
+            raise fault("give either above or below", "for instance above = 0.98", key="above")
+        return self
 
 
 class Limits(Part):
@@ -53,6 +69,10 @@ class Limits(Part):
         "run goes on beyond it, and its result fails",
     )
 
+    end: tuple[Goal, ...] = Field(
+        default=(), description="values of columns of history.csv at which the run is complete: die full, force, gap"
+    )
+
     def build(self) -> model.Limits:
         """Return the Model's limits."""
-        return model.Limits(**self.model_dump())
+        return model.Limits(**self.model_dump() | {"end": tuple(model.Goal(**goal.model_dump()) for goal in self.end)})

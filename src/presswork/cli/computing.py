@@ -77,6 +77,8 @@ def _print_summary(result: Result, outcome: Outcome, quiet: bool) -> None:
         return
     if "blank" in summary:
         typer.echo(_describe_blank(result))
+    if "ended_by" in summary:
+        typer.echo(f"ended early: {summary['ended_by']}")
     if "first_crack" in summary:
         typer.echo(describe_crack(summary["first_crack"]))
     if outcome.status == "completed":

@@ -46,7 +46,7 @@ from presswork.model.heat import (
     ToolHeat,
 )
 from presswork.model.held_side import find_held_side
-from presswork.model.limits import FEW_OUTSIDE, FULL_DIE, Limits
+from presswork.model.limits import FEW_OUTSIDE, FULL_DIE, Goal, Limits
 from presswork.model.marked_point import MarkedPoint
 from presswork.model.material import (
     Damage,
@@ -180,6 +180,7 @@ __all__ = [
     "Friction",
     "FrictionTangent",
     "Gauge",
+    "Goal",
     "Gradients",
     "Grain",
     "GrainGrowth",

@@ -12,6 +12,21 @@ FULL_DIE = 0.98
 
 
 @dataclass(frozen=True)
+class Goal:
+    """A value of a column of the history at which a run is complete."""
+
+    column: str
+    above: float | None = None
+    """Reached where the column is at least this."""
+    below: float | None = None
+    """Reached where the column is at most this."""
+
+    def is_reached(self, value: float) -> bool:
+        """Return whether a value of the column completes the run."""
+        return (self.above is not None and value >= self.above) or (self.below is not None and value <= self.below)
+
+
+@dataclass(frozen=True)
 class Limits:
     """A run stops at the first converged state beyond one of these; docs/howto/gave_up.md has the reasons."""
 
@@ -30,3 +45,5 @@ class Limits:
     """Largest force of the press on a tool that moves [N]; the run goes on beyond it, and its verdict fails."""
     contact_pressure: float | None = None
     """Largest contact pressure that the tools bear [MPa]; the run goes on beyond it, and its verdict fails."""
+    end: tuple[Goal, ...] = ()
+    """The run is complete at the first row that reaches one of these."""

@@ -159,7 +159,7 @@ def _judge_end(summary: Summary) -> Iterator[Line]:
     elif worst := summary.get("verdict"):
         yield Line("run", "fail", "nothing was formed", "", str(worst).partition(": ")[2])
     else:
-        yield Line("run", "ok", "completed")
+        yield Line("run", "ok", "completed", "", summary.get("ended_by", ""))
 
 
 def _judge_forces(summary: Summary) -> Iterator[Line]:

@@ -3,11 +3,15 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Sequence
+
 import numpy as np
 
 from presswork.explicit.input_checks import ExplicitError
 from presswork.memory import TooLargeError, available_memory, check_memory, estimate_memory, explain_shortage
 from presswork.model import Model
+from presswork.observe.memory.goals import TEXTS
 from presswork.outcome import ShortOfMemoryError, StartError
 from presswork.process.run import Run
 from presswork.ranks.world import World
@@ -21,13 +25,34 @@ def begin(model: Model, threads: int) -> Run:
     """
     try:
         check_memory(model)
-        return choose(model, threads)
+        run = choose(model, threads)
+        _check_goals(model, run.columns)
+        return run
     except ExplicitError as error:
         raise StartError(str(error)) from error
     except TooLargeError as error:
         raise ShortOfMemoryError(str(error)) from error
     except MemoryError as error:
         raise ShortOfMemoryError(explain_shortage(estimate_memory(model), available_memory())) from error
+
+
+def _check_goals(model: Model, columns: Sequence[str]) -> None:
+    """Raise StartError for goals of columns that a run does not have, and of runs of several parts."""
+    if not model.limits.end:
+        return
+    is_line = model.following or model.trim or model.springback is not None or model.output.dynain
+    if is_line or model.series is not None or model.gradients is not None:
+        text = (
+            "limits.end: operations, trimming, springback, dynain, a series and derivatives follow all stages of a run"
+        )
+        raise StartError(f"{text}; leave limits.end out, or compute the first operation alone")
+    for number, goal in enumerate(model.limits.end):
+        known = [column for column in columns if column not in TEXTS]
+        if goal.column not in known:
+            near = difflib.get_close_matches(goal.column, known, n=1)
+            meant = f"did you mean `{near[0]}`? " if near else ""
+            listed = ", ".join(known)
+            raise StartError(f"limits.end.{number}.column: no such column: {goal.column}; {meant}(columns: {listed})")
 
 
 def begin_formed_part(model: Model, threads: int, world: World | None = None) -> Run:

@@ -40,6 +40,7 @@ def _find_undivided_explicit(model: Model) -> str:
     assert model.explicit is not None
     asked = {
         f'device = "{model.explicit.device}"': model.explicit.device != "cpu",
+        "an end by a value (limits.end)": bool(model.limits.end),
         'explicit.step_bound = "mesh"': getattr(model.explicit, "step_bound", "shells") == "mesh",
     }
     return _list(asked)
@@ -50,6 +51,7 @@ def _find_undivided(model: Model) -> str:
     asked = {
         "heat alone": model.heat is not None and model.heat.alone,
         "a series of parts (series)": model.series is not None,
+        "an end by a value (limits.end)": bool(model.limits.end),
         "derivatives (gradients)": model.gradients is not None,
         "a UMAT": any(material.umat is not None for material in model.materials),
         "a tool in the plane that a force pushes": bool(model.plane_tools) and any(_pushes(s) for s in model.stages),

@@ -42,6 +42,10 @@ class Memory:
         """
         return None
 
+    def reached(self) -> str:
+        """Return why the recording is complete before its end; empty where it is not."""
+        return ""
+
     def note_step(self, number: int, mesh: Mesh, step: Saved) -> None:
         """Look at a saved step, counted from 0."""
 
@@ -75,6 +79,10 @@ class Memories:
         """Let all look at a converged state; return why the recording must stop, if it must."""
         reasons = [memory.look(run, row) for memory in self._memories]
         return next((reason for reason in reasons if reason is not None), None)
+
+    def reached(self) -> str:
+        """Return why the recording is complete before its end; empty where it is not."""
+        return next(filter(None, (memory.reached() for memory in self._memories)), "")
 
     def note_step(self, number: int, mesh: Mesh, step: Saved) -> None:
         """Let all look at a saved step, counted from 0."""

@@ -8,6 +8,7 @@ from presswork.observe.memory.contract import Memories
 from presswork.observe.memory.cracks import Cracks
 from presswork.observe.memory.extremes import FieldExtremes
 from presswork.observe.memory.first_crack import FirstCrack
+from presswork.observe.memory.goals import Goals
 from presswork.observe.memory.largest_forces import LargestForces
 from presswork.observe.memory.limits import LimitsPassed
 
@@ -15,4 +16,6 @@ from presswork.observe.memory.limits import LimitsPassed
 def list_memories(model: Model) -> Memories:
     """Return what a recording of a model remembers; a new memory is a line here."""
     cracks = Cracks(are_cut=model.separation is not None)
-    return Memories([FirstCrack(), cracks, LimitsPassed(model.limits), LargestForces(), FieldExtremes()])
+    return Memories(
+        [FirstCrack(), cracks, LimitsPassed(model.limits), Goals(model.limits.end), LargestForces(), FieldExtremes()]
+    )
