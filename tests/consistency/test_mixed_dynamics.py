@@ -189,7 +189,7 @@ def test_a_cell_turned_inside_out_is_named_with_its_cycle() -> None:
 def test_what_no_model_can_be_made_of_is_refused() -> None:
     points, cells = bar((1, 1, 1), (1.0, 1.0, 1.0))
     solids = solids_of(cells, "hex8")
-    with pytest.raises(ExplicitError, match="give one at least, and Shells at most once, as the first"):
+    with pytest.raises(ExplicitError, match="give one at least, and those of Shells first"):
         SpaceDynamics(points, [solids, shells_of(cells[:, :4])])
     with pytest.raises(ExplicitError, match=r"cell 0 is turned inside out: give its nodes in the order of the element"):
         SpaceDynamics(points, [solids_of(cells[:, [4, 5, 6, 7, 0, 1, 2, 3]], "hex8")])

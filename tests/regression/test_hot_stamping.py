@@ -171,6 +171,7 @@ def test_a_quenched_part_is_trimmed_and_springs_back_cold(procedure, tmp_path) -
     assert strain[1] <= strain[0] * (1 + 1e-6)
 
 
+@pytest.mark.validation
 def test_a_hot_law_takes_temperature_and_rate_of_the_press(tmp_path) -> None:
     law = {
         "law": "norton_hoff",

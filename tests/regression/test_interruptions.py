@@ -65,7 +65,9 @@ def test_a_run_killed_at_any_operation_on_files_resumes_to_the_same_bits(whole, 
     assert_same_bits(out, reference)
 
 
-@pytest.mark.parametrize(("number", "times"), [(signal.SIGINT, 1), (signal.SIGTERM, 2)])
+@pytest.mark.parametrize(
+    ("number", "times"), [pytest.param(signal.SIGINT, 1, marks=pytest.mark.validation), (signal.SIGTERM, 2)]
+)
 def test_no_signal_during_a_write_is_lost(whole, tmp_path, number, times) -> None:
     """Wherever it comes, the run stops there and then, leaves whole files, and is resumed to the same bits."""
     case, overrides, reference, unstruck = whole

@@ -123,7 +123,7 @@ def test_a_file_that_is_no_test_is_refused_with_its_fault(browser: Any, site: Se
     page.close()
 
 
-@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("width", [1280, pytest.param(390, marks=pytest.mark.validation)])
 def test_chooser_has_no_serious_finding(browser: Any, site: Server, tmp_path: Path, width: int) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason='pip install "presswork[test]"')
     copy_example("square_cup", tmp_path)

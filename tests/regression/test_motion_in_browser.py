@@ -114,7 +114,7 @@ def test_a_cut_opens_the_cavity_of_tools_in_space(browser: Any, site: Server, tm
     page.close()
 
 
-@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("width", [1280, pytest.param(390, marks=pytest.mark.validation)])
 def test_drawing_has_no_serious_finding(browser: Any, site: Server, tmp_path: Path, width: int) -> None:
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason='pip install "presswork[test]"')
     copy_example("square_cup", tmp_path)

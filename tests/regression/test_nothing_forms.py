@@ -115,6 +115,7 @@ def roll_strip(folder: Path, mu: float, **more: str) -> list[str]:
     return found
 
 
+@pytest.mark.validation
 def test_rolls_that_do_not_bite_are_named_and_rolls_that_do_are_not(tmp_path: Path) -> None:
     """A bite of acos(1 - 0.4 / 100) = 5.1 degrees draws the strip in from a coefficient of tan 5.1 = 0.09 on."""
     for mu in (0.0, 0.06):

@@ -144,6 +144,7 @@ def test_results_have_the_meshes_of_all_bodies(tmp_path: Path) -> None:
     assert moved[:, 2].max() == pytest.approx(10.0 - result.history["die.stroke"][-1], abs=1e-6)
 
 
+@pytest.mark.validation
 def test_heat_passes_between_bodies_on_new_meshes_and_none_is_lost(tmp_path: Path) -> None:
     text = (STACK + HEAT_OF_STACK).replace("[bodies.upper]\n", "[bodies.upper]\ninitial_temperature = 100\n")
     run = start(tmp_path, OFTEN, 4, text)

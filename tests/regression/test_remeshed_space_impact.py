@@ -61,6 +61,7 @@ def test_upsetting_on_new_meshes_is_that_on_one() -> None:
     assert rows[-1]["internal_energy"] == pytest.approx(one[-1]["internal_energy"], rel=0.02)
 
 
+@pytest.mark.validation
 def test_a_spike_goes_on_where_its_first_mesh_would_fail() -> None:
     taken, rows = run(SPIKE | {"remesh": {"smallest_size": 1.0, "max_cells": 4000}})
     assert rows[-1]["remeshes"] >= 2
