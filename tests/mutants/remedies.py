@@ -74,7 +74,8 @@ def _judge(problem: Problem, before: Sequence[Problem], after: Sequence[Problem]
         is_instance = "for instance" in problem.remedy or problem.expected.startswith(("expected", "unknown choice"))
         if is_news and is_instance:
             # A value for instance need not fit the others; one that shows how a quantity is written, not even its key.
-            is_form = "or with a unit)" in problem.expected or problem.expected.startswith("expected [")
+            is_form = problem.expected.startswith(("expected [", "expected a number without a unit"))
+            is_form = is_form or "or with a unit)" in problem.expected
             is_news = one.key == problem.key and not is_form
         if is_same or is_news:
             return str(one)
