@@ -239,7 +239,7 @@ class _Run:
             if self.world is not None:
                 self.log.info("%s", self.world.describe_traffic())
         except GoalReachedError as goal:
-            self._keep_end(str(goal))
+            self._keep_end(str(goal), is_saved=self._saved_at == self.recorded)
         except GaveUpError as error:
             status, reason = "gave_up", str(error)
         except MemoryError:
@@ -266,12 +266,12 @@ class _Run:
             self._keep_end(f"{status}: {reason}")
         self._write_summary(status, reason)
 
-    def _keep_end(self, why: str) -> None:
-        """Leave a checkpoint and the last state of a run that ends before its stages do."""
+    def _keep_end(self, why: str, *, is_saved: bool = False) -> None:
+        """Leave a checkpoint and, unless it is saved, the last state of a run that ends before its stages do."""
         self.log.info("%s", why)
         if self.recording.number == self.recorded:  # else it was stopped before all of it was: the last one stands
             self.save_checkpoint()
-        if not stop.is_urgent() and self._saved_at != self.recorded:
+        if not (is_saved or stop.is_urgent()):
             self._save_last_state()
 
     def _look_again(self) -> None:
