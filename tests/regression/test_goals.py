@@ -12,6 +12,7 @@ import pytest
 
 from presswork.case import CaseError, build_model
 from presswork.case.plane.schema import Case
+from presswork.case.space.schema import SpaceCase
 from presswork.case.stamping.schema import StampingCase
 from presswork.model import Goal
 from presswork.observe.memory.goals import Goals
@@ -19,7 +20,7 @@ from presswork.outcome import StartError
 from presswork.process.begin import check_start
 from presswork.recorder import run_model
 from tests.regression.test_implicit_stamping import CUP
-from tests.verification.test_wear import UPSET
+from tests.verification.test_wear import SPACE, UPSET
 
 
 def change(*goals: dict[str, Any], **keys: Any) -> dict[str, Any]:
@@ -47,6 +48,18 @@ def test_a_run_ends_at_the_first_row_that_reaches_its_goal(tmp_path: Path, kind:
     assert result.summary["ended_by"].endswith("complete (limits.end, above = 1.2)")
     assert result.times[-1] == pytest.approx(result.history["time"][-1])
     assert len(np.unique(result.times)) == len(result.times), "no step is saved twice"
+
+
+def test_a_block_in_space_and_a_sheet_end_at_their_goals(tmp_path: Path) -> None:
+    block = deepcopy(SPACE) | {"limits": {"end": [{"column": "die.force", "above": 5000}]}}
+    sheet = deepcopy(CUP) | {"limits": {"end": [{"column": "punch.stroke", "above": 1.5}]}}
+    models = build_model(SpaceCase.model_validate(block)), build_model(StampingCase.model_validate(sheet))
+    for name, column, above, model in zip("ab", ("die.force", "punch.stroke"), (5000, 1.5), models, strict=True):
+        outcome = run_model(model, tmp_path / name, threads=1)
+        values = outcome.result.history[column]
+        assert outcome.status == "completed"
+        assert values[-1] >= above
+        assert (values[:-1] < above).all()
 
 
 def test_a_goal_below_and_the_first_of_two_count() -> None:

@@ -14,7 +14,7 @@ LAW = {"law": "norton_hoff", "K": 200, "m": 0.2, "n": 0, "strain_window": [0.01,
 
 
 def find_warning(caplog: pytest.LogCaptureFixture, **stage: Any) -> str:
-    """Return what is said of rates where a disc of 10 mm is upset by 3 mm."""
+    """Return the warnings of rates where a disc of 10 mm is upset by 3 mm."""
     caplog.clear()
     build_model(Case.model_validate({
         "title": "hot disc", "analysis": "axisymmetric",

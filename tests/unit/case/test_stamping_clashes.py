@@ -243,7 +243,7 @@ def test_a_holder_that_is_closed_before_it_is_pushed_may_start_off_the_blank() -
 
 
 def test_check_hints_at_a_holder_that_leaves_a_sheet_no_room_to_thicken() -> None:
-    """Without a force or a gap the holder stands one thickness off; at a gap of 1.1 thicknesses nothing is said."""
+    """Without a force or a gap the holder stands one thickness off; at a gap of 1.1 thicknesses no warning follows."""
 
     def find_hint(*changes: tuple[str, Any]) -> bool:
         drawn = changed(CUP, ("stages", [{"name": "draw", "tools": {"punch": {"stroke": 20}}}]), *changes)
