@@ -19,6 +19,7 @@ from presswork.model import FloatArray, Model
 
 HARDENING = {"law": "swift", "K": 500, "n": 0.2, "e0": 0.002}
 STEEL = {"young": "210 GPa", "poisson": 0.3, "density": "7850 kg/m^3", "hardening": HARDENING}
+THERMAL = {"conductivity": 30, "specific_heat": "600 J/(kg*K)"}
 RIGHT = {"line": [[5, -50], [5, 50]], "side": "right"}
 
 
@@ -136,6 +137,13 @@ def test_tube_takes_neither_zones_nor_a_table() -> None:
     [
         ({"explicit": {"device": "host"}}, "explicit.device"),
         ({"procedure": "implicit", "gradients": {"by": ["blank.thickness"]}}, "gradients"),
+        (
+            {
+                "heat": {"initial_temperature": 900},
+                "materials": {name: STEEL | {"thermal": THERMAL} for name in ("steel", "strong")},
+            },
+            "heat is not conducted in",
+        ),
         ({"materials": {"steel": STEEL, "strong": STEEL | {"kinematic": {"law": "linear", "C": 1000}}}}, "kinematic"),
     ],
 )
