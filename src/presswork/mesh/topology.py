@@ -18,6 +18,11 @@ def list_cell_edges(connectivity: IntArray) -> IntArray:
     return connectivity[:, edges].reshape(-1, edges.shape[1])
 
 
+def halve_edges(edges: IntArray) -> IntArray:
+    """Return edges with a node in their middle (n, 3) as two each, in their order; others as they are."""
+    return np.ascontiguousarray(edges[:, find_cell(1, edges).pieces].reshape(-1, 2))
+
+
 def edge_keys(edges: IntArray) -> NDArray[np.int64]:
     """Return one 64-bit number per edge that does not depend on its direction, shape (n_edges,)."""
     ends = np.sort(edges[:, :2].astype(np.int64), axis=1)

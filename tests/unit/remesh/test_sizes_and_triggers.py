@@ -10,7 +10,9 @@ from presswork.mesh.make.structured import mesh_rectangle
 from presswork.mesh.topology import chain_edges
 from presswork.model import Remeshing
 from presswork.process.mesh_change.mesh_reasons import find_cause
-from presswork.remesh.section import OldSection, measure_sizes, remesh_section
+from presswork.remesh.old_section import OldSection
+from presswork.remesh.section import remesh_section
+from presswork.remesh.section_sizes import measure_sizes
 from presswork.remesh.size_field import GRADATION, GradedSize, SizeSources, grade, metal_thickness, tool_curvature
 from presswork.remesh.triggers import (
     count_across,

@@ -20,7 +20,8 @@ from presswork.process.mesh_change.mesh_reasons import find_reason, find_reason_
 from presswork.process.mesh_change.new_epoch import make_on_lead
 from presswork.ranks.world import World
 from presswork.remesh.carrier import Part
-from presswork.remesh.section import NewSection, OldSection, remesh_section, remesh_with_cracks, with_cracks
+from presswork.remesh.old_section import OldSection, with_cracks
+from presswork.remesh.section import NewSection, remesh_section, remesh_with_cracks
 from presswork.remesh.size_field import SizeSources, measure_power
 from presswork.remesh.slit import Outline, blunt_spikes
 

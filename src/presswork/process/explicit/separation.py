@@ -25,7 +25,7 @@ from presswork.process.explicit.moving_section import MovingSection
 from presswork.process.explicit.new_meshes import IntervalMeshes
 from presswork.process.mesh_change.contract import MeshChange
 from presswork.remesh.crack_path import CrackPath, DamagedSection
-from presswork.remesh.section import OldSection, with_cracks
+from presswork.remesh.old_section import OldSection, with_cracks
 from presswork.remesh.size_field import SizeSources
 from presswork.remesh.slit import Mouth, Outline, Slit, cut_outline, place_mouth
 from presswork.remesh.volume import enclosed_volume

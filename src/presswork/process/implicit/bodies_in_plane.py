@@ -31,7 +31,9 @@ from presswork.process.mesh_change.mesh_reasons import (
 from presswork.process.mesh_change.new_epoch import join_sections, make_on_lead
 from presswork.remesh.carrier import Carrier
 from presswork.remesh.landing import find_closing
-from presswork.remesh.section import OldSection, check_budget, draw_outlines, remesh_section
+from presswork.remesh.old_section import OldSection, draw_outlines
+from presswork.remesh.section import remesh_section
+from presswork.remesh.section_sizes import check_budget
 from presswork.remesh.size_field import measure_power
 
 PARTS = (1.0, 0.7, 0.85, 0.6, 0.77)

@@ -10,8 +10,8 @@ import numpy as np
 
 from presswork.implicit.stepping import ImplicitProcedure
 from presswork.interaction.bodies.body_surfaces import InterfaceArrays
+from presswork.mesh.topology import halve_edges
 from presswork.model import Body, BodyContact, Model, find_cell
-from presswork.remesh.section import halve_edges
 from presswork.remesh.space.closing import find_closing_faces
 from presswork.remesh.triggers import find_closing_gap
 

@@ -12,7 +12,8 @@ from presswork.interaction.tool_arrays import ToolArrays
 from presswork.model import BoolArray, FloatArray, Model, Remeshing, ToolMotion, find_cell
 from presswork.remesh.fill import SizeField
 from presswork.remesh.narrow_gaps import find_narrow_gap
-from presswork.remesh.section import OldSection, measure_sizes
+from presswork.remesh.old_section import OldSection
+from presswork.remesh.section_sizes import measure_sizes
 from presswork.remesh.size_field import metal_thickness
 from presswork.remesh.triggers import (
     TOO_DEEP,

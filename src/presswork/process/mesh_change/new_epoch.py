@@ -14,7 +14,8 @@ from presswork.mesh.joined import join_parts
 from presswork.model import FloatArray, Mesh, Model
 from presswork.ranks.world import World
 from presswork.remesh.carrier import Carrier, Part
-from presswork.remesh.section import NewSection, OldSection
+from presswork.remesh.old_section import OldSection
+from presswork.remesh.section import NewSection
 from presswork.state import State
 
 Made = TypeVar("Made")
