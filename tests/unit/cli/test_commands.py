@@ -77,7 +77,7 @@ SLOW = {
     "scipy.ndimage",
     "scipy.stats",
 }
-OTHER_KINDS = {f"presswork.case.{kind}.schema" for kind in ("shell", "stamping", "onestep")}
+OTHER_KINDS = {f"presswork.case.{kind}.schema" for kind in ("shell", "space", "stamping", "onestep")}
 
 
 def test_check_loads_the_schema_of_its_own_kind_and_no_solver(tmp_path: Path) -> None:

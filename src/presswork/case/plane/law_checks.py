@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from presswork.case.errors import Problem
 from presswork.case.material.hot_hardening import HotLaw
 from presswork.case.material.law_needs import check_grain, check_needs
@@ -10,7 +12,9 @@ from presswork.case.material.umat import UmatMaterial
 from presswork.case.plane import schema
 from presswork.case.plane.bodies import list_bodies
 from presswork.case.settings import Solver
-from presswork.case.space.schema import SpaceCase
+
+if TYPE_CHECKING:
+    from presswork.case.space.schema import SpaceCase
 
 PORE_HARDENING = ("linear", "swift", "ludwik", "voce", "linear_voce", "hockett_sherby", "swift_voce")
 """Hardening laws of a metal with pores: formulas of at most six parameters."""
