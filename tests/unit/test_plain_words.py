@@ -4,6 +4,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[2] / "src" / "presswork"
@@ -41,9 +42,16 @@ HOUSE_WORDS = re.compile(
 """Words and phrases of STYLE.md's table in a docstring, and beginnings of sentences that avoid a subject."""
 
 
-def find_identifiers(source: str) -> Iterator[str]:
+@cache
+def read_words(path: Path) -> tuple[frozenset[str], frozenset[str]]:
+    """Return the identifiers and the docstrings of a file."""
+    nodes = list(ast.walk(ast.parse(path.read_text("utf-8"))))
+    return frozenset(find_identifiers(nodes)), frozenset(find_docstrings(nodes))
+
+
+def find_identifiers(nodes: list[ast.AST]) -> Iterator[str]:
     """Yield names that a source defines or uses, those in f-strings included."""
-    for node in ast.walk(ast.parse(source)):
+    for node in nodes:
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
             yield node.name
         elif isinstance(node, ast.Name):
@@ -66,7 +74,7 @@ def test_identifiers_hold_no_house_words() -> None:
     found = {
         f"{path.relative_to(PACKAGE)}: {name} ({word}: {(PLAIN | PHRASES)[word]})"
         for path in sorted(PACKAGE.rglob("*.py"))
-        for name in find_identifiers(path.read_text("utf-8"))
+        for name in read_words(path)[0]
         if name not in ALLOWED
         for word in find_house_words(name)
     }
@@ -74,20 +82,20 @@ def test_identifiers_hold_no_house_words() -> None:
 
 
 def test_allowed_names_are_used() -> None:
-    used = {name for path in PACKAGE.rglob("*.py") for name in find_identifiers(path.read_text("utf-8"))}
+    used = {name for path in PACKAGE.rglob("*.py") for name in read_words(path)[0]}
     assert used >= ALLOWED.keys()
 
 
 def test_house_words_are_found_in_every_kind_of_name() -> None:
     source = "from a import b as settle_c\ndef tell(way): f'{x.GIVES}'\nclass Unsettled: rubbed_at: int = f(told=1)\n"
-    words = {word for name in find_identifiers(source) for word in find_house_words(name)}
+    words = {word for name in find_identifiers(list(ast.walk(ast.parse(source)))) for word in find_house_words(name)}
     assert words == {"settle", "tell", "way", "give", "rub", "told"}
     assert find_house_words("always_gateway") == set()
 
 
-def find_docstrings(source: str) -> Iterator[str]:
+def find_docstrings(nodes: list[ast.AST]) -> Iterator[str]:
     """Yield the docstrings of a source, those below attributes and constants included, each on one line."""
-    for node in ast.walk(ast.parse(source)):
+    for node in nodes:
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
             yield " ".join(node.value.value.split())
 
@@ -96,7 +104,7 @@ def test_docstrings_hold_no_house_words() -> None:
     found = {
         f"{path.relative_to(PACKAGE)}: {text} ({match[0].strip()})"
         for path in sorted(PACKAGE.rglob("*.py"))
-        for text in find_docstrings(path.read_text("utf-8"))
+        for text in read_words(path)[1]
         if (match := HOUSE_WORDS.search(text))
     }
     assert not found, "\n".join(sorted(found))
@@ -106,4 +114,9 @@ def test_house_words_are_found_in_every_docstring() -> None:
     source = (
         '"""A tool is told."""\nX = 1\n"""Of the size."""\ndef f():\n    """A. By size."""\ndef g(): "Plain words"\n'
     )
-    assert [bool(HOUSE_WORDS.search(text)) for text in find_docstrings(source)] == [True, True, True, False]
+    assert [bool(HOUSE_WORDS.search(text)) for text in find_docstrings(list(ast.walk(ast.parse(source))))] == [
+        True,
+        True,
+        True,
+        False,
+    ]
