@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from presswork.geometry.sprung.bend_angle import measure_bends
 from presswork.geometry.sprung.part_section import cut_part, find_below
 from presswork.geometry.sprung.sprung_shape import measure_turn
 from presswork.model import Gauge, PartSection, Springback
@@ -37,6 +38,38 @@ def test_an_opened_and_curled_hat_has_its_angles_and_radius(seed: int) -> None:
     assert right["curl_radius_mm"] == pytest.approx(radius, rel=0.01)
     for one, other in (("before_degrees", "after_degrees"), ("after_degrees", "before_degrees")):
         np.testing.assert_allclose(left[one], right[other], atol=1e-3)  # the section begins at the other flange
+
+
+@pytest.mark.parametrize("half", [False, True])
+@pytest.mark.parametrize(("formed", "free"), [(90.0, 94.0), (60.0, 58.5), (135.0, 141.0)])
+def test_a_bend_has_the_angle_that_its_legs_enclose(formed: float, free: float, half: bool) -> None:
+    """A V of legs of 30 mm round 4 mm, its line bent on; half of it ends at the symmetry plane."""
+    shapes = []
+    for angle in np.radians([formed, free]):
+        outer = 0.5 * (np.pi - angle)
+        turn = np.linspace(0.0, outer, 7)
+        arc = 4.0 * np.stack([np.sin(turn), 1.0 - np.cos(turn)], axis=1)
+        leg = arc[-1] + np.linspace(0.0, 30.0, 16)[1:, None] * [np.cos(outer), np.sin(outer)]
+        right = np.concatenate([arc, leg])
+        line = right if half else np.concatenate([(right * (-1.0, 1.0))[:0:-1], right])
+        shapes.append(np.concatenate([np.insert(line, 1, y, axis=1) for y in (0.0, 5.0, 10.0)]))
+    n = len(shapes[0]) // 3
+    i = (np.arange(2)[:, None] * n + np.arange(n - 1)).ravel()
+    part = ReleasedShape(*shapes, [np.stack([i, i + 1, i + n + 1, i + n], axis=1)], (half, False))
+    told, _ = report_shape(part, Springback(sections=(PartSection("A", (0.0, 3.0), 0.0),)))
+    (bend,) = told["sections"]["A"]["bends"]
+    np.testing.assert_allclose(bend["at_mm"], [0.0, 3.0, 0.0], atol=1e-9)
+    np.testing.assert_allclose(bend["included_degrees"], [formed, free], atol=0.01)
+
+
+def test_a_hat_has_four_bends_and_a_curved_bottom_none() -> None:
+    told, _ = report(make_rail(0.1, 0.05, np.inf, 0.0), sections=(PartSection("A", (150.0, 0.0), 0.5 * np.pi),))
+    bends = np.array([each["included_degrees"] for each in told["sections"]["A"]["bends"]])
+    np.testing.assert_allclose(bends[:, 0], 90.0, atol=1e-6)
+    np.testing.assert_allclose(bends[:, 1], 90.0 + np.degrees([-0.05, 0.1, 0.1, -0.05]), atol=1e-3)
+    angle = np.linspace(-0.2, 0.2, 41)
+    line = np.stack([200.0 * np.sin(angle), 200.0 * np.cos(angle)], axis=1)
+    assert measure_bends(line, line) == ()
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from presswork.geometry.best_fit import fit_rigidly, nodal_areas
+from presswork.geometry.sprung.bend_angle import measure_bends
 from presswork.geometry.sprung.part_section import Places, cut_part, find_below
 from presswork.geometry.sprung.sprung_shape import measure_turn, measure_twist, normals_at, place_in_gauge
 from presswork.geometry.sprung.wall_shape import measure_walls
@@ -65,7 +66,7 @@ def _middle_sections(formed: FloatArray) -> tuple[PartSection, ...]:
 
 
 def _measure_section(part: ReleasedShape, placed: FloatArray, section: PartSection) -> dict[str, Any] | None:
-    """Return turn and walls of a section; None where it misses the part."""
+    """Return turn, walls and bends of a section; None where it misses the part."""
     cells = np.concatenate([with_four_nodes(each) for each in part.cells])
     lines = cut_part(part.formed, cells, section.start, section.angle, section.length)
     if not lines:
@@ -85,7 +86,31 @@ def _measure_section(part: ReleasedShape, placed: FloatArray, section: PartSecti
                     "curl_radius_mm": None if straight else after.curl_radius,
                 }
             )
-    return {"turn_degrees": float(np.degrees(turn)), "walls": walls}
+    bends = [each for line in lines for each in _measure_bends(part, line, placed, section)]
+    return {"turn_degrees": float(np.degrees(turn)), "walls": walls, "bends": bends}
+
+
+def _measure_bends(
+    part: ReleasedShape, line: Places, placed: FloatArray, section: PartSection
+) -> list[dict[str, list[float]]]:
+    """Return the bends of a line of a section, in its order; a bend on a symmetry plane is whole."""
+    places = line.take(part.formed)
+    out = np.array([np.cos(section.angle), np.sin(section.angle)])
+    flat = [np.stack([x[:, :2] @ out, x[:, 2]], axis=1) for x in (places, line.take(placed))]
+    first, mirrored = 0, np.flatnonzero(part.symmetry & (np.abs(out) > 1.0 - 1e-9))
+    for axis in mirrored:
+        at, scale = places[:, axis], float(np.ptp(places, axis=0).max())
+        if min(abs(at[0]), abs(at[-1])) > 1e-6 * scale:
+            continue
+        if abs(at[-1]) < abs(at[0]):
+            flat, places = [x[::-1] for x in flat], places[::-1]
+        first = len(places) - 1
+        flat = [np.concatenate([(x * (-1.0, 1.0))[:0:-1], x]) for x in flat]
+    found = [bend for bend in measure_bends(*flat) if bend.middle >= first]
+    return [
+        {"at_mm": [float(x) for x in places[bend.middle - first]], "included_degrees": [bend.formed, bend.free]}
+        for bend in found
+    ]
 
 
 def _measure_in_gauge(
