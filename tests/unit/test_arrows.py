@@ -155,7 +155,9 @@ PYTHON_ROOMS = {
     "server": {
         "case",
         "examples",
+        "geometry",
         "material",
+        "mesh",
         "model",
         "outcome",
         "process",

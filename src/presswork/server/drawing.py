@@ -19,6 +19,7 @@ from presswork.outcome import StartError
 from presswork.recorder import write_start
 from presswork.results import Result
 from presswork.server.confined import confine
+from presswork.server.estimated_part import EstimatedPart
 
 MOTION = "motion.json"
 """The file beside the drawn start with the motion of the tools."""
@@ -53,7 +54,8 @@ def draw(model: Model, folder: Path, problems: Sequence[Problem] = ()) -> None:
     """
     write_start(model, folder)
     result = Result(folder)
-    moments = plan_motion(model, {name: points for name, (points, _) in result.surfaces.items()})
+    part = EstimatedPart(model) if len(model.operations) > 1 else None
+    moments = plan_motion(model, {name: points for name, (points, _) in result.surfaces.items()}, part)
     names = [*result.tools, *result.surfaces]
     motion = {
         "moments": [moment.to_data(names, model.dimension) for moment in mark_ends(moments, problems)],

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from presswork.model import FloatArray
 from presswork.view import off_screen
+from presswork.view.whole_tools import DrawnTool
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d import Axes3D
@@ -25,19 +26,37 @@ _PIXELS_PER_POINT = 4.5
 _LINE_WIDTH = 0.9
 """Width of lines [point]."""
 _MARGIN = 0.01
+_BEHIND, _PART = 0.5, 1.0
+"""Order of drawing of tools and of the part with sections of tools."""
 Lines = Sequence[tuple[FloatArray, str]]
 """Lines (n, 2, 3) [mm], each row with its colour."""
 
 
 def draw_faces(
-    ax: Axes3D, blocks: Sequence[FloatArray], colours: FloatArray, edge_width: float, lines: Lines = ()
+    ax: Axes3D,
+    blocks: Sequence[FloatArray],
+    colours: FloatArray,
+    edge_width: float,
+    lines: Lines = (),
+    tools: Sequence[DrawnTool] = (),
 ) -> None:
     """Draw faces and lines in orthographic axes whose limits and direction of view are set.
 
     blocks: corners of faces, (n, k, 3) [mm], k its own for each block; colours: red, green, blue, opacity of each face
-    (n_faces, 4), 0 to 1; edge_width: of the lines around the faces [point], 0: none. Many faces are drawn by pyvista
-    where it is installed and can draw without a display.
+    (n_faces, 4), 0 to 1; edge_width: of the lines around the faces [point], 0: none; tools: drawn first, so that the
+    part is in front of them. Many faces are drawn by pyvista where it is installed and can draw without a display.
     """
+    if tools:
+        ax.computed_zorder = False
+    for tool in tools:
+        _draw_layer(ax, [tool.corners], tool.colours, 0.0, (), _BEHIND)
+    _draw_layer(ax, blocks, colours, edge_width, lines, _PART)
+
+
+def _draw_layer(
+    ax: Axes3D, blocks: Sequence[FloatArray], colours: FloatArray, edge_width: float, lines: Lines, order: float
+) -> None:
+    """Draw faces and lines upon what has been drawn with a smaller order."""
     if sum(len(block) for block in blocks) >= MANY and off_screen.is_installed():
         picture = _render(ax, blocks, colours, edge_width, lines)
         if picture is not None:
@@ -46,15 +65,20 @@ def draw_faces(
             pixels, extent = picture
             image = AxesImage(ax, extent=extent, origin="upper", clip_on=False)
             image.set_data(pixels)
+            image.set_alpha(float(colours[0, 3]))
+            image.set_zorder(order)
             ax.add_artist(image)
             return
     from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
     faces = Poly3DCollection([face for block in blocks for face in block], facecolors=colours, linewidths=edge_width)
     faces.set_edgecolor((*_EDGE, _EDGE_OPACITY) if edge_width > 0.0 else colours)
+    faces.set_zorder(order)
     ax.add_collection3d(faces)
     for row, colour in lines:
-        ax.add_collection3d(Line3DCollection(row, colors=colour, linewidths=_LINE_WIDTH))
+        section = Line3DCollection(row, colors=colour, linewidths=_LINE_WIDTH)
+        section.set_zorder(0.5 * (_BEHIND + order))
+        ax.add_collection3d(section)
 
 
 def _render(

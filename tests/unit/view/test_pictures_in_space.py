@@ -18,6 +18,7 @@ from presswork.results import Result, append_step
 from presswork.results.whole_file import write_whole
 from presswork.view.limit_colours import GREEN, RED, YELLOW, find_stops, make_limit_colours
 from presswork.view.plots.shell_plot import fill_figure, frame_axes, plot_shell
+from presswork.view.whole_tools import clip_triangles, find_tool_faces, split_long
 
 
 @pytest.mark.parametrize("size", [(60.0, 12.0, 7.0), (80.0, 80.0, 25.0), (10.0, 10.0, 40.0)])
@@ -88,3 +89,39 @@ def test_first_crack_is_a_cross_on_top_of_the_sheet(tmp_path: Path) -> None:
     assert len(crosses) == 2
     assert "first crack (x) at punch 3 mm" in figure.get_supxlabel()
     assert figure.get_suptitle().split("\n")[0] == "cracked"
+
+
+def test_dies_below_are_drawn_whole_and_tools_above_pale_behind_the_part(tmp_path: Path) -> None:
+    """Both tools are flat, larger than the sheet between them, and cut off round the frame."""
+    points = np.array([[0.0, 0, 0], [10, 0, 0], [10, 10, 0], [0, 10, 0]])
+    mesh = Mesh(points, (CellBlock("shell4_mitc", np.arange(4, dtype=np.int32)[None], 0),), {}, {},
+                np.zeros((0, 2), dtype=np.int32))  # fmt: skip
+    flat = np.array([[-90.0, -90, 0], [90, -90, 0], [90, 90, 0], [-90, 90, 0]])
+    up = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
+    tools = {"die": (flat - np.array([0, 0, 1.0]), up), "punch": (flat + np.array([0, 0, 1.0]), up[:, ::-1].copy())}
+    append_step(tmp_path / "results.vtkhdf", mesh, 1.0, {"displacement": 0.0 * points}, {"thickness": np.ones(1)},
+                surfaces=tools, tool_centre={name: np.zeros(3) for name in tools},
+                info={"title": "flat", "analysis": "stamping"})  # fmt: skip
+    figure = plot_shell(Result(tmp_path), "thickness")
+    drawn = {float(c.get_facecolor()[0, 3]): c for c in figure.axes[0].collections if c.get_zorder() == 0.5}
+    assert sorted(drawn) == [0.25, 1.0], "a pale punch, a whole die"
+    part = next(c for c in figure.axes[0].collections if c.get_zorder() == 1.0)
+    assert len(part.get_facecolor()) == 1
+    corners, _ = find_tool_faces(
+        Result(tmp_path), "die", 0, points, np.zeros(3), np.array([10.0, 10, 0]), np.array([0.0, 0.6, 0.8])
+    )
+    assert (corners[..., :2].min(), corners[..., :2].max()) == (pytest.approx(-1.5), pytest.approx(11.5))
+
+
+def test_clipped_and_split_triangles_keep_their_area() -> None:
+    corners = np.array([[[0.0, 0, 0], [8, 0, 0], [0, 8, 0]]])
+
+    def measure(triangles: np.ndarray) -> float:
+        one, other = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+        return float(np.linalg.norm(np.cross(one, other), axis=1).sum() / 2.0)
+
+    small = split_long(corners, 1.0)
+    assert measure(small) == pytest.approx(32.0)
+    assert np.linalg.norm(np.roll(small, 1, axis=1) - small, axis=2).max() <= 1.0
+    assert measure(clip_triangles(corners, np.full(3, -1.0), np.array([5.0, 5, 1]))) == pytest.approx(32.0 - 9.0)
+    assert measure(clip_triangles(corners, np.array([1.0, 1, -1]), np.array([9.0, 9, 1]))) == pytest.approx(18.0)

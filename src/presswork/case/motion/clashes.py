@@ -48,6 +48,8 @@ class Meeting:
     model: Model
     points: Mapping[str, FloatArray]
     """Points of the tools in space where they start (n, 3) [mm], by name."""
+    slack: float = 0.0
+    """How deep tools may be in each other besides [mm]: their heights are estimated."""
     _pairs: list[tuple[str, str]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -64,13 +66,14 @@ class Meeting:
 
     def begin(self, at: Mapping[str, Place], stage: Stage) -> None:
         """Take up where tools stand when a stage begins: those that are drawn in each other then may stay so."""
-        self._pairs = [pair for pair in self._list_pairs(stage) if self._measure(pair, at) < DEEP * self._size]
+        most = DEEP * self._size + self.slack
+        self._pairs = [pair for pair in self._list_pairs(stage) if self._measure(pair, at) < most]
 
     def look(self, at: Mapping[str, Place], stage: Stage) -> Clash | None:
         """Return the tools that meet where they stand, if those that move in the stage do."""
         for pair in self._pairs:
-            if self._measure(pair, at) > 2.0 * DEEP * self._size:
-                return Clash(pair, f"{pair[0]} meets {pair[1]}")
+            if self._measure(pair, at) > 2.0 * DEEP * self._size + self.slack:
+                return Clash(pair, f"{pair[0]} meets {pair[1]}{', on the estimated part' if self.slack else ''}")
         for name in self._list_moving(stage):
             if plane := self._pass_plane(name, at, np.array(stage.tool_motion[name].move)):
                 return Clash((name,), f"{name} passes the symmetry plane {plane}: it meets its mirror image")

@@ -117,7 +117,7 @@ def tip_onto(
         mass[: len(state.position)] += share_surface(state.position, block.connectivity)
     mass[: len(state.position)] *= half[: len(state.position)]
     dies = [tool for tool in operation.tools if tool.kind == "die"]
-    dies = [_touch(operation, die, points, half) if die.name in operation.laid else die for die in dies]
+    dies = [touch_part(operation, die, points, half) if die.name in operation.laid else die for die in dies]
     try:
         rotation, shift = tip_part(points, half, mass, dies, (not symmetry[1], not symmetry[0]))
     except TippingError as error:
@@ -181,7 +181,7 @@ def lay_tools(operation: Operation, state: SheetState, *, with_edges: bool) -> t
     edge, placed = _mean_edge(state), dict[str, Tool]()
     for tool in operation.tools:
         points, half = with_those_between if make_surface(tool.surface).is_sharp(edge) else samples
-        placed[tool.name] = _touch(operation, tool, points, half) if tool.name in operation.laid else tool
+        placed[tool.name] = touch_part(operation, tool, points, half) if tool.name in operation.laid else tool
     for name, (other, above) in operation.spaced.items():
         x, y, _ = placed[name].position
         placed[name] = replace(placed[name], position=(x, y, placed[other].position[2] + above))
@@ -196,7 +196,7 @@ def _mean_edge(state: SheetState) -> float:
     return float(np.concatenate([np.linalg.norm(edge, axis=2).ravel() for edge in edges]).mean())
 
 
-def _touch(operation: Operation, tool: Tool, points: FloatArray, half: FloatArray) -> Tool:
+def touch_part(operation: Operation, tool: Tool, points: FloatArray, half: FloatArray) -> Tool:
     """Return a tool moved along its direction, from beyond the part, until it touches it."""
     direction = np.asarray(tool.working_direction)
     ahead, own = points @ direction - half, sample_tool(tool.surface, 2.0 * float(half.max())) @ direction

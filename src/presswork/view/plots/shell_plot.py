@@ -23,6 +23,7 @@ from presswork.view.faces import draw_faces, find_projection
 from presswork.view.limit_colours import find_stops, make_limit_colours
 from presswork.view.mirror import IMAGES, Mirror
 from presswork.view.style import COLOURS, ZONE_COLOURS, describe_step, label_field, new_figure, require_matplotlib
+from presswork.view.whole_tools import TOOL_COLOURS, DrawnTool, find_tool_faces, view_direction
 
 if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable
@@ -69,10 +70,10 @@ def plot_shell(
     """Draw the deformed sheet, or the surface of a solid, coloured by a field and shaded by its slope.
 
     `field=None` draws the bare mesh.
-    Tools are drawn as sections along x and y. Point fields are shown as the mean of a cell's nodes; of a vector the
-    length is shown. scale: factor on the displacement. view: elevation and azimuth [degree]. mirror: planes through the
-    origin, normal to x, y or both. value_range: that of the colours, by default that of the values; frame: corners of
-    what is shown [mm], by default of the body.
+    Tools behind the part are drawn whole, all tools as sections along x and y, too. Point fields are shown as the
+    mean of a cell's nodes; of a vector the length is shown. scale: factor on the displacement. view: elevation and
+    azimuth [degree]. mirror: planes through the origin, normal to x, y or both. value_range: that of the colours,
+    by default that of the values; frame: corners of what is shown [mm], by default of the body.
     """
     require_matplotlib()
     figure = new_figure(7.0, 5.2) if figure is None else figure
@@ -101,7 +102,8 @@ def plot_shell(
     frame_axes(ax, low, high)
     fill_figure(figure, ax, head, foot, below=_ZONES_HEIGHT if by_zone else 0.0)
     blocks = [block * sign for sign in signs for block in outlines]
-    draw_faces(ax, blocks, np.tile(colours, (len(signs), 1)), width, _cut_tools(result, step, low, high))
+    tools = _draw_tools(ax, result, step, [points * sign for sign in signs], low, high)
+    draw_faces(ax, blocks, np.tile(colours, (len(signs), 1)), width, _cut_tools(result, step, low, high), tools)
     _draw_welds(ax, result, step, [points * sign for sign in signs])
     if by_zone and values is not None:
         _add_zone_legend(figure, values)
@@ -205,6 +207,21 @@ def scale_colours(values: FloatArray, value_range: tuple[float, float] | None, *
         largest = max(abs(low), abs(high)) or 1.0
         return ScalarMappable(Normalize(-largest, largest), DIVERGING_COLOURS)
     return ScalarMappable(Normalize(low, high if high > low else low + 1.0), COLOURS)
+
+
+def _draw_tools(
+    ax: Axes3D, result: Result, step: int, images: Sequence[FloatArray], low: FloatArray, high: FloatArray
+) -> list[DrawnTool]:
+    """Return the tools that are drawn whole. images: points of the part, whole and mirrored (n_points, 3) [mm]."""
+    from matplotlib.colors import to_rgba
+
+    part, towards, found = np.concatenate(images), view_direction(ax), []
+    for number, tool in enumerate(result.tools_at_work(step)):
+        corners, opacity = find_tool_faces(result, tool, step, part, low, high, towards)
+        if len(corners):
+            colours = np.tile(to_rgba(TOOL_COLOURS[number % len(TOOL_COLOURS)], opacity), (len(corners), 1))
+            found.append(DrawnTool(corners, shade(colours, find_normals(corners))))
+    return sorted(found, key=lambda tool: float(tool.colours[0, 3]))
 
 
 def _cut_tools(result: Result, step: int, low: FloatArray, high: FloatArray) -> list[tuple[FloatArray, str]]:
